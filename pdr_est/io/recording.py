@@ -1,0 +1,116 @@
+"""What a reader returns: the signals of the devices of one walk, with truth and fixes if the recorder kept any."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.records import Channel, PositionFix, SensorBlock
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One sensor with its own time stamps. time_s: (n,) s on the recording's clock; values: (n, k), SI units."""
+
+    time_s: Array
+    values: Array
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+
+@dataclass(frozen=True)
+class DeviceRecording:
+    """What one device recorded. Specific force m/s^2 points up at rest (Android signs), rotation rate rad/s,
+    magnetic field uT, all (n, 3) in device axes; attitude (n, 4) w first, device -> frame with z up;
+    pressure (n, 1) Pa.
+
+    decisions: how units and signs were found, in words. warnings: what looks wrong with the data.
+    """
+
+    name: str = "device"
+    model: str = ""
+    platform: str = ""
+    specific_force: Signal | None = None
+    rotation_rate: Signal | None = None
+    magnetic_field: Signal | None = None
+    attitude: Signal | None = None
+    pressure: Signal | None = None
+    decisions: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def blocks(self) -> Iterator[SensorBlock]:
+        """The signals that the front end uses, each as one block."""
+        for channel, signal in (
+            (Channel.SPECIFIC_FORCE, self.specific_force),
+            (Channel.ROTATION_RATE, self.rotation_rate),
+            (Channel.MAGNETIC_FIELD, self.magnetic_field),
+            (Channel.ATTITUDE, self.attitude),
+        ):
+            if signal is not None and len(signal):
+                yield SensorBlock(channel, signal.time_s, signal.values)
+
+
+@dataclass(frozen=True)
+class TruePositions:
+    """Known positions. time_s: (n,); position_m: (n, 2) east, north; sigma_m: per axis; source in words
+    ("waypoints", "surveyed points", "gps", "poses")."""
+
+    time_s: Array
+    position_m: Array
+    sigma_m: float
+    source: str
+
+
+@dataclass(frozen=True)
+class TrueSteps:
+    """Annotated foot contacts. time_s: (n,), foot: (n,) "L" or "R"."""
+
+    time_s: Array
+    foot: NDArray[Any]
+
+
+@dataclass(frozen=True)
+class TrueTurns:
+    """Annotated turns. time_s: (n,), angle_rad: (n,) counter-clockwise positive."""
+
+    time_s: Array
+    angle_rad: Array
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What is known of the walk besides the sensors; each part None where the recording has none."""
+
+    positions: TruePositions | None = None
+    steps: TrueSteps | None = None
+    turns: TrueTurns | None = None
+    step_count: int | None = None
+    distance_m: float | None = None
+    activity: str | None = None
+
+
+@dataclass(frozen=True)
+class GeoOrigin:
+    """Where the map frame's origin lies on WGS 84, degrees."""
+
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One walk. time stamps are seconds; `epoch_s` is the Unix time of time zero, None when the recorder does
+    not tell. fixes: positions that the recorder itself kept (GPS, annotations), never the truth of a data set.
+    """
+
+    name: str
+    format: str
+    devices: tuple[DeviceRecording, ...]
+    truth: Truth = field(default_factory=Truth)
+    fixes: tuple[PositionFix, ...] = ()
+    origin: GeoOrigin | None = None
+    epoch_s: float | None = None
+    notes: tuple[str, ...] = ()

@@ -1,0 +1,24 @@
+"""Parameter records: frozen dataclasses that pydantic can validate strictly.
+
+The parameters of a stage live beside the stage. `config.py` nests the same records into the configuration, so
+that a name, a default or a range is written once.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, TypeVar, dataclass_transform
+
+from annotated_types import Ge, Gt, Le
+from pydantic import ConfigDict
+
+T = TypeVar("T")
+
+Positive = Annotated[float, Gt(0.0)]
+NonNegative = Annotated[float, Ge(0.0)]
+Fraction = Annotated[float, Ge(0.0), Le(1.0)]
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def params(cls: type[T]) -> type[T]:
+    """Make `cls` a frozen keyword-only dataclass whose validation refuses unknown keys, NaN and infinity."""
+    cls.__pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)  # type: ignore[attr-defined]
+    return dataclass(frozen=True, kw_only=True)(cls)

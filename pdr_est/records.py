@@ -1,0 +1,177 @@
+"""The records that pass between stages: frozen, arrays inside, SI units, map frame x east and y north."""
+
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Channel(StrEnum):
+    """The sensor signals that the front end uses."""
+
+    SPECIFIC_FORCE = "specific_force"  # m/s^2, device axes, points up when the device lies still
+    ROTATION_RATE = "rotation_rate"  # rad/s, device axes
+    MAGNETIC_FIELD = "magnetic_field"  # uT, device axes
+    ATTITUDE = "attitude"  # quaternion w x y z, device -> level frame with z up
+
+
+class CarryingMode(IntEnum):
+    """How the phone is carried (MMPDR section III-A; OTHER is bag, belt, ear, armband)."""
+
+    UNKNOWN = 0
+    HOLDING = 1
+    SWING = 2
+    POCKET = 3
+    OTHER = 4
+    TRANS = 5
+
+
+@dataclass(frozen=True)
+class SensorBlock:
+    """Consecutive raw samples of one channel, with the recorder's own time stamps.
+
+    time_s: (n,), on the device's clock; values: (n, 3), or (n, 4) for quaternions.
+    """
+
+    channel: Channel
+    time_s: Array
+    values: Array
+
+
+@dataclass(frozen=True)
+class ImuBlock:
+    """Consecutive samples on the uniform working grid, all of one segment (no gap inside).
+
+    first_index counts grid points since the start of the recording, time_s: (n,).
+    specific_force_mps2, rotation_rate_radps: (n, 3), device axes. attitude: (n, 4) w first or None.
+    """
+
+    first_index: int
+    segment: int
+    time_s: Array
+    specific_force_mps2: Array
+    rotation_rate_radps: Array
+    attitude: Array | None = None
+    magnetic_field_ut: Array | None = None
+
+
+@dataclass(frozen=True)
+class LevelBlock:
+    """Samples with the direction of gravity known.
+
+    up: (n, 3) unit vector up in device axes. acceleration_mps2: (n, 3) without gravity, device axes.
+    vertical_mps2: (n,) acceleration upwards. yaw_rad: (n,) rotation about the vertical, wrapped, arbitrary zero.
+    turn_rate_radps: (n,) rotation rate about the vertical. mode: (n,) values of CarryingMode.
+    """
+
+    first_index: int
+    segment: int
+    time_s: Array
+    up: Array
+    acceleration_mps2: Array
+    vertical_mps2: Array
+    yaw_rad: Array
+    turn_rate_radps: Array
+    mode: NDArray[np.int8]
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+
+@dataclass(frozen=True)
+class StepEvent:
+    """A detected step: when the detector's feature happened, not when it was recognised."""
+
+    index: int
+    time_s: float
+    segment: int
+    mode: CarryingMode
+    confidence: float = 1.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step on its way through the front end; length and heading are NaN until their stage has run.
+
+    start_s: when the movement of this step began. frequency_hz: reciprocal of the time since the previous
+    step, 0 for the first step after a standstill (MMPDR section III-C). samples: from start to the event.
+    heading_rad: mean device yaw over the step, arbitrary zero per segment.
+    """
+
+    event: StepEvent
+    start_s: float
+    frequency_hz: float
+    samples: LevelBlock
+    length_m: float = float("nan")
+    heading_rad: float = float("nan")
+
+
+@dataclass(frozen=True)
+class StepOdometry:
+    """Motion of one device from the end of the previous step to the end of this one.
+
+    The walker turns by heading_change_rad and then moves length_m straight ahead, between start_s and time_s.
+    covariance: (3, 3) of (forward m, left m, heading rad) in the body frame at the end of the step.
+    observed is False for the bridge over a gap in the recording.
+    """
+
+    device: str
+    time_s: float
+    start_s: float
+    length_m: float
+    heading_change_rad: float
+    covariance: Array
+    mode: CarryingMode = CarryingMode.UNKNOWN
+    observed: bool = True
+
+
+@dataclass(frozen=True)
+class HeadingPrior:
+    """The heading of a device at a time, from a heading controller or a building's dominant directions."""
+
+    device: str
+    time_s: float
+    heading_rad: float
+    sigma_rad: float
+    robust: bool = True
+
+
+@dataclass(frozen=True)
+class PositionFix:
+    """An absolute position. position_m: (2,) east, north; covariance_m2: (2, 2)."""
+
+    time_s: float
+    position_m: Array
+    covariance_m2: Array
+    source: str = "waypoint"
+    robust: bool = False
+
+
+@dataclass(frozen=True)
+class DeviceTether:
+    """Two devices on one body are never farther apart than max_distance_m (Robust DR: 2R)."""
+
+    device_a: str
+    device_b: str
+    time_s: float
+    max_distance_m: float
+    sigma_m: float
+
+
+Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether
+
+
+@dataclass(frozen=True)
+class StartPose:
+    """Where the walk begins. A None means unknown: to be found from the fixes.
+
+    With neither start nor fixes the track is in its own frame: origin at the start, first step to the east.
+    """
+
+    position_m: tuple[float, float] | None = None
+    heading_rad: float | None = None
+    sigma_position_m: float = 0.0
+    sigma_heading_rad: float = 0.0

@@ -1,0 +1,54 @@
+"""The contract of a processing stage, and the chain that runs stages one after the other.
+
+A stage consumes items one at a time and emits items of the phenomena it is sure of. How the input is cut
+into blocks changes when an output appears and never what it is, so online and offline use are one code path.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol, runtime_checkable
+
+
+@runtime_checkable
+class Stage(Protocol):
+    """One step of the processing.
+
+    Implementations keep their whole state in picklable attributes. `latency_s` is the longest time between a
+    phenomenon and the input sample that makes the stage emit it.
+    """
+
+    @property
+    def latency_s(self) -> float: ...
+
+    def push(self, item: Any, /) -> list[Any]:
+        """Take one item, return the outputs that are now certain (often none)."""
+        ...
+
+    def flush(self) -> list[Any]:
+        """Called once at the end of the recording: return what was still held back."""
+        ...
+
+
+class Chain:
+    """Stages in sequence; itself a stage."""
+
+    def __init__(self, stages: Iterable[Stage]) -> None:
+        self.stages: tuple[Stage, ...] = tuple(stages)
+
+    @property
+    def latency_s(self) -> float:
+        return sum(stage.latency_s for stage in self.stages)
+
+    def push(self, item: Any, /) -> list[Any]:
+        return self._run([item], self.stages)
+
+    def flush(self) -> list[Any]:
+        outputs: list[Any] = []
+        for position, stage in enumerate(self.stages):
+            outputs += self._run(stage.flush(), self.stages[position + 1 :])
+        return outputs
+
+    @staticmethod
+    def _run(items: Sequence[Any], stages: Sequence[Stage]) -> list[Any]:
+        for stage in stages:
+            items = [output for item in items for output in stage.push(item)]
+        return list(items)
