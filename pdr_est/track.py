@@ -106,9 +106,7 @@ class Track:
         begin = np.maximum(self.moving_from_s[after], self.time_s[before])
         span = np.maximum(self.time_s[after] - begin, 1e-9)
         share = np.clip((time - begin) / span, 0.0, 1.0)
-        position = self.position_m[before] + share[:, None] * (
-            self.position_m[after] - self.position_m[before]
-        )
+        position = self.position_m[before] + share[:, None] * (self.position_m[after] - self.position_m[before])
         covariance = self.covariance_m2[before] + share[:, None, None] * (
             self.covariance_m2[after] - self.covariance_m2[before]
         )
