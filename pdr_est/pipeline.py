@@ -2,18 +2,10 @@
 
 from dataclasses import dataclass, field
 
-from pdr_est.records import LevelBlock, PositionFix, Step, StepOdometry
+from pdr_est.records import Gap, LevelBlock, PositionFix, Step, StepOdometry
 from pdr_est.track import Track
 
-
-@dataclass(frozen=True)
-class Gap:
-    """A stretch that a sensor did not record, or a jump of its clock. reason: "gap" or "clock reset"."""
-
-    channel: str
-    start_s: float
-    end_s: float
-    reason: str
+__all__ = ["DeviceWalk", "Gap", "SmoothedWalk"]
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,16 @@ class SensorBlock:
 
 
 @dataclass(frozen=True)
+class Gap:
+    """A stretch that a sensor did not record, or a jump of its clock, with the reason in words."""
+
+    channel: str
+    start_s: float
+    end_s: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class ImuBlock:
     """Consecutive samples on the uniform working grid, all of one segment (no gap inside).
 
