@@ -96,11 +96,11 @@ def read_table(
     if not content:
         raise RecordingError(f"{place}: empty, holds no table; export it again or leave this file out")
     options = _Layout(separator, decimal_comma, has_header)
-    frame = _parse(content, place, options)
+    frame = _parse(content, place, options, text_columns)
     if not has_header:
         frame.columns = _headerless_names(frame.width, columns, place)
     else:
-        frame.columns = [name.strip() for name in frame.columns]
+        frame.columns = [name.strip().strip('"') for name in frame.columns]
         if columns is not None:
             frame = frame.select([name for name in frame.columns if name in set(columns) | set(text_columns)])
     arrays: dict[str, NDArray[Any]] = {}
@@ -136,7 +136,7 @@ class _Layout:
     has_header: bool
 
 
-def _parse(content: bytes, place: str, layout: _Layout) -> pl.DataFrame:
+def _parse(content: bytes, place: str, layout: _Layout, text_columns: Sequence[str]) -> pl.DataFrame:
     try:
         frame = pl.read_csv(
             content,
@@ -144,6 +144,7 @@ def _parse(content: bytes, place: str, layout: _Layout) -> pl.DataFrame:
             decimal_comma=layout.decimal_comma,
             has_header=layout.has_header,
             infer_schema_length=None,
+            schema_overrides=dict.fromkeys(text_columns, pl.String),
             encoding="utf8-lossy",
         )
     except (pl.exceptions.PolarsError, ValueError) as error:
@@ -179,9 +180,9 @@ def _as_numbers(column: pl.Series, place: str, layout: _Layout) -> NDArray[Any]:
     """int64 when all values are integers, else float64 with NaN for what is missing."""
     if column.dtype == pl.Int64 and column.null_count() == 0:
         return column.to_numpy()
-    if column.dtype != pl.String:
+    if column.dtype.is_numeric():
         return column.cast(pl.Float64).to_numpy().astype(np.float64)
-    text = column.str.strip_chars().replace("", None)
+    text = column.cast(pl.String).str.strip_chars().replace("", None)
     if layout.decimal_comma:
         text = text.str.replace_all(",", ".", literal=True)
     integers = text.cast(pl.Int64, strict=False)
