@@ -1,0 +1,131 @@
+"""A folder of results that appears complete or not at all."""
+
+import errno
+import json
+import shutil
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from pdr_est.errors import OutputError
+
+MANIFEST = ".pdr_est-files.json"
+"""Hidden file in every result folder that lists what was written; anything else in the folder is foreign."""
+
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
+
+
+@contextmanager
+def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
+    """Give a temporary folder beside `target` that takes its place when the block ends well.
+
+    When the block raises, Ctrl-C included, the temporary folder is removed and an existing target stays as it
+    was. An existing target is replaced as a whole when it is empty, or when `overwrite` is set and it holds
+    nothing but files of an earlier run (listed in its manifest).
+
+    Raises OutputError, before the block runs, when the target is a file, holds other files, is in use as the
+    current folder, or when its parent is missing or not writable; and afterwards when the disk is full or the
+    target has meanwhile been changed.
+    """
+    target = Path(target).expanduser()
+    _check_target(target, overwrite)
+    resolved = target.resolve()
+    staging = _make_sibling(resolved, "partial")
+    try:
+        yield staging
+        _write_manifest(staging)
+        _check_target(target, overwrite)
+        _publish(staging, resolved)
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            raise OutputError(f"{target}: no room left on the disk: free some or choose another folder") from error
+        raise
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def _check_target(target: Path, overwrite: bool) -> None:
+    """Raise OutputError unless a result may be put at `target`."""
+    resolved = target.resolve()
+    if not resolved.parent.is_dir():
+        raise OutputError(f"{target}: the folder {target.parent} does not exist: create it or choose another one")
+    if not resolved.exists():
+        return
+    if not resolved.is_dir():
+        raise OutputError(f"{target}: is a file, not a folder: choose another output folder")
+    if Path.cwd().is_relative_to(resolved):
+        raise OutputError(f"{target}: is the current folder and cannot be replaced: name a folder inside it")
+    present = _files_in(target)
+    foreign = sorted(present - _manifest_of(target))
+    if foreign:
+        others = f" and {len(foreign) - 1} more" if len(foreign) > 1 else ""
+        raise OutputError(
+            f"{target}: holds files of other origin ({foreign[0]}{others}): choose a new or an empty folder"
+        )
+    if present and not overwrite:
+        raise OutputError(
+            f"{target}: holds the results of an earlier run: allow overwriting or choose another folder"
+        )
+
+
+def _files_in(folder: Path) -> set[str]:
+    """Everything below `folder` but plain folders with content, as paths relative to it."""
+    try:
+        return {
+            path.relative_to(folder).as_posix()
+            for path in folder.rglob("*")
+            if path.is_symlink() or not path.is_dir() or not any(path.iterdir())
+        }
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be listed ({error.strerror}): choose another output folder") from error
+
+
+def _manifest_of(folder: Path) -> set[str]:
+    """The files that an earlier run wrote into `folder`; nothing when there is no readable manifest."""
+    try:
+        names = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["files"]
+        return {*(str(name) for name in names), MANIFEST}
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
+
+
+def _write_manifest(folder: Path) -> None:
+    content = {"note": "Files written by pdr-est; a later run may replace them.", "files": sorted(_files_in(folder))}
+    (folder / MANIFEST).write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def _make_sibling(target: Path, purpose: str) -> Path:
+    """Create a hidden folder beside `target`: on the same disk, so that it can be renamed into place."""
+    folder = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.{purpose}")
+    try:
+        folder.mkdir()
+    except OSError as error:
+        raise OutputError(
+            f"{target}: the folder {target.parent} is not writable ({error.strerror}): choose another output folder"
+        ) from error
+    return folder
+
+
+def _publish(staging: Path, target: Path) -> None:
+    """Rename `staging` to `target`; put an existing target back if that fails."""
+    if not target.exists():
+        staging.rename(target)
+        return
+    shutil.copymode(target, staging)
+    old = _make_sibling(target, "old")
+    try:
+        try:
+            target.rename(old / target.name)
+        except OSError as error:
+            raise OutputError(
+                f"{target}: cannot be replaced ({error.strerror}): name a new folder inside it or beside it"
+            ) from error
+        staging.rename(target)
+    except BaseException:
+        if not target.exists() and (old / target.name).exists():
+            (old / target.name).rename(target)
+        raise
+    finally:
+        if target.exists():
+            shutil.rmtree(old, ignore_errors=True)
