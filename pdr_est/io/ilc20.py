@@ -1,0 +1,153 @@
+"""Indoor Location Competition 2.0 logs: tab-separated rows `Unix ms, TYPE_…, values`, with clicked waypoints."""
+
+import re
+
+import numpy as np
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.io.choice import members_like, only_walk, stem
+from pdr_est.io.recording import DeviceRecording, Recording, Signal, TruePositions, Truth
+from pdr_est.io.source import Source
+from pdr_est.io.table import finite_rows
+from pdr_est.io.tagged import TaggedLog
+
+NAME = "ILC20"
+
+_WAYPOINT_SIGMA_M = 0.7  # clicked by the surveyor on the floor map
+_START_BEFORE_SAMPLES_MS = 60_000
+_ROW = re.compile(rb"^\d{13}\tTYPE_[A-Z]", re.MULTILINE)
+_GLUED = re.compile(rb"(?<=[^\n])(?=\d{13}\tTYPE_)")
+_HEADER_VALUE = re.compile(r"\b(startTime|Brand|Model|FloorName|SiteName):([^\t\r\n]*)")
+_N_FIELDS = 8  # time, type and the six values of the uncalibrated sensors
+
+
+def sniff(source: Source) -> bool:
+    """Whether some member has rows of this format."""
+    return bool(members_like(source, _looks_right))
+
+
+def read(source: Source) -> Recording:
+    """The walk of an ILC20 log: one Android phone, with truth positions if waypoints were clicked.
+
+    Time zero is the header's startTime, or the first accelerometer row when the header has none that fits.
+    Raises RecordingError when there are several walks or no accelerometer rows.
+    """
+    member = only_walk(source, members_like(source, _looks_right), NAME)
+    place = source.place(member)
+    data = source.read(member)
+    log, glued = _split_log(data, place)
+    header = dict(_HEADER_VALUE.findall(_header_text(data)))
+    epoch_ms, zero = _time_zero(log, header)
+    return Recording(
+        name=stem(member),
+        format=NAME,
+        devices=(_device(log, header, epoch_ms, zero, glued),),
+        truth=Truth(positions=_waypoints(log, epoch_ms)),
+        epoch_s=epoch_ms / 1e3,
+        notes=_notes(header),
+    )
+
+
+def _looks_right(head: bytes) -> bool:
+    return _ROW.search(head) is not None
+
+
+def _header_text(data: bytes) -> str:
+    lines = data[:8192].splitlines()
+    return "\n".join(line.decode("utf-8", "replace") for line in lines if line.startswith(b"#"))
+
+
+def _split_log(data: bytes, place: str) -> tuple[TaggedLog, int]:
+    """The rows of a log, and how many of them had been glued to the end of another row."""
+    tagged = data.count(b"\tTYPE_")
+    # A cheap count tells whether the slow search for glued rows is needed.
+    if tagged > data.count(b"\n1") + data.startswith(b"1"):
+        repaired, glued = _GLUED.subn(b"\n", data)
+    else:
+        repaired, glued = data, 0
+    return TaggedLog.parse(repaired, place, separator="\t", tag_field=1, n_fields=_N_FIELDS), glued
+
+
+def _time_zero(log: TaggedLog, header: dict[str, str]) -> tuple[float, str]:
+    """Unix time of time zero, ms, and what it is in words."""
+    times_ms = log.numbers("TYPE_ACCELEROMETER", (0,))
+    if not len(times_ms):
+        times_ms = log.numbers("TYPE_ACCELEROMETER_UNCALIBRATED", (0,))
+    if not len(times_ms):
+        raise RecordingError(f"{log.place}: no accelerometer rows; record again with the accelerometer on")
+    first_ms = float(times_ms[0, 0])
+    start = header.get("startTime", "").strip()
+    if start.isdigit() and 0 <= first_ms - int(start) <= _START_BEFORE_SAMPLES_MS:
+        return float(start), "time zero is the header's startTime"
+    return first_ms, "time zero is the first accelerometer row: the header has no startTime that fits"
+
+
+def _device(log: TaggedLog, header: dict[str, str], epoch_ms: float, zero: str, glued: int) -> DeviceRecording:
+    decisions = [zero, "units and signs are Android's: m/s^2 upwards at rest, rad/s, uT"]
+    warnings = [f"{glued} rows were glued to the end of another row and were split off"] if glued else []
+    signals: dict[str, Signal | None] = {}
+    for name in ("ACCELEROMETER", "GYROSCOPE", "MAGNETIC_FIELD"):
+        signals[name], decision, warning = _three_axes(log, name, epoch_ms)
+        decisions += decision
+        warnings += warning
+    attitude, warning = _attitude(log, epoch_ms)
+    if attitude is not None:
+        decisions.append("attitude is TYPE_ROTATION_VECTOR, device -> east, north, up; w = sqrt(1 - x^2 - y^2 - z^2)")
+    return DeviceRecording(
+        model=" ".join(header[key].strip() for key in ("Brand", "Model") if key in header),
+        platform="android",
+        specific_force=signals["ACCELEROMETER"],
+        rotation_rate=signals["GYROSCOPE"],
+        magnetic_field=signals["MAGNETIC_FIELD"],
+        attitude=attitude,
+        decisions=tuple(decisions),
+        warnings=(*warnings, *warning),
+    )
+
+
+def _three_axes(log: TaggedLog, name: str, epoch_ms: float) -> tuple[Signal | None, tuple[str, ...], tuple[str, ...]]:
+    """A sensor's calibrated rows, else its uncalibrated rows without the recorded bias; decisions and warnings."""
+    rows = log.numbers(f"TYPE_{name}", (0, 2, 3, 4))
+    decisions: tuple[str, ...] = ()
+    if not len(rows):
+        raw = log.numbers(f"TYPE_{name}_UNCALIBRATED", (0, 2, 3, 4, 5, 6, 7))
+        if not len(raw):
+            missing = f"no {name.lower().replace('_', ' ')} rows"
+            return None, (), (missing,)
+        rows = np.column_stack([raw[:, 0], raw[:, 1:4] - raw[:, 4:7]])
+        decisions = (f"{name.lower()}: uncalibrated rows minus their bias columns, calibrated rows are absent",)
+    signal, warnings = finite_rows((rows[:, 0] - epoch_ms) / 1e3, rows[:, 1:], name.lower(), log.place)
+    return signal, decisions, warnings
+
+
+def _attitude(log: TaggedLog, epoch_ms: float) -> tuple[Signal | None, tuple[str, ...]]:
+    rows = log.numbers("TYPE_ROTATION_VECTOR", (0, 2, 3, 4))
+    if not len(rows):
+        return None, ()
+    return finite_rows(
+        (rows[:, 0] - epoch_ms) / 1e3, quaternion_from_rotation_vector(rows[:, 1:]), "attitude", log.place
+    )
+
+
+def quaternion_from_rotation_vector(vector: Array) -> Array:
+    """Quaternions (n, 4), w first, of Android rotation vectors (n, 3), whose w is not negative."""
+    w = np.sqrt(np.maximum(0.0, 1.0 - np.square(vector).sum(axis=1)))
+    return np.column_stack([w, vector])
+
+
+def _waypoints(log: TaggedLog, epoch_ms: float) -> TruePositions | None:
+    rows = log.numbers("TYPE_WAYPOINT", (0, 2, 3))
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    if not len(rows):
+        return None
+    return TruePositions((rows[:, 0] - epoch_ms) / 1e3, rows[:, 1:], _WAYPOINT_SIGMA_M, "waypoints")
+
+
+def _notes(header: dict[str, str]) -> tuple[str, ...]:
+    known = [
+        f"{label} {header[key].strip()}"
+        for key, label in (("SiteName", "site"), ("FloorName", "floor"))
+        if header.get(key)
+    ]
+    return (", ".join(known),) if known else ()

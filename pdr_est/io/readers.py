@@ -1,0 +1,39 @@
+"""Reads a recording of any known format, recognised by its content."""
+
+from pathlib import Path
+from typing import Protocol
+
+from pdr_est.errors import RecordingError
+from pdr_est.io import ilc20
+from pdr_est.io.recording import Recording
+from pdr_est.io.source import Source
+
+
+class Format(Protocol):
+    """A module that reads one recorder's files."""
+
+    NAME: str
+
+    def sniff(self, source: Source) -> bool:
+        """Whether the content of the source is of this format."""
+
+    def read(self, source: Source) -> Recording:
+        """The recording; raises RecordingError when it cannot be used."""
+
+
+# Asked in this order: formats with unmistakable marks first, header-less tables of numbers after them.
+FORMATS: tuple[Format, ...] = (ilc20,)
+
+
+def read(path: str | Path) -> Recording:
+    """Read the recording in a file, a folder or a zip, plain or gzipped.
+
+    Raises RecordingError, in one line with the file, the place and a remedy, when the format is unknown, when
+    several walks are inside, or when the data are damaged.
+    """
+    source = Source.open(path)
+    for known in FORMATS:
+        if known.sniff(source):
+            return known.read(source)
+    names = ", ".join(known.NAME for known in FORMATS)
+    raise RecordingError(f"{source.path}: unknown format; known are {names}; see the README for their layouts")
