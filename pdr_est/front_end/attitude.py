@@ -1,4 +1,4 @@
-"""Direction of gravity, vertical acceleration and yaw: from raw inertial samples or from the device's own attitude."""
+"""Direction of gravity, vertical acceleration and yaw, from raw samples or from the device's own attitude."""
 
 from typing import Any, Literal
 

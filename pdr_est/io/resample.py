@@ -77,7 +77,8 @@ class Resampler:
         count = end - 1 - self._next_index
         if count <= 0:
             return []
-        edges = self._first_edge_s + self._period_s * (self._next_index + np.arange(count + 1))
+        grid = np.arange(self._next_index, self._next_index + count + 1, dtype=np.float64)
+        edges: Array = np.asarray(self._first_edge_s + self._period_s * grid, dtype=np.float64)
         means, observed = {}, np.ones(count, dtype=np.bool_)
         for name, channel in self._inputs.items():
             integral, inside = channel.at(edges)

@@ -1,0 +1,101 @@
+"""From steps to measurements. This is the only place where the noise of the odometry is set."""
+
+import numpy as np
+
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.params import NonNegative, Positive, params
+from pdr_est.records import CarryingMode, Step, StepOdometry
+
+
+@params
+class OdometryParams:
+    """Standard deviations of a step, and of what is not observed.
+
+    sigma_length_fraction: of the step length, independent from step to step. sigma_direction_rad: of the direction
+    of a single step around the heading (it does not accumulate). sigma_heading_rad_per_sqrt_s: random walk of the
+    heading error, for gyroscope drift and for the phone turning in the hand. sigma_length_scale: of the walker's own
+    step length over the model's, constant through a walk. gap_speed_mps: speed with which a walker may have moved
+    during a gap. gap_turn_rad_per_sqrt_s: how much the walker may have turned in it.
+    """
+
+    sigma_length_fraction: Positive = 0.08
+    sigma_direction_rad: Positive = 0.08
+    sigma_heading_rad_per_sqrt_s: NonNegative = 0.02
+    sigma_length_scale: NonNegative = 0.08
+    gap_speed_mps: Positive = 1.0
+    gap_turn_rad_per_sqrt_s: Positive = 1.0
+
+
+class Odometry:
+    """Stage Step -> StepOdometry of one device. A new segment is preceded by a bridge over the gap."""
+
+    latency_s = 0.0
+
+    def __init__(self, device: str, parameters: OdometryParams) -> None:
+        self._device = device
+        self._parameters = parameters
+        self._previous: Step | None = None
+
+    def push(self, item: Step, /) -> list[StepOdometry]:
+        previous, self._previous = self._previous, item
+        if previous is None:
+            return [self._step(item, 0.0, item.event.time_s - item.start_s)]
+        elapsed = item.event.time_s - previous.event.time_s
+        if item.event.segment == previous.event.segment:
+            return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), elapsed)]
+        bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)
+        return [bridge, self._step(item, 0.0, item.event.time_s - item.start_s)]
+
+    def flush(self) -> list[StepOdometry]:
+        return []
+
+    def _step(self, step: Step, heading_change_rad: float, elapsed_s: float) -> StepOdometry:
+        p = self._parameters
+        return StepOdometry(
+            device=self._device,
+            time_s=step.event.time_s,
+            start_s=step.start_s,
+            length_m=step.length_m,
+            heading_change_rad=heading_change_rad,
+            covariance=step_covariance(
+                length_m=step.length_m,
+                sigma_length_m=p.sigma_length_fraction * step.length_m,
+                sigma_direction_rad=p.sigma_direction_rad,
+                sigma_heading_rad=p.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s),
+            ),
+            mode=step.event.mode,
+        )
+
+    def _bridge(self, start_s: float, end_s: float, mode: CarryingMode) -> StepOdometry:
+        """An unobserved walk: anywhere within reach, turned by anything (a uniform angle has sigma pi/sqrt 3)."""
+        duration = max(end_s - start_s, 0.0)
+        reach = self._parameters.gap_speed_mps * duration
+        turn = min(self._parameters.gap_turn_rad_per_sqrt_s * np.sqrt(duration), np.pi / np.sqrt(3.0))
+        return StepOdometry(
+            device=self._device,
+            time_s=end_s,
+            start_s=start_s,
+            length_m=0.0,
+            heading_change_rad=0.0,
+            covariance=np.diag([max(reach, 1e-3) ** 2, max(reach, 1e-3) ** 2, max(turn, 1e-3) ** 2]),
+            mode=mode,
+            observed=False,
+        )
+
+
+def step_covariance(
+    length_m: float, sigma_length_m: float, sigma_direction_rad: float, sigma_heading_rad: float
+) -> Array:
+    """Covariance (3, 3) of (forward, left, heading) at the end of a step.
+
+    The heading error of the step turns its displacement too: left = length * heading error.
+    """
+    least = 1e-3  # m; keeps the matrix regular for steps of no length
+    turn = sigma_heading_rad**2
+    return np.array(
+        [
+            [sigma_length_m**2 + least**2, 0.0, 0.0],
+            [0.0, length_m**2 * (turn + sigma_direction_rad**2) + least**2, length_m * turn],
+            [0.0, length_m * turn, turn + least**2],
+        ]
+    )
