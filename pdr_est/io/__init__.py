@@ -1,0 +1,5 @@
+"""Recorder formats, resampling onto the working grid, and the files that a track is written to."""
+
+from pdr_est.io.readers import read
+
+__all__ = ["read"]

@@ -5,8 +5,8 @@ import re
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.frames import Array
 from pdr_est.io.choice import members_like, only_walk, stem
+from pdr_est.io.orientation import quaternion_from_rotation_vector
 from pdr_est.io.recording import DeviceRecording, Recording, Signal, TruePositions, Truth
 from pdr_est.io.source import Source
 from pdr_est.io.table import finite_rows
@@ -128,12 +128,6 @@ def _attitude(log: TaggedLog, epoch_ms: float) -> tuple[Signal | None, tuple[str
     return finite_rows(
         (rows[:, 0] - epoch_ms) / 1e3, quaternion_from_rotation_vector(rows[:, 1:]), "attitude", log.place
     )
-
-
-def quaternion_from_rotation_vector(vector: Array) -> Array:
-    """Quaternions (n, 4), w first, of Android rotation vectors (n, 3), whose w is not negative."""
-    w = np.sqrt(np.maximum(0.0, 1.0 - np.square(vector).sum(axis=1)))
-    return np.column_stack([w, vector])
 
 
 def _waypoints(log: TaggedLog, epoch_ms: float) -> TruePositions | None:
