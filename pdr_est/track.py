@@ -1,8 +1,10 @@
 """The track of a walk: what every estimator returns, with its canonical table."""
 
 import csv
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,19 @@ COLUMNS = (
     "cov_xx_m2",
     "cov_xy_m2",
     "cov_yy_m2",
+    "sigma_heading_rad",
+    "mode",
+    "step_length_m",
+)
+
+
+_ROW_FIELDS = (
+    "time_s",
+    "moving_from_s",
+    "device",
+    "position_m",
+    "heading_rad",
+    "covariance_m2",
     "sigma_heading_rad",
     "mode",
     "step_length_m",
@@ -68,27 +83,7 @@ class Track:
     def of_device(self, device: str) -> "Track":
         """The poses of one device."""
         keep = self.device == device
-        columns = {
-            name: getattr(self, name)[keep]
-            for name in (
-                "time_s",
-                "moving_from_s",
-                "device",
-                "position_m",
-                "heading_rad",
-                "covariance_m2",
-                "sigma_heading_rad",
-                "mode",
-                "step_length_m",
-            )
-        }
-        return Track(
-            **columns,
-            kind=self.kind,
-            estimator=self.estimator,
-            length_scale=self.length_scale,
-            sigma_length_scale=self.sigma_length_scale,
-        )
+        return replace(self, **{name: getattr(self, name)[keep] for name in _ROW_FIELDS})
 
     def at(self, time_s: Array) -> tuple[Array, Array]:
         """Positions (k, 2) and covariances (k, 2, 2) at some times, linear between poses.
@@ -138,3 +133,11 @@ class Track:
             )
             for i in range(len(self))
         ]
+
+
+def concatenate(tracks: Sequence[Track]) -> Track:
+    """The tracks of several devices as one; kind, estimator and length scale are those of the first."""
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(track, name) for track in tracks]) for name in _ROW_FIELDS
+    }
+    return replace(tracks[0], **columns)

@@ -5,6 +5,7 @@ All estimators work on the same timeline, so that their results can be compared 
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -60,7 +61,7 @@ def build_timeline(device: str, start_s: float, measurements: Iterable[Measureme
     steps = [m for m in measurements if isinstance(m, StepOdometry) and m.device == device]
     fixes = sorted((m for m in measurements if isinstance(m, PositionFix)), key=lambda fix: fix.time_s)
     priors = [m for m in measurements if isinstance(m, HeadingPrior) and m.device == device]
-    for before, after in zip(steps, steps[1:], strict=False):
+    for before, after in pairwise(steps):
         if after.time_s < before.time_s:
             raise EstimationError(f"step odometry of {device} goes back in time at {after.time_s:.3f} s: sort it")
     first_mode = steps[0].mode if steps else CarryingMode.UNKNOWN
