@@ -1,0 +1,155 @@
+"""The moving trunk of a walker: forward along the path, up and down once a step, side to side once a stride."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BPoly, PPoly
+
+from pdr_est.frames import Array
+from pdr_est.params import Fraction, NonNegative, params
+from pdr_est.simulate.jet import Jet, jet_of
+from pdr_est.simulate.path import Path
+from pdr_est.simulate.walker import SETTLE_S, Steps
+
+_LEG_SHARE = 0.53  # leg length over body height
+
+
+@params
+class BodyParams:
+    """How the trunk moves while walking.
+
+    bounce_share: rise and fall of the trunk over that of a stiff inverted pendulum, L^2 / (8 leg); 0.57 gives
+    4 cm at a step of 0.73 m. impact: second and third harmonic of the vertical acceleration over the first,
+    which sharpen the peak behind the heel strike; measured on held phones: 0.1 to 0.4 and 0.1 to 0.2.
+    peak_phase: share of a step from the heel strike to the trunk's lowest point. speed_ripple: relative
+    amplitude of the forward speed, fastest at the heel strike. sway_m: amplitude towards the standing leg.
+    """
+
+    bounce_share: NonNegative = 0.57
+    impact: tuple[NonNegative, NonNegative] = (0.3, 0.1)
+    peak_phase: Fraction = 0.1
+    speed_ripple: Fraction = 0.06
+    sway_m: NonNegative = 0.018
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """The trunk at some times. east, north, up: its centre, m, up from its height when standing.
+
+    on_path: arc length of the point on the path beside it, m. heading: rad, continuous. phase: counts steps, a
+    whole number at each heel strike, without meaning while activity is 0. activity: 0 standing, 1 walking.
+    """
+
+    time_s: Array
+    on_path: Jet
+    east: Jet
+    north: Jet
+    up: Jet
+    heading: Jet
+    phase: Jet
+    activity: Jet
+
+
+class Body:
+    """The trunk's motion as an exact function of time."""
+
+    def __init__(self, path: Path, steps: Steps, height_m: float, parameters: BodyParams) -> None:
+        self._path = path
+        self._parameters = parameters
+        self._first_sign = 1.0 if steps.foot[0] == "L" else -1.0
+        bounce_m = parameters.bounce_share * steps.length_m**2 / (16.0 * _LEG_SHARE * height_m)
+        self._progress = _progress(steps)
+        self._phase = _phase(steps)
+        self._activity = _envelope(steps, np.ones(len(steps)))
+        self._bounce = _envelope(steps, bounce_m)
+        ripple_m = parameters.speed_ripple / (2.0 * np.pi) * steps.length_m
+        self._ripple = _envelope(steps, ripple_m, to_rest=True)
+
+    def at(self, time_s: Array) -> BodyMotion:
+        """The motion at some times (n,), standing still before the first step and after the last."""
+        phase = jet_of(self._phase, time_s)
+        activity = jet_of(self._activity, time_s)
+        angle = phase * (2.0 * np.pi)
+        on_path = self._on_path(time_s)
+        east, north, heading = self._path.follow(on_path)
+        # over the left leg (positive) while it carries the body: between its heel strike and the next one
+        sway = activity * (phase * np.pi).sin() * (-self._first_sign * self._parameters.sway_m)
+        return BodyMotion(
+            time_s=time_s,
+            on_path=on_path,
+            east=east - sway * heading.sin(),
+            north=north + sway * heading.cos(),
+            up=jet_of(self._bounce, time_s) * self._rise(angle),
+            heading=heading,
+            phase=phase,
+            activity=activity,
+        )
+
+    def on_path_at(self, time_s: Array) -> tuple[Array, Array]:
+        """Position (n, 2), m, of the point on the path beside the trunk, and the walking direction (n,), rad."""
+        points = self._path.at(self._on_path(np.asarray(time_s, dtype=np.float64)).value)
+        return points.position_m, points.heading_rad
+
+    def time_at(self, arc_length_m: Array) -> Array:
+        """When the trunk passes some points (n,) of the path, s; for arc lengths strictly inside the path."""
+        return np.array([self._progress.solve(float(arc), extrapolate=False)[0] for arc in arc_length_m])
+
+    def _on_path(self, time_s: Array) -> Jet:
+        angle = jet_of(self._phase, time_s) * (2.0 * np.pi)
+        return jet_of(self._progress, time_s) + jet_of(self._ripple, time_s) * angle.sin()
+
+    def _rise(self, angle: Jet) -> Jet:
+        """Height over its amplitude; harmonics are divided by their squared order to act on the acceleration."""
+        second, third = self._parameters.impact
+        lowest = angle - 2.0 * np.pi * self._parameters.peak_phase
+        return -(lowest.cos() + (lowest * 2.0).cos() * (second / 4.0) + (lowest * 3.0).cos() * (third / 9.0))
+
+
+def _progress(steps: Steps) -> PPoly:
+    """Mean arc length over time: each step covers its length, at rest between the bouts."""
+    time_s, value = [0.0], [[0.0, 0.0, 0.0]]
+    for bout in steps.bouts:
+        speed = steps.length_m[bout] / (steps.time_s[bout] - steps.start_s[bout])
+        at_edge = np.concatenate([[0.0], 0.5 * (speed[1:] + speed[:-1]), [0.0]])
+        covered = value[-1][0] + np.concatenate([[0.0], np.cumsum(steps.length_m[bout])])
+        time_s += [float(steps.start_s[bout][0]), *steps.time_s[bout].tolist()]
+        value += [[float(s), float(v), 0.0] for s, v in zip(covered, at_edge, strict=True)]
+    return _through(steps, time_s, value)
+
+
+def _phase(steps: Steps) -> PPoly:
+    """Counts steps over time. It falls back to the count while the walker stands, which no motion shows."""
+    time_s, value = [0.0], [[0.0, 0.0, 0.0]]
+    for bout in steps.bouts:
+        rate = 1.0 / (steps.time_s[bout] - steps.start_s[bout])
+        at_edge = np.concatenate([[rate[0]], 0.5 * (rate[1:] + rate[:-1]), [rate[-1]]])
+        count = np.arange(bout.start, bout.stop + 1, dtype=np.float64)
+        end_s = float(steps.time_s[bout][-1])
+        time_s += [float(steps.start_s[bout][0]), *steps.time_s[bout].tolist(), end_s + SETTLE_S]
+        value += [[float(k), float(r), 0.0] for k, r in zip(count, at_edge, strict=True)]
+        value += [[float(count[-1] + rate[-1] * SETTLE_S), float(rate[-1]), 0.0]]
+    return _through(steps, time_s, value)
+
+
+def _envelope(steps: Steps, amplitude: Array, to_rest: bool = False) -> PPoly:
+    """An amplitude over time: rises in the first step of a bout, then passes through that of each step at its
+    heel strike, and fades out after the last one (`to_rest`: already with the last one)."""
+    time_s, value = [0.0], [[0.0, 0.0, 0.0]]
+    for bout in steps.bouts:
+        level = amplitude[bout].tolist()
+        if to_rest:
+            level[-1] = 0.0
+        end_s = float(steps.time_s[bout][-1])
+        time_s += [float(steps.start_s[bout][0]), *steps.time_s[bout].tolist(), end_s + SETTLE_S]
+        value += [[a, 0.0, 0.0] for a in (0.0, *level, 0.0)]
+    return _through(steps, time_s, value)
+
+
+def _through(steps: Steps, time_s: list[float], value: list[list[float]]) -> PPoly:
+    """Quintic pieces through values with first and second derivatives: the acceleration is continuous."""
+    if time_s[1] == 0.0:
+        time_s, value = time_s[1:], value[1:]
+    rest = max(steps.end_s, time_s[-1]) + 1.0
+    return PPoly.from_bernstein_basis(
+        BPoly.from_derivatives([*time_s, rest], [*value, [value[-1][0], 0.0, 0.0]], orders=5)
+    )

@@ -1,0 +1,58 @@
+"""Signals of time that carry their first two derivatives, so that every motion is differentiated exactly."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from pdr_est.frames import Array
+
+
+@dataclass(frozen=True)
+class Jet:
+    """Value, first and second time derivative of one signal at some times, each (n,).
+
+    Sums, products, sines and cosines follow the rules of calculus, so whatever is composed of jets has exact
+    rates and accelerations at any sampling rate, without numerical differentiation.
+    """
+
+    value: Array
+    rate: Array
+    acceleration: Array
+
+    def __add__(self, other: "Jet | float") -> "Jet":
+        if isinstance(other, Jet):
+            return Jet(self.value + other.value, self.rate + other.rate, self.acceleration + other.acceleration)
+        return Jet(self.value + other, self.rate, self.acceleration)
+
+    def __mul__(self, other: "Jet | float") -> "Jet":
+        if isinstance(other, Jet):
+            return Jet(
+                self.value * other.value,
+                self.rate * other.value + self.value * other.rate,
+                self.acceleration * other.value + 2.0 * self.rate * other.rate + self.value * other.acceleration,
+            )
+        return Jet(self.value * other, self.rate * other, self.acceleration * other)
+
+    def __neg__(self) -> "Jet":
+        return self * -1.0
+
+    def __sub__(self, other: "Jet | float") -> "Jet":
+        return self + (-other)
+
+    def sin(self) -> "Jet":
+        """Sine of an angle in radians."""
+        return self.through(np.sin(self.value), np.cos(self.value), -np.sin(self.value))
+
+    def cos(self) -> "Jet":
+        """Cosine of an angle in radians."""
+        return self.through(np.cos(self.value), -np.sin(self.value), -np.cos(self.value))
+
+    def through(self, value: Array, slope: Array, bend: Array) -> "Jet":
+        """f of this signal, given f and its first two derivatives at the signal's values (chain rule)."""
+        return Jet(value, slope * self.rate, slope * self.acceleration + bend * self.rate**2)
+
+
+def jet_of(curve: PPoly, time_s: Array) -> Jet:
+    """The jet of a piecewise polynomial of time at some times."""
+    return Jet(curve(time_s), curve(time_s, 1), curve(time_s, 2))

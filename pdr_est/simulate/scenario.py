@@ -1,0 +1,74 @@
+"""What to simulate: a path, a walker, and the devices that the walker carries; with named presets."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from difflib import get_close_matches
+from types import MappingProxyType
+
+from pydantic import TypeAdapter, ValidationError
+
+from pdr_est.errors import ConfigError
+from pdr_est.params import params
+from pdr_est.simulate.body import BodyParams
+from pdr_est.simulate.path import PathParams
+from pdr_est.simulate.phone import HeldPhone
+from pdr_est.simulate.sensors import SensorParams
+from pdr_est.simulate.walker import GaitParams, Pause
+
+
+@params
+class DeviceParams:
+    """One device. carry: how it is carried; further ways become a union told apart by their `mode`."""
+
+    name: str = "device"
+    carry: HeldPhone = HeldPhone()
+    sensors: SensorParams = SensorParams()
+
+
+@params
+class Scenario:
+    """A walk to simulate. The same scenario gives the same walk, sample by sample; all randomness is from `seed`."""
+
+    path: PathParams
+    name: str = "simulated"
+    gait: GaitParams = GaitParams()
+    body: BodyParams = BodyParams()
+    devices: tuple[DeviceParams, ...] = (DeviceParams(),)
+    seed: int = 0
+
+
+_RECTANGLE = ((0.0, 0.0), (24.0, 0.0), (24.0, 28.0), (-24.0, 28.0), (-24.0, 0.0), (0.0, 0.0))
+
+PRESETS: Mapping[str, Scenario] = MappingProxyType(
+    {
+        "office_loop": Scenario(
+            name="office_loop",
+            path=PathParams(vertices_m=_RECTANGLE),
+            gait=GaitParams(pauses=(Pause(at_m=90.0, duration_s=6.0),)),
+        ),
+        "straight": Scenario(name="straight", path=PathParams(vertices_m=((0.0, 0.0), (80.0, 0.0)))),
+        "l_shape": Scenario(name="l_shape", path=PathParams(vertices_m=((0.0, 0.0), (30.0, 0.0), (30.0, 20.0)))),
+    }
+)
+
+
+def preset(name: str) -> Scenario:
+    """The scenario of that name: office_loop, straight or l_shape. Raise ConfigError for another name."""
+    if name not in PRESETS:
+        near = get_close_matches(name, PRESETS, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(PRESETS)}"
+        raise ConfigError(f"no simulated walk is called {name!r}: {hint}")
+    return PRESETS[name]
+
+
+def check(scenario: Scenario) -> None:
+    """Raise ConfigError if a value is out of its range."""
+    try:
+        TypeAdapter(Scenario).validate_python(asdict(scenario))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise ConfigError(f"scenario {place} = {first['input']!r}: {first['msg']}") from error
+    names = [device.name for device in scenario.devices]
+    if not names or len(set(names)) < len(names):
+        raise ConfigError(f"scenario devices {names}: at least one, each with a name of its own")
