@@ -15,6 +15,7 @@ from pdr_est.frames import Array
 from pdr_est.io.recording import Signal
 
 _BOM = b"\xef\xbb\xbf"
+_ROWS_FOR_TYPES = 100
 
 
 @dataclass(frozen=True)
@@ -138,22 +139,30 @@ class _Layout:
 
 def _parse(content: bytes, place: str, layout: _Layout, text_columns: Sequence[str]) -> pl.DataFrame:
     try:
-        frame = pl.read_csv(
-            content,
-            separator=layout.separator,
-            decimal_comma=layout.decimal_comma,
-            has_header=layout.has_header,
-            infer_schema_length=None,
-            schema_overrides=dict.fromkeys(text_columns, pl.String),
-            encoding="utf8-lossy",
-        )
-    except (pl.exceptions.PolarsError, ValueError) as error:
-        _refuse_ragged(content, place, layout)
-        raise RecordingError(f"{place}: not a readable table ({_first_line(error)}); export it again") from error
+        frame = _frame(content, layout, text_columns, _ROWS_FOR_TYPES)
+    except (pl.exceptions.PolarsError, ValueError):
+        # A later row is not of the type of the first rows: all fields as text, which is slower.
+        try:
+            frame = _frame(content, layout, text_columns, 0)
+        except (pl.exceptions.PolarsError, ValueError) as error:
+            _refuse_ragged(content, place, layout)
+            raise RecordingError(f"{place}: not a readable table ({_first_line(error)}); export it again") from error
     # The engine fills rows that are too short with nulls; only then is the slow look at the lines needed.
     if frame.width > 1 and frame[frame.columns[-1]].null_count():
         _refuse_ragged(content, place, layout)
     return frame
+
+
+def _frame(content: bytes, layout: _Layout, text_columns: Sequence[str], rows_for_types: int) -> pl.DataFrame:
+    return pl.read_csv(
+        content,
+        separator=layout.separator,
+        decimal_comma=layout.decimal_comma,
+        has_header=layout.has_header,
+        infer_schema_length=rows_for_types,
+        schema_overrides=dict.fromkeys(text_columns, pl.String),
+        encoding="utf8-lossy",
+    )
 
 
 def _refuse_ragged(content: bytes, place: str, layout: _Layout) -> None:
