@@ -1,0 +1,190 @@
+"""The numbers of a finished walk as one JSON document: `summary.json`, and the source of the report's tables."""
+
+import math
+import platform
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, is_dataclass
+from datetime import UTC, datetime
+from enum import Enum
+from importlib import metadata
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from pdr_est.io.recording import DeviceRecording, Recording, Truth
+from pdr_est.pipeline import DeviceWalk, SmoothedWalk
+from pdr_est.records import PositionFix, StartPose
+from pdr_est.track import Track
+
+PACKAGES = ("pdr-est", "numpy", "scipy", "gtsam", "filterpy", "vqf")
+
+Json = dict[str, Any]
+
+CHI2_95_2D = 5.991464547107979  # 0.95 quantile of chi-squared with two degrees of freedom
+
+
+def package_versions() -> dict[str, str | None]:
+    """Versions of Python, of this package and of the libraries that shape the numbers; None if not installed."""
+    return {"python": platform.python_version()} | {name.replace("-", "_"): _version(name) for name in PACKAGES}
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def summarise(
+    walk: SmoothedWalk,
+    recording: Recording,
+    config_dict: Mapping[str, Any],
+    inputs: Mapping[str, str | None],
+    versions: Mapping[str, str | None],
+    *,
+    start: StartPose | None = None,
+    errors: Mapping[str, float] | None = None,
+) -> Json:
+    """What went in, what was done and what came out, JSON-serialisable, with None for a number that is not known.
+
+    config_dict: the resolved configuration. inputs: name of each input file -> its SHA-256 or None.
+    versions: see `package_versions`. start: the start pose that was asked for; it decides, with the fixes,
+    whether the track lies in the map frame or in a frame of its own. errors: metrics against the truth by name.
+    """
+    track = walk.track
+    summary = {
+        "recording": _recording(recording),
+        "inputs": [{"name": name, "sha256": digest} for name, digest in inputs.items()],
+        "estimator": track.estimator,
+        "kind": track.kind,
+        "frame": _frame(walk, start),
+        "duration_s": _duration_s(walk),
+        "distance_m": _mean([track.of_device(name).distance_m for name in track.devices]),
+        "counts": _counts(walk.devices),
+        "devices": [_device_track(track.of_device(name)) for name in track.devices],
+        "length_scale": {"value": track.length_scale, "sigma": track.sigma_length_scale},
+        "start": start,
+        "fixes": _fixes(walk.fixes),
+        "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
+        "errors_against_truth": errors,
+        "timings_s": walk.timings_s,
+        "warnings": list(dict.fromkeys([*walk.warnings, *_reader_warnings(recording)])),
+        "config": config_dict,
+        "versions": versions,
+    }
+    document: Json = to_json(summary)
+    return document
+
+
+def to_json(value: Any) -> Any:
+    """The same value in terms that JSON knows: records as objects, arrays as lists, NaN and infinity as None."""
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, np.ndarray):
+        return to_json(value.tolist())
+    if isinstance(value, np.generic):
+        return to_json(value.item())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if is_dataclass(value) and not isinstance(value, type):
+        return to_json(asdict(value))
+    if isinstance(value, Mapping):
+        return {str(key): to_json(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [to_json(item) for item in value]
+    if isinstance(value, PurePath):
+        return str(value)
+    if value is None or isinstance(value, str | int):
+        return value
+    raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
+
+
+def _recording(recording: Recording) -> Json:
+    begin = recording.epoch_s
+    return {
+        "name": recording.name,
+        "format": recording.format,
+        "time_zero": None if begin is None else datetime.fromtimestamp(begin, UTC).isoformat(timespec="milliseconds"),
+        "origin": recording.origin,
+        "notes": recording.notes,
+        "truth": _truth(recording.truth),
+        "devices": [_device(device) for device in recording.devices],
+    }
+
+
+def _device(device: DeviceRecording) -> Json:
+    return {
+        "name": device.name,
+        "model": device.model,
+        "platform": device.platform,
+        "samples": {str(block.channel): len(block.time_s) for block in device.blocks()},
+        "decisions": device.decisions,
+        "warnings": device.warnings,
+    }
+
+
+def _truth(truth: Truth) -> Json:
+    positions = truth.positions
+    return {
+        "positions": None if positions is None else {"count": len(positions.time_s), "source": positions.source},
+        "step_count": truth.step_count,
+        "distance_m": truth.distance_m,
+        "activity": truth.activity,
+    }
+
+
+def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
+    """ "map" when position and direction are tied to the map, else "own": origin at the start of the walk."""
+    tied = start is not None and start.position_m is not None and start.heading_rad is not None
+    return "map" if tied or walk.fixes else "own"
+
+
+def _duration_s(walk: SmoothedWalk) -> float | None:
+    """From the first to the last sample of any device; from the track when no samples were kept."""
+    blocks = [block for device in walk.devices for block in device.level if len(block)]
+    begins = [float(block.time_s[0]) for block in blocks] or [float(t) for t in walk.track.time_s]
+    ends = [float(block.time_s[-1]) for block in blocks] or [float(t) for t in walk.track.time_s]
+    return max(ends) - min(begins) if begins else None
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    """Devices of one walker each walk the whole way: their distances are averaged, not added."""
+    return sum(values) / len(values) if values else None
+
+
+def _counts(devices: Sequence[DeviceWalk]) -> Json:
+    return {
+        "steps": {device.device: len(device.steps) for device in devices},
+        "samples": {device.device: sum(len(block) for block in device.level) for device in devices},
+        "dropped_samples": {device.device: device.dropped_samples for device in devices},
+    }
+
+
+def _device_track(track: Track) -> Json:
+    return {
+        "name": str(track.device[0]),
+        "distance_m": track.distance_m,
+        "start_position_m": track.position_m[0],
+        "end_position_m": track.position_m[-1],
+        "end_radius95_m": radius95_m(track.covariance_m2[-1]),
+        "largest_radius95_m": max(radius95_m(covariance) for covariance in track.covariance_m2),
+    }
+
+
+def radius95_m(covariance_m2: Any) -> float:
+    """Long half axis of the 95 % ellipse of a 2-D normal distribution; NaN for a covariance that is not finite."""
+    covariance = np.asarray(covariance_m2, dtype=np.float64)
+    if not np.isfinite(covariance).all():
+        return math.nan
+    largest = float(np.linalg.eigvalsh(covariance)[-1])
+    return math.sqrt(CHI2_95_2D * max(largest, 0.0))
+
+
+def _fixes(fixes: Sequence[PositionFix]) -> Json:
+    return {"used": len(fixes), "sources": dict(Counter(fix.source for fix in fixes))}
+
+
+def _reader_warnings(recording: Recording) -> list[str]:
+    return [f"{device.name}: {warning}" for device in recording.devices for warning in device.warnings]
