@@ -1,24 +1,26 @@
 """GetSensorData logs, the format of the IPIN competition: `TYPE;AppTimestamp;SensorTimestamp;values` rows."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pymap3d
 
 from pdr_est.errors import RecordingError
-from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
+from pdr_est.frames import Array
 from pdr_est.io.choice import members_like, only_walk, stem
+from pdr_est.io.gps import GpsFixes, gps_fixes
 from pdr_est.io.orientation import quaternion_from_rotation_vector
 from pdr_est.io.recording import DeviceRecording, GeoOrigin, Recording, Signal, TruePositions, Truth
 from pdr_est.io.source import Source
 from pdr_est.io.table import finite_rows
 from pdr_est.io.tagged import TaggedLog
+from pdr_est.io.units import acceleration_unit, force_sign
 from pdr_est.records import PositionFix
 
 NAME = "GetSensorData (IPIN)"
 
 _POSI_SIGMA_M = 0.7  # surveyed points, marked while walking over them
-_LARGEST_IN_G = 3.0  # median norm of specific force; 1 in g, 9.8 in m/s^2
 _CLOCK_SPREAD_S = 0.5
 _N_FIELDS = 10
 _ROW = re.compile(rb"^(?:ACCE|GYRO|MAGN|AHRS|POSI|WIFI|GNSS|PRES|SOUN|LIGH|PROX|BLUE|BLE4);[\d.]+;", re.MULTILINE)
@@ -40,17 +42,18 @@ def read(source: Source) -> Recording:
     data = source.read(member)
     log = TaggedLog.parse(data, source.place(member), separator=";", tag_field=0, n_fields=_N_FIELDS)
     points, floors = _surveyed_points(log)
-    gnss, skipped = _gnss(log)
-    origin = _origin(points, gnss)
+    gnss = log.numbers("GNSS", (1, 2, 3, 4, 7))  # app time, Unix time, latitude, longitude, accuracy
+    gps = gps_fixes(gnss[:, 0], gnss[:, 2], gnss[:, 3], gnss[:, 4])
+    origin = GeoOrigin(float(points[0, 1]), float(points[0, 2])) if len(points) else gps.origin
     return Recording(
         name=stem(member),
         format=NAME,
         devices=(_device(log, data),),
         truth=Truth(positions=_truth(points, origin)),
-        fixes=_fixes(gnss, origin),
+        fixes=_about(gps, origin),
         origin=origin,
-        epoch_s=float(np.median(gnss[:, 1] - gnss[:, 0])) if len(gnss) else None,
-        notes=(*floors, *skipped),
+        epoch_s=_epoch_s(gnss),
+        notes=(*floors, *gps.warnings),
     )
 
 
@@ -69,7 +72,7 @@ def _device(log: TaggedLog, data: bytes) -> DeviceRecording:
     if force is None:
         raise RecordingError(f"{log.place}: no accelerometer (ACCE) rows; record again with the accelerometer on")
     attitude = _attitude(log, decisions, warnings)
-    force, is_apple = _in_si_upwards(force, attitude, decisions)
+    force, is_apple = _in_si_upwards(force, attitude, decisions, warnings)
     rate = _signal(log, "GYRO", (3, 4, 5), decisions, warnings)
     if rate is None:
         warnings.append("no gyroscope (GYRO) rows")
@@ -131,24 +134,18 @@ def _attitude(log: TaggedLog, decisions: list[str], warnings: list[str]) -> Sign
     return Signal(vector.time_s, quaternion_from_rotation_vector(vector.values))
 
 
-def _in_si_upwards(force: Signal, attitude: Signal | None, decisions: list[str]) -> tuple[Signal, bool]:
+def _in_si_upwards(
+    raw: Signal, attitude: Signal | None, decisions: list[str], warnings: list[str]
+) -> tuple[Signal, bool]:
     """Specific force in m/s^2 that points up at rest, and whether it was recorded in g, as iPhones do."""
-    norm = float(np.median(np.linalg.norm(force.values, axis=1)))
-    in_g = norm < _LARGEST_IN_G
-    scale = STANDARD_GRAVITY_MPS2 if in_g else 1.0
-    decisions.append(f"ACCE is in {'g' if in_g else 'm/s^2'}: its median norm is {norm:.2f}")
-    if attitude is not None:
-        nearest = np.clip(np.searchsorted(attitude.time_s, force.time_s), 0, len(attitude) - 1)
-        upwards = float(np.median((up_in_device(attitude.values[nearest]) * force.values).sum(axis=1))) * scale
-        sign = -1.0 if upwards < 0.0 else 1.0
-        decisions.append(
-            f"ACCE {'negated' if sign < 0 else 'not negated'}: {upwards:.2f} m/s^2 along AHRS's vertical"
-        )
-    else:
-        sign = -1.0 if in_g else 1.0
-        reason = "g is Apple's unit and its sign is opposite" if in_g else "m/s^2 is Android's unit"
-        decisions.append(f"ACCE {'negated' if in_g else 'not negated'}: no AHRS to tell, {reason}")
-    return Signal(force.time_s, force.values * (sign * scale)), in_g
+    unit = acceleration_unit(raw.values)
+    in_g = unit.factor != 1.0
+    expected, reason = (-1.0, "iPhones record in g") if in_g else (1.0, "Android phones record in m/s^2")
+    sign = force_sign(raw, attitude, expected, reason)
+    for finding in (unit, sign):
+        decisions.append(finding.decision)
+        warnings.extend(finding.warnings)
+    return Signal(raw.time_s, raw.values * (unit.factor * sign.factor)), in_g
 
 
 # --- positions -------------------------------------------------------------------------------------------------
@@ -163,25 +160,20 @@ def _surveyed_points(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:
     return rows[:, :3], note
 
 
-def _gnss(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:
-    """Rows (app time s, Unix time s, latitude deg, longitude deg, accuracy m) and notes on what was left out."""
-    rows = log.numbers("GNSS", (1, 2, 3, 4, 7))
-    usable = rows[np.isfinite(rows).all(axis=1) & (rows[:, 4] > 0.0)]
-    # A phone that listens to two providers writes the same fix twice, some milliseconds apart.
-    _, first = np.unique(usable[:, 1:], axis=0, return_index=True)
-    fixes = usable[np.sort(first)]
-    notes = []
-    if len(usable) < len(rows):
-        notes.append(f"{len(rows) - len(usable)} GNSS rows without position or accuracy left out")
-    if len(fixes) < len(usable):
-        notes.append(f"{len(usable) - len(fixes)} repeated GNSS rows left out")
-    return fixes, tuple(notes)
+def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:
+    if origin is None or not len(points):
+        return None
+    position_m = _east_north(points[:, 1], points[:, 2], origin)
+    return TruePositions(points[:, 0], position_m, _POSI_SIGMA_M, "surveyed points")
 
 
-def _origin(points: Array, gnss: Array) -> GeoOrigin | None:
-    if len(points):
-        return GeoOrigin(float(points[0, 1]), float(points[0, 2]))
-    return GeoOrigin(float(gnss[0, 2]), float(gnss[0, 3])) if len(gnss) else None
+def _about(found: GpsFixes, origin: GeoOrigin | None) -> tuple[PositionFix, ...]:
+    """Fixes moved from their own origin to another one; over a walk's extent a shift is exact to a millimetre."""
+    if origin is None or found.origin is None:
+        return found.fixes
+    own = found.origin
+    shift_m = _east_north(np.array([own.latitude_deg]), np.array([own.longitude_deg]), origin)[0]
+    return tuple(replace(fix, position_m=fix.position_m + shift_m) for fix in found.fixes)
 
 
 def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) -> Array:
@@ -191,18 +183,8 @@ def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) ->
     return np.column_stack([east, north])
 
 
-def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:
-    if origin is None or not len(points):
-        return None
-    position_m = _east_north(points[:, 1], points[:, 2], origin)
-    return TruePositions(points[:, 0], position_m, _POSI_SIGMA_M, "surveyed points")
-
-
-def _fixes(gnss: Array, origin: GeoOrigin | None) -> tuple[PositionFix, ...]:
-    if origin is None or not len(gnss):
-        return ()
-    position_m = _east_north(gnss[:, 2], gnss[:, 3], origin)
-    return tuple(
-        PositionFix(float(row[0]), position, np.eye(2) * row[4] ** 2, source="gps", robust=True)
-        for row, position in zip(gnss, position_m, strict=True)
-    )
+def _epoch_s(gnss: Array) -> float | None:
+    """Unix time of the app's time zero, to about a second: GNSS rows carry whole Unix seconds."""
+    offset_s = gnss[:, 1] - gnss[:, 0]
+    offset_s = offset_s[np.isfinite(offset_s)]
+    return float(np.median(offset_s)) if len(offset_s) else None

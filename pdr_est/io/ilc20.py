@@ -60,13 +60,16 @@ def _header_text(data: bytes) -> str:
 
 def _split_log(data: bytes, place: str) -> tuple[TaggedLog, int]:
     """The rows of a log, and how many of them had been glued to the end of another row."""
-    tagged = data.count(b"\tTYPE_")
+    log = _parse(data, place)
     # A cheap count tells whether the slow search for glued rows is needed.
-    if tagged > data.count(b"\n1") + data.startswith(b"1"):
-        repaired, glued = _GLUED.subn(b"\n", data)
-    else:
-        repaired, glued = data, 0
-    return TaggedLog.parse(repaired, place, separator="\t", tag_field=1, n_fields=_N_FIELDS), glued
+    if data.count(b"\tTYPE_") <= log.count("TYPE_"):
+        return log, 0
+    repaired, glued = _GLUED.subn(b"\n", data)
+    return _parse(repaired, place), glued
+
+
+def _parse(data: bytes, place: str) -> TaggedLog:
+    return TaggedLog.parse(data, place, separator="\t", tag_field=1, n_fields=_N_FIELDS)
 
 
 def _time_zero(log: TaggedLog, header: dict[str, str]) -> tuple[float, str]:

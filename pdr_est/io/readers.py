@@ -32,6 +32,8 @@ def read(path: str | Path) -> Recording:
     several walks are inside, or when the data are damaged.
     """
     source = Source.open(path)
+    if not any(source.head(member, 1) for member in source.members):
+        raise RecordingError(f"{source.path}: empty (0 bytes of content); export the recording again")
     for known in FORMATS:
         if known.sniff(source):
             return known.read(source)

@@ -247,7 +247,11 @@ def _gunzip(raw: bytes, limit_bytes: int, place: str) -> tuple[bytes, bool]:
 
 
 def _gunzip_head(raw: bytes, n_bytes: int, place: str) -> bytes:
+    inflater = zlib.decompressobj(wbits=31)
     try:
-        return zlib.decompressobj(wbits=31).decompress(raw, n_bytes)
+        head = inflater.decompress(raw, n_bytes)
     except zlib.error as error:
         raise RecordingError(f"{place}: damaged gzip data ({error}); copy or download it again") from error
+    if not head and not inflater.eof:
+        raise RecordingError(f"{place}: truncated gzip data; copy or download it again")
+    return head

@@ -29,7 +29,7 @@ class TaggedLog:
         names = [f"field_{i}" for i in range(n_fields)]
         header = separator.join(names).encode() + b"\n"
         rows = pl.read_csv(
-            header + data.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n"),
+            header + data.removeprefix(b"\xef\xbb\xbf"),
             separator=separator,
             quote_char=None,
             truncate_ragged_lines=True,
@@ -37,6 +37,10 @@ class TaggedLog:
             encoding="utf8-lossy",
         )
         return cls(place, data, separator, names[tag_field], rows)
+
+    def count(self, tag_prefix: str) -> int:
+        """Number of rows whose tag begins so."""
+        return int(self._rows[self._tag_column].str.starts_with(tag_prefix).sum())
 
     def numbers(self, tag: str, fields: Sequence[int]) -> Array:
         """The rows of a tag, (n, len(fields)) float64; an empty or absent field is NaN.
@@ -49,7 +53,7 @@ class TaggedLog:
         for name in numbers.columns:
             if numbers[name].null_count() == text[name].null_count():
                 continue
-            # Blanks are rare: only a column with something unreadable is looked at again without them.
+            # Blanks and the CR of CRLF are rare: only a column with unreadable fields is looked at without them.
             text = text.with_columns(pl.col(name).str.strip_chars().replace("", None))
             numbers = numbers.with_columns(text[name].cast(pl.Float64, strict=False))
             if numbers[name].null_count() != text[name].null_count():
