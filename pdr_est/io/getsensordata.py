@@ -12,11 +12,10 @@ from pdr_est.io.choice import members_like, only_walk, stem
 from pdr_est.io.gps import GpsFixes, gps_fixes
 from pdr_est.io.orientation import quaternion_from_rotation_vector
 from pdr_est.io.recording import DeviceRecording, GeoOrigin, Recording, Signal, TruePositions, Truth
-from pdr_est.io.signs import force_sign
 from pdr_est.io.source import Source
 from pdr_est.io.table import finite_rows
 from pdr_est.io.tagged import TaggedLog
-from pdr_est.io.units import acceleration_unit
+from pdr_est.io.units import acceleration_unit, force_sign
 from pdr_est.records import PositionFix
 
 NAME = "GetSensorData (IPIN)"
