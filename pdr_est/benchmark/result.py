@@ -1,0 +1,126 @@
+"""The outcome of a benchmark: a row for each scored track, and the averages over them."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class WalkRow:
+    """One scored track. metrics: name -> value, None when it cannot be told. seconds: CPU time of the chain.
+
+    labels, group, headline: of the `suite.WalkFile`. counts: how many points stand behind the metrics.
+    """
+
+    walk: str
+    track: str
+    estimator: str
+    mode: str
+    metrics: Mapping[str, float | None]
+    seconds: float
+    labels: Mapping[str, str | None] = field(default_factory=dict)
+    counts: Mapping[str, int] = field(default_factory=dict)
+    group: str | None = None
+    headline: bool = True
+
+    def to_dict(self) -> Json:
+        """The row as it stands in the JSON document."""
+        return {
+            "walk": self.walk,
+            "track": self.track,
+            "estimator": self.estimator,
+            "mode": self.mode,
+            **self.labels,
+            **self.metrics,
+            **self.counts,
+            "seconds": self.seconds,
+        }
+
+
+@dataclass(frozen=True)
+class SkippedWalk:
+    """A walk that could not be scored, or a metric of it ("metric: reason")."""
+
+    walk: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Average:
+    """Of one metric over the walks that have it; None when none has. p90: 90th percentile, linear between walks."""
+
+    mean: float | None
+    median: float | None
+    p90: float | None
+    n: int
+
+    @classmethod
+    def of(cls, values: Iterable[float | None]) -> "Average":
+        known = [value for value in values if value is not None and math.isfinite(value)]
+        if not known:
+            return cls(None, None, None, 0)
+        return cls(float(np.mean(known)), float(np.median(known)), float(np.percentile(known, 90.0)), len(known))
+
+    def to_dict(self) -> Json:
+        return {"mean": self.mean, "median": self.median, "p90": self.p90, "n": self.n}
+
+
+Summary = dict[str, Average]
+
+
+@dataclass(frozen=True)
+class BenchmarkResult:
+    """All rows of a suite. estimators: those that were run; estimator: the one that the plain summary is of."""
+
+    suite: str
+    version: str
+    estimator: str
+    estimators: tuple[str, ...]
+    metrics: tuple[str, ...]
+    rows: tuple[WalkRow, ...]
+    skipped: tuple[SkippedWalk, ...]
+
+    def summary(self, estimator: str) -> Summary:
+        """Averages over the headline walks of an estimator, by metric."""
+        return self._averages(row for row in self.rows if row.estimator == estimator and row.headline)
+
+    def groups(self, estimator: str) -> dict[str, Summary]:
+        """Averages of an estimator over each group of walks, by group; empty when the suite has no groups."""
+        rows = [row for row in self.rows if row.estimator == estimator and row.group is not None]
+        names = sorted({row.group for row in rows if row.group is not None})
+        return {name: self._averages(row for row in rows if row.group == name) for name in names}
+
+    def to_dict(self) -> Json:
+        """The JSON document. With several estimators `estimator` is "all", `summary` and `groups` are of the
+        configured one, and `estimators` and `estimator_groups` hold those of each.
+        """
+        document: Json = {
+            "suite": self.suite,
+            "version": self.version,
+            "estimator": "all" if len(self.estimators) > 1 else self.estimator,
+            "summary": _plain(self.summary(self.estimator)),
+            "groups": _plain_groups(self.groups(self.estimator)),
+        }
+        if len(self.estimators) > 1:
+            document["estimators"] = {name: _plain(self.summary(name)) for name in self.estimators}
+            document["estimator_groups"] = {name: _plain_groups(self.groups(name)) for name in self.estimators}
+        document["walks"] = [row.to_dict() for row in self.rows]
+        document["skipped"] = [{"walk": walk.walk, "reason": walk.reason} for walk in self.skipped]
+        return document
+
+    def _averages(self, rows: Iterable[WalkRow]) -> Summary:
+        chosen: Sequence[WalkRow] = list(rows)
+        return {metric: Average.of(row.metrics[metric] for row in chosen) for metric in self.metrics}
+
+
+def _plain(summary: Summary) -> Json:
+    return {metric: average.to_dict() for metric, average in summary.items()}
+
+
+def _plain_groups(groups: Mapping[str, Summary]) -> Json:
+    return {name: _plain(summary) for name, summary in groups.items()}

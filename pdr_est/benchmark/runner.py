@@ -1,0 +1,154 @@
+"""Runs a suite: every walk through the chain, in as many processes as wanted."""
+
+import math
+import multiprocessing
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from pdr_est import __version__, pipeline
+from pdr_est.benchmark.files import suite_folder
+from pdr_est.benchmark.result import BenchmarkResult, SkippedWalk, WalkRow
+from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile
+from pdr_est.benchmark.suites import suite_named
+from pdr_est.config import Config
+from pdr_est.errors import ConfigError, EstimationError, PdrError, RecordingError
+from pdr_est.estimators import EstimatorName
+from pdr_est.io import read
+
+Progress = Callable[[int, int], None]
+
+
+def run_benchmark(
+    suite: str,
+    data: Path,
+    config: Config,
+    estimators: Sequence[EstimatorName],
+    jobs: int = 1,
+    limit: int | None = None,
+    on_progress: Progress | None = None,
+) -> BenchmarkResult:
+    """Score the walks of a suite with each of the estimators.
+
+    data: the folder that holds the suite's folder, or that folder itself. jobs: how many processes. limit: only the
+    first so many walks. on_progress: called with the number of finished walks and of all walks. The walks come in
+    order of name, whatever the number of jobs.
+
+    Raises ConfigError for an unknown suite or a number out of range, RecordingError when the folder holds no walk,
+    EstimationError when a process dies. What goes wrong with a single walk is told in the result's `skipped`.
+    """
+    chosen = suite_named(suite)
+    if not estimators or jobs < 1 or (limit is not None and limit < 1):
+        raise ConfigError(f"jobs = {jobs}, limit = {limit}, {len(estimators)} estimators: each must be at least 1")
+    walks = chosen.find(suite_folder(data, chosen.folder))[:limit]
+    if not walks:
+        raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {chosen.folder}/")
+    outcomes = []
+    work = partial(run_walk, suite, config=config, estimators=tuple(estimators))
+    for outcome in _map(work, walks, min(jobs, len(walks)), tuple(estimators)):
+        outcomes.append(outcome)
+        if on_progress is not None:
+            on_progress(len(outcomes), len(walks))
+    return BenchmarkResult(
+        suite=suite,
+        version=__version__,
+        estimator=config.estimator.name if config.estimator.name in estimators else estimators[0],
+        estimators=tuple(estimators),
+        metrics=chosen.metrics,
+        rows=tuple(row for outcome in outcomes for row in outcome.rows),
+        skipped=tuple(walk for outcome in outcomes for walk in outcome.skipped),
+    )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Of one walk: a row for each estimator and track, and what could not be told."""
+
+    rows: tuple[WalkRow, ...] = ()
+    skipped: tuple[SkippedWalk, ...] = ()
+
+
+def run_walk(suite: str, file: WalkFile, config: Config, estimators: Sequence[EstimatorName]) -> Outcome:
+    """Read, analyse, estimate and score one walk; a PdrError becomes a skipped walk."""
+    chosen = suite_named(suite)
+    try:
+        recording = chosen.prepare(read(file.path))
+        started = time.process_time()
+        devices = pipeline.analyse(recording, config)
+        seconds = time.process_time() - started
+    except PdrError as error:
+        return Outcome(skipped=(SkippedWalk(file.name, str(error)),))
+    rows: list[WalkRow] = []
+    reasons: list[str] = []
+    for name in estimators:
+        walk = Walked(recording, devices, config.with_estimator(name), seconds)
+        try:
+            scores = chosen.score(walk)
+        except EstimationError as error:
+            reasons.append(f"{name}: {error}")
+            continue
+        except PdrError as error:
+            reasons.append(str(error))
+            continue
+        rows += [_row(chosen, file, name, of_track, walk.seconds) for of_track in scores]
+        reasons += [reason for of_track in scores for reason in _missing(chosen, of_track)]
+    # A reason that does not depend on the estimator or the track is given once.
+    return Outcome(tuple(rows), tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons)))
+
+
+def _row(suite: Suite, file: WalkFile, estimator: str, scores: Scores, seconds: float) -> WalkRow:
+    known = {metric: scores.values.get(metric, math.nan) for metric in suite.metrics}
+    return WalkRow(
+        walk=file.name,
+        track=scores.track,
+        estimator=estimator,
+        mode=scores.mode,
+        metrics={metric: value if math.isfinite(value) else None for metric, value in known.items()},
+        seconds=seconds,
+        labels=file.labels,
+        counts=scores.counts,
+        group=file.group,
+        headline=file.headline,
+    )
+
+
+def _missing(suite: Suite, scores: Scores) -> list[str]:
+    """Why metrics of a row are None; metrics with the same reason in one sentence."""
+    by_reason: dict[str, list[str]] = {}
+    for metric in suite.metrics:
+        if not math.isfinite(scores.values.get(metric, math.nan)):
+            by_reason.setdefault(scores.missing.get(metric, "not a finite number"), []).append(metric)
+    return [f"{', '.join(metrics)}: {reason}" for reason, metrics in by_reason.items()]
+
+
+def _map(
+    work: Callable[[WalkFile], Outcome], walks: Sequence[WalkFile], jobs: int, estimators: tuple[EstimatorName, ...]
+) -> Iterator[Outcome]:
+    """The outcomes in order of the walks."""
+    if jobs == 1:
+        _warm_up(estimators)
+        yield from map(work, walks)
+        return
+    # Spawned and not forked: the same on every platform, and safe with the threads of numpy and GTSAM.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_warm_up, initargs=(estimators,)) as pool:
+        yield from _until_broken(pool.map(work, walks))
+
+
+def _until_broken(outcomes: Iterable[Outcome]) -> Iterator[Outcome]:
+    try:
+        yield from outcomes
+    except BrokenProcessPool as error:
+        raise EstimationError(
+            "a worker process died: run with one job to see at which walk, and with more memory"
+        ) from error
+
+
+def _warm_up(estimators: tuple[EstimatorName, ...]) -> None:
+    """Load what is loaded at first use, so that its time does not count as the first walk's."""
+    if "factor-graph" in estimators:
+        from pdr_est.estimators import factor_graph  # noqa: F401

@@ -1,0 +1,85 @@
+"""What a benchmark suite consists of. A new suite is one module that makes one `Suite`, and its line in `suites`."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pdr_est import pipeline
+from pdr_est.config import Config
+from pdr_est.io.recording import Recording
+from pdr_est.pipeline import DeviceWalk
+from pdr_est.records import PositionFix
+from pdr_est.track import Track
+
+
+@dataclass(frozen=True)
+class WalkFile:
+    """One walk of a suite.
+
+    name: path of its main recording relative to the suite's folder, without extensions. labels: further keys of its
+    row, such as the position of the phone. group: the group that it is also averaged in. headline: whether it is
+    averaged in the summary.
+    """
+
+    name: str
+    path: Path
+    labels: Mapping[str, str | None] = field(default_factory=dict)
+    group: str | None = None
+    headline: bool = True
+
+
+@dataclass(frozen=True)
+class Scores:
+    """What a suite says of one track of a walk.
+
+    track: the device's name, "device" where there is one only, or "fused". mode: recognised for most of the walking
+    time. values: metrics by name; what is not finite counts as missing. counts: how many points stand behind them.
+    missing: metric -> why it cannot be told for this walk.
+    """
+
+    track: str
+    mode: str
+    values: Mapping[str, float]
+    counts: Mapping[str, int] = field(default_factory=dict)
+    missing: Mapping[str, str] = field(default_factory=dict)
+
+
+class Walked:
+    """A recorded walk after the front end, ready for one estimator; adds up the CPU time that the chain takes."""
+
+    def __init__(
+        self, recording: Recording, devices: Sequence[DeviceWalk], config: Config, front_end_seconds: float = 0.0
+    ) -> None:
+        self.recording = recording
+        self.devices = tuple(devices)
+        self.seconds = front_end_seconds
+        self._config = config
+
+    def track(self, fixes: Sequence[PositionFix] = ()) -> Track:
+        """The estimator's track, given the sensors and these fixes only."""
+        started = time.process_time()
+        track = pipeline.estimate(self.devices, self._config, fixes)
+        self.seconds += time.process_time() - started
+        return track
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A benchmark suite, made of functions at module level so that it can be used in other processes.
+
+    folder: name of its folder of walks. metrics: names, in the order of the table. find: the walks in that folder.
+    prepare: what has to be cut off a recording before any stage sees it. score: a walk's scores, one for each track.
+    """
+
+    name: str
+    folder: str
+    metrics: tuple[str, ...]
+    find: Callable[[Path], list[WalkFile]]
+    prepare: Callable[[Recording], Recording]
+    score: Callable[[Walked], list[Scores]]
+
+
+def as_recorded(recording: Recording) -> Recording:
+    """`prepare` of a suite that cuts nothing."""
+    return recording

@@ -1,0 +1,15 @@
+"""The benchmark suites, one module each."""
+
+from pdr_est.benchmark.suite import Suite
+from pdr_est.benchmark.suites import ilc20, ipin2023, oxiod
+from pdr_est.errors import ConfigError
+
+SUITES: tuple[Suite, ...] = (ilc20.SUITE, oxiod.SUITE, ipin2023.SUITE)
+
+
+def suite_named(name: str) -> Suite:
+    """The suite of that name. Raises ConfigError that lists the known ones."""
+    for suite in SUITES:
+        if suite.name == name:
+            return suite
+    raise ConfigError(f"unknown benchmark suite {name!r}: choose one of {', '.join(suite.name for suite in SUITES)}")

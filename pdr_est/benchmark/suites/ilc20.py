@@ -1,0 +1,28 @@
+"""Indoor Location Competition 2.0: phones held flat in front, waypoints clicked on the floor map about every 10 m."""
+
+from pathlib import Path
+
+from pdr_est.benchmark.files import recordings
+from pdr_est.benchmark.positions import HELDOUT_METRICS, OPEN_METRICS, score_waypoints
+from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.records import CarryingMode
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The logs `SITE/FLOOR/*.txt`."""
+    return [WalkFile(name, path) for name, path in recordings(folder, "*.txt")]
+
+
+def score(walk: Walked) -> list[Scores]:
+    """All phones are in the mode HOLDING."""
+    return score_waypoints(walk, CarryingMode.HOLDING)
+
+
+SUITE = Suite(
+    name="ilc20",
+    folder="ilc20",
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, "mode_accuracy"),
+    find=find,
+    prepare=as_recorded,
+    score=score,
+)

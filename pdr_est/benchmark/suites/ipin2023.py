@@ -1,0 +1,42 @@
+"""IPIN 2023 competition, track 3, training logs: held phones, surveyed points marked while walking over them."""
+
+from pathlib import Path
+
+from pdr_est.benchmark.files import recordings
+from pdr_est.benchmark.positions import HELDOUT_METRICS, OPEN_METRICS, score_waypoints
+from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile
+from pdr_est.errors import RecordingError
+from pdr_est.io.cut import cut
+from pdr_est.io.recording import Recording
+from pdr_est.records import CarryingMode
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The logs `*.txt`."""
+    return [WalkFile(name, path) for name, path in recordings(folder, "*.txt")]
+
+
+def from_first_point(recording: Recording) -> Recording:
+    """The recording from its first surveyed point on: before it, the phones are shaken for a minute to calibrate.
+
+    Raises RecordingError when there is no surveyed point.
+    """
+    positions = recording.truth.positions
+    if positions is None or not len(positions.time_s):
+        raise RecordingError(f"{recording.name}: no surveyed point (POSI): nothing to score the track against")
+    return cut(recording, float(positions.time_s.min()))
+
+
+def score(walk: Walked) -> list[Scores]:
+    """All phones are in the mode HOLDING. Errors are 2-D also where a walk changes floors."""
+    return score_waypoints(walk, CarryingMode.HOLDING)
+
+
+SUITE = Suite(
+    name="ipin2023",
+    folder="ipin2023",
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, "mode_accuracy"),
+    find=find,
+    prepare=from_first_point,
+    score=score,
+)

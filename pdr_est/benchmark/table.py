@@ -1,0 +1,73 @@
+"""A benchmark's result as tables on the terminal: the same numbers as in the JSON document."""
+
+from collections.abc import Callable, Sequence
+
+from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
+
+from pdr_est.benchmark.result import Average, BenchmarkResult, Summary
+
+_WIDEST = 1000  # columns; a row is never folded or shortened, the terminal may wrap it
+
+
+def print_table(result: BenchmarkResult, console: Console) -> None:
+    """Walk by walk, then the averages by group, those of the suite, and what was skipped with its reason."""
+    _print(console, _walks(result))
+    if any(result.groups(name) for name in result.estimators):
+        _print(console, _averages("groups", result, lambda name: result.groups(name)))
+    title = f"{result.suite}, pdr-est {result.version}"
+    _print(console, _averages(title, result, lambda name: {"": result.summary(name)}))
+    for walk in result.skipped:
+        console.print(f"skipped {walk.walk}: {walk.reason}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _walks(result: BenchmarkResult) -> Table:
+    labels = list(dict.fromkeys(label for row in result.rows for label in row.labels))
+    table = Table(title="walks")
+    for heading in ("walk", "track", "estimator", "mode", *labels):
+        table.add_column(heading, no_wrap=True)
+    for heading in (*result.metrics, "seconds"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in result.rows:
+        table.add_row(
+            row.walk,
+            row.track,
+            row.estimator,
+            row.mode,
+            *(row.labels.get(label) or "-" for label in labels),
+            *(_number(row.metrics[metric]) for metric in result.metrics),
+            _number(row.seconds),
+        )
+    return table
+
+
+def _averages(title: str, result: BenchmarkResult, of: Callable[[str], dict[str, Summary]]) -> Table:
+    """Mean, median, p90 and n of each metric. of: estimator -> group -> summary; the group "" is not named."""
+    by_estimator = {name: of(name) for name in result.estimators}
+    groups = list(dict.fromkeys(group for summaries in by_estimator.values() for group in summaries))
+    named = groups != [""]
+    table = Table(title=title)
+    for heading in (*(["group"] if named else []), "metric", "estimator"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("mean", "median", "p90", "n"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for group in groups:
+        for metric in result.metrics:
+            for name, summaries in by_estimator.items():
+                if group in summaries:
+                    table.add_row(*([group] if named else []), metric, name, *_cells(summaries[group][metric]))
+    return table
+
+
+def _cells(average: Average) -> Sequence[str]:
+    return (*(_number(value) for value in (average.mean, average.median, average.p90)), str(average.n))
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
+def _print(console: Console, table: Table) -> None:
+    width = Measurement.get(console, console.options.update(width=_WIDEST), table).maximum
+    console.print(table, width=width, crop=False, soft_wrap=False)
