@@ -16,6 +16,7 @@ from pdr_est.front_end.heading.step_yaw import HeadingParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
+from pdr_est.front_end.steps.band_peaks import BandPeaksParams
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams
 from pdr_est.front_end.steps.segmentation import SegmentationParams
 from pdr_est.io.resample import ResampleParams
@@ -27,7 +28,8 @@ from pdr_est.records import StartPose
 class StepsParams:
     """detector: which step detector; its parameters lie under its own name."""
 
-    detector: Literal["mmpdr"] = "mmpdr"
+    detector: Literal["band-peaks", "mmpdr"] = "band-peaks"
+    band_peaks: BandPeaksParams = BandPeaksParams()
     mmpdr: MmpdrStepParams = MmpdrStepParams()
     segmentation: SegmentationParams = SegmentationParams()
 

@@ -13,12 +13,13 @@ from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.mode import FixedMode
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
+from pdr_est.front_end.steps.band_peaks import BandPeaks
 from pdr_est.front_end.steps.mmpdr import MmpdrSteps
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.io.resample import Resampler
 from pdr_est.records import CarryingMode, Channel, Gap, LevelBlock, PositionFix, Step, StepOdometry
-from pdr_est.stage import Chain
+from pdr_est.stage import Chain, Stage
 from pdr_est.track import Track, concatenate
 
 
@@ -98,14 +99,22 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
 def stepping(config: Config) -> Chain:
     """Chain LevelBlock -> Step with length and heading."""
     rate_hz = config.resample.rate_hz
-    detector = MmpdrSteps(rate_hz, config.steps.mmpdr)
     return Chain(
         [
-            StepSegmentation(detector, config.steps.segmentation),
+            StepSegmentation(step_detector(config), config.steps.segmentation),
             StepLength(rate_hz, config.walker, config.step_length),
             StepYaw(),
         ]
     )
+
+
+def step_detector(config: Config) -> Stage:
+    """The configured step detector, a stage LevelBlock -> StepEvent."""
+    match config.steps.detector:
+        case "band-peaks":
+            return BandPeaks(config.resample.rate_hz, config.steps.band_peaks)
+        case "mmpdr":
+            return MmpdrSteps(config.resample.rate_hz, config.steps.mmpdr)
 
 
 def _analyse_device(device: DeviceRecording, recording_name: str, config: Config) -> DeviceWalk:

@@ -65,7 +65,7 @@ class StepSegmentation:
         first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
         return Step(
             event=event,
-            start_s=max(start, float(samples.time_s[0])),
+            start_s=min(max(start, float(samples.time_s[0])), event.time_s),
             frequency_hz=frequency,
             samples=part(samples, first, stop),
         )
