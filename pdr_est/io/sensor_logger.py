@@ -15,6 +15,7 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
 from pdr_est.io import units
 from pdr_est.io.choice import members_like, only_walk
 from pdr_est.io.gps import GpsFixes, gps_fixes, within
+from pdr_est.io.gravity import with_gravity
 from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.io.sensor_logger_clock import fix_clock, seconds_since
 from pdr_est.io.sensor_logger_export import Export, FolderExport, JsonExport, looks_like_json, looks_like_sensor
@@ -28,7 +29,6 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
 _FIX = ("latitude", "longitude", "horizontalAccuracy")
 _METADATA = ("platform", "device name", "recording time", "recording epoch time", "standardisation", "appVersion")
 _FORCE_SENSORS = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated")
-_GRAVITY_REACH_S = 0.2
 _CLOCK_SENSORS = (*_FORCE_SENSORS, "Gyroscope", "GyroscopeUncalibrated")
 
 
@@ -51,6 +51,12 @@ class _Reading:
         signal, dropped = finite_rows(time_s, table.stack(columns), sensor, table.place)
         self.warnings.extend(dropped)
         return signal
+
+    def sum(self, linear: Signal, gravity: Signal) -> Signal:
+        """Acceleration with gravity."""
+        total, warnings = with_gravity(linear, gravity)
+        self.warnings.extend(warnings)
+        return total
 
     def note(self, finding: units.Finding) -> float:
         """Keep the words of a finding, give its factor."""
@@ -155,7 +161,7 @@ def _expected_sign(metadata: Mapping[str, str]) -> tuple[float | None, str]:
 
 
 def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float | None) -> Signal | None:
-    """Acceleration with gravity, m/s^2, still with the recorder's signs."""
+    """Acceleration with gravity, m/s^2, still with the recorder's units."""
     total = reading.signal("TotalAcceleration")
     if total is not None:
         reading.decisions.append("specific force is TotalAcceleration")
@@ -164,7 +170,7 @@ def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float 
     gravity = None if user is None else reading.signal("Gravity")
     if user is not None and gravity is not None:
         reading.decisions.append("specific force is Accelerometer + Gravity")
-        return _sum(user, gravity, reading)
+        return reading.sum(user, gravity)
     raw = reading.signal("AccelerometerUncalibrated")
     if raw is not None:
         reading.decisions.append("specific force is AccelerometerUncalibrated: no accelerometer with gravity")
@@ -172,7 +178,7 @@ def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float 
     if user is not None and attitude is not None:
         reading.decisions.append("specific force is Accelerometer + gravity along the attitude: no Gravity")
         up = up_in_device(attitude.values) * (STANDARD_GRAVITY_MPS2 * (1.0 if sign is None else sign))
-        return _sum(user, Signal(attitude.time_s, up), reading)
+        return reading.sum(user, Signal(attitude.time_s, up))
     _explain_no_force(reading, user is not None)
     return None
 
@@ -190,20 +196,6 @@ def _explain_no_force(reading: _Reading, without_gravity: bool) -> None:
             f"{place}: {empty[0]} has no rows and no other sensor replaces it; export the recording again"
         )
     reading.warnings.append("no accelerometer in the export")
-
-
-def _sum(user: Signal, gravity: Signal, reading: _Reading) -> Signal:
-    """Acceleration plus gravity at the times of the acceleration; gravity varies slowly and is interpolated."""
-    if np.array_equal(user.time_s, gravity.time_s):
-        return Signal(user.time_s, user.values + gravity.values)
-    order = np.argsort(gravity.time_s, kind="stable")
-    time_s = gravity.time_s[order]
-    inside = (user.time_s >= time_s[0] - _GRAVITY_REACH_S) & (user.time_s <= time_s[-1] + _GRAVITY_REACH_S)
-    if not inside.all():
-        lost = len(inside) - int(inside.sum())
-        reading.warnings.append(f"Accelerometer: {lost} rows outside the time of the gravity are left out")
-    interpolated = [np.interp(user.time_s[inside], time_s, column) for column in gravity.values[order].T]
-    return Signal(user.time_s[inside], user.values[inside] + np.stack(interpolated, axis=1))
 
 
 def _upwards(
