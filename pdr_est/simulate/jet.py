@@ -56,3 +56,22 @@ class Jet:
 def jet_of(curve: PPoly, time_s: Array) -> Jet:
     """The jet of a piecewise polynomial of time at some times."""
     return Jet(curve(time_s), curve(time_s, 1), curve(time_s, 2))
+
+
+def smooth_curve(time_s: Array, value: Array, rate: Array) -> PPoly:
+    """Quintic pieces through values with given rates and no acceleration at rising times, all (n,).
+
+    The acceleration is continuous; where the values already move at the given rates, the curve is straight.
+    """
+    span = np.diff(time_s)
+    gain = np.diff(value)
+    begin, end = rate[:-1] * span, rate[1:] * span
+    coefficients = [
+        (6.0 * gain - 3.0 * begin - 3.0 * end) / span**5,
+        (-15.0 * gain + 8.0 * begin + 7.0 * end) / span**4,
+        (10.0 * gain - 6.0 * begin - 4.0 * end) / span**3,
+        np.zeros(len(span)),
+        rate[:-1],
+        value[:-1],
+    ]
+    return PPoly(np.array(coefficients), time_s)

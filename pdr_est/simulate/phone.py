@@ -5,7 +5,6 @@ from typing import Literal, Protocol
 import numpy as np
 
 from pdr_est.params import NonNegative, params
-from pdr_est.records import CarryingMode
 from pdr_est.simulate.body import BodyMotion
 from pdr_est.simulate.rigid_body import RigidMotion
 from pdr_est.simulate.tremor import Tremor
@@ -19,11 +18,6 @@ class Carry(Protocol):
 
     def motion(self, body: BodyMotion, rng: np.random.Generator) -> RigidMotion:
         """The device's motion at the times of `body`; the same function of time for every choice of times."""
-        ...
-
-    @property
-    def carrying_mode(self) -> CarryingMode:
-        """The label of this way of carrying."""
         ...
 
 
@@ -50,11 +44,6 @@ class HeldPhone:
     wander_rad: NonNegative = 0.01
     tremor_rad: NonNegative = 0.0005
     tremor_m: NonNegative = 0.00003
-
-    @property
-    def carrying_mode(self) -> CarryingMode:
-        """HOLDING."""
-        return CarryingMode.HOLDING
 
     def motion(self, body: BodyMotion, rng: np.random.Generator) -> RigidMotion:
         """The phone's motion at the times of `body`; `rng` draws the hand's unrest."""

@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from difflib import get_close_matches
 from types import MappingProxyType
+from typing import Annotated
 
+from annotated_types import Ge
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
@@ -34,9 +36,10 @@ class Scenario:
     gait: GaitParams = GaitParams()
     body: BodyParams = BodyParams()
     devices: tuple[DeviceParams, ...] = (DeviceParams(),)
-    seed: int = 0
+    seed: Annotated[int, Ge(0)] = 0
 
 
+_ADAPTER = TypeAdapter(Scenario)
 _RECTANGLE = ((0.0, 0.0), (24.0, 0.0), (24.0, 28.0), (-24.0, 28.0), (-24.0, 0.0), (0.0, 0.0))
 
 PRESETS: Mapping[str, Scenario] = MappingProxyType(
@@ -64,7 +67,7 @@ def preset(name: str) -> Scenario:
 def check(scenario: Scenario) -> None:
     """Raise ConfigError if a value is out of its range."""
     try:
-        TypeAdapter(Scenario).validate_python(asdict(scenario))
+        _ADAPTER.validate_python(asdict(scenario))
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
@@ -72,3 +75,7 @@ def check(scenario: Scenario) -> None:
     names = [device.name for device in scenario.devices]
     if not names or len(set(names)) < len(names):
         raise ConfigError(f"scenario devices {names}: at least one, each with a name of its own")
+    for device in scenario.devices:
+        for start_s, end_s in device.sensors.gaps_s:
+            if not start_s < end_s:
+                raise ConfigError(f"scenario device {device.name}: gap from {start_s} s to {end_s} s: swap the times")

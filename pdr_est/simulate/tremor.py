@@ -18,10 +18,10 @@ class Tremor:
 
     def at(self, time_s: Array) -> Jet:
         """The signal at some times (n,), in the unit of `rms`."""
-        angle = time_s[:, None] * self._omega + self._phase
-        sine, cosine = np.sin(angle), np.cos(angle)
-        return Jet(
-            value=self._amplitude * sine.sum(axis=1),
-            rate=self._amplitude * (cosine @ self._omega),
-            acceleration=-self._amplitude * (sine @ self._omega**2),
-        )
+        value, rate, acceleration = (np.zeros(len(time_s)) for _ in range(3))
+        for omega, phase in zip(self._omega, self._phase, strict=True):  # tone by tone: hours fit into memory
+            sine = self._amplitude * np.sin(omega * time_s + phase)
+            value += sine
+            rate += self._amplitude * omega * np.cos(omega * time_s + phase)
+            acceleration -= omega**2 * sine
+        return Jet(value, rate, acceleration)

@@ -9,8 +9,9 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording, Recording, TruePositions, TrueSteps, TrueTurns, Truth
 from pdr_est.records import PositionFix
-from pdr_est.simulate.body import Body, BodyMotion
+from pdr_est.simulate.body import Body
 from pdr_est.simulate.path import Path
+from pdr_est.simulate.phone import Carry
 from pdr_est.simulate.rigid_body import RigidMotion
 from pdr_est.simulate.scenario import DeviceParams, Scenario, check
 from pdr_est.simulate.sensors import RecordedSensor, record, record_exactly, sampling_times
@@ -123,8 +124,8 @@ def simulate_walk(scenario: Scenario) -> SimulatedWalk:
 
 def _simulate_device(device: DeviceParams, body: Body, end_s: float, seed: int, number: int) -> SimulatedDevice:
     time_s = sampling_times(end_s, device.sensors.rate_hz)
-    trunk: BodyMotion = body.at(time_s)
-    motion = device.carry.motion(trunk, _stream(seed, _Stream.HAND, number))
+    carry: Carry = device.carry
+    motion = carry.motion(body.at(time_s), _stream(seed, _Stream.HAND, number))
     force, rate = motion.specific_force_mps2, motion.rotation_rate_radps
     sensors = device.sensors
     return SimulatedDevice(
