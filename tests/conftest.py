@@ -1,0 +1,16 @@
+"""What tests of all parts share."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """Folder of the real recordings that the project is tuned on; the test is skipped where there is none."""
+    beside_repo = Path(__file__).resolve().parents[1] / "../shared/data"
+    folder = Path(os.environ.get("PDR_EST_DATA", beside_repo))
+    if not folder.is_dir():
+        pytest.skip(f"no real recordings in {folder}: set PDR_EST_DATA to their folder")
+    return folder
