@@ -12,7 +12,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.params import NonNegative, Positive, params
 
-SETTLE_S = 0.4  # the body comes to rest this long after the last heel strike before a standstill
+SETTLE_S = 0.6  # the body comes to rest this long after the last heel strike before a standstill
 
 _MMPDR_K = {"male": 0.3139, "female": 0.2975}  # MMPDR eq. 9
 
