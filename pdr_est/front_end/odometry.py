@@ -18,10 +18,10 @@ class OdometryParams:
     during a gap. gap_turn_rad_per_sqrt_s: how much the walker may have turned in it.
     """
 
-    sigma_length_fraction: Positive = 0.08
-    sigma_direction_rad: Positive = 0.08
-    sigma_heading_rad_per_sqrt_s: NonNegative = 0.02
-    sigma_length_scale: NonNegative = 0.08
+    sigma_length_fraction: Positive = 0.15
+    sigma_direction_rad: Positive = 0.18
+    sigma_heading_rad_per_sqrt_s: NonNegative = 0.04
+    sigma_length_scale: NonNegative = 0.1
     gap_speed_mps: Positive = 1.0
     gap_turn_rad_per_sqrt_s: Positive = 1.0
 

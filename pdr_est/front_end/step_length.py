@@ -39,7 +39,7 @@ class StepLengthParams:
     weinberg_k2: Positive = 0.48
     scarlett_k3: Positive = 0.60
     range_power_k: Positive = 0.56
-    range_power_exponent: Positive = 0.17
+    range_power_exponent: Positive = 0.15
     smoothing_s: Positive = 0.24
 
 
