@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording, Recording, Truth
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.records import PositionFix, StartPose
@@ -163,23 +164,29 @@ def _counts(devices: Sequence[DeviceWalk]) -> Json:
 
 
 def _device_track(track: Track) -> Json:
+    radius = radius95_m(track.covariance_m2)
+    known = radius[np.isfinite(radius)]
     return {
         "name": str(track.device[0]),
         "distance_m": track.distance_m,
         "start_position_m": track.position_m[0],
         "end_position_m": track.position_m[-1],
-        "end_radius95_m": radius95_m(track.covariance_m2[-1]),
-        "largest_radius95_m": max(radius95_m(covariance) for covariance in track.covariance_m2),
+        "end_radius95_m": radius[-1],
+        "largest_radius95_m": known.max() if len(known) else None,
     }
 
 
-def radius95_m(covariance_m2: Any) -> float:
-    """Long half axis of the 95 % ellipse of a 2-D normal distribution; NaN for a covariance that is not finite."""
-    covariance = np.asarray(covariance_m2, dtype=np.float64)
-    if not np.isfinite(covariance).all():
-        return math.nan
-    largest = float(np.linalg.eigvalsh(covariance)[-1])
-    return math.sqrt(CHI2_95_2D * max(largest, 0.0))
+def radius95_m(covariance_m2: Array) -> Array:
+    """Long half axes (n,) of the 95 % ellipses of normal distributions; NaN where a covariance is not finite.
+
+    covariance_m2: (n, 2, 2).
+    """
+    finite = np.asarray(np.isfinite(covariance_m2).all(axis=(1, 2)))
+    covariance = np.where(finite[:, None, None], covariance_m2, 0.0)
+    xx, xy, yy = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
+    largest = (xx + yy) / 2.0 + np.hypot((xx - yy) / 2.0, xy)
+    radius = np.sqrt(CHI2_95_2D * np.maximum(largest, 0.0))
+    return np.where(finite, radius, np.nan)
 
 
 def _fixes(fixes: Sequence[PositionFix]) -> Json:

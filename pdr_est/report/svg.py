@@ -67,7 +67,7 @@ def label_axes(axes: Axes, x: str = "", y: str = "") -> None:
     """Quantity and unit on the axes; y labels of stacked axes are aligned."""
     axes.set_xlabel(x, color=INK, labelpad=5, fontsize=9.0)
     axes.set_ylabel(y, color=INK, fontsize=9.0)
-    axes.yaxis.set_label_coords(-(LEFT_IN - 0.13) / (WIDTH_IN - LEFT_IN - RIGHT_IN), 0.5)
+    axes.yaxis.set_label_coords(-(LEFT_IN - 0.2) / (WIDTH_IN - LEFT_IN - RIGHT_IN), 0.5)
 
 
 def to_svg(figure: Figure, name: str, description: str) -> str:

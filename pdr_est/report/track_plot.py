@@ -14,10 +14,11 @@ from pdr_est.report import svg
 from pdr_est.report.summary import CHI2_95_2D, radius95_m
 from pdr_est.track import Track
 
-ELLIPSES = 28  # at most about as many for a device: more hide the track
+ELLIPSES = 28  # about as many in all at most: more hide the track
 ARROWS = 7
 DENSE_POINTS = 200  # truth with more points is a line without markers
-BOTTOM_IN, TOP_IN = 0.85, 0.12
+LONG_TRACK = 3000  # poses; the line is thinner from here on
+BOTTOM_IN, TOP_IN = 0.72, 0.12
 SMALLEST_SPAN_M = 4.0
 
 
@@ -41,7 +42,7 @@ def plot_track(
 ) -> Figure:
     """Figure of the track of every device. truth_m: (k, 2) in the same frame as the track, or None."""
     tracks = [track.of_device(name) for name in track.devices]
-    shown = [thin_ellipses(one) for one in tracks]
+    shown = [thin_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
     window = _window(tracks, shown, fixes, truth_m)
     figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
     axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
@@ -62,15 +63,15 @@ def plot_track(
     return figure
 
 
-def thin_ellipses(track: Track) -> list[int]:
-    """Poses of one device whose ellipses are drawn: spread along the way, wider apart where they are large.
+def thin_ellipses(track: Track, count: int) -> list[int]:
+    """Poses of one device whose ellipses are drawn: at most about `count`, wider apart where they are large.
 
     The last pose is always among them; poses without a finite, visible covariance never are.
     """
-    radius = np.array([radius95_m(covariance) for covariance in track.covariance_m2])
+    radius = radius95_m(track.covariance_m2)
     legs = np.linalg.norm(np.diff(track.position_m, axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(legs)])
-    spacing = way[-1] / ELLIPSES
+    spacing = way[-1] / max(count, 1)
     visible = np.flatnonzero(np.isfinite(radius) & (radius > 0.0))
     if not len(visible):
         return []
@@ -137,7 +138,8 @@ def _truth(axes: Axes, truth_m: Array) -> None:
 
 
 def _line(axes: Axes, track: Track, colour: str, arrow_m: float) -> None:
-    axes.plot(*track.position_m.T, color=colour, linewidth=1.7, solid_joinstyle="round", solid_capstyle="round")
+    width = 1.7 if len(track) < LONG_TRACK else 0.9
+    axes.plot(*track.position_m.T, color=colour, linewidth=width, solid_joinstyle="round", solid_capstyle="round")
     legs = np.linalg.norm(np.diff(track.position_m, axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(legs)])
     if way[-1] < 4.0 * arrow_m:
@@ -181,7 +183,7 @@ def _ends(axes: Axes, track: Track, colour: str) -> None:
 def _scale_bar(axes: Axes, window: Window) -> None:
     """A bar of round length below the axes, where it cannot hide anything."""
     length = svg.nice_step(window.width, 9)
-    below = -0.52 / window.height_in
+    below = -0.44 / window.height_in
     frame = axes.get_xaxis_transform()
     begin, end = window.east - length, window.east
     axes.plot([begin, end], [below, below], color=svg.INK, linewidth=2.0, transform=frame, clip_on=False)

@@ -14,7 +14,7 @@ from pdr_est.track import Track
 STEP_S = 0.52
 STEP_M = 0.62
 RATE_HZ = 50.0
-CORNERS_M = np.array([[0.0, 0.0], [42.0, 0.0], [42.0, 21.0], [18.0, 27.0], [0.0, 21.0], [0.0, 0.0]])
+CORNERS_M = np.array([[0.0, 0.0], [50.0, 0.0], [50.0, 25.0], [22.0, 33.0], [0.0, 25.0], [0.0, 0.0]])
 
 MakeWalk = Callable[..., tuple[SmoothedWalk, Recording]]
 

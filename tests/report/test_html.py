@@ -1,0 +1,178 @@
+"""The report is one page that holds the numbers, loads nothing and believes no name."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from pdr_est.records import Gap, StartPose
+from pdr_est.report.html import metric, number, render_report, seconds
+from pdr_est.report.summary import package_versions, summarise
+
+VOID = {"meta", "link", "br", "img", "input", "hr"}
+CONFIG = {"estimator": {"name": "factor-graph"}, "resample": {"rate_hz": 50.0}}
+
+
+class Page(HTMLParser):
+    """Checks that tags are balanced; collects text, attributes and tag names."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str]] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert not self.open, f"never closed: {self.open}"
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.handle_startendtag(tag, attrs)
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list) -> None:
+        self.tags.append(tag)
+        self.attributes += [(name, value or "") for name, value in attrs]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+def render(walk, recording, **options) -> str:
+    summary = summarise(walk, recording, CONFIG, {"walk.zip": "c0ffee" * 10}, package_versions(), **options)
+    return render_report(walk, recording, summary)
+
+
+def test_page_holds_the_numbers(make_walk) -> None:
+    walk, recording = make_walk(steps=120)
+    walk = replace(walk, warnings=("fix at 912.0 s lies after the end",))
+    gap = Gap("rotation_rate", 20.0, 23.25, "gap")
+    walk = replace(walk, devices=(replace(walk.devices[0], gaps=(gap,)),))
+    page = Page(render(walk, recording, errors={"error_heldout_m": 0.834, "coverage95": 0.9444}))
+    for expected in (
+        "morning loop",
+        f"{walk.track.distance_m:.1f} m",
+        "steps 120",
+        "1 min 08 s",
+        "factor-graph (smoothed)",
+        "1.034 ± 0.012",
+        "4 (4 waypoint)",
+        "HOLDING 100 %",
+        "fix at 912.0 s lies after the end",
+        "rotation_rate gap 20.00 s 23.25 s 3.25 s",
+        "error_heldout_m 0.83 m",
+        "coverage95 0.944",
+        "rate_hz: 50.0",
+        "walk.zip c0ffee",
+        f"numpy {np.__version__}",
+        "signs: Android, the phone lay face up at rest",
+        "2023-11-14 22:13 UTC",
+    ):
+        assert expected in page.text, expected
+
+
+def test_page_loads_nothing_and_runs_nothing(make_walk) -> None:
+    walk, recording = make_walk(steps=3000, devices=("1L", "2R"))  # enough for the layers drawn as images
+    text = render(walk, recording)
+    assert "data:image/png;base64," in text
+    assert "http:" not in text
+    assert "https:" not in text
+    assert "@import" not in text
+    assert all(target.startswith("#") for target in re.findall(r"url\(([^)]*)\)", text))
+    page = Page(text)
+    for name, value in page.attributes:
+        if name in {"src", "href", "xlink:href", "srcset", "data", "action", "poster"}:
+            assert value.startswith(("#", "data:image/png")), (name, value[:60])
+        assert not name.startswith("on"), name
+    assert not {"script", "iframe", "object", "embed", "link", "base"} & set(page.tags)
+    ids = [value for name, value in page.attributes if name == "id"]
+    assert len(ids) == len(set(ids))
+
+
+def test_names_and_messages_are_text_and_never_markup(make_walk) -> None:
+    hostile = '<script>alert("x")</script> $\\frac{1}$ \'"&'
+    walk, recording = make_walk(steps=30, devices=(hostile, "_hidden"))
+    device = replace(recording.devices[0], model=hostile, warnings=(hostile,), decisions=(hostile,))
+    recording = replace(recording, name=hostile, format=hostile, devices=(device,), notes=(hostile,))
+    walk = replace(walk, warnings=(f"</section>{hostile}",), timings_s={hostile: 1.0})
+    text = render(walk, recording, errors={hostile: 1.0})
+    page = Page(text)
+    assert "script" not in page.tags
+    assert "<script" not in text
+    assert page.text.count('<script>alert("x")</script> $\\frac{1}$ \'"&') >= 9
+    assert "_hidden" in page.text
+
+
+def test_names_in_other_scripts_are_kept(make_walk) -> None:
+    walk, recording = make_walk(steps=30, devices=("左ポケット", "правая рука 🚶"))
+    page = Page(render(walk, replace(recording, name="散歩 – Weg zur Universität")))
+    for name in ("散歩 – Weg zur Universität", "左ポケット", "правая рука 🚶"):
+        assert name in page.text
+
+
+def test_walk_without_a_step_has_a_page(make_walk) -> None:
+    walk, recording = make_walk(steps=0, with_truth=False)
+    page = Page(render(replace(walk, warnings=("phone: no step found",)), recording))
+    assert "the track is a single point" in page.text
+    assert "phone: no step found" in page.text
+    assert "step length" not in page.text
+    bare = replace(walk, devices=(replace(walk.devices[0], level=()),))
+    assert "single point" in Page(render(bare, recording)).text
+
+
+def test_truth_is_laid_onto_a_track_in_a_frame_of_its_own(make_walk) -> None:
+    walk, recording = make_walk(steps=100)
+    free = replace(walk, fixes=())
+    assert "truth was turned and shifted" in Page(render(free, recording)).text
+    tied = Page(render(free, recording, start=StartPose((0.0, 0.0), 0.0))).text
+    assert "truth (waypoints)" in tied
+    assert "turned and shifted" not in tied
+
+
+def test_very_long_walk_stays_small(make_walk) -> None:
+    walk, recording = make_walk(steps=50_000)
+    text = render(walk, recording)
+    assert len(text.encode()) < 5_000_000
+    assert "50\u202f000" in text
+
+
+def test_many_gaps_are_cut_with_a_word_about_it(make_walk) -> None:
+    walk, recording = make_walk(steps=20)
+    gaps = tuple(Gap("attitude", float(n), n + 0.6, "gap") for n in range(130))
+    page = Page(render(replace(walk, devices=(replace(walk.devices[0], gaps=gaps),)), recording))
+    assert "and 30 more, listed in summary.json" in page.text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "–"),
+        (8.44, "8.4 s"),
+        (59.98, "1 min 00 s"),
+        (185.0, "3 min 05 s"),
+        (3599.6, "1 h 00 min"),
+        (7620.0, "2 h 07 min"),
+    ],
+)
+def test_durations_read_well(value: float | None, text: str) -> None:
+    assert seconds(value) == text
+
+
+def test_numbers_carry_the_unit_of_their_name() -> None:
+    assert number(-12345.678, 1) == "−12\u202f345.7"
+    assert metric(0.834, "ate_rigid_m") == "0.83 m"
+    assert metric(2.5, "phone · turn_error_deg") == "2.50 °"
+    assert metric(0.9444, "coverage95") == "0.944"
+    assert metric(3, "n") == "3"
+    assert metric(None, "ate_rigid_m") == "–"

@@ -1,0 +1,113 @@
+"""The summary holds the numbers of the walk, and nothing that JSON cannot hold."""
+
+import json
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pdr_est.records import CarryingMode, Gap, StartPose
+from pdr_est.report.summary import package_versions, radius95_m, summarise, to_json
+
+CONFIG = {"estimator": {"name": "factor-graph"}, "resample": {"rate_hz": 50.0}}
+
+
+def strict(document: dict) -> dict:
+    """Through JSON and back; NaN is refused."""
+    return json.loads(json.dumps(document, allow_nan=False))
+
+
+def test_counts_distance_and_duration_of_two_devices(make_walk) -> None:
+    walk, recording = make_walk(steps=40, devices=("1L", "2R"))
+    first = replace(
+        walk.devices[0], gaps=(Gap("rotation_rate", 5.0, 6.5, "gap"),), dropped_samples={"rotation_rate": 3}
+    )
+    walk = replace(walk, devices=(first, walk.devices[1]))
+    summary = strict(summarise(walk, recording, CONFIG, {"a.zip": "ab" * 32, "b": None}, {"python": "3"}))
+    assert summary["counts"]["steps"] == {"1L": 40, "2R": 40}
+    assert summary["counts"]["samples"]["1L"] == len(walk.devices[0].level[0])
+    assert summary["counts"]["dropped_samples"] == {"1L": {"rotation_rate": 3}, "2R": {}}
+    each = [device["distance_m"] for device in summary["devices"]]
+    assert summary["distance_m"] == pytest.approx(sum(each) / 2)  # one walker, not two
+    assert each[0] == pytest.approx(walk.track.of_device("1L").distance_m)
+    level = walk.devices[0].level[0]
+    assert summary["duration_s"] == pytest.approx(level.time_s[-1] - level.time_s[0])
+    assert summary["gaps"] == [
+        {"device": "1L", "channel": "rotation_rate", "start_s": 5.0, "end_s": 6.5, "reason": "gap"}
+    ]
+    assert summary["inputs"] == [{"name": "a.zip", "sha256": "ab" * 32}, {"name": "b", "sha256": None}]
+    assert summary["config"] == CONFIG
+    assert summary["length_scale"] == {"value": 1.034, "sigma": 0.012}
+    assert summary["fixes"] == {"used": 4, "sources": {"waypoint": 4}}
+    assert summary["recording"]["time_zero"] == "2023-11-14T22:13:20.000+00:00"
+
+
+@pytest.mark.parametrize(
+    ("start", "with_fixes", "frame"),
+    [
+        (None, False, "own"),
+        (StartPose((1.0, 2.0), None), False, "own"),
+        (StartPose(None, 0.3), False, "own"),
+        (StartPose((1.0, 2.0), 0.3), False, "map"),
+        (None, True, "map"),
+    ],
+)
+def test_track_is_in_the_map_frame_only_when_something_ties_it(make_walk, start, with_fixes, frame) -> None:
+    walk, recording = make_walk(steps=10)
+    walk = walk if with_fixes else replace(walk, fixes=())
+    assert summarise(walk, recording, {}, {}, {}, start=start)["frame"] == frame
+
+
+def test_warnings_come_once_from_the_pipeline_and_from_the_reader(make_walk) -> None:
+    walk, recording = make_walk(steps=3)
+    device = replace(recording.devices[0], warnings=("clipped at 20 m/s^2", "stuck"))
+    walk = replace(walk, warnings=("late fix", "phone: stuck"))
+    summary = summarise(walk, replace(recording, devices=(device,)), {}, {}, {})
+    assert summary["warnings"] == ["late fix", "phone: stuck", "phone: clipped at 20 m/s^2"]
+
+
+def test_unknown_numbers_are_none(make_walk) -> None:
+    walk, recording = make_walk(steps=0, with_truth=False)
+    covariance = np.full((1, 2, 2), np.inf)
+    walk = replace(walk, track=replace(walk.track, covariance_m2=covariance, sigma_length_scale=math.nan))
+    summary = strict(summarise(walk, recording, {}, {}, {}, errors={"ate_rigid_m": np.float64("nan")}))
+    assert summary["devices"][0]["end_radius95_m"] is None
+    assert summary["devices"][0]["largest_radius95_m"] is None
+    assert summary["length_scale"]["sigma"] is None
+    assert summary["errors_against_truth"] == {"ate_rigid_m": None}
+    assert summary["distance_m"] == 0.0
+
+
+def test_radius_is_the_long_half_axis_of_the_95_percent_ellipse() -> None:
+    turn = np.array([[0.6, -0.8], [0.8, 0.6]])
+    covariance = np.array([turn @ np.diag([9.0, 1.0]) @ turn.T, np.zeros((2, 2)), np.full((2, 2), np.nan)])
+    radius = radius95_m(covariance)
+    # Rayleigh distribution: P(r < k sigma) = 1 - exp(-k^2 / 2) = 0.95.
+    assert radius[:2] == pytest.approx([3.0 * math.sqrt(-2.0 * math.log(0.05)), 0.0])
+    assert np.isnan(radius[2])
+
+
+def test_records_arrays_enums_and_paths_have_a_json_form() -> None:
+    @dataclass
+    class Record:
+        values: np.ndarray
+        mode: CarryingMode
+
+    record = Record(np.array([[1.0, np.inf]]), CarryingMode.SWING)
+    assert to_json({"r": record, 3: np.int64(4), "p": Path("a"), "b": np.True_, "t": (None, "x")}) == {
+        "r": {"values": [[1.0, None]], "mode": "SWING"},
+        "3": 4,
+        "p": "a",
+        "b": True,
+        "t": [None, "x"],
+    }
+    with pytest.raises(TypeError, match="complex has no JSON form"):
+        to_json({"z": 1j})
+
+
+def test_versions_name_the_libraries_that_shape_the_numbers() -> None:
+    versions = package_versions()
+    assert set(versions) == {"python", "pdr_est", "numpy", "scipy", "gtsam", "filterpy", "vqf"}
+    assert versions["numpy"] == np.__version__
