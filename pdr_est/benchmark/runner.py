@@ -73,29 +73,32 @@ class Outcome:
 
 
 def run_walk(suite: str, file: WalkFile, config: Config, estimators: Sequence[EstimatorName]) -> Outcome:
-    """Read, analyse, estimate and score one walk; a PdrError becomes a skipped walk."""
-    chosen = suite_named(suite)
+    """Read, analyse, estimate and score one walk; a PdrError becomes a skipped walk, other errors get its name."""
     try:
-        recording = chosen.prepare(read(file.path))
-        started = time.process_time()
-        devices = pipeline.analyse(recording, config)
-        seconds = time.process_time() - started
+        return _run_walk(suite_named(suite), file, config, estimators)
     except PdrError as error:
         return Outcome(skipped=(SkippedWalk(file.name, str(error)),))
+    except Exception as error:
+        error.add_note(f"in the walk {file.name}")
+        raise
+
+
+def _run_walk(suite: Suite, file: WalkFile, config: Config, estimators: Sequence[EstimatorName]) -> Outcome:
+    recording = suite.prepare(read(file.path))
+    started = time.process_time()
+    devices = pipeline.analyse(recording, config)
+    seconds = time.process_time() - started
     rows: list[WalkRow] = []
     reasons: list[str] = []
     for name in estimators:
         walk = Walked(recording, devices, config.with_estimator(name), seconds)
         try:
-            scores = chosen.score(walk)
+            scores = suite.score(walk)
         except EstimationError as error:
             reasons.append(f"{name}: {error}")
             continue
-        except PdrError as error:
-            reasons.append(str(error))
-            continue
-        rows += [_row(chosen, file, name, of_track, walk.seconds) for of_track in scores]
-        reasons += [reason for of_track in scores for reason in _missing(chosen, of_track)]
+        rows += [_row(suite, file, name, of_track, walk.seconds) for of_track in scores]
+        reasons += [reason for of_track in scores for reason in _missing(suite, of_track)]
     # A reason that does not depend on the estimator or the track is given once.
     return Outcome(tuple(rows), tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons)))
 

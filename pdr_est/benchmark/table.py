@@ -8,7 +8,7 @@ from rich.table import Table
 
 from pdr_est.benchmark.result import Average, BenchmarkResult, Summary
 
-_WIDEST = 1000  # columns; a row is never folded or shortened, the terminal may wrap it
+_WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps the lines instead
 
 
 def print_table(result: BenchmarkResult, console: Console) -> None:
@@ -69,5 +69,5 @@ def _number(value: float | None) -> str:
 
 
 def _print(console: Console, table: Table) -> None:
-    width = Measurement.get(console, console.options.update(width=_WIDEST), table).maximum
-    console.print(table, width=width, crop=False, soft_wrap=False)
+    table.width = Measurement.get(console, console.options.update(width=_WIDEST), table).maximum
+    console.print(table, crop=False)

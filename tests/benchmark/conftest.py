@@ -1,0 +1,41 @@
+"""Small logs of made-up walks in the ILC20 format."""
+
+import gzip
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+_EPOCH_MS = 1_574_560_000_000
+_STEP_HZ = 2.0
+_SPEED_MPS = 1.3
+
+WriteLog = Callable[..., Path]
+
+
+def _samples(duration_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times and vertical specific force of a phone held flat by a person who walks two steps a second."""
+    time_s = np.arange(0.0, duration_s, 0.02)
+    up = 9.81 + 3.0 * np.sin(2.0 * np.pi * _STEP_HZ * time_s) + np.sin(4.0 * np.pi * _STEP_HZ * time_s)
+    return time_s, up
+
+
+@pytest.fixture
+def write_ilc20() -> WriteLog:
+    """Writer of a walk straight to the north with a waypoint every `every_s`, the first one at 1 s."""
+
+    def write(path: Path, duration_s: float = 20.0, every_s: float = 3.0) -> Path:
+        rows = []
+        for t, up in zip(*_samples(duration_s), strict=True):
+            ms = _EPOCH_MS + round(1e3 * t)
+            rows.append(f"{ms}\tTYPE_ACCELEROMETER\t0.0\t0.0\t{up:.5f}\t3")
+            rows.append(f"{ms}\tTYPE_GYROSCOPE\t0.0\t0.0\t0.0\t3")
+        for t in np.arange(1.0, duration_s, every_s):
+            rows.append(f"{_EPOCH_MS + round(1e3 * t)}\tTYPE_WAYPOINT\t5.0\t{_SPEED_MPS * t:.3f}")
+        text = "\n".join(rows) + "\n"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(gzip.compress(text.encode()) if path.suffix == ".gz" else text.encode())
+        return path
+
+    return write

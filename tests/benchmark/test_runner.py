@@ -1,0 +1,170 @@
+import json
+
+import numpy as np
+import pytest
+
+from pdr_est import pipeline
+from pdr_est.benchmark import SUITES, run_benchmark, runner
+from pdr_est.benchmark.suite import Scores, Walked
+from pdr_est.benchmark.suites import ilc20, ipin2023
+from pdr_est.config import Config
+from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.io import read
+from pdr_est.records import PositionFix
+
+EKF = ("ekf",)
+ALL = ("dead-reckoning", "ekf", "factor-graph")
+HELDOUT = ("error_heldout_m", "coverage95", "nees_mean")
+
+
+@pytest.fixture
+def data(tmp_path, write_ilc20):
+    write_ilc20(tmp_path / "ilc20/site1/F1/one.txt")
+    write_ilc20(tmp_path / "ilc20/site1/F1/two.txt.gz", duration_s=25.0)
+    return tmp_path
+
+
+def without_seconds(document):
+    return {
+        **document,
+        "walks": [{key: value for key, value in walk.items() if key != "seconds"} for walk in document["walks"]],
+    }
+
+
+def test_suite_runs_from_files_to_a_document_of_the_agreed_shape(data):
+    document = run_benchmark("ilc20", data, Config(), ALL).to_dict()
+    assert json.loads(json.dumps(document, allow_nan=False)) == document
+    assert set(document["summary"]) == set(ilc20.SUITE.metrics)
+    assert [(walk["walk"], walk["estimator"]) for walk in document["walks"]] == [
+        (walk, estimator) for walk in ("site1/F1/one", "site1/F1/two") for estimator in ALL
+    ]
+    assert document["skipped"] == []
+    for walk in document["walks"]:
+        assert (walk["track"], walk["mode"], walk["mode_accuracy"]) == ("device", "HOLDING", 1.0)
+        assert walk["truth_points_not_scored"] == 0
+        assert walk["seconds"] > 0.0
+        # A straight walk with an exact gyroscope: only the length of the steps is not known.
+        assert walk["ate_rigid_m"] == pytest.approx(abs(walk["length_ratio"] - 1.0) * rms_from_mean(walk), abs=0.35)
+
+
+def rms_from_mean(walk):
+    """Root mean square distance of the waypoints, 3.9 m apart on a line, from their mean."""
+    along = 3.9 * np.arange(walk["truth_points"])
+    return along.std()
+
+
+def test_data_may_be_the_suites_own_folder(data):
+    inside = run_benchmark("ilc20", data / "ilc20", Config(), EKF)
+    assert without_seconds(inside.to_dict()) == without_seconds(run_benchmark("ilc20", data, Config(), EKF).to_dict())
+
+
+@pytest.mark.slow
+def test_number_of_processes_does_not_change_the_result(data):
+    one = run_benchmark("ilc20", data, Config(), ALL, jobs=1)
+    two = run_benchmark("ilc20", data, Config(), ALL, jobs=2)
+    assert without_seconds(one.to_dict()) == without_seconds(two.to_dict())
+
+
+def test_limit_takes_the_first_walks_and_progress_counts_them(data):
+    seen = []
+    result = run_benchmark("ilc20", data, Config(), EKF, limit=1, on_progress=lambda *counts: seen.append(counts))
+    assert [row.walk for row in result.rows] == ["site1/F1/one"]
+    assert seen == [(1, 1)]
+
+
+def test_a_walk_that_cannot_be_read_is_skipped_with_its_reason(data):
+    whole = (data / "ilc20/site1/F1/two.txt.gz").read_bytes()
+    (data / "ilc20/site1/F1/three.txt.gz").write_bytes(whole[: len(whole) // 2])
+    result = run_benchmark("ilc20", data, Config(), EKF)
+    (skipped,) = result.skipped
+    assert skipped.walk == "site1/F1/three"
+    assert "truncated gzip" in skipped.reason
+    assert [row.walk for row in result.rows] == ["site1/F1/one", "site1/F1/two"]
+
+
+def test_walk_without_truth_is_skipped(data, write_ilc20):
+    write_ilc20(data / "ilc20/site1/F1/one.txt", every_s=1e3, duration_s=1.0)  # no waypoint before its end
+    (skipped,) = run_benchmark("ilc20", data, Config(), EKF, limit=1).skipped
+    assert "no true positions" in skipped.reason
+
+
+def test_few_points_cost_the_heldout_metrics_only_and_the_reason_is_given_once(data, write_ilc20):
+    write_ilc20(data / "ilc20/site1/F1/one.txt", every_s=5.0)  # waypoints at 1, 6, 11 and 16 s
+    document = run_benchmark("ilc20", data, Config(), ("dead-reckoning", "ekf"), limit=1).to_dict()
+    for walk in document["walks"]:
+        assert walk["truth_points"] == 4
+        assert [walk[metric] for metric in HELDOUT] == [None, None, None]
+        assert walk["ate_rigid_m"] is not None
+    assert document["summary"]["error_heldout_m"]["n"] == 0
+    assert document["skipped"] == [
+        {"walk": "site1/F1/one", "reason": "error_heldout_m, coverage95, nees_mean: fewer than 5 truth points"}
+    ]
+
+
+def test_estimator_gets_no_truth_but_the_points_that_are_given(data, monkeypatch):
+    given: list[tuple[PositionFix, ...]] = []
+    estimate = pipeline.estimate
+
+    def spy(walks, config, fixes=()):
+        given.append(tuple(fixes))
+        assert config.start.x_m is None
+        assert config.start.heading_rad is None
+        return estimate(walks, config, fixes)
+
+    monkeypatch.setattr(pipeline, "estimate", spy)
+    run_benchmark("ilc20", data, Config(), EKF, limit=1)
+    without, sparse = given
+    assert without == ()
+    # Waypoints number 1 to 7 at 1, 4, … 19 s: number 1, 4 and 7 are given.
+    assert [fix.time_s for fix in sparse] == pytest.approx([1.0, 10.0, 19.0])
+
+
+def test_a_programming_error_in_a_walk_is_not_hidden_and_names_the_walk(data, monkeypatch):
+    def fail(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(pipeline, "analyse", fail)
+    with pytest.raises(ZeroDivisionError) as caught:
+        run_benchmark("ilc20", data, Config(), EKF)
+    assert caught.value.__notes__ == ["in the walk site1/F1/one"]
+
+
+def test_a_folder_without_walks_is_an_error(tmp_path):
+    with pytest.raises(RecordingError, match="no walk of the suite oxiod: give the folder that holds oxiod/"):
+        run_benchmark("oxiod", tmp_path, Config(), EKF)
+
+
+@pytest.mark.parametrize(("estimators", "jobs", "limit"), [((), 1, None), (EKF, 0, None), (EKF, 1, 0)])
+def test_numbers_out_of_range_are_refused(data, estimators, jobs, limit):
+    with pytest.raises(ConfigError, match="at least 1"):
+        run_benchmark("ilc20", data, Config(), estimators, jobs, limit)
+
+
+def test_ipin2023_stages_see_nothing_before_the_first_surveyed_point(tmp_path, write_ilc20):
+    recording = read(write_ilc20(tmp_path / "log.txt"))
+    part = ipin2023.from_first_point(recording)
+    assert float(part.devices[0].specific_force.time_s[0]) == pytest.approx(1.0)
+    assert float(part.devices[0].rotation_rate.time_s[0]) == pytest.approx(1.0)
+    assert len(part.truth.positions.time_s) == len(recording.truth.positions.time_s)
+
+
+def test_cpu_time_adds_up_front_end_and_estimates(data):
+    recording = read(data / "ilc20/site1/F1/one.txt")
+    walk = Walked(recording, pipeline.analyse(recording, Config()), Config().with_estimator("ekf"), 100.0)
+    walk.track()
+    once = walk.seconds
+    walk.track()
+    assert 100.0 < once < walk.seconds < 110.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suite", [suite.name for suite in SUITES])
+def test_suites_score_the_real_recordings(shared_data, suite):
+    document = run_benchmark(suite, shared_data, Config(), ("ekf",), limit=4).to_dict()
+    assert len({walk["walk"] for walk in document["walks"]}) == 4
+    assert not [walk for walk in document["skipped"] if ":" not in walk["reason"]]
+
+
+def test_missing_value_that_no_reason_explains_is_told():
+    scores = Scores("device", "HOLDING", dict.fromkeys(ilc20.SUITE.metrics, 1.0) | {"nees_mean": np.nan})
+    assert runner._missing(ilc20.SUITE, scores) == ["nees_mean: not a finite number"]
