@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
 from pdr_est.io.recording import Signal
 
-_STATIC_NORM_MPS2 = (7.0, 13.0)
-_STATIC_NORM_G = (0.7, 1.3)
+_STATIC_MPS2 = (6.5, 20.0)  # a swung phone has a mean of 12: the swing's centripetal acceleration points one way
+_STATIC_G = (0.65, 2.0)
+_GRAVITY_SHARE = 0.65
+_PARTS = 10
 _FULL_SCALE_RADPS = 40.0  # phones' gyroscopes end at 2000 deg/s = 34.9 rad/s
-_WALKING_RADPS = (0.3, 8.0)  # 95th percentile of the norm, from a phone held calmly to one in a runner's pocket
+_WALKING_RADPS = (0.3, 12.0)  # 95th percentile of the norm, from a phone held calmly to one in a runner's pocket
 _CALMEST_WALK_DEGPS = 15.0
-_VERTICAL_COSINE = 0.8
+_VERTICAL_COSINE = 0.6  # median over the walk; 0.85 for a swung phone, whose acceleration is far from gravity
+_CLEARLY_BETTER = 0.1
 _FACE_UP_SHARE = 0.3
 _PRESSURE_UNITS = (("Pa", 1.0), ("hPa", 1e2), ("kPa", 1e3))
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
@@ -41,17 +44,25 @@ class Finding:
 
 
 def acceleration_unit(values: Array) -> Finding:
-    """g or m/s^2, from the median norm of an acceleration (n, 3) that contains gravity."""
-    norm = _median_norm(values)
-    if _STATIC_NORM_MPS2[0] <= norm <= _STATIC_NORM_MPS2[1]:
-        return Finding(1.0, f"acceleration is in m/s^2: the median norm is {norm:.2f}")
-    if _STATIC_NORM_G[0] <= norm <= _STATIC_NORM_G[1]:
-        return Finding(STANDARD_GRAVITY_MPS2, f"acceleration is in g: the median norm is {norm:.3f}")
+    """g or m/s^2, from the mean vector of an acceleration (n, 3) that contains gravity.
+
+    The mean is taken in parts, so that it survives a change of the way of carrying. With gravity its length is at
+    least 0.7 of the median norm in any gait, without at most 0.6 (MotionSense, all activities).
+    """
+    mean = float(
+        np.median([np.linalg.norm(part.mean(axis=0)) for part in np.array_split(values, _parts(len(values)))])
+    )
+    share = mean / max(_median_norm(values), 1e-9)
+    if share >= _GRAVITY_SHARE:
+        if _STATIC_MPS2[0] <= mean <= _STATIC_MPS2[1]:
+            return Finding(1.0, f"acceleration is in m/s^2: its mean is {mean:.2f} long")
+        if _STATIC_G[0] <= mean <= _STATIC_G[1]:
+            return Finding(STANDARD_GRAVITY_MPS2, f"acceleration is in g: its mean is {mean:.3f} long")
     return Finding(
         1.0,
-        f"acceleration is taken as m/s^2, although its median norm is {norm:.3g}",
-        f"the acceleration has a median norm of {norm:.3g}, neither 1 (g) nor 9.8 (m/s^2): gravity may be missing "
-        "or the unit unknown; check the recorder's settings",
+        f"acceleration is taken as m/s^2, although its mean is {mean:.3g} long ({share:.0%} of the median norm)",
+        f"the mean acceleration is {mean:.3g} long, {share:.0%} of the median norm: with gravity it would be 1 (g) or "
+        "9.8 (m/s^2) and above 70 %; gravity may be missing, check the recorder's settings",
     )
 
 
@@ -59,7 +70,7 @@ def rotation_unit(values: Array) -> Finding:
     """deg/s or rad/s, from the size of a rotation rate (n, 3) of a walking person's phone.
 
     A component above 40 would exceed any phone's full scale in rad/s. Otherwise the 95th percentile of the norm
-    is 0.3 to 8 rad/s in every way of carrying, while even a calmly held phone exceeds 15 deg/s in 5 % of the time.
+    is 0.3 to 12 rad/s in every way of carrying, while even a calmly held phone exceeds 15 deg/s in 5 % of the time.
     """
     peak = float(np.abs(values).max())
     high = float(np.percentile(np.linalg.norm(values, axis=1), 95))
@@ -148,16 +159,16 @@ def fitting_attitude(force: Signal, attitude: Signal) -> tuple[Signal | None, Fi
     if cosine is None:
         text = "the attitude has no overlap in time with the acceleration and could not be checked"
         return attitude, Finding(1.0, text, text)
-    if abs(cosine) >= _VERTICAL_COSINE:
-        return attitude, Finding(1.0, f"attitude leads from device to level axes: cosine to gravity {cosine:+.2f}")
     conjugate = Signal(attitude.time_s, attitude.values * np.array([1.0, -1.0, -1.0, -1.0]))
-    turned = gravity_cosine(force, conjugate)
-    if turned is not None and abs(turned) >= _VERTICAL_COSINE:
+    turned = gravity_cosine(force, conjugate) or 0.0
+    if abs(turned) > max(abs(cosine) + _CLEARLY_BETTER, _VERTICAL_COSINE):
         return conjugate, Finding(
             1.0,
             f"attitude was recorded as level -> device and is inverted: median cosine to gravity {turned:+.2f} "
             f"against {cosine:+.2f}",
         )
+    if abs(cosine) >= _VERTICAL_COSINE:
+        return attitude, Finding(1.0, f"attitude leads from device to level axes: cosine to gravity {cosine:+.2f}")
     text = f"the attitude does not fit gravity in the acceleration (median cosine {cosine:.2f}) and is left out"
     return None, Finding(1.0, text, text)
 
@@ -189,6 +200,10 @@ def _sign_unknown(force: Signal) -> Finding:
 
 def _sign_in_words(sign: float) -> str:
     return "acceleration points up at rest" if sign > 0 else "acceleration points down at rest (Apple) and is negated"
+
+
+def _parts(n: int) -> int:
+    return max(1, min(_PARTS, n))
 
 
 def _median_norm(values: Array) -> float:
