@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Protocol
 
 from pdr_est.errors import RecordingError
-from pdr_est.io import getsensordata, ilc20, motionsense, oxiod, phyphox, sensor_logger, weallwalk
+from pdr_est.io import getsensordata, ilc20, motionsense, oxiod, phyphox, plain_csv, sensor_logger, weallwalk
 from pdr_est.io.recording import Recording
 from pdr_est.io.source import Source
 
@@ -22,7 +22,7 @@ class Format(Protocol):
 
 
 # Asked in this order: formats with unmistakable marks first, header-less tables of numbers after them.
-FORMATS: tuple[Format, ...] = (ilc20, getsensordata, sensor_logger, phyphox, motionsense, weallwalk, oxiod)
+FORMATS: tuple[Format, ...] = (ilc20, getsensordata, sensor_logger, phyphox, motionsense, weallwalk, oxiod, plain_csv)
 
 
 def read(path: str | Path) -> Recording:
