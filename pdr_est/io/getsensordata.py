@@ -75,7 +75,7 @@ def _device(log: TaggedLog, data: bytes) -> DeviceRecording:
     force, is_apple = _in_si_upwards(force, attitude, decisions, warnings)
     rate = _signal(log, "GYRO", (3, 4, 5), decisions, warnings)
     if rate is None:
-        warnings.append("no gyroscope (GYRO) rows")
+        warnings.append("no gyroscope (GYRO) rows: steps can be found, headings cannot")
     pressure = _signal(log, "PRES", (3,), decisions, warnings)
     return DeviceRecording(
         model=" ".join(header[key] for key in ("Manufacturer", "Model") if key in header),
@@ -152,12 +152,17 @@ def _in_si_upwards(
 
 
 def _surveyed_points(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:
-    """Rows (time s, latitude deg, longitude deg) of the surveyed points, and a note on their floors."""
+    """Rows (time s, latitude deg, longitude deg) of the surveyed points, and notes on their floors and gaps."""
     rows = log.numbers("POSI", (1, 3, 4, 5))
-    rows = rows[np.isfinite(rows[:, :3]).all(axis=1)]
-    floors = [f"{floor:g}" for floor in dict.fromkeys(rows[np.isfinite(rows[:, 3]), 3].tolist())]
-    note = (f"surveyed points lie on floors {', '.join(floors)}",) if len(floors) > 1 else ()
-    return rows[:, :3], note
+    finite = np.isfinite(rows[:, :3]).all(axis=1)
+    notes = []
+    if not finite.all():
+        notes.append(f"{np.count_nonzero(~finite)} of {len(rows)} surveyed points are incomplete and left out")
+    known_floors = rows[finite & np.isfinite(rows[:, 3]), 3].tolist()
+    floors = [f"{floor:g}" for floor in dict.fromkeys(known_floors)]
+    if len(floors) > 1:
+        notes.append(f"surveyed points lie on floors {', '.join(floors)}")
+    return rows[finite, :3], tuple(notes)
 
 
 def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:

@@ -19,6 +19,7 @@ _START_BEFORE_SAMPLES_MS = 60_000
 _ROW = re.compile(rb"^\d{13}\tTYPE_[A-Z]", re.MULTILINE)
 _GLUED = re.compile(rb"(?<=[^\n])(?=\d{13}\tTYPE_)")
 _HEADER_VALUE = re.compile(r"\b(startTime|Brand|Model|FloorName|SiteName):([^\t\r\n]*)")
+_NO_GYROSCOPE = "no gyroscope rows: steps can be found, headings cannot"
 _N_FIELDS = 8  # time, type and the six values of the uncalibrated sensors
 
 
@@ -39,13 +40,14 @@ def read(source: Source) -> Recording:
     log, glued = _split_log(data, place)
     header = dict(_HEADER_VALUE.findall(_header_text(data)))
     epoch_ms, zero = _time_zero(log, header)
+    waypoints, incomplete = _waypoints(log, epoch_ms)
     return Recording(
         name=stem(member),
         format=NAME,
         devices=(_device(log, header, epoch_ms, zero, glued),),
-        truth=Truth(positions=_waypoints(log, epoch_ms)),
+        truth=Truth(positions=waypoints),
         epoch_s=epoch_ms / 1e3,
-        notes=_notes(header),
+        notes=(*_notes(header), *incomplete),
     )
 
 
@@ -79,9 +81,10 @@ def _time_zero(log: TaggedLog, header: dict[str, str]) -> tuple[float, str]:
         times_ms = log.numbers("TYPE_ACCELEROMETER_UNCALIBRATED", (0,))
     if not len(times_ms):
         raise RecordingError(f"{log.place}: no accelerometer rows; record again with the accelerometer on")
-    first_ms = float(times_ms[0, 0])
+    # A row without a time is dropped with the others of its sensor later on.
+    first_ms = float(times_ms[np.argmax(np.isfinite(times_ms)), 0])
     start = header.get("startTime", "").strip()
-    if start.isdigit() and 0 <= first_ms - int(start) <= _START_BEFORE_SAMPLES_MS:
+    if start.isdecimal() and 0 <= first_ms - int(start) <= _START_BEFORE_SAMPLES_MS:
         return float(start), "time zero is the header's startTime"
     return first_ms, "time zero is the first accelerometer row: the header has no startTime that fits"
 
@@ -116,8 +119,7 @@ def _three_axes(log: TaggedLog, name: str, epoch_ms: float) -> tuple[Signal | No
     if not len(rows):
         raw = log.numbers(f"TYPE_{name}_UNCALIBRATED", (0, 2, 3, 4, 5, 6, 7))
         if not len(raw):
-            missing = f"no {name.lower().replace('_', ' ')} rows"
-            return None, (), (missing,)
+            return None, (), (_NO_GYROSCOPE,) if name == "GYROSCOPE" else ()
         rows = np.column_stack([raw[:, 0], raw[:, 1:4] - raw[:, 4:7]])
         decisions = (f"{name.lower()}: uncalibrated rows minus their bias columns, calibrated rows are absent",)
     signal, warnings = finite_rows((rows[:, 0] - epoch_ms) / 1e3, rows[:, 1:], name.lower(), log.place)
@@ -133,12 +135,17 @@ def _attitude(log: TaggedLog, epoch_ms: float) -> tuple[Signal | None, tuple[str
     )
 
 
-def _waypoints(log: TaggedLog, epoch_ms: float) -> TruePositions | None:
+def _waypoints(log: TaggedLog, epoch_ms: float) -> tuple[TruePositions | None, tuple[str, ...]]:
+    """The clicked positions, and a note on rows that hold none."""
     rows = log.numbers("TYPE_WAYPOINT", (0, 2, 3))
-    rows = rows[np.isfinite(rows).all(axis=1)]
-    if not len(rows):
-        return None
-    return TruePositions((rows[:, 0] - epoch_ms) / 1e3, rows[:, 1:], _WAYPOINT_SIGMA_M, "waypoints")
+    finite = np.isfinite(rows).all(axis=1)
+    note = (
+        () if finite.all() else (f"{np.count_nonzero(~finite)} of {len(rows)} waypoints are incomplete and left out",)
+    )
+    if not finite.any():
+        return None, note
+    time_s, position_m = (rows[finite, 0] - epoch_ms) / 1e3, rows[finite, 1:]
+    return TruePositions(time_s, position_m, _WAYPOINT_SIGMA_M, "waypoints"), note
 
 
 def _notes(header: dict[str, str]) -> tuple[str, ...]:

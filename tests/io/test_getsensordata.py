@@ -115,6 +115,13 @@ def test_surveyed_points_are_truth_about_the_first_of_them(tmp_path: Path) -> No
     assert any("floors 0, -2" in note for note in recording.notes)
 
 
+def test_an_incomplete_surveyed_point_is_left_out_and_reported(tmp_path: Path) -> None:
+    recording = read_text(tmp_path, walk() + POINTS + "POSI;0.19;3;;11.111;0;100\n")
+    assert recording.truth.positions is not None
+    assert len(recording.truth.positions.time_s) == 2
+    assert recording.notes == ("1 of 3 surveyed points are incomplete and left out",)
+
+
 def test_gnss_rows_are_fixes_in_the_frame_of_the_truth(tmp_path: Path) -> None:
     recording = read_text(tmp_path, walk() + POINTS + GNSS)
     first, second = recording.fixes
@@ -145,7 +152,7 @@ def test_no_accelerometer_and_no_gyroscope(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"log\.txt: no accelerometer \(ACCE\) rows"):
         read_text(tmp_path, "".join(line for line in lines if not line.startswith("ACCE")))
     recording = read_text(tmp_path, "".join(line for line in lines if not line.startswith("GYRO")))
-    assert recording.devices[0].warnings == ("no gyroscope (GYRO) rows",)
+    assert recording.devices[0].warnings == ("no gyroscope (GYRO) rows: steps can be found, headings cannot",)
 
 
 def test_bad_values(tmp_path: Path) -> None:

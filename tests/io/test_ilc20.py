@@ -105,12 +105,19 @@ def test_uncalibrated_rows_stand_in_without_their_bias(tmp_path: Path) -> None:
     assert any("gyroscope: uncalibrated rows minus their bias" in decision for decision in device.decisions)
 
 
+def test_an_incomplete_waypoint_is_left_out_and_reported(tmp_path: Path) -> None:
+    recording = read_text(tmp_path, walk().replace("\t179.0\t55.0", "\t179.0"))
+    assert recording.truth.positions is not None
+    assert len(recording.truth.positions.time_s) == 1
+    assert recording.notes[-1] == "1 of 2 waypoints are incomplete and left out"
+
+
 def test_no_gyroscope_and_no_waypoints(tmp_path: Path) -> None:
     text = "".join(line for line in walk().splitlines(True) if "GYRO" not in line and "WAYPOINT" not in line)
     recording = read_text(tmp_path, text)
     assert recording.truth.positions is None
     assert recording.devices[0].rotation_rate is None
-    assert "no gyroscope rows" in recording.devices[0].warnings
+    assert recording.devices[0].warnings == ("no gyroscope rows: steps can be found, headings cannot",)
 
 
 def test_no_accelerometer(tmp_path: Path) -> None:
