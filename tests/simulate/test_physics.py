@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson
-from scipy.signal import welch
+from scipy.signal import find_peaks, welch
 from scipy.spatial.transform import Rotation
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, twist_about_vertical, up_in_device, wrap_angle
@@ -94,13 +94,26 @@ def test_standing_the_phone_feels_gravity_only(walk: SimulatedWalk, motion: Rigi
 
 def test_a_still_hand_points_where_it_was_told() -> None:
     still = HeldPhone(
-        tilt_rad=0.5, heading_offset_rad=0.2, rock_pitch_rad=0.0, rock_yaw_rad=0.0, rock_roll_rad=0.0, wander_rad=0.0
+        forward_m=0.4,
+        left_m=0.1,
+        tilt_rad=0.5,
+        heading_offset_rad=0.2,
+        rock_pitch_rad=0.0,
+        rock_yaw_rad=0.0,
+        rock_roll_rad=0.0,
+        wander_rad=0.0,
     )
     still = replace(still, tremor_rad=0.0, tremor_m=0.0)
     walk = simulate_walk(Scenario(path=TURNS, devices=(DeviceParams(carry=still),)))
     motion = walk.devices[0].motion
     y_axis = Rotation.from_quat(motion.quaternion, scalar_first=True).apply([0.0, 1.0, 0.0])
     heading = walk.heading_at(motion.time_s)
+    body = walk.body.at(motion.time_s)
+    ahead = np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    to_left = np.stack([-np.sin(heading), np.cos(heading)], axis=1)
+    from_body = motion.position_m[:, :2] - np.stack([body.east.value, body.north.value], axis=1)
+    np.testing.assert_allclose((from_body * ahead).sum(axis=1), 0.4, atol=1e-12)
+    np.testing.assert_allclose((from_body * to_left).sum(axis=1), 0.1, atol=1e-12)
     np.testing.assert_allclose(y_axis[:, 2], np.sin(0.5), atol=1e-12)
     np.testing.assert_allclose(wrap_angle(np.arctan2(y_axis[:, 1], y_axis[:, 0]) - heading), 0.2, atol=1e-12)
 
@@ -135,6 +148,21 @@ def test_the_trunk_leans_over_the_foot_that_stands(walk: SimulatedWalk) -> None:
     middle_s = 0.5 * (steps.time_s[inside] + steps.time_s[inside + 1])
     lean = walk.body.at(middle_s).north.value
     np.testing.assert_array_equal(lean > 0.0, steps.foot[inside] == "L")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_step_has_one_upward_push_softer_at_starts_and_stops(seed: int) -> None:
+    walk = simulate_walk(replace(preset("office_loop"), seed=seed))
+    motion, steps = walk.devices[0].motion, walk.steps
+    peaks, found = find_peaks(motion.up.acceleration, height=0.8)
+    assert len(peaks) == len(steps)
+    behind_s = motion.time_s[peaks] - steps.time_s
+    assert ((behind_s > 0.02) & (behind_s < 0.1)).all()  # a tenth of a step behind the heel strike
+    push = found["peak_heights"]
+    for bout in steps.bouts:
+        usual = np.median(push[bout])
+        assert 0.45 < push[bout][0] / usual < 0.9
+        assert 0.45 < push[bout][-1] / usual < 0.9
 
 
 @pytest.mark.parametrize("cadence_hz", [1.5, 1.8, 2.2])
