@@ -48,11 +48,11 @@ def score_waypoints(walk: Walked, true_mode: CarryingMode) -> list[Scores]:
         pairs = _pairs(walk, device, own, truth)
         values = _open_values(own, pairs, truth.source)
         values["mode_accuracy"] = metrics.mode_accuracy(*_walking(device), true_mode)
-        missing = {}
+        missing = {} if device.steps else {"mode_accuracy": "no step found"}
         if len(pairs) >= LEAST_POINTS:
             values |= _heldout_values(walk, device, pairs)
         else:
-            missing = dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_POINTS} truth points")
+            missing |= dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_POINTS} truth points")
         scores.append(_scores(walk, device, pairs, values, missing))
     return scores
 

@@ -101,6 +101,16 @@ def test_few_points_cost_the_heldout_metrics_only_and_the_reason_is_given_once(d
     ]
 
 
+def test_a_recording_without_steps_is_scored_by_its_errors(data, write_ilc20):
+    write_ilc20(data / "ilc20/site1/F1/one.txt", bounce_mps2=0.0)
+    document = run_benchmark("ilc20", data, Config(), ALL, limit=1).to_dict()
+    for walk in document["walks"]:
+        assert (walk["mode"], walk["mode_accuracy"], walk["length_ratio"]) == ("UNKNOWN", None, 0.0)
+        # Waypoints 3.9 m apart, the track in one place: errors 3.9 to 6 * 3.9 m, mean 3.5 * 3.9.
+        assert walk["error_open_m"] == pytest.approx(3.5 * 3.9)
+    assert document["skipped"] == [{"walk": "site1/F1/one", "reason": "mode_accuracy: no step found"}]
+
+
 def test_estimator_gets_no_truth_but_the_points_that_are_given(data, monkeypatch):
     given: list[tuple[PositionFix, ...]] = []
     estimate = pipeline.estimate
