@@ -61,8 +61,8 @@ def acceleration_unit(values: Array) -> Finding:
     return Finding(
         1.0,
         f"acceleration is taken as m/s^2, although its mean is {mean:.3g} long ({share:.0%} of the median norm)",
-        f"the mean acceleration is {mean:.3g} long, {share:.0%} of the median norm: with gravity it would be 1 (g) or "
-        "9.8 (m/s^2) and above 70 %; gravity may be missing, check the recorder's settings",
+        f"the mean acceleration is {mean:.3g} long, {share:.0%} of the median norm: with gravity it would be 1 (g) "
+        "or 9.8 (m/s^2) and above 70 %; gravity may be missing, check the recorder's settings",
     )
 
 
