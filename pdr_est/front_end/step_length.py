@@ -38,7 +38,7 @@ class StepLengthParams:
     model: LengthModel = "range-power"
     weinberg_k2: Positive = 0.48
     scarlett_k3: Positive = 0.60
-    range_power_k: Positive = 0.56
+    range_power_k: Positive = 0.55
     range_power_exponent: Positive = 0.15
     smoothing_s: Positive = 0.24
 
@@ -61,10 +61,15 @@ class StepLength:
         }
 
     def push(self, item: Step, /) -> list[Step]:
-        return [replace(item, length_m=self._models[self._parameters.model](item))]
+        return [replace(item, length_m=self._model(item)(item))]
 
     def flush(self) -> list[Step]:
         return []
+
+    def _model(self, step: Step) -> Callable[[Step], float]:
+        """The chosen model, or the static one for a step cut so short that it shows no range of acceleration."""
+        too_short = len(step.samples) < 2 * self._window
+        return self._static if too_short else self._models[self._parameters.model]
 
     def _static(self, step: Step) -> float:
         return static_length_m(self._walker)

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from pdr_est.config import Config, config_to_dict
-from pdr_est.evaluate.metrics import against_truth
+from pdr_est.evaluate.association import associate
+from pdr_est.evaluate.metrics import ate_rigid, error_open, final_drift, length_ratio, point_errors
 from pdr_est.io.recording import Recording
 from pdr_est.io.writers import write_geojson, write_steps_csv, write_tum
 from pdr_est.pipeline import SmoothedWalk
@@ -20,14 +21,15 @@ def write_results(
 
     inputs: name of each input file -> its SHA-256, or None. Raises OutputError when a file cannot be written.
     """
+    start = config.start.pose()
     summary = summarise(
         walk,
         recording,
         config_to_dict(config),
         inputs,
         package_versions(),
-        start=config.start.pose(),
-        errors=errors_against_truth(walk, recording),
+        start=start,
+        errors=errors(walk, recording),
     )
     origin = recording.origin if summary["frame"] == "map" else None
     walk.track.to_csv(folder / "track.csv")
@@ -37,3 +39,28 @@ def write_results(
     (folder / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
     (folder / "report.html").write_text(render_report(walk, recording, summary), encoding="utf-8")
     return summary
+
+
+def errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:
+    """Errors of a one-device track against the recording's true positions by the definitions of the benchmark.
+
+    `error_map_m`, the mean error without any alignment, only where fixes tie the track to the map.
+    None for several devices and for recordings without at least two true positions.
+    """
+    truth = recording.truth.positions
+    if truth is None or len(walk.devices) != 1:
+        return None
+    level = walk.devices[0].level
+    span_s = (float(level[0].time_s[0]), float(level[-1].time_s[-1]))
+    pairs = associate(walk.track, truth.time_s, truth.position_m, span_s)
+    if len(pairs) < 2:
+        return None
+    found = {
+        "error_open_m": error_open(pairs.track_m, pairs.truth_m),
+        "final_drift": final_drift(pairs.track_m, pairs.truth_m),
+        "ate_rigid_m": ate_rigid(pairs.track_m, pairs.truth_m),
+        "length_ratio": length_ratio(walk.track, pairs.time_s, pairs.truth_m),
+    }
+    if walk.fixes:
+        found["error_map_m"] = float(point_errors(pairs.track_m, pairs.truth_m).mean())
+    return found

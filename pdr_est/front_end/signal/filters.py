@@ -1,22 +1,24 @@
 """Causal filters whose output does not depend on how the signal is cut into blocks."""
 
 import numpy as np
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, sosfilt, sosfilt_zi, sosfreqz
 
 from pdr_est.frames import Array
+
+CADENCE_HZ = 1.8  # steps a second of a common walk
 
 
 class CausalFilter:
     """Second-order sections with their state carried from block to block.
 
-    It starts in the steady state of its first sample. delay_s is the group delay at `signal_hz`: by this much the
-    time of a feature found in the output lies too late.
+    It starts in the steady state of its first sample. delay_s is the phase delay at a common cadence: by this much
+    the time of a crest found in the output of a walk lies too late.
     """
 
-    def __init__(self, sos: Array, rate_hz: float, signal_hz: float) -> None:
+    def __init__(self, sos: Array, rate_hz: float) -> None:
         self._sos = sos
         self._zi: Array | None = None
-        self.delay_s = group_delay(sos, 2.0 * np.pi * signal_hz / rate_hz) / rate_hz
+        self.delay_s = phase_delay_s(sos, rate_hz, CADENCE_HZ)
 
     def reset(self) -> None:
         """Forget the past, for a new segment."""
@@ -34,25 +36,22 @@ class CausalFilter:
 
 
 class CausalLowPass(CausalFilter):
-    """Butterworth low-pass of second order; its delay is that of slow signals."""
+    """Butterworth low-pass of second order."""
 
     def __init__(self, cutoff_hz: float, rate_hz: float) -> None:
-        super().__init__(butter(2, cutoff_hz, fs=rate_hz, output="sos"), rate_hz, signal_hz=0.0)
+        super().__init__(butter(2, cutoff_hz, fs=rate_hz, output="sos"), rate_hz)
 
 
 class CausalBandPass(CausalFilter):
-    """First-order high-pass and third-order low-pass (Butterworth); its delay is that of a walk in the band."""
+    """First-order high-pass and third-order low-pass (Butterworth)."""
 
     def __init__(self, low_hz: float, high_hz: float, rate_hz: float) -> None:
         high_pass = butter(1, low_hz, btype="high", fs=rate_hz, output="sos")
         low_pass = butter(3, high_hz, fs=rate_hz, output="sos")
-        super().__init__(np.concatenate([low_pass, high_pass]), rate_hz, signal_hz=0.85 * high_hz)
+        super().__init__(np.concatenate([low_pass, high_pass]), rate_hz)
 
 
-def group_delay(sos: Array, omega: float) -> float:
-    """Group delay of second-order sections in samples at `omega` rad per sample."""
-    powers = np.arange(3)
-    waves = np.exp(-1j * omega * powers)
-    numerator = (sos[:, :3] * waves @ powers) / (sos[:, :3] @ waves)
-    denominator = (sos[:, 3:] * waves @ powers) / (sos[:, 3:] @ waves)
-    return float(np.real(numerator - denominator).sum())
+def phase_delay_s(sos: Array, rate_hz: float, signal_hz: float) -> float:
+    """By how much second-order sections delay a sine of `signal_hz`; at most half of its period."""
+    _, response = sosfreqz(sos, worN=[signal_hz], fs=rate_hz)
+    return float(-np.angle(response[0]) / (2.0 * np.pi * signal_hz))

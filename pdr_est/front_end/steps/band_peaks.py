@@ -18,7 +18,8 @@ from pdr_est.records import LevelBlock, StepEvent
 class BandPeaksParams:
     """low_hz, high_hz: band of cadences. threshold_mps2: least height of a hump in the band; relative_threshold:
     its least share of the recent humps' height. min_interval_s: between steps. memory: weight of the past in the
-    recent height. standstill_s: after this long without a step the recent height is forgotten."""
+    recent height. standstill_s: after this long without a step the recent height is forgotten. strike_lead_s: the
+    foot strikes the ground this long before the trunk's acceleration crests; a step's time is that of the strike."""
 
     low_hz: Positive = 0.3
     high_hz: Positive = 2.0
@@ -27,6 +28,7 @@ class BandPeaksParams:
     min_interval_s: NonNegative = 0.3
     memory: Fraction = 0.8
     standstill_s: Positive = 2.0
+    strike_lead_s: NonNegative = 0.08
 
 
 class BandPeaks:
@@ -35,10 +37,10 @@ class BandPeaks:
     def __init__(self, rate_hz: float, parameters: BandPeaksParams) -> None:
         self._parameters = parameters
         self._filter = CausalBandPass(parameters.low_hz, parameters.high_hz, rate_hz)
-        self._samples = UndecidedSamples(rate_hz, self._filter.delay_s)
+        self._samples = UndecidedSamples(rate_hz, self._filter.delay_s + parameters.strike_lead_s)
         self._last_step_s = -np.inf
         self._recent_height = 0.0
-        self.latency_s = self._filter.delay_s + 1.0 / rate_hz
+        self.latency_s = self._filter.delay_s + parameters.strike_lead_s + 1.0 / rate_hz
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         if item.segment != self._samples.segment:

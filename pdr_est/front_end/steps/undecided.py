@@ -8,7 +8,8 @@ from pdr_est.records import CarryingMode, LevelBlock, StepEvent
 
 
 class UndecidedSamples:
-    """A growing and shrinking window of one segment. delay_s: how late features appear in the filtered signal."""
+    """A growing and shrinking window of one segment. delay_s: how long before its sign in
+    the filtered signal a step happened."""
 
     def __init__(self, rate_hz: float, delay_s: float) -> None:
         self._delay_s = delay_s
@@ -36,7 +37,7 @@ class UndecidedSamples:
         self.signal, self._time_s, self._mode = self.signal[count:], self._time_s[count:], self._mode[count:]
 
     def time_s(self, i: int) -> float:
-        """When the feature at position i happened: the sample's time less the filter's delay."""
+        """When the feature at position i happened: the sample's time less the delay."""
         return float(self._time_s[i]) - self._delay_s
 
     def event(self, i: int) -> StepEvent:

@@ -1,0 +1,40 @@
+"""The command line `pdr-est`. Only here do errors become exit codes: 2 for bad input, with one line on stderr."""
+
+import click
+
+from pdr_est import __version__
+from pdr_est.cli.benchmark import benchmark
+from pdr_est.cli.demo import demo
+
+# INS
+from pdr_est.cli.smooth import smooth
+from pdr_est.errors import PdrError
+
+
+class _Group(click.Group):
+    """A group whose commands report the project's own errors without a traceback."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        try:
+            return super().invoke(ctx)
+        except PdrError as error:
+            raise BadInput(str(error)) from error
+
+
+class BadInput(click.ClickException):
+    """Exit code 2 and one line."""
+
+    exit_code = 2
+
+    def format_message(self) -> str:
+        return " ".join(self.message.split())
+
+
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="pdr-est")
+def main() -> None:
+    """Tracks of walking people, with honest uncertainty, from the inertial recordings of phones."""
+
+
+for command in (inspect, smooth, benchmark, demo):
+    main.add_command(command)

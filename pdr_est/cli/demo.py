@@ -1,0 +1,41 @@
+"""`pdr-est demo`: the whole path on a simulated walk, whose truth is known."""
+
+from pathlib import Path
+
+import click
+
+from pdr_est import pipeline
+from pdr_est.cli.options import EXISTING
+from pdr_est.cli.progress import progress_bar
+from pdr_est.config import Config
+from pdr_est.io.output import staged_folder
+from pdr_est.io.plain_csv_writer import write_plain_csv
+from pdr_est.simulate import preset, simulate_walk
+
+RECORDING = "simulated-walk.csv"
+
+
+@click.command()
+@click.option(
+    "-o", "--output", type=EXISTING, default=Path("demo-out"), show_default=True, help="Folder for the results."
+)
+@click.option("--preset", "name", default="office_loop", show_default=True, help="Which simulated walk.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress bar.")
+def demo(output: Path, name: str, quiet: bool) -> None:
+    """Simulate a walk with a held phone, smooth it and write the report. No recording is needed."""
+    from pdr_est.report.results import write_results  # matplotlib is slow to load
+
+    with progress_bar("simulating", total=3, quiet=quiet) as bar, staged_folder(output, overwrite=True) as folder:
+        recording = simulate_walk(preset(name)).recording
+        write_plain_csv(recording, folder / RECORDING)
+        bar.doing("walking")
+        walk = pipeline.smooth(recording, Config())
+        bar.doing("writing")
+        summary = write_results(folder, walk, recording, Config(), {RECORDING: None})
+    errors = summary["errors_against_truth"]
+    click.echo(f"Simulated walk {name}: {summary['distance_m']:.1f} m in {len(walk.devices[0].steps)} steps.")
+    click.echo(f"  true steps {recording.truth.step_count}, true distance {recording.truth.distance_m:.1f} m")
+    click.echo(f"  root mean square error {errors['ate_rigid_m']:.2f} m after the best rigid alignment")
+    click.echo(f"  error at the end {100.0 * errors['final_drift']:.2f} % of the distance")
+    click.echo(f"Report: {output / 'report.html'}")
+    click.echo("With a recording of your own: pdr-est smooth RECORDING -o OUT --height 1.75 --gender female")

@@ -1,0 +1,24 @@
+"""`pdr-est inspect`: what is in a recording, and what looks wrong with it."""
+
+import json
+from pathlib import Path
+
+import click
+
+from pdr_est.cli.options import EXISTING
+from pdr_est.io import read
+from pdr_est.io.inspection import describe
+from pdr_est.io.inspection import inspect as inspect_recording
+
+
+@click.command()
+@click.argument("recordings", type=EXISTING, nargs=-1, required=True, metavar="RECORDING...")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several recordings.")
+def inspect(recordings: tuple[Path, ...], as_json: bool) -> None:
+    """Say what was recognised in each RECORDING: device, channels, rates, gaps, units, signs and faults."""
+    found = [inspect_recording(read(path)) for path in recordings]
+    if as_json:
+        documents = [inspection.to_dict() for inspection in found]
+        click.echo(json.dumps(documents[0] if len(documents) == 1 else documents, indent=2, ensure_ascii=False))
+        return
+    click.echo("\n\n".join(describe(inspection) for inspection in found))
