@@ -49,7 +49,7 @@ class _Reading:
         values = self.table.stack(self.columns[quantity].titles)
         sampled = _some_number(values)
         if not sampled.any():
-            self.warnings.append(f"{quantity}: the columns are there but hold no values")
+            self.decisions.append(f"{quantity}: the columns are there but hold no values")
             return None
         if not sampled.all():
             self.decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows hold values")

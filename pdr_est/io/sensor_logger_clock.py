@@ -46,21 +46,24 @@ def fix_clock(location: Table, zero_ns: int, end_s: float, metadata: Mapping[str
     epoch_s = zero_ns / _TICKS_PER_S
     if _together(own_s, end_s):
         return FixClock(own_s, epoch_s)
-    late_s = float(np.nanmedian(own_s))
-    apart = f"location and motion time stamps differ by about {abs(late_s):.0f} s (stale clock)"
+    last_s = float(np.nanmax(own_s))
     if "seconds_elapsed" in location:
         elapsed_s = location.numbers("seconds_elapsed")
         if _together(elapsed_s, end_s):
             shift_s = float(np.nanmedian(own_s - elapsed_s))
-            return FixClock(elapsed_s, epoch_s + shift_s, f"{apart}; brought together by seconds_elapsed")
-    start_s = _start_by_metadata(metadata, epoch_s + float(np.nanmax(own_s)) - end_s)
+            return FixClock(elapsed_s, epoch_s + shift_s, _apart(shift_s, "seconds_elapsed"))
+    start_s = _start_by_metadata(metadata, epoch_s + last_s - end_s)
     if start_s is not None:
         shift_s = start_s - epoch_s
-        words = f"{apart}; brought together by the recording time in the metadata, good to 1 s"
-        return FixClock(own_s - shift_s, start_s, words)
-    shift_s = float(np.nanmax(own_s)) - end_s
-    words = f"{apart}; the last fix was put at the end of the motion data, good to a few seconds"
-    return FixClock(own_s - shift_s, epoch_s + shift_s, words)
+        return FixClock(own_s - shift_s, start_s, _apart(shift_s, "the metadata's recording time, good to 1 s"))
+    shift_s = last_s - end_s
+    how = "putting the last fix at the end of the motion data, good to a few seconds"
+    return FixClock(own_s - shift_s, epoch_s + shift_s, _apart(shift_s, how))
+
+
+def _apart(shift_s: float, how: str) -> str:
+    side = "behind" if shift_s > 0.0 else "ahead of"
+    return f"motion time stamps lie {abs(shift_s):.1f} s {side} those of the location (stale clock); aligned by {how}"
 
 
 def _together(time_s: Array, end_s: float) -> bool:
