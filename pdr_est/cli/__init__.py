@@ -5,8 +5,7 @@ import click
 from pdr_est import __version__
 from pdr_est.cli.benchmark import benchmark
 from pdr_est.cli.demo import demo
-
-# INS
+from pdr_est.cli.inspect import inspect
 from pdr_est.cli.smooth import smooth
 from pdr_est.errors import PdrError
 

@@ -7,8 +7,8 @@ import click
 
 from pdr_est.cli.options import EXISTING
 from pdr_est.io import read
-from pdr_est.io.inspection import describe
 from pdr_est.io.inspection import inspect as inspect_recording
+from pdr_est.io.inspection_text import describe
 
 
 @click.command()

@@ -28,7 +28,8 @@ class SensorErrors:
 
 @params
 class SensorParams:
-    """The inertial sensors of a phone and its recorder; the defaults are those of an ordinary phone.
+    """The inertial sensors of a phone and its recorder; the defaults are those of an ordinary phone,
+    whose gyroscope bias is what its own calibration leaves.
 
     time_jitter_s: standard deviation of the time stamps about the true sampling times, cut at 0.45 of the
     sampling interval so that time never runs back. lost_fraction: samples missing one by one, each sensor by
@@ -38,7 +39,7 @@ class SensorParams:
 
     rate_hz: Annotated[float, Ge(25.0), Le(500.0)] = 100.0
     accelerometer: SensorErrors = SensorErrors(noise_std=0.05, bias_std=0.05, scale_std=0.003)
-    gyroscope: SensorErrors = SensorErrors(noise_std=0.005, bias_std=float(np.deg2rad(0.3)), scale_std=0.003)
+    gyroscope: SensorErrors = SensorErrors(noise_std=0.005, bias_std=float(np.deg2rad(0.05)), scale_std=0.003)
     time_jitter_s: NonNegative = 0.0005
     lost_fraction: Annotated[float, Ge(0.0), Lt(1.0)] = 0.0
     gaps_s: tuple[tuple[float, float], ...] = ()
