@@ -1,4 +1,4 @@
-"""Runs every benchmark suite with every estimator and writes the tables into experiments/results/.
+"""Runs every benchmark suite with every estimator; writes experiments/results/ and the table of the README.
 
     python experiments/benchmark_tables.py --data DIR [--jobs 2]
 
@@ -18,6 +18,15 @@ from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS
 
 RESULTS = Path(__file__).parent / "results"
+README = Path(__file__).parents[1] / "README.md"
+MARK = "<!-- benchmark -->"
+ROWS = (
+    ("ilc20", None, "Indoor Location Competition 2.0, malls, held"),
+    ("ipin2023", None, "IPIN 2023, held"),
+    ("oxiod", "large-scale/hand", "OxIOD, office loops, hand"),
+    ("oxiod", "large-scale/pocket", "OxIOD, office loops, pocket"),
+    ("oxiod", "large-scale/bag", "OxIOD, office loops, bag"),
+)
 
 
 def main() -> None:
@@ -32,6 +41,25 @@ def main() -> None:
         (RESULTS / f"{suite.name}.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
         with (RESULTS / f"{suite.name}.txt").open("w", encoding="utf-8") as stream:
             print_table(result, Console(file=stream, width=160))
+    before, _, after = README.read_text(encoding="utf-8").split(MARK)
+    README.write_text(f"{before}{MARK}\n{readme_table()}\n{MARK}{after}", encoding="utf-8")
+
+
+def readme_table() -> str:
+    """The README's table, from the recorded results of the default estimator."""
+    lines = [
+        "| recordings | walks | ate_rigid_m median | mean | length_ratio median | error_heldout_m mean | coverage95 |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for suite, group, words in ROWS:
+        result = json.loads((RESULTS / f"{suite}.json").read_text(encoding="utf-8"))
+        metrics = result["summary"] if group is None else result["groups"][group]
+        ate = metrics["ate_rigid_m"]
+        cells = [f"{ate['median']:.2f}", f"{ate['mean']:.2f}", f"{metrics['length_ratio']['median']:.3f}"]
+        for name in ("error_heldout_m", "coverage95"):
+            cells.append(f"{metrics[name]['mean']:.2f}" if name in metrics else "–")
+        lines.append(f"| {words} | {ate['n']} | {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,59 @@
+"""Every configuration in configs/ loads and gives a track; the default one says what the code says."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pdr_est import pipeline
+from pdr_est.config import Config, config_from_dict, config_to_dict, config_to_yaml, load_config
+from pdr_est.errors import ConfigError
+from pdr_est.simulate import DeviceParams, Scenario, SensorParams, simulate_walk
+from pdr_est.simulate.path import PathParams
+
+CONFIGS = sorted((Path(__file__).parents[1] / "configs").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
+def test_config_runs(path: Path) -> None:
+    scenario = Scenario(
+        path=PathParams(vertices_m=((0.0, 0.0), (25.0, 0.0))),
+        devices=(DeviceParams(sensors=SensorParams(record_attitude=True)),),
+    )
+    walk = simulate_walk(scenario)
+    track = pipeline.smooth(walk.recording, load_config(path)).track
+    assert abs(len(track) - 1 - walk.step_count) <= 1
+    assert np.linalg.norm(track.position_m[-1] - track.position_m[0]) == pytest.approx(25.0, rel=0.15)
+
+
+def test_default_file_is_the_default() -> None:
+    path = next(path for path in CONFIGS if path.stem == "default")
+    assert load_config(path) == Config()
+    assert config_to_yaml(Config()) in path.read_text(encoding="utf-8")
+
+
+def test_round_trip() -> None:
+    config = Config().with_estimator("ekf")
+    assert config_from_dict(config_to_dict(config), "test") == config
+
+
+def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
+    path = tmp_path / "typo.yaml"
+    path.write_text("odometry:\n  sigma_lenght_fraction: 0.1\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"typo.yaml.*odometry.sigma_lenght_fraction.*sigma_length_fraction"):
+        load_config(path)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"resample": {"rate_hz": -50}}, "resample.rate_hz"),
+        ({"walker": {"gender": "m"}}, "walker.gender"),
+        ({"start": {"x_m": 1.0}}, "x_m and y_m belong together"),
+        ({"odometry": {"sigma_length_scale": float("nan")}}, "odometry.sigma_length_scale"),
+        ([1, 2], "top level"),
+    ],
+)
+def test_bad_values_name_the_key(settings: object, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        config_from_dict(settings, "test")
