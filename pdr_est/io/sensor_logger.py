@@ -52,7 +52,7 @@ class _Reading:
         self.warnings.extend(dropped)
         return signal
 
-    def sum(self, linear: Signal, gravity: Signal) -> Signal:
+    def with_gravity(self, linear: Signal, gravity: Signal) -> Signal:
         """Acceleration with gravity."""
         total, warnings = with_gravity(linear, gravity)
         self.warnings.extend(warnings)
@@ -170,7 +170,7 @@ def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float 
     gravity = None if user is None else reading.signal("Gravity")
     if user is not None and gravity is not None:
         reading.decisions.append("specific force is Accelerometer + Gravity")
-        return reading.sum(user, gravity)
+        return reading.with_gravity(user, gravity)
     raw = reading.signal("AccelerometerUncalibrated")
     if raw is not None:
         reading.decisions.append("specific force is AccelerometerUncalibrated: no accelerometer with gravity")
@@ -178,7 +178,7 @@ def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float 
     if user is not None and attitude is not None:
         reading.decisions.append("specific force is Accelerometer + gravity along the attitude: no Gravity")
         up = up_in_device(attitude.values) * (STANDARD_GRAVITY_MPS2 * (1.0 if sign is None else sign))
-        return reading.sum(user, Signal(attitude.time_s, up))
+        return reading.with_gravity(user, Signal(attitude.time_s, up))
     _explain_no_force(reading, user is not None)
     return None
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.table import Table
 
@@ -34,7 +35,12 @@ class FixClock:
 
 
 def seconds_since(table: Table, zero_ns: int) -> Array:
-    """The time column of a table as seconds since a Unix time in ns; integers are subtracted before rounding."""
+    """The time column of a table as seconds since a Unix time in ns; integers are subtracted before rounding.
+
+    Raises RecordingError when the table has no time.
+    """
+    if "time" not in table:
+        raise RecordingError(f"{table.place}: no column 'time'; export the recording again")
     ticks: NDArray[Any] = table.columns["time"]
     since: Array = (ticks - zero_ns).astype(np.float64) / _TICKS_PER_S
     return since

@@ -201,6 +201,13 @@ def test_nan_rows_are_left_out_with_a_warning(tmp_path: Path, walk: Walk) -> Non
     assert any("Gyroscope: 1 of" in words for words in device.warnings)
 
 
+def test_a_table_without_time_is_refused(tmp_path: Path, walk: Walk) -> None:
+    columns = export(walk)
+    columns["Barometer"] = {"pressure": [1013.0, 1013.1]}
+    with pytest.raises(RecordingError, match=r"Barometer\.csv: no column 'time'"):
+        read_folder(tmp_path, columns)
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
