@@ -12,8 +12,7 @@ def describe(inspection: Inspection) -> str:
     """An inspection as readable lines; `Inspection.to_dict` has all of it."""
     lines = [f"{inspection.name}: {inspection.format}, {inspection.duration_s:.1f} s"]
     if inspection.start_unix_s is not None:
-        start = datetime.fromtimestamp(inspection.start_unix_s, tz=UTC)
-        lines.append(f"  time zero: {start:%Y-%m-%d %H:%M:%S} UTC")
+        lines.append(f"  time zero: {_moment(inspection.start_unix_s)}")
     if inspection.origin_deg is not None:
         latitude, longitude = inspection.origin_deg
         lines.append(f"  origin: latitude {latitude:.6f}, longitude {longitude:.6f}")
@@ -21,6 +20,13 @@ def describe(inspection: Inspection) -> str:
     for device in inspection.devices:
         lines += _device(device)
     return "\n".join(lines)
+
+
+def _moment(unix_s: float) -> str:
+    try:
+        return f"{datetime.fromtimestamp(unix_s, tz=UTC):%Y-%m-%d %H:%M:%S} UTC"
+    except (OverflowError, OSError, ValueError):
+        return f"{unix_s:g} s since 1970, not a date"
 
 
 def _device(device: DeviceInspection) -> list[str]:

@@ -194,6 +194,10 @@ def test_what_is_not_finite_becomes_null(walk: Walk) -> None:
     assert look(device(walk), epoch_s=float("nan")).to_dict()["start_unix_s"] is None
 
 
+def test_an_impossible_start_is_described(walk: Walk) -> None:
+    assert "1e+20 s since 1970, not a date" in describe(look(device(walk), epoch_s=1e20))
+
+
 def test_hundreds_of_findings_are_shortened_in_the_text(walk: Walk) -> None:
     time_s = walk.time_s * 100.0
     text = describe(look(device(walk, specific_force=Signal(time_s + np.arange(800) // 2, walk.force))))
