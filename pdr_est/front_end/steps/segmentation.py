@@ -34,6 +34,8 @@ class StepSegmentation:
         return self._detector.latency_s
 
     def push(self, item: LevelBlock, /) -> list[Step]:
+        if not len(item):
+            return []
         events: list[StepEvent] = self._detector.push(item)
         # The detector closes the old segment when it sees the new one; those steps need the old samples.
         steps = [self._step(event) for event in events if event.segment != item.segment]
@@ -61,7 +63,7 @@ class StepSegmentation:
             else:
                 start = max(start, self._previous.time_s)
         self._previous = event
-        stop = max(event.index + 1 - samples.first_index, 1)
+        stop = max(int(np.searchsorted(samples.time_s, event.time_s, side="right")), 1)
         first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
         return Step(
             event=event,
