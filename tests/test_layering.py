@@ -1,0 +1,186 @@
+"""Imports run one way through the package, and its modules and functions stay small."""
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+PACKAGE = "pdr_est"
+
+FREE_TO_ALL = {"records", "frames", "errors", "stage", "params", "track"}
+# A part may import what stands in an earlier group, and itself; never its neighbours in the same group.
+ORDER: list[set[str]] = [
+    {"io"},
+    {"front_end.signal"},
+    {"front_end.attitude"},
+    {"front_end.mode"},
+    {"front_end.steps"},
+    {"front_end.gait"},
+    {"front_end.step_length", "front_end.heading"},
+    {"front_end.odometry"},
+    {"estimators"},
+    {"config"},
+    {"pipeline"},
+    {"simulate", "evaluate"},
+    {"report"},
+    {"experiment", "benchmark"},
+    {"cli"},
+]
+FACADE_HIDES = {"cli"}  # what pdr_est/__init__.py must not import
+STRANGERS = (("front_end", "estimators"), ("estimators", "front_end"), ("estimators", "io"))
+# Heavy or replaceable libraries, and the only places that know them.
+LIBRARIES = {
+    "gtsam": ("estimators.factor_graph", "estimators.fixed_lag"),
+    "filterpy": ("estimators.ekf", "estimators.alignment"),
+    "sklearn": ("front_end.gait",),
+    "vqf": ("front_end.attitude",),
+    "polars": ("io",),
+    "matplotlib": ("report",),
+    "jinja2": ("report",),
+    "click": ("cli",),
+}
+MOST_LINES, MOST_FUNCTION_LINES = 300, 60
+
+
+@dataclass(frozen=True)
+class Import:
+    """One imported module and where. module, name: dotted, those of this package without `pdr_est.`."""
+
+    importer: str
+    line: int
+    name: str
+
+
+def sources() -> dict[str, Path]:
+    """Files of the package by dotted module name, which is empty for the facade."""
+    root = REPOSITORY / PACKAGE
+    files = {path: path.relative_to(root).with_suffix("").parts for path in sorted(root.rglob("*.py"))}
+    return {".".join(parts[:-1] if parts[-1] == "__init__" else parts): path for path, parts in files.items()}
+
+
+MODULES = sources()
+TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+
+
+def imported(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Every dotted name that a module imports anywhere, functions included; `from a import b` gives a.b."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"line {node.lineno}: relative import: write the full name"
+            yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
+
+
+def within(module: str, part: str) -> bool:
+    return module == part or module.startswith(f"{part}.")
+
+
+IMPORTS = [Import(module, line, name) for module, tree in TREES.items() for line, name in imported(tree)]
+INNER = [
+    Import(item.importer, item.line, item.name.removeprefix(PACKAGE).removeprefix("."))
+    for item in IMPORTS
+    if within(item.name, PACKAGE)
+]
+
+
+def rank(module: str) -> int | None:
+    """Position in the one-way order; None for a module that nobody has placed yet."""
+    return next((i for i, group in enumerate(ORDER) if any(within(module, part) for part in group)), None)
+
+
+def part_of(module: str) -> str | None:
+    return next((part for group in ORDER for part in group if within(module, part)), None)
+
+
+def is_free(module: str) -> bool:
+    return any(within(module, name) for name in FREE_TO_ALL)
+
+
+def test_every_module_has_a_place_in_the_order() -> None:
+    bare = {"", "front_end"}  # the facade, and a package that holds nothing but packages
+    lost = [name for name in MODULES if rank(name) is None and not is_free(name) and name not in bare]
+    assert lost == [], "place these modules in ORDER"
+    assert not list(imported(TREES["front_end"]))
+
+
+def test_imports_run_one_way() -> None:
+    wrong = [f"{item.importer}:{item.line} imports {item.name}" for item in INNER if not allowed(item)]
+    assert wrong == []
+
+
+def allowed(item: Import) -> bool:
+    if item.importer == "":
+        return not any(within(item.name, hidden) for hidden in FACADE_HIDES)
+    if is_free(item.name):
+        return True
+    importer, target = rank(item.importer), rank(item.name)
+    if item.name == "__version__":  # all that may be had through the facade, by what the facade does not import
+        return importer is not None and importer >= len(ORDER) - 2
+    if importer is None or target is None:
+        return False
+    return target < importer or part_of(item.importer) == part_of(item.name)
+
+
+def test_the_order_is_noticed_when_broken() -> None:
+    assert not allowed(Import("io.ilc20", 1, "front_end.attitude.VqfAttitude"))
+    assert not allowed(Import("front_end.step_length", 1, "front_end.heading.step_yaw.StepYaw"))
+    assert not allowed(Import("records", 1, "io.recording.Recording"))
+    assert not allowed(Import("pipeline", 1, "newcomer"))
+    assert not allowed(Import("pipeline", 1, "__version__"))
+    assert not allowed(Import("cli.smooth", 1, ""))
+    assert not allowed(Import("cli.smooth", 1, "smooth"))
+    assert not allowed(Import("", 1, "cli.main"))
+    assert allowed(Import("cli.smooth", 1, "pipeline"))
+    assert allowed(Import("io.ilc20", 1, "io.source.Source"))
+
+
+@pytest.mark.parametrize(("importer", "target"), STRANGERS)
+def test_strangers_meet_only_in_records_and_pipeline(importer: str, target: str) -> None:
+    assert [item for item in INNER if within(item.importer, importer) and within(item.name, target)] == []
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+def test_a_library_is_known_in_few_places(library: str) -> None:
+    users = {item.importer for item in IMPORTS if within(item.name, library)}
+    assert {user for user in users if not any(within(user, place) for place in LIBRARIES[library])} == set()
+
+
+def test_the_package_imports_neither_experiments_nor_tests() -> None:
+    outside = ("experiments", "tests", "conftest", "pytest", "hypothesis")
+    assert [item for item in IMPORTS if any(within(item.name, name) for name in outside)] == []
+
+
+def test_modules_are_small() -> None:
+    lines = {name: path.read_text(encoding="utf-8").count("\n") for name, path in MODULES.items()}
+    assert {name: count for name, count in lines.items() if count >= MOST_LINES} == {}
+
+
+def test_functions_are_small() -> None:
+    long = {
+        f"{name}.{node.name}": length
+        for name, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        if (length := (node.end_lineno or 0) - node.lineno + 1) >= MOST_FUNCTION_LINES
+    }
+    assert long == {}
+
+
+def test_only_the_command_line_prints() -> None:
+    printing = [
+        f"{name}:{node.lineno}"
+        for name, tree in TREES.items()
+        if not within(name, "cli")
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
+    ]
+    assert printing == []
+
+
+def test_no_module_is_a_drawer_for_everything() -> None:
+    drawers = {"utils", "util", "helpers", "misc", "common"}
+    assert [name for name in MODULES if drawers & set(name.split("."))] == []

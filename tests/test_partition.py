@@ -1,0 +1,201 @@
+"""The contract of every stage: what it emits does not depend, to the last bit, on how its input was cut.
+
+Each stage is tested alone and the whole chain as well, because a slow stage can hide a fault of a fast one.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib import import_module
+from inspect import isclass
+from pkgutil import walk_packages
+from typing import Any
+
+import numpy as np
+import pytest
+from partitions import Block, content, cut, in_time_order, interleave, messy_device, one_by_one, run
+
+from pdr_est import front_end, pipeline
+from pdr_est.config import Config, StepsParams
+from pdr_est.front_end.attitude import AttitudeParams, DeviceAttitude, VqfAttitude
+from pdr_est.front_end.heading.step_yaw import StepYaw
+from pdr_est.front_end.mode import FixedMode
+from pdr_est.front_end.odometry import Odometry, OdometryParams
+from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
+from pdr_est.front_end.steps.band_peaks import BandPeaks, BandPeaksParams
+from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
+from pdr_est.io.recording import DeviceRecording
+from pdr_est.io.resample import ResampleParams, Resampler
+from pdr_est.records import CarryingMode, Channel, SensorBlock, Step
+from pdr_est.stage import Chain, Stage
+
+RATES_HZ = (25.0, 50.0, 100.0, 400.0)
+WORKING_HZ = 50.0
+
+
+def band_peaks() -> Stage:
+    return BandPeaks(WORKING_HZ, BandPeaksParams())
+
+
+def mmpdr() -> Stage:
+    return MmpdrSteps(WORKING_HZ, MmpdrStepParams())
+
+
+@dataclass(frozen=True)
+class Case:
+    """A stage, and which records of the chain it consumes."""
+
+    make: Callable[[], Stage]
+    consumes: str
+
+
+CASES = {
+    "Resampler": Case(lambda: Resampler(tuple(CHANNELS), ResampleParams()), "raw"),
+    "VqfAttitude": Case(lambda: VqfAttitude(WORKING_HZ, AttitudeParams()), "imu"),
+    "DeviceAttitude": Case(DeviceAttitude, "imu"),
+    "FixedMode": Case(lambda: FixedMode(CarryingMode.HOLDING), "level"),
+    "BandPeaks": Case(band_peaks, "level"),
+    "MmpdrSteps": Case(mmpdr, "level"),
+    "StepSegmentation-BandPeaks": Case(lambda: StepSegmentation(band_peaks(), SegmentationParams()), "level"),
+    "StepSegmentation-MmpdrSteps": Case(lambda: StepSegmentation(mmpdr(), SegmentationParams()), "level"),
+    "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
+    "StepYaw": Case(StepYaw, "steps"),
+    "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
+}
+CHANNELS = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE)
+CONFIGS = {
+    f"{source}-{detector}": replace(
+        Config(), attitude=AttitudeParams(source=source), steps=StepsParams(detector=detector)
+    )
+    for source in ("vqf", "device")
+    for detector in ("band-peaks", "mmpdr")
+}
+
+
+@cache
+def device(rate_hz: float, seed: int = 1) -> DeviceRecording:
+    return messy_device(rate_hz, seed)
+
+
+@cache
+def records(consumed: str, rate_hz: float) -> tuple[Any, ...]:
+    """The records of the messy recording at one place of the chain, from uncut input."""
+    if consumed == "raw":
+        return tuple(device(rate_hz).blocks())
+    before, stage = {
+        "imu": ("raw", CASES["Resampler"].make()),
+        "level": ("imu", Chain([CASES["VqfAttitude"].make(), FixedMode(CarryingMode.HOLDING)])),
+        "steps": ("level", CASES["StepSegmentation-BandPeaks"].make()),
+        "complete steps": ("steps", Chain([CASES["StepLength"].make(), StepYaw()])),
+    }[consumed]
+    return tuple(run(stage, records(before, rate_hz))[0])
+
+
+def whole_chain(config: Config, rate_hz: float) -> Chain:
+    _, to_level = pipeline.levelling(device(rate_hz), "messy", config)
+    return Chain([*to_level.stages, *pipeline.stepping(config).stages, Odometry("device", config.odometry)])
+
+
+def randomly_cut(items: Sequence[Any], rng: np.random.Generator) -> list[Any]:
+    """Blocks in random pieces, channels interleaved at random; steps as they are, for they cannot be cut."""
+    if isinstance(items[0], Step):
+        return list(items)
+    pieces = [cut(block, rng, int(rng.integers(1, 60))) for block in items]
+    if isinstance(items[0], SensorBlock):
+        return interleave(pieces, rng)
+    return [piece for block in pieces for piece in block]
+
+
+def finely_cut(items: Sequence[Any]) -> list[Any]:
+    if isinstance(items[0], Step):
+        return list(items)
+    return in_time_order(items) if isinstance(items[0], SensorBlock) else one_by_one(items)
+
+
+def some_numbers(items: Sequence[Block], rng: np.random.Generator) -> list[int]:
+    return [int(number) for number in rng.integers(0, len(items), 3)]
+
+
+def bookkeeping(stage: Any) -> Any:
+    """What a resampler tells besides its outputs."""
+    first = stage.stages[0] if isinstance(stage, Chain) else stage
+    return (first.gaps, first.dropped) if isinstance(first, Resampler) else None
+
+
+def assert_cuts_do_not_matter(
+    make: Callable[[], Any], items: Sequence[Any], cuttings: Sequence[list[Any]], rng: np.random.Generator
+) -> None:
+    outputs, stage = run(make(), items)
+    expected = content(outputs)
+    assert expected
+    for pieces in cuttings:
+        found, other = run(make(), pieces, restore_at=some_numbers(pieces, rng))
+        assert content(found) == expected
+        assert bookkeeping(other) == bookkeeping(stage)
+
+
+def test_every_stage_of_the_front_end_is_tested() -> None:
+    modules = [import_module(info.name) for info in walk_packages(front_end.__path__, "pdr_est.front_end.")]
+    stages = {
+        name
+        for module in modules
+        for name, item in vars(module).items()
+        if isclass(item) and item.__module__ == module.__name__ and {"push", "flush"} <= set(vars(item))
+    }
+    assert stages == {type(case.make()).__name__ for case in CASES.values()} - {"Resampler"}
+
+
+@pytest.mark.parametrize("rate_hz", RATES_HZ)
+def test_the_messy_recording_is_a_hard_one(rate_hz: float) -> None:
+    resampler = CASES["Resampler"].make()
+    segments = {block.segment for block in run(resampler, records("raw", rate_hz))[0]}
+    assert len(segments) == 4
+    assert isinstance(resampler, Resampler)
+    assert {key.split(": ")[1] for key in resampler.dropped} == {"not finite", "duplicate time", "backward time"}
+    assert sum("clock reset" in gap.reason for gap in resampler.gaps) == len(CHANNELS)
+    steps = records("complete steps", rate_hz)
+    assert len(steps) >= 8
+    assert len({step.event.segment for step in steps}) >= 3
+
+
+@pytest.mark.parametrize("rate_hz", RATES_HZ)
+@pytest.mark.parametrize("name", CASES)
+def test_random_cuts_of_a_stage(name: str, rate_hz: float) -> None:
+    rng = np.random.default_rng(int(rate_hz))
+    items = records(CASES[name].consumes, rate_hz)
+    assert_cuts_do_not_matter(CASES[name].make, items, [randomly_cut(items, rng) for _ in range(6)], rng)
+
+
+@pytest.mark.parametrize("rate_hz", [25.0, 100.0])
+@pytest.mark.parametrize("name", CASES)
+def test_one_sample_at_a_time_through_a_stage(name: str, rate_hz: float) -> None:
+    items = records(CASES[name].consumes, rate_hz)
+    assert_cuts_do_not_matter(CASES[name].make, items, [finely_cut(items)], np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("rate_hz", RATES_HZ)
+@pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
+def test_random_cuts_of_the_chain(config: Config, rate_hz: float) -> None:
+    rng = np.random.default_rng(int(rate_hz))
+    items = records("raw", rate_hz)
+    cuttings = [randomly_cut(items, rng) for _ in range(4)]
+    assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
+
+
+@pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
+def test_one_sample_at_a_time_through_the_chain(config: Config) -> None:
+    items = records("raw", 50.0)
+    cuttings = [in_time_order(items), one_by_one(items)]
+    assert_cuts_do_not_matter(lambda: whole_chain(config, 50.0), items, cuttings, np.random.default_rng(0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate_hz", RATES_HZ)
+@pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
+def test_many_recordings_in_many_cuts(config: Config, rate_hz: float) -> None:
+    rng = np.random.default_rng(int(rate_hz) + 1)
+    for seed in range(2, 8):
+        items = tuple(device(rate_hz, seed).blocks())
+        cuttings = [randomly_cut(items, rng) for _ in range(10)] + [in_time_order(items)]
+        assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
