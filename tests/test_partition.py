@@ -195,7 +195,7 @@ def test_one_sample_at_a_time_through_the_chain(config: Config) -> None:
 @pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
 def test_many_recordings_in_many_cuts(config: Config, rate_hz: float) -> None:
     rng = np.random.default_rng(int(rate_hz) + 1)
-    for seed in range(2, 8):
+    for seed in range(2, 5):
         items = tuple(device(rate_hz, seed).blocks())
-        cuttings = [randomly_cut(items, rng) for _ in range(10)] + [in_time_order(items)]
+        cuttings = [randomly_cut(items, rng) for _ in range(8)] + [in_time_order(items)]
         assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
