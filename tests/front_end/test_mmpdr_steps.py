@@ -1,0 +1,103 @@
+"""Step detection of MMPDR on made-up signals whose events follow from the paper's rules by hand."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from signals import level, run
+
+from pdr_est.frames import Array
+from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps, holding_acceleration
+
+RATE_HZ = 200.0
+SHARP = {"cutoff_hz": 95.0, "threshold_mps2": 1.0, "peak_sign": 1}  # a low-pass that leaves these signals alone
+NO_CRITERIA = {"min_interval_s": 0.0, "false_peak_window_s": 0.0}
+
+
+def zigzag(*corners: tuple[float, float], end_s: float = 3.0) -> Array:
+    """Straight lines through (time, value) corners, zero at the beginning and the end."""
+    time_s, values = zip((0.0, 0.0), *corners, (end_s, 0.0), strict=True)
+    return np.interp(np.arange(round(end_s * RATE_HZ)) / RATE_HZ, time_s, values)
+
+
+def event_times(signal: Array, **changes: float) -> list[float]:
+    detector = MmpdrSteps(RATE_HZ, MmpdrStepParams(**{**SHARP, **changes}))  # type: ignore[arg-type]
+    return [event.time_s for event in run(detector, [level(signal, rate_hz=RATE_HZ)])]
+
+
+def test_crests_above_the_threshold_are_steps() -> None:
+    crests = [(0.8, 0.0), (1.0, 3.0), (1.2, 0.0), (1.4, 0.9), (1.6, 0.0), (1.8, 1.1), (2.0, 0.0)]
+    assert event_times(zigzag(*crests), **NO_CRITERIA) == pytest.approx([1.0, 1.8], abs=0.006)
+    assert event_times(zigzag(*crests), **NO_CRITERIA, threshold_mps2=0.5) == pytest.approx(
+        [1.0, 1.4, 1.8], abs=0.006
+    )
+    assert event_times(zigzag(*crests), **NO_CRITERIA, peak_sign=-1) == []
+    assert event_times(-zigzag(*crests), **NO_CRITERIA, peak_sign=-1) == pytest.approx([1.0, 1.8], abs=0.006)
+
+
+def test_criterion_1_wants_a_fifth_of_a_second_since_the_last_valid_step() -> None:
+    crests = [(0.9, 0.0), (1.0, 3.0), (1.07, 1.0), (1.14, 4.0), (1.2, 1.0), (1.27, 3.0), (1.4, 0.0)]
+    found = event_times(zigzag(*crests), false_peak_window_s=0.0)
+    # 1.14 comes too early although it is the highest; 1.27 is counted from 1.00 and not from the refused 1.14
+    assert found == pytest.approx([1.0, 1.27], abs=0.006)
+
+
+@pytest.mark.parametrize(("trough_s", "found"), [(1.08, [1.3]), (1.16, [1.0, 1.3])])
+def test_criterion_2_refuses_a_crest_that_a_trough_follows_at_once(trough_s: float, found: list[float]) -> None:
+    crests = [(0.9, 0.0), (1.0, 3.0), (trough_s, 1.5), (1.3, 3.5), (1.6, 0.0)]
+    assert event_times(zigzag(*crests), min_interval_s=0.0) == pytest.approx(found, abs=0.006)
+
+
+def test_a_refused_crest_does_not_begin_the_interval_of_criterion_1() -> None:
+    crests = [(0.9, 0.0), (1.0, 3.0), (1.05, 1.5), (1.15, 3.5), (1.5, 0.0)]
+    assert event_times(zigzag(*crests)) == pytest.approx([1.15], abs=0.006)
+
+
+def test_the_low_pass_delay_is_taken_off_the_time() -> None:
+    time_s = np.arange(round(8.0 * RATE_HZ)) / RATE_HZ
+    found = event_times(2.0 * np.sin(2.0 * np.pi * 1.8 * time_s), cutoff_hz=5.0)
+    crests_s = (np.arange(15) + 0.25) / 1.8
+    settled = [found_s for found_s in found if found_s > 1.0]
+    expected = crests_s[(crests_s > 1.0) & (crests_s < 7.95)]
+    np.testing.assert_allclose(settled, expected, atol=1.0 / RATE_HZ)
+
+
+def test_a_segment_is_finished_before_the_next_begins() -> None:
+    """A crest whose window the gap cuts off is judged with what there is; the jump to the next is no crest."""
+    rising = zigzag((0.8, 0.0), (0.97, 3.0), end_s=1.02)[:202]
+    falling = zigzag((0.01, 5.0), (0.2, 0.0), (0.5, 0.0), end_s=1.0)[2:]
+    detector = MmpdrSteps(RATE_HZ, MmpdrStepParams(**SHARP))  # type: ignore[arg-type]
+    events = run(
+        detector,
+        [level(rising, rate_hz=RATE_HZ), level(falling, segment=1, first_index=400, rate_hz=RATE_HZ)],
+    )
+    assert [(event.segment, round(event.time_s, 2)) for event in events] == [(0, 0.97)]
+
+
+def test_events_carry_index_and_time_of_the_crest() -> None:
+    detector = MmpdrSteps(RATE_HZ, MmpdrStepParams(**SHARP))  # type: ignore[arg-type]
+    signal = zigzag((0.8, 0.0), (1.0, 3.0), (1.2, 0.0), (1.6, 0.0), (1.8, 3.0), (2.0, 0.0))
+    events = run(detector, [level(signal, rate_hz=RATE_HZ, first_index=1000)])
+    assert [event.index for event in events] == [1200, 1360]
+    assert all(after.time_s - before.time_s == pytest.approx(0.8) for before, after in pairwise(events))
+
+
+def test_equations_5_and_6_by_hand() -> None:
+    up = np.array([[0.0, 0.6, 0.8], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.48, 0.6, 0.64]])
+    acceleration = np.array([[5.0, 2.0, 3.0]] * 5)
+    phi = np.arctan(0.64 / 0.6)
+    expected = [3.0 * 0.8 + 2.0 * 0.6, 3.0, 2.0, 3.0, 3.0 * np.sin(phi) + 2.0 * np.cos(phi)]
+    np.testing.assert_allclose(holding_acceleration(up, acceleration), expected, atol=1e-12)
+
+
+def test_equation_5_takes_magnitudes() -> None:
+    up, acceleration = np.array([[0.0, -0.6, 0.8], [0.0, 0.6, -0.8]]), np.array([[0.0, 2.0, 3.0]] * 2)
+    np.testing.assert_allclose(holding_acceleration(up, acceleration), [3.6, 3.6], atol=1e-12)
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 20.0, 45.0, 70.0, 90.0])
+def test_any_tilt_of_a_held_phone_shows_the_same_vertical_acceleration(tilt_deg: float) -> None:
+    tilt = np.deg2rad(tilt_deg)
+    up = np.array([[0.0, np.sin(tilt), np.cos(tilt)]])
+    forward = np.array([[0.0, np.cos(tilt), -np.sin(tilt)]])
+    np.testing.assert_allclose(holding_acceleration(up, 1.7 * up + 4.0 * forward), [1.7], atol=1e-12)

@@ -1,0 +1,96 @@
+"""From steps to measurements: heading changes, covariances by hand, bridges over gaps."""
+
+import numpy as np
+import pytest
+from signals import run, step
+
+from pdr_est.front_end.odometry import Odometry, OdometryParams, step_covariance
+from pdr_est.records import CarryingMode, Step, StepOdometry
+
+PARAMETERS = OdometryParams(
+    sigma_length_fraction=0.1,
+    sigma_direction_rad=0.2,
+    sigma_heading_rad_per_sqrt_s=0.05,
+    gap_speed_mps=1.5,
+    gap_turn_rad_per_sqrt_s=0.8,
+)
+
+
+def odometry_of(*steps: Step, parameters: OdometryParams = PARAMETERS) -> list[StepOdometry]:
+    return run(Odometry("left", parameters), steps)
+
+
+def test_the_covariance_of_a_step_by_hand() -> None:
+    found = step_covariance(length_m=0.8, sigma_length_m=0.08, sigma_direction_rad=0.2, sigma_heading_rad=0.05)
+    least = 1e-6
+    expected = [
+        [0.0064 + least, 0.0, 0.0],
+        [0.0, 0.64 * (0.0025 + 0.04) + least, 0.8 * 0.0025],
+        [0.0, 0.8 * 0.0025, 0.0025 + least],
+    ]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("length_m", [0.0, 1e-6, 0.7, 2.0])
+@pytest.mark.parametrize("sigma_heading_rad", [0.0, 0.05, 1.0])
+def test_a_covariance_is_always_regular(length_m: float, sigma_heading_rad: float) -> None:
+    found = step_covariance(length_m, 0.1 * length_m, 0.18, sigma_heading_rad)
+    assert np.linalg.eigvalsh(found).min() > 1e-8
+    np.testing.assert_array_equal(found, found.T)
+
+
+def test_the_first_step_changes_no_heading_and_takes_its_own_duration() -> None:
+    (first,) = odometry_of(step(1.0, 0.6, length_m=0.5, heading_rad=2.5))
+    assert (first.device, first.time_s, first.start_s, first.length_m) == ("left", 1.0, 0.6, 0.5)
+    assert (first.heading_change_rad, first.mode, first.observed) == (0.0, CarryingMode.HOLDING, True)
+    np.testing.assert_allclose(first.covariance, step_covariance(0.5, 0.05, 0.2, 0.05 * np.sqrt(0.4)))
+
+
+def test_the_heading_error_grows_with_the_time_since_the_last_step() -> None:
+    _, second, third = odometry_of(step(1.0, 0.4), step(1.5, 1.0), step(9.5, 8.9))
+    np.testing.assert_allclose(second.covariance, step_covariance(0.7, 0.07, 0.2, 0.05 * np.sqrt(0.5)))
+    np.testing.assert_allclose(third.covariance, step_covariance(0.7, 0.07, 0.2, 0.05 * np.sqrt(8.0)))
+    assert third.start_s == 8.9
+
+
+@pytest.mark.parametrize(
+    ("before_deg", "after_deg", "change_deg"),
+    [(10.0, 40.0, 30.0), (40.0, 10.0, -30.0), (170.0, -170.0, 20.0), (-170.0, 170.0, -20.0), (-90.0, 80.0, 170.0)],
+)
+def test_the_heading_change_takes_the_short_way_round(before_deg: float, after_deg: float, change_deg: float) -> None:
+    headings = np.deg2rad([before_deg, after_deg])
+    _, second = odometry_of(
+        step(1.0, 0.4, heading_rad=float(headings[0])), step(1.5, 1.0, heading_rad=float(headings[1]))
+    )
+    assert np.rad2deg(second.heading_change_rad) == pytest.approx(change_deg)
+
+
+def test_a_gap_is_bridged_by_an_unobserved_walk() -> None:
+    before, after = step(1.0, 0.4, heading_rad=3.0), step(4.0, 3.4, segment=1, heading_rad=-1.0)
+    _, bridge, resumed = odometry_of(before, after)
+    assert (bridge.start_s, bridge.time_s, bridge.observed) == (1.0, 3.4, False)
+    assert (bridge.length_m, bridge.heading_change_rad) == (0.0, 0.0)
+    reach, turn = 1.5 * 2.4, 0.8 * np.sqrt(2.4)
+    np.testing.assert_allclose(bridge.covariance, np.diag([reach**2, reach**2, turn**2]))
+    # the new segment's yaw has a zero of its own: no heading change across the gap
+    assert (resumed.heading_change_rad, resumed.start_s, resumed.time_s, resumed.observed) == (0.0, 3.4, 4.0, True)
+    np.testing.assert_allclose(resumed.covariance, step_covariance(0.7, 0.07, 0.2, 0.05 * np.sqrt(0.6)))
+
+
+def test_after_a_long_gap_the_heading_is_anything() -> None:
+    _, bridge, _ = odometry_of(step(1.0, 0.4), step(3600.0, 3599.4, segment=1))
+    assert np.sqrt(bridge.covariance[2, 2]) == pytest.approx(np.pi / np.sqrt(3.0))
+    assert np.sqrt(bridge.covariance[0, 0]) == pytest.approx(1.5 * 3598.4)
+
+
+def test_a_bridge_of_no_time_is_regular() -> None:
+    _, bridge, _ = odometry_of(step(1.0, 0.4), step(1.5, 1.0, segment=1))
+    np.testing.assert_allclose(bridge.covariance, 1e-6 * np.eye(3))
+
+
+def test_headings_of_a_segment_compare_among_themselves() -> None:
+    headings = [(0, 0.1), (0, 0.3), (1, 2.0), (1, 1.9)]
+    found = odometry_of(
+        *(step(1.0 + i, 0.5 + i, segment=segment, heading_rad=yaw) for i, (segment, yaw) in enumerate(headings))
+    )
+    assert [o.heading_change_rad for o in found if o.observed] == pytest.approx([0.0, 0.2, 0.0, -0.1])

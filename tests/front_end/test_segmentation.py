@@ -1,0 +1,118 @@
+"""From events to steps: frequency, beginning, and which samples belong to a step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from signals import RATE_HZ, corner_walk, joined, level, levels_of, run
+
+from pdr_est.front_end.steps.band_peaks import BandPeaks, BandPeaksParams
+from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
+from pdr_est.records import CarryingMode, LevelBlock, Step, StepEvent
+
+DELAY_S = 0.1
+
+
+@dataclass
+class Script:
+    """A detector that announces given times, `DELAY_S` after they were; (time, segment)."""
+
+    plan: list[tuple[float, int]]
+    latency_s: float = DELAY_S
+
+    def push(self, item: LevelBlock, /) -> list[StepEvent]:
+        due = [entry for entry in self.plan if item.time_s[-1] >= entry[0] + DELAY_S]
+        self.plan = self.plan[len(due) :]
+        return [StepEvent(round(time_s * RATE_HZ), time_s, segment, CarryingMode.HOLDING) for time_s, segment in due]
+
+    def flush(self) -> list[StepEvent]:
+        return []
+
+
+def steps_at(*times_s: float, duration_s: float = 12.0) -> list[Step]:
+    count = round(duration_s * RATE_HZ)
+    stage = StepSegmentation(Script([(time_s, 0) for time_s in times_s]), SegmentationParams())
+    return run(stage, [level(np.arange(count, dtype=np.float64))])
+
+
+def test_the_frequency_is_the_reciprocal_of_the_interval() -> None:
+    steps = steps_at(1.0, 1.5, 2.1, 4.1)
+    assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 1.0 / 0.6, 0.5])
+
+
+def test_a_step_begins_where_the_one_before_ended() -> None:
+    steps = steps_at(1.0, 1.5, 2.1)
+    assert [step.start_s for step in steps] == pytest.approx([0.4, 1.0, 1.5])
+    assert [step.event.time_s for step in steps] == [1.0, 1.5, 2.1]
+
+
+def test_the_first_step_after_a_standstill_has_no_frequency_and_its_own_duration() -> None:
+    steps = steps_at(1.0, 1.5, 3.6, 9.0, 9.5)
+    assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 0.0, 0.0, 2.0])
+    assert [step.start_s for step in steps] == pytest.approx([0.4, 1.0, 3.0, 8.4, 9.0])
+
+
+def test_the_first_step_begins_no_earlier_than_the_recording() -> None:
+    (step,) = steps_at(0.25)
+    assert step.start_s == 0.0
+    assert step.samples.time_s[0] == 0.0
+
+
+@pytest.mark.parametrize("times_s", [(1.0, 1.5, 2.1, 7.0), (1.003, 1.517, 2.111, 7.008), (0.997, 1.485, 2.095, 6.99)])
+def test_the_samples_are_those_after_the_start_up_to_the_event(times_s: tuple[float, ...]) -> None:
+    for step in steps_at(*times_s):
+        every = np.arange(600) / RATE_HZ
+        expected = every[(every > step.start_s) & (every <= step.event.time_s)]
+        np.testing.assert_array_equal(step.samples.time_s, expected)
+        assert step.samples.first_index == round(expected[0] * RATE_HZ)
+        np.testing.assert_array_equal(step.samples.vertical_mps2, np.round(expected * RATE_HZ))
+
+
+def test_an_event_before_the_first_sample_still_has_a_sample() -> None:
+    stage = StepSegmentation(Script([(0.99, 0)]), SegmentationParams())
+    (step,) = run(stage, [level(np.zeros(50), first_index=50)])
+    assert (step.start_s, len(step.samples)) == (0.99, 1)
+
+
+def test_a_new_segment_begins_from_nothing() -> None:
+    """The old segment's last step comes out when the new one has begun, and takes its own samples."""
+    stage = StepSegmentation(Script([(1.0, 0), (1.5, 0), (1.95, 0), (2.6, 1), (3.1, 1)]), SegmentationParams())
+    old, new = level(np.zeros(100)), level(np.ones(100), segment=1, first_index=125)
+    steps = [step for block in (old, new) for step in stage.push(block)]
+    assert [step.event.segment for step in steps] == [0, 0, 0, 1, 1]
+    assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 1.0 / 0.45, 0.0, 2.0])
+    assert [step.start_s for step in steps] == pytest.approx([0.4, 1.0, 1.5, 2.5, 2.6])
+    assert [set(step.samples.vertical_mps2) for step in steps] == [{0.0}, {0.0}, {0.0}, {1.0}, {1.0}]
+
+
+def test_empty_blocks_are_harmless() -> None:
+    stage = StepSegmentation(BandPeaks(RATE_HZ, BandPeaksParams()), SegmentationParams())
+    assert stage.push(level(np.zeros(0))) == []
+    assert stage.push(level(np.zeros(10))) == []
+    assert stage.push(level(np.zeros(0), segment=1, first_index=90)) == []
+    assert stage.push(level(np.zeros(10), first_index=10)) == []
+
+
+@pytest.mark.parametrize("name", ["band-peaks", "mmpdr"])
+def test_steps_of_a_walk_share_no_sample_and_leave_none_out(name: str) -> None:
+    detector = (
+        BandPeaks(RATE_HZ, BandPeaksParams()) if name == "band-peaks" else MmpdrSteps(RATE_HZ, MmpdrStepParams())
+    )
+    levels = levels_of(corner_walk())
+    steps = run(StepSegmentation(detector, SegmentationParams()), levels)
+    indices = np.concatenate([step.samples.first_index + np.arange(len(step.samples)) for step in steps])
+    breaks = np.diff(indices)
+    assert (breaks >= 1).all()
+    assert np.count_nonzero(breaks > 1) == 1  # the pause
+    vertical, first = joined(levels, "vertical_mps2"), levels[0].first_index
+    np.testing.assert_array_equal(
+        joined([step.samples for step in steps], "vertical_mps2"), vertical[indices - first]
+    )
+
+
+def test_memory_stays_bounded_while_the_walker_stands() -> None:
+    stage = StepSegmentation(Script([]), SegmentationParams())
+    for i in range(200):
+        stage.push(level(np.zeros(50), first_index=50 * i))
+    assert len(stage.__dict__["_samples"]) < 500
