@@ -4,10 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.records import Channel, PositionFix, SensorBlock
+from pdr_est.records import CarryingMode, Channel, PositionFix, SensorBlock
 
 
 @dataclass(frozen=True)
@@ -81,8 +82,26 @@ class TrueTurns:
 
 
 @dataclass(frozen=True)
+class TrueModes:
+    """How the device was really carried. start_s: (n,) rising; mode: (n,) values of CarryingMode from then on
+    until the next start."""
+
+    start_s: Array
+    mode: NDArray[np.int8]
+
+    def at(self, time_s: Array) -> NDArray[np.int8]:
+        """The modes (k,) at some times (k,); UNKNOWN before the first start."""
+        number = np.searchsorted(self.start_s, time_s, side="right") - 1
+        unknown = np.int8(CarryingMode.UNKNOWN)
+        return np.where(number < 0, unknown, self.mode[np.maximum(number, 0)]).astype(np.int8)
+
+
+@dataclass(frozen=True)
 class Truth:
-    """What is known of the walk besides the sensors; each part None where the recording has none."""
+    """What is known of the walk besides the sensors; each part None where the recording has none.
+
+    modes: of the first device.
+    """
 
     positions: TruePositions | None = None
     steps: TrueSteps | None = None
@@ -90,6 +109,7 @@ class Truth:
     step_count: int | None = None
     distance_m: float | None = None
     activity: str | None = None
+    modes: TrueModes | None = None
 
 
 @dataclass(frozen=True)

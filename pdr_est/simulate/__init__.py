@@ -5,29 +5,39 @@ time, so the truth does not depend on the sampling rate.
 """
 
 from pdr_est.simulate.body import BodyParams
+from pdr_est.simulate.magnetic import EarthField, Iron
+from pdr_est.simulate.modes import ModeChange
 from pdr_est.simulate.path import Path, PathParams
 from pdr_est.simulate.phone import HeldPhone
+from pdr_est.simulate.pocket import PocketPhone
 from pdr_est.simulate.scenario import PRESETS, DeviceParams, Scenario, preset
-from pdr_est.simulate.sensors import PERFECT, SensorErrors, SensorParams
+from pdr_est.simulate.sensors import PERFECT, PHONE_MAGNETOMETER, SensorErrors, SensorParams
+from pdr_est.simulate.swing import SwingingPhone
 from pdr_est.simulate.walk import SimulatedDevice, SimulatedWalk, simulate_walk
 from pdr_est.simulate.walker import GaitParams, Pause, Steps
 
 __all__ = [
     "PERFECT",
+    "PHONE_MAGNETOMETER",
     "PRESETS",
     "BodyParams",
     "DeviceParams",
+    "EarthField",
     "GaitParams",
     "HeldPhone",
+    "Iron",
+    "ModeChange",
     "Path",
     "PathParams",
     "Pause",
+    "PocketPhone",
     "Scenario",
     "SensorErrors",
     "SensorParams",
     "SimulatedDevice",
     "SimulatedWalk",
     "Steps",
+    "SwingingPhone",
     "preset",
     "simulate_walk",
 ]

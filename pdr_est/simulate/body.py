@@ -1,6 +1,7 @@
 """The moving trunk of a walker: forward along the path, up and down once a step, side to side once a stride."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -11,6 +12,8 @@ from pdr_est.params import Fraction, NonNegative, params
 from pdr_est.simulate.jet import Jet, jet_of, smooth_curve
 from pdr_est.simulate.path import Path
 from pdr_est.simulate.walker import SETTLE_S, Steps
+
+Side = Literal["left", "right"]
 
 _LEG_SHARE = 0.53  # leg length over body height
 
@@ -42,6 +45,7 @@ class BodyMotion:
 
     on_path: arc length of the point on the path beside it, m. heading: rad, continuous. phase: counts steps, a
     whole number at each heel strike, without meaning while activity is 0. activity: 0 standing, 1 walking.
+    left_foot_odd: whether the left foot strikes at the odd counts of phase.
     """
 
     time_s: Array
@@ -52,6 +56,20 @@ class BodyMotion:
     heading: Jet
     phase: Jet
     activity: Jet
+    left_foot_odd: bool
+
+    def stride_of(self, side: Side) -> Jet:
+        """Strides (two steps) of one leg: counts on, a whole number at each heel strike of that leg."""
+        odd = self.left_foot_odd == (side == "left")
+        return (self.phase + (1.0 if odd else 0.0)) * 0.5
+
+    def part(self, part: slice) -> "BodyMotion":
+        """The motion at some of the times."""
+        signals = {name: getattr(self, name)[part] for name in _SIGNALS}
+        return BodyMotion(left_foot_odd=self.left_foot_odd, **signals)
+
+
+_SIGNALS = ("time_s", "on_path", "east", "north", "up", "heading", "phase", "activity")
 
 
 class Body:
@@ -60,7 +78,7 @@ class Body:
     def __init__(self, path: Path, steps: Steps, height_m: float, parameters: BodyParams) -> None:
         self._path = path
         self._parameters = parameters
-        self._first_sign = 1.0 if steps.foot[0] == "L" else -1.0
+        self._left_foot_odd = bool(steps.foot[0] == "L")
         rise_m = parameters.bounce_share * steps.length_m**2 / (8.0 * _LEG_SHARE * height_m)
         self._progress = _progress(steps)
         self._phase = _phase(steps)
@@ -77,7 +95,8 @@ class Body:
         on_path = self._on_path(time_s)
         east, north, heading = self._path.follow(on_path)
         # over the left leg (positive) while it carries the body: between its heel strike and the next one
-        sway = activity * (phase * np.pi).sin() * (-self._first_sign * self._parameters.sway_m)
+        towards_left = -1.0 if self._left_foot_odd else 1.0
+        sway = activity * (phase * np.pi).sin() * (towards_left * self._parameters.sway_m)
         return BodyMotion(
             time_s=time_s,
             on_path=on_path,
@@ -87,6 +106,7 @@ class Body:
             heading=heading,
             phase=phase,
             activity=activity,
+            left_foot_odd=self._left_foot_odd,
         )
 
     def on_path_at(self, time_s: Array) -> tuple[Array, Array]:

@@ -40,6 +40,9 @@ class Jet:
     def __sub__(self, other: "Jet | float") -> "Jet":
         return self + (-other)
 
+    def __getitem__(self, part: slice) -> "Jet":
+        return Jet(self.value[part], self.rate[part], self.acceleration[part])
+
     def sin(self) -> "Jet":
         """Sine of an angle in radians."""
         return self.through(np.sin(self.value), np.cos(self.value), -np.sin(self.value))
@@ -51,6 +54,35 @@ class Jet:
     def through(self, value: Array, slope: Array, bend: Array) -> "Jet":
         """f of this signal, given f and its first two derivatives at the signal's values (chain rule)."""
         return Jet(value, slope * self.rate, slope * self.acceleration + bend * self.rate**2)
+
+
+def constant(value: float, count: int) -> Jet:
+    """A signal that never changes, at `count` times."""
+    zero = np.zeros(count)
+    return Jet(np.full(count, value), zero, zero)
+
+
+def joined(parts: list[Jet]) -> Jet:
+    """Consecutive pieces of one signal as one."""
+    return Jet(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("value", "rate", "acceleration")))
+
+
+def pulse(cycle: Jet, span: float, waves: float) -> Jet:
+    """A short swinging jolt behind every whole number of a counting signal, zero elsewhere.
+
+    It lasts a share `span` of a cycle, swings `waves` times within a bell of height 1, and begins and ends so
+    gently that its acceleration is continuous.
+    """
+    inside = np.mod(cycle.value, 1.0) < span
+    share = Jet(np.where(inside, np.mod(cycle.value, 1.0), 0.0) / span, cycle.rate / span, cycle.acceleration / span)
+    rest = 1.0 - share.value
+    bell = share.through(
+        64.0 * (share.value * rest) ** 3,
+        192.0 * (share.value * rest) ** 2 * (rest - share.value),
+        384.0 * share.value * rest * (1.0 - 5.0 * share.value * rest),
+    )
+    jolt = bell * (share * (2.0 * np.pi * waves)).sin()
+    return Jet(*(np.where(inside, part, 0.0) for part in (jolt.value, jolt.rate, jolt.acceleration)))
 
 
 def jet_of(curve: PPoly, time_s: Array) -> Jet:

@@ -1,24 +1,15 @@
-"""A phone held in front of the body. Other ways to carry one are files beside this one with the same method."""
+"""A phone held in front of the body, screen up, as one who reads it while walking."""
 
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from pdr_est.params import NonNegative, params
 from pdr_est.simulate.body import BodyMotion
-from pdr_est.simulate.rigid_body import RigidMotion
-from pdr_est.simulate.tremor import Tremor
-
-_WANDER_HZ = (0.02, 0.25)
-_TREMOR_HZ = (4.0, 10.0)
-
-
-class Carry(Protocol):
-    """How a device is carried: turns the motion of the trunk into that of the device."""
-
-    def motion(self, body: BodyMotion, rng: np.random.Generator) -> RigidMotion:
-        """The device's motion at the times of `body`; the same function of time for every choice of times."""
-        ...
+from pdr_est.simulate.jet import constant
+from pdr_est.simulate.pose import DevicePose, LimbPose
+from pdr_est.simulate.tremor import TREMOR_HZ, WANDER_HZ, Tremor
 
 
 @params
@@ -45,20 +36,24 @@ class HeldPhone:
     tremor_rad: NonNegative = 0.0005
     tremor_m: NonNegative = 0.00003
 
-    def motion(self, body: BodyMotion, rng: np.random.Generator) -> RigidMotion:
-        """The phone's motion at the times of `body`; `rng` draws the hand's unrest."""
-        wander = [Tremor(self.wander_rad, _WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
-        shake = [Tremor(self.tremor_rad, _TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
-        drift = [Tremor(self.tremor_m, _TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
+    def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
+        """The phone on the body; `rng` draws the hand's unrest."""
+        wander = [Tremor(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
+        shake = [Tremor(self.tremor_rad, TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
+        drift = [Tremor(self.tremor_m, TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
         step, stride = body.phase * (2.0 * np.pi), body.phase * np.pi
-        forward_east, forward_north = body.heading.cos(), body.heading.sin()
-        facing = self.heading_offset_rad - np.pi / 2.0  # the y axis, not the x axis, points ahead
-        return RigidMotion(
-            time_s=body.time_s,
-            east=body.east + forward_east * self.forward_m - forward_north * self.left_m + drift[0],
-            north=body.north + forward_north * self.forward_m + forward_east * self.left_m + drift[1],
-            up=body.up + self.up_m + drift[2],
-            yaw=body.heading + facing + body.activity * stride.cos() * self.rock_yaw_rad + wander[0] + shake[0],
-            pitch=body.activity * step.sin() * self.rock_pitch_rad + self.tilt_rad + wander[1] + shake[1],
+        still = constant(0.0, len(body.time_s))
+        facing_rad = self.heading_offset_rad - np.pi / 2.0  # the y axis, not the x axis, points ahead
+        return DevicePose(
+            forward=drift[0] + self.forward_m,
+            left=drift[1] + self.left_m,
+            up=drift[2] + self.up_m,
+            limb=LimbPose(
+                twist=body.activity * stride.cos() * self.rock_yaw_rad + wander[0] + shake[0],
+                flexion=still,
+                abduction=still,
+            ),
+            mount=Rotation.from_euler("ZX", [facing_rad, self.tilt_rad]),
+            pitch=body.activity * step.sin() * self.rock_pitch_rad + wander[1] + shake[1],
             roll=body.activity * stride.sin() * self.rock_roll_rad + wander[2] + shake[2],
         )

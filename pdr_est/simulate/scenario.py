@@ -12,6 +12,8 @@ from pydantic import TypeAdapter, ValidationError
 from pdr_est.errors import ConfigError
 from pdr_est.params import params
 from pdr_est.simulate.body import BodyParams
+from pdr_est.simulate.magnetic import EarthField, Iron
+from pdr_est.simulate.modes import AnyPhone, ModeChange, check_changes
 from pdr_est.simulate.path import PathParams
 from pdr_est.simulate.phone import HeldPhone
 from pdr_est.simulate.sensors import SensorParams
@@ -20,22 +22,28 @@ from pdr_est.simulate.walker import GaitParams, Pause
 
 @params
 class DeviceParams:
-    """One device. carry: how it is carried; further ways become a union told apart by their `mode`."""
+    """One device. carry: how it is carried at first; changes: to what the hand changes that, in order of time."""
 
     name: str = "device"
-    carry: HeldPhone = HeldPhone()
+    carry: AnyPhone = HeldPhone()
+    changes: tuple[ModeChange, ...] = ()
     sensors: SensorParams = SensorParams()
 
 
 @params
 class Scenario:
-    """A walk to simulate. The same scenario gives the same walk, sample by sample; all randomness is from `seed`."""
+    """A walk to simulate. The same scenario gives the same walk, sample by sample; all randomness is from `seed`.
+
+    earth, irons: the magnetic field, for devices that have a magnetometer.
+    """
 
     path: PathParams
     name: str = "simulated"
     gait: GaitParams = GaitParams()
     body: BodyParams = BodyParams()
     devices: tuple[DeviceParams, ...] = (DeviceParams(),)
+    earth: EarthField = EarthField()
+    irons: tuple[Iron, ...] = ()
     seed: Annotated[int, Ge(0)] = 0
 
 
@@ -76,6 +84,7 @@ def check(scenario: Scenario) -> None:
     if not names or len(set(names)) < len(names):
         raise ConfigError(f"scenario devices {names}: at least one, each with a name of its own")
     for device in scenario.devices:
+        check_changes(device.name, device.changes)
         for start_s, end_s in device.sensors.gaps_s:
             if not start_s < end_s:
                 raise ConfigError(f"scenario device {device.name}: gap from {start_s} s to {end_s} s: swap the times")

@@ -32,21 +32,27 @@ class SensorParams:
     whose gyroscope bias is what its own calibration leaves.
 
     time_jitter_s: standard deviation of the time stamps about the true sampling times, cut at 0.45 of the
-    sampling interval so that time never runs back. lost_fraction: samples missing one by one, each sensor by
-    itself. gaps_s: (from, to) without any sample. record_attitude: also keep the exact orientation, as a phone
-    with perfect fusion would.
+    sampling interval so that time never runs back. clock_offset_s, clock_skew: what the device's clock is ahead
+    of the true one at the start, and the share by which it runs faster. lost_fraction: samples missing one by
+    one, each sensor by itself. gaps_s: (from, to) without any sample, on the true clock. magnetometer: None for a
+    device without one; its bias is the hard iron. record_attitude: also keep the exact orientation, as a phone with
+    perfect fusion would.
     """
 
     rate_hz: Annotated[float, Ge(25.0), Le(500.0)] = 100.0
     accelerometer: SensorErrors = SensorErrors(noise_std=0.05, bias_std=0.05, scale_std=0.003)
     gyroscope: SensorErrors = SensorErrors(noise_std=0.005, bias_std=float(np.deg2rad(0.05)), scale_std=0.003)
+    magnetometer: SensorErrors | None = None
     time_jitter_s: NonNegative = 0.0005
+    clock_offset_s: float = 0.0
+    clock_skew: Annotated[float, Ge(-0.01), Le(0.01)] = 0.0
     lost_fraction: Annotated[float, Ge(0.0), Lt(1.0)] = 0.0
     gaps_s: tuple[tuple[float, float], ...] = ()
     record_attitude: bool = False
 
 
 PERFECT = SensorErrors()
+PHONE_MAGNETOMETER = SensorErrors(noise_std=0.6, bias_std=15.0, scale_std=0.01)
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,8 @@ def record_exactly(time_s: Array, ideal: Array, sensors: SensorParams, rng: np.r
 
 def _stamps(time_s: Array, sensors: SensorParams, rng: np.random.Generator) -> Array:
     limit_s = 0.45 / sensors.rate_hz
-    return time_s + np.clip(sensors.time_jitter_s * rng.standard_normal(len(time_s)), -limit_s, limit_s)
+    jittered_s = time_s + np.clip(sensors.time_jitter_s * rng.standard_normal(len(time_s)), -limit_s, limit_s)
+    return (1.0 + sensors.clock_skew) * jittered_s + sensors.clock_offset_s
 
 
 def _kept(time_s: Array, sensors: SensorParams, rng: np.random.Generator) -> NDArray[np.bool_]:

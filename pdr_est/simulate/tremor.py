@@ -5,6 +5,10 @@ import numpy as np
 from pdr_est.frames import Array
 from pdr_est.simulate.jet import Jet
 
+WANDER_HZ = (0.02, 0.25)  # slow changes of a posture
+AMPLITUDE_HZ = (0.05, 0.6)  # from stride to stride
+TREMOR_HZ = (4.0, 10.0)
+
 _TONES = 6  # enough for the sum to look random over a walk
 
 

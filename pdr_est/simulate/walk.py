@@ -7,14 +7,21 @@ import numpy as np
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
-from pdr_est.io.recording import DeviceRecording, Recording, TruePositions, TrueSteps, TrueTurns, Truth
+from pdr_est.io.recording import DeviceRecording, Recording, TrueModes, TruePositions, TrueSteps, TrueTurns, Truth
 from pdr_est.records import PositionFix
 from pdr_est.simulate.body import Body
+from pdr_est.simulate.magnetic import field_ut
+from pdr_est.simulate.modes import carried_motion, true_modes
 from pdr_est.simulate.path import Path
-from pdr_est.simulate.phone import Carry
 from pdr_est.simulate.rigid_body import RigidMotion
 from pdr_est.simulate.scenario import DeviceParams, Scenario, check
-from pdr_est.simulate.sensors import RecordedSensor, record, record_exactly, sampling_times
+from pdr_est.simulate.sensors import (
+    RecordedSensor,
+    SensorErrors,
+    record,
+    record_exactly,
+    sampling_times,
+)
 from pdr_est.simulate.walker import Steps, plan_steps
 
 _TRUTH_HZ = 10.0
@@ -29,16 +36,19 @@ class _Stream(IntEnum):
     GYROSCOPE = 3
     ATTITUDE = 4
     FIXES = 5
+    MAGNETOMETER = 6
 
 
 @dataclass(frozen=True)
 class SimulatedDevice:
-    """One device: its true motion at the true sampling times, and its sensors as recorded."""
+    """One device: its true motion at the true sampling times, how it was carried, and its sensors as recorded."""
 
     name: str
     motion: RigidMotion
+    modes: TrueModes
     accelerometer: RecordedSensor
     gyroscope: RecordedSensor
+    magnetometer: RecordedSensor | None
 
 
 @dataclass(frozen=True)
@@ -97,8 +107,7 @@ def simulate_walk(scenario: Scenario) -> SimulatedWalk:
     steps = plan_steps(scenario.gait, path.length_m, _stream(scenario.seed, _Stream.STEPS))
     body = Body(path, steps, scenario.gait.height_m, scenario.body)
     devices = tuple(
-        _simulate_device(device, body, steps.end_s, scenario.seed, number)
-        for number, device in enumerate(scenario.devices)
+        _simulate_device(scenario, number, path, body, steps.end_s) for number in range(len(scenario.devices))
     )
     time_s = sampling_times(steps.end_s, _TRUTH_HZ)
     position_m, heading_rad = body.on_path_at(time_s)
@@ -108,6 +117,7 @@ def simulate_walk(scenario: Scenario) -> SimulatedWalk:
         turns=TrueTurns(body.time_at(path.corner_m), path.turn_rad),
         step_count=len(steps),
         distance_m=path.length_m,
+        modes=devices[0].modes,
     )
     recording = Recording(
         name=scenario.name,
@@ -122,19 +132,28 @@ def simulate_walk(scenario: Scenario) -> SimulatedWalk:
     return SimulatedWalk(scenario, recording, steps, time_s, position_m, heading_rad, path.length_m, devices, body)
 
 
-def _simulate_device(device: DeviceParams, body: Body, end_s: float, seed: int, number: int) -> SimulatedDevice:
-    time_s = sampling_times(end_s, device.sensors.rate_hz)
-    carry: Carry = device.carry
-    motion = carry.motion(body.at(time_s), _stream(seed, _Stream.HAND, number))
-    force, rate = motion.specific_force_mps2, motion.rotation_rate_radps
+def _simulate_device(scenario: Scenario, number: int, path: Path, body: Body, end_s: float) -> SimulatedDevice:
+    device, seed = scenario.devices[number], scenario.seed
     sensors = device.sensors
+    time_s = sampling_times(end_s, sensors.rate_hz)
+    hands = [_stream(seed, _Stream.HAND, number)]
+    hands += [_stream(seed, _Stream.HAND, number, further) for further in range(2 * len(device.changes))]
+    motion = carried_motion(body, time_s, device.carry, device.changes, hands)
+
+    def recorded(ideal: Array, errors: SensorErrors, stream: _Stream) -> RecordedSensor:
+        return record(time_s, ideal, errors, sensors, _stream(seed, stream, number))
+
+    magnetometer = None
+    if sensors.magnetometer is not None:
+        field = motion.in_device(field_ut(motion.position_m, scenario.earth, scenario.irons, path))
+        magnetometer = recorded(field, sensors.magnetometer, _Stream.MAGNETOMETER)
     return SimulatedDevice(
         name=device.name,
         motion=motion,
-        accelerometer=record(
-            time_s, force, sensors.accelerometer, sensors, _stream(seed, _Stream.ACCELEROMETER, number)
-        ),
-        gyroscope=record(time_s, rate, sensors.gyroscope, sensors, _stream(seed, _Stream.GYROSCOPE, number)),
+        modes=true_modes(device.carry, device.changes),
+        accelerometer=recorded(motion.specific_force_mps2, sensors.accelerometer, _Stream.ACCELEROMETER),
+        gyroscope=recorded(motion.rotation_rate_radps, sensors.gyroscope, _Stream.GYROSCOPE),
+        magnetometer=magnetometer,
     )
 
 
@@ -150,10 +169,11 @@ def _recorded(parameters: DeviceParams, device: SimulatedDevice, seed: int, numb
         platform="simulated",
         specific_force=device.accelerometer.signal,
         rotation_rate=device.gyroscope.signal,
+        magnetic_field=None if device.magnetometer is None else device.magnetometer.signal,
         attitude=attitude,
         decisions=("units and signs: exact, simulated",),
     )
 
 
-def _stream(seed: int, purpose: _Stream, number: int = 0) -> np.random.Generator:
-    return np.random.default_rng([seed, int(purpose), number])
+def _stream(seed: int, purpose: _Stream, *numbers: int) -> np.random.Generator:
+    return np.random.default_rng([seed, int(purpose), *(numbers or (0,))])

@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.params import NonNegative, Positive, params
+from pdr_est.simulate.tremor import Tremor
 
 SETTLE_S = 0.6  # the body comes to rest this long after the last heel strike before a standstill
+
+_DRIFT_HZ = (0.008, 0.03)
 
 _MMPDR_K = {"male": 0.3139, "female": 0.2975}  # MMPDR eq. 9
 
@@ -30,7 +33,8 @@ class GaitParams:
     """Who walks, and how regularly.
 
     step_length_m: None takes MMPDR eq. 9, k h sqrt(f), from height, gender and the rate of each step.
-    cadence_variation, length_variation: relative standard deviations from step to step.
+    length_habit: this walker's usual step length over that. cadence_variation, length_variation: relative standard
+    deviations from step to step; cadence_drift, length_drift: rms of slow changes over half a minute and more.
     boundary_step_share: length of the first and last step of a bout over that of the others, because the body
     speeds up and slows down in them. lead_in_s, lead_out_s: standing before the first and after the last step.
     """
@@ -41,6 +45,9 @@ class GaitParams:
     step_length_m: Positive | None = None
     cadence_variation: Annotated[NonNegative, Le(0.1)] = 0.02
     length_variation: Annotated[NonNegative, Le(0.1)] = 0.02
+    cadence_drift: Annotated[NonNegative, Le(0.1)] = 0.0
+    length_drift: Annotated[NonNegative, Le(0.1)] = 0.0
+    length_habit: Positive = 1.0
     boundary_step_share: Annotated[float, Gt(0.0), Le(1.0)] = 0.6
     first_foot: Literal["L", "R"] = "R"
     lead_in_s: NonNegative = 3.0
@@ -83,9 +90,11 @@ def plan_steps(gait: GaitParams, path_length_m: float, rng: np.random.Generator)
             f"{path_length_m:.1f} m of the path"
         )
     standing_s = [gait.lead_in_s, *(pause.duration_s for pause in gait.pauses)]
+    drift_rng = rng.spawn(1)[0]  # a stream of its own: without drift the steps are as they ever were
+    drift = _Drift(Tremor(gait.cadence_drift, _DRIFT_HZ, drift_rng), Tremor(gait.length_drift, _DRIFT_HZ, drift_rng))
     starts, times, lengths, now_s = [], [], [], 0.0
     for stand_s, distance_m in zip(standing_s, np.diff(stops), strict=True):
-        period_s, length_m = _plan_bout(gait, float(distance_m), rng)
+        period_s, length_m = _plan_bout(gait, float(distance_m), now_s + stand_s, drift, rng)
         edges_s = now_s + stand_s + np.concatenate([[0.0], np.cumsum(period_s)])
         starts.append(edges_s[:-1])
         times.append(edges_s[1:])
@@ -102,21 +111,32 @@ def plan_steps(gait: GaitParams, path_length_m: float, rng: np.random.Generator)
     )
 
 
-def _plan_bout(gait: GaitParams, distance_m: float, rng: np.random.Generator) -> tuple[Array, Array]:
+@dataclass(frozen=True)
+class _Drift:
+    cadence: Tremor
+    length: Tremor
+
+
+def _plan_bout(
+    gait: GaitParams, distance_m: float, begin_s: float, drift: _Drift, rng: np.random.Generator
+) -> tuple[Array, Array]:
     """Periods and lengths of the steps of one bout."""
     usual_m = _usual_length_m(gait, np.array([1.0 / gait.cadence_hz]))[0]
     short = 2.0 * (1.0 - gait.boundary_step_share)
     count = max(round(distance_m / usual_m + short), 1)
-    period_s = (1.0 + gait.cadence_variation * _bounded_normal(rng, count)) / gait.cadence_hz
+    about_s = begin_s + np.arange(count) / gait.cadence_hz
+    cadence_hz = gait.cadence_hz * (1.0 + drift.cadence.at(about_s).value)
+    period_s = (1.0 + gait.cadence_variation * _bounded_normal(rng, count)) / cadence_hz
     length_m = _usual_length_m(gait, period_s) * (1.0 + gait.length_variation * _bounded_normal(rng, count))
+    length_m *= 1.0 + drift.length.at(about_s).value
     length_m[[0, -1]] *= gait.boundary_step_share
     return period_s, length_m * (distance_m / length_m.sum())
 
 
 def _usual_length_m(gait: GaitParams, period_s: Array) -> Array:
     if gait.step_length_m is not None:
-        return np.full(len(period_s), gait.step_length_m)
-    return _MMPDR_K[gait.gender] * gait.height_m / np.sqrt(period_s)
+        return np.full(len(period_s), gait.length_habit * gait.step_length_m)
+    return gait.length_habit * _MMPDR_K[gait.gender] * gait.height_m / np.sqrt(period_s)
 
 
 def _bounded_normal(rng: np.random.Generator, count: int) -> Array:

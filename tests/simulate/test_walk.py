@@ -115,7 +115,7 @@ def test_several_devices_share_the_body_and_differ_in_their_sensors() -> None:
     assert not np.array_equal(left.rotation_rate.values, right.rotation_rate.values)
     apart = walk.devices[0].motion.position_m - walk.devices[1].motion.position_m
     np.testing.assert_allclose(np.hypot(apart[:, 0], apart[:, 1]), 0.2, atol=0.001)
-    assert not np.array_equal(walk.devices[0].motion.pitch.value, walk.devices[1].motion.pitch.value)
+    assert not np.array_equal(walk.devices[0].motion.quaternion, walk.devices[1].motion.quaternion)
 
 
 def test_the_attitude_is_recorded_when_asked() -> None:

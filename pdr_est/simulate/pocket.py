@@ -1,0 +1,104 @@
+"""A phone in a front trouser pocket: on the thigh, which swings about the hip and is shaken by heel strikes."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from annotated_types import Gt, Le
+from scipy.spatial.transform import Rotation
+
+from pdr_est.params import NonNegative, params
+from pdr_est.simulate.body import BodyMotion, Side
+from pdr_est.simulate.jet import Jet, pulse
+from pdr_est.simulate.pose import DevicePose, LimbPose
+from pdr_est.simulate.tremor import AMPLITUDE_HZ, TREMOR_HZ, WANDER_HZ, Tremor
+
+# Harmonics of the thigh's flexion over the stride from heel strike to heel strike, fitted to published hip angles
+# of walking at a normal cadence (Winter 1991): size over the first one, phase in rad. Stance lasts 0.6 of it.
+_THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
+_MIDDLE = 0.44  # middle of the flexion over the first harmonic
+
+
+@params
+class PocketPhone:
+    """A phone in a front pocket: MMPDR Fig. 1(d).
+
+    side: of the pocket. facing_rad: where the screen points, counter-clockwise from ahead, seen from above; pi is
+    against the thigh. spin_rad: turn in the plane of the screen, 0 with the upper edge up, pi upside down.
+    tip_rad: how far the upper edge leans out of the vertical, away from the screen. Together they reach any mount.
+    amplitude_rad: of the thigh's first harmonic, half of its range nearly. twist_rad, spread_rad: amplitudes
+    about the vertical and sideways, once a stride. lag: of the twist, share of a stride.
+    shock_m, shock_rad: size of the jolt behind a heel strike of this leg, along the thigh and about its axes;
+    other_shock: that of the other leg's over it. shock_span, shock_waves: how long it lasts, share of a stride, and
+    how many times it swings. uneven: relative rms of the slow changes of all these.
+    from_hip_m: of the phone at rest from the hip joint, forward, outward, up. hip_left_m: of the left hip, the
+    right one opposite; hip_up_m: above the trunk's centre. wander_rad: slow shifting in the pocket.
+    """
+
+    mode: Literal["pocket"] = "pocket"
+    side: Side = "right"
+    facing_rad: float = 2.6
+    spin_rad: float = np.pi
+    tip_rad: float = 0.0
+    amplitude_rad: Annotated[NonNegative, Le(0.8)] = 0.32
+    twist_rad: NonNegative = 0.2
+    spread_rad: NonNegative = 0.06
+    lag: float = 0.1
+    shock_m: NonNegative = 0.004
+    shock_rad: NonNegative = 0.02
+    other_shock: NonNegative = 0.3
+    shock_span: Annotated[float, Gt(0.0), Le(0.5)] = 0.25
+    shock_waves: Annotated[float, Gt(0.0), Le(4.0)] = 2.0
+    uneven: Annotated[NonNegative, Le(0.2)] = 0.08
+    from_hip_m: tuple[float, float, float] = (0.09, 0.03, -0.14)
+    hip_left_m: NonNegative = 0.09
+    hip_up_m: float = -0.06
+    wander_rad: NonNegative = 0.015
+    tremor_rad: NonNegative = 0.001
+
+    def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
+        """The phone on the body; `rng` draws how uneven the leg's motion is and the phone's shifting."""
+        swell, jolt = (Tremor(self.uneven, AMPLITUDE_HZ, rng).at(body.time_s) + 1.0 for _ in range(2))
+        wander = [Tremor(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
+        shake = [Tremor(self.tremor_rad, TREMOR_HZ, rng).at(body.time_s) for _ in range(2)]
+        outward = 1.0 if self.side == "left" else -1.0
+        shock = self._shock(body) * jolt
+        thigh = self._thigh(body, swell, shock, outward)
+        ahead, out, above = self.from_hip_m
+        forward, left, up = thigh.point((ahead, outward * out, above))
+        return DevicePose(
+            forward=forward + shock * (0.5 * self.shock_m),
+            left=left + outward * self.hip_left_m,
+            up=up + shock * self.shock_m + self.hip_up_m,
+            limb=LimbPose(thigh.twist + wander[0], thigh.flexion, thigh.abduction),
+            mount=self._mount(),
+            pitch=wander[1] + shake[0],
+            roll=wander[2] + shake[1],
+        )
+
+    def _thigh(self, body: BodyMotion, swell: Jet, shock: Jet, outward: float) -> LimbPose:
+        angle = body.stride_of(self.side) * (2.0 * np.pi)
+        first, *higher = ((angle * (k + 1.0) + phase).cos() * size for k, (size, phase) in enumerate(_THIGH))
+        curve = first + _MIDDLE
+        for harmonic in higher:
+            curve = curve + harmonic
+        active = body.activity * swell
+        late = (angle - 2.0 * np.pi * self.lag).cos()
+        return LimbPose(
+            # the leg turns in as it comes forward
+            twist=active * late * (-outward * self.twist_rad) + shock * (outward * self.shock_rad),
+            flexion=active * curve * self.amplitude_rad + shock * self.shock_rad,
+            abduction=active * angle.sin() * (outward * self.spread_rad),
+        )
+
+    def _shock(self, body: BodyMotion) -> Jet:
+        """The jolts of both legs' heel strikes, 1 for this leg's, while walking."""
+        other: Side = "left" if self.side == "right" else "right"
+        own_jolt = pulse(body.stride_of(self.side), self.shock_span, self.shock_waves)
+        other_jolt = pulse(body.stride_of(other), self.shock_span, self.shock_waves)
+        return body.activity * (own_jolt + other_jolt * self.other_shock)
+
+    def _mount(self) -> Rotation:
+        left, up, ahead = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+        upright = Rotation.from_matrix(np.column_stack([left, up, ahead]))
+        facing = Rotation.from_euler("z", self.facing_rad)
+        return facing * upright * Rotation.from_euler("XZ", [-self.tip_rad, self.spin_rad])
