@@ -1,11 +1,14 @@
 """The configuration: one frozen record that nests the parameters of every stage, YAML in and out."""
 
 import difflib
+import reprlib
+from collections.abc import Hashable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import yaml
+from annotated_types import Ge, Le
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
@@ -34,13 +37,17 @@ class StepsParams:
     segmentation: SegmentationParams = SegmentationParams()
 
 
+Coordinate = Annotated[float, Ge(-1e8), Le(1e8)]  # also UTM's, which reach 1e7 m
+Turn = Annotated[float, Ge(-6.3), Le(6.3)]
+
+
 @params
 class StartParams:
     """Start pose in the map frame; null means unknown. heading_rad counter-clockwise from east."""
 
-    x_m: float | None = None
-    y_m: float | None = None
-    heading_rad: float | None = None
+    x_m: Coordinate | None = None
+    y_m: Coordinate | None = None
+    heading_rad: Turn | None = None
     sigma_position_m: NonNegative = 0.5
     sigma_heading_rad: NonNegative = 0.1
 
@@ -80,6 +87,9 @@ class Config:
 
 
 _ADAPTER = TypeAdapter(Config)
+_MOST_ERRORS = 3  # told at once
+_LONGEST_VALUE = 60  # characters of a value in a message
+_UNIT_WORDS = {"_m": "metres", "_s": "seconds", "_hz": "hertz", "_rad": "radians", "_mps": "m/s", "_mps2": "m/s^2"}
 
 
 def load_config(path: str | Path) -> Config:
@@ -88,23 +98,35 @@ def load_config(path: str | Path) -> Config:
     Raises ConfigError that names the file and the key, for damaged YAML, unknown keys and values out of range.
     """
     try:
-        data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+        data = yaml.load(Path(path).read_text(encoding="utf-8-sig"), Loader=_StrictLoader)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}): check the path") from error
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not UTF-8 text: save it as UTF-8 YAML") from error
-    except yaml.YAMLError as error:
-        raise ConfigError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from error
+    except yaml.MarkedYAMLError as error:
+        line = "" if error.problem_mark is None else f", line {error.problem_mark.line + 1}"
+        raise ConfigError(f"{path}{line}: is not valid YAML ({error.problem}): correct it") from error
+    except (yaml.YAMLError, RecursionError) as error:
+        raise ConfigError(f"{path}: is not valid YAML ({' '.join(str(error).split())}): correct it") from error
     return config_from_dict({} if data is None else data, str(path))
 
 
 def config_from_dict(data: Any, place: str) -> Config:
-    """Validated configuration from nested dictionaries. place: what to call it in error messages."""
+    """Validated configuration from nested dictionaries. place: what to call it in error messages.
+
+    Raises ConfigError for unknown keys, values of the wrong type or out of range, and values that contradict
+    each other.
+    """
+    _refuse_booleans(data, config_to_dict(Config()), place)
     try:
         config = _ADAPTER.validate_python(data)
     except ValidationError as error:
-        raise ConfigError(f"{place}: {'; '.join(_explain(detail) for detail in error.errors())}") from error
-    config.start.pose()  # refuses half a position
+        details = error.errors()
+        words = [_explain(detail) for detail in details[:_MOST_ERRORS]]
+        if len(details) > _MOST_ERRORS:
+            words.append(f"and {len(details) - _MOST_ERRORS} more")
+        raise ConfigError(f"{place}: {'; '.join(words)}") from error
+    _refuse_contradictions(config, place)
     return config
 
 
@@ -118,18 +140,84 @@ def config_to_yaml(config: Config) -> str:
     return str(yaml.safe_dump(config_to_dict(config), sort_keys=False))
 
 
+class _StrictLoader(yaml.SafeLoader):
+    """YAML in which a key that stands twice is an error: the first one would be lost without a word."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            if key.value in seen:
+                raise yaml.constructor.ConstructorError(None, None, f"{key.value!r} stands twice", key.start_mark)
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+def _refuse_booleans(data: Any, defaults: Any, place: str, section: str = "") -> None:
+    """Validation would take true for 1; YAML also reads yes, no, on and off as booleans."""
+    if not isinstance(data, dict) or not isinstance(defaults, dict):
+        return
+    for name in data.keys() & defaults.keys():
+        if isinstance(data[name], bool) and not isinstance(defaults[name], bool):
+            raise ConfigError(f"{place}: {section}{name} = {data[name]}: is true or false: give a number or a word")
+        _refuse_booleans(data[name], defaults[name], place, f"{section}{name}.")
+
+
+def _refuse_contradictions(config: Config, place: str) -> None:
+    """Raises ConfigError for settings that are in range one by one but not together."""
+    try:
+        config.start.pose()
+    except ConfigError as error:
+        raise ConfigError(f"{place}: {error}") from error
+    band = config.steps.band_peaks
+    if band.low_hz >= band.high_hz:
+        raise ConfigError(
+            f"{place}: steps.band_peaks.low_hz = {band.low_hz:g} is not below high_hz = {band.high_hz:g}: swap them"
+        )
+    rate_hz = config.resample.rate_hz
+    if config.steps.detector == "band-peaks":
+        key, cutoff_hz = "band_peaks.high_hz", band.high_hz
+    else:
+        key, cutoff_hz = "mmpdr.cutoff_hz", config.steps.mmpdr.cutoff_hz
+    if cutoff_hz >= rate_hz / 2.0:
+        raise ConfigError(
+            f"{place}: steps.{key} = {cutoff_hz:g} is not below half of resample.rate_hz = {rate_hz:g}: lower it"
+        )
+
+
 def _explain(detail: ErrorDetails) -> str:
-    key = ".".join(str(part) for part in detail["loc"]) or "top level"
-    if detail["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
-        known = _keys_beside(detail["loc"])
-        near = difflib.get_close_matches(str(detail["loc"][-1]), known, n=1)
-        remedy = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(known)}"
-        return f"unknown key {key!r}: {remedy}"
-    return f"{key} = {detail['input']!r}: {detail['msg']}"
+    location = detail["loc"]
+    key = ".".join(str(part) for part in location) or "top level"
+    value = _brief(detail["input"])
+    match detail["type"]:
+        case "unexpected_keyword_argument" | "extra_forbidden" | "invalid_key":
+            known = _keys_of(location[:-1])
+            near = difflib.get_close_matches(str(location[-1]), known, n=1)
+            remedy = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(known)}"
+            return f"unknown key {key!r}: {remedy}"
+        case "dataclass_type" | "dataclass_exact_type":
+            return f"{key} = {value}: is a section, give it keys such as {_keys_of(location)[0]!r}"
+        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal" | "finite_number":
+            return f"{key} = {value}: {detail['msg']}{_unit_hint(key)}"
+    return f"{key} = {value}: {detail['msg']}"
 
 
-def _keys_beside(location: tuple[int | str, ...]) -> list[str]:
+def _brief(value: Any) -> str:
+    text = reprlib.repr(value)
+    return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}…"
+
+
+def _unit_hint(key: str) -> str:
+    """The unit that the suffix of a key names: most values out of range are in another one."""
+    _, underscore, suffix = key.rpartition("_")
+    words = _UNIT_WORDS.get(underscore + suffix)
+    return f"; the unit is {words}" if words is not None and "_per_" not in key else ""
+
+
+def _keys_of(location: Sequence[int | str]) -> list[str]:
+    """Keys of a section."""
     section: Any = config_to_dict(Config())
-    for part in location[:-1]:
+    for part in location:
         section = section.get(part, {}) if isinstance(section, dict) else {}
     return list(section) if isinstance(section, dict) else []

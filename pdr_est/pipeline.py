@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pdr_est.config import Config
-from pdr_est.errors import RecordingError
 from pdr_est.estimators import estimate_track
 from pdr_est.front_end.attitude import DeviceAttitude, VqfAttitude
 from pdr_est.front_end.heading.step_yaw import StepYaw
@@ -17,8 +16,9 @@ from pdr_est.front_end.steps.band_peaks import BandPeaks
 from pdr_est.front_end.steps.mmpdr import MmpdrSteps
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.recording import DeviceRecording, Recording
+from pdr_est.io.requirements import doubts, needed_channels, why_nothing
 from pdr_est.io.resample import Resampler
-from pdr_est.records import CarryingMode, Channel, Gap, LevelBlock, PositionFix, Step, StepOdometry
+from pdr_est.records import CarryingMode, Gap, LevelBlock, PositionFix, Step, StepOdometry
 from pdr_est.stage import Chain, Stage
 from pdr_est.track import Track, concatenate
 
@@ -62,7 +62,7 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=tuple(f"{walk.device}: no step found" for walk in devices if not walk.steps),
+        warnings=_warnings(recording, devices),
     )
 
 
@@ -91,7 +91,8 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
 def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resampler, Chain]:
     """Chain SensorBlock -> LevelBlock for a device, and its first stage, which knows the gaps."""
     rate_hz = config.resample.rate_hz
-    resampler = Resampler(_needed_channels(device, place, config), config.resample)
+    channels = needed_channels(device, place, with_attitude=config.attitude.source == "device")
+    resampler = Resampler(channels, config.resample)
     attitude = VqfAttitude(rate_hz, config.attitude) if config.attitude.source == "vqf" else DeviceAttitude()
     return resampler, Chain([resampler, attitude, FixedMode(CarryingMode[config.mode.mode])])
 
@@ -122,7 +123,7 @@ def _analyse_device(device: DeviceRecording, recording_name: str, config: Config
     resampler, to_level = levelling(device, place, config)
     level = _run(to_level, device.blocks())
     if not level:
-        raise RecordingError(f"{place}: {_why_nothing(device)}")
+        raise why_nothing(device, place, config.resample.max_gap_s)
     steps = _run(stepping(config), level)
     odometry = _run(Odometry(device.name, config.odometry), steps)
     return DeviceWalk(
@@ -141,24 +142,14 @@ def _run(stage: Any, items: Any) -> list[Any]:
     return outputs + list(stage.flush())
 
 
-def _needed_channels(device: DeviceRecording, place: str, config: Config) -> tuple[Channel, ...]:
-    if device.specific_force is None or not len(device.specific_force):
-        raise RecordingError(f"{place}: no accelerometer: nothing can be done without it; record it and try again")
-    if device.rotation_rate is None or not len(device.rotation_rate):
-        raise RecordingError(
-            f"{place}: no gyroscope, so no heading and no track; `pdr-est inspect` still describes the recording"
-        )
-    needed = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE)
-    if config.attitude.source == "vqf":
-        return needed
-    if device.attitude is None or not len(device.attitude):
-        raise RecordingError(f"{place}: the device recorded no attitude: use --attitude vqf")
-    return (*needed, Channel.ATTITUDE)
-
-
-def _why_nothing(device: DeviceRecording) -> str:
-    spans = [(block.channel.value, block.time_s[0], block.time_s[-1]) for block in device.blocks()]
-    if max(start for _, start, _ in spans) >= min(end for _, _, end in spans):
-        text = ", ".join(f"{name} {start:.2f} to {end:.2f} s" for name, start, end in spans)
-        return f"the channels do not overlap in time ({text}): check the clocks of the recorder"
-    return "too few samples for a single point of the working grid: record for longer"
+def _warnings(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str, ...]:
+    found = []
+    for device, walk in zip(recording.devices, walks, strict=True):
+        words = list(doubts(device))
+        if walk.gaps:
+            total_s = sum(gap.end_s - gap.start_s for gap in walk.gaps)
+            words.append(f"{len(walk.gaps)} gaps or clock jumps, {total_s:.1f} s in all, listed in the summary")
+        if not walk.steps:
+            words.append("no step found")
+        found += [f"{walk.device}: {text}" for text in words]
+    return tuple(found)

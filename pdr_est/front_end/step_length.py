@@ -6,9 +6,10 @@ far more than the step length, so a smaller exponent than 1/4 carries over bette
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
+from annotated_types import Ge, Gt, Le
 
 from pdr_est.frames import Array
 from pdr_est.params import Positive, params
@@ -21,11 +22,14 @@ STATIC_K1 = {"male": 0.415, "female": 0.413}  # eq. 2
 MMPDR_K = {"male": 0.3139, "female": 0.2975}  # eq. 9
 
 
+Height = Annotated[float, Ge(0.5), Le(2.6)]  # of a small child and of the tallest; refuses centimetres and feet
+
+
 @params
 class WalkerParams:
     """Who walks. The defaults are those of the paper's application."""
 
-    height_m: Positive = 1.73
+    height_m: Height = 1.73
     gender: Gender = "male"
 
 
@@ -39,7 +43,7 @@ class StepLengthParams:
     weinberg_k2: Positive = 0.48
     scarlett_k3: Positive = 0.60
     range_power_k: Positive = 0.55
-    range_power_exponent: Positive = 0.15
+    range_power_exponent: Annotated[float, Gt(0.0), Le(1.0)] = 0.15
     smoothing_s: Positive = 0.24
 
 

@@ -4,7 +4,10 @@ Each grid value is the mean of the piecewise linear signal over one grid period.
 the rotation rate exact, smooths faster input against aliasing and interpolates slower input, whatever the jitter.
 """
 
+from typing import Annotated
+
 import numpy as np
+from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
@@ -20,7 +23,7 @@ class ResampleParams:
     """rate_hz: working rate. max_gap_s: longest pause between samples that is interpolated; a longer one ends
     the segment."""
 
-    rate_hz: Positive = 50.0
+    rate_hz: Annotated[float, Ge(10.0), Le(1000.0)] = 50.0
     max_gap_s: Positive = 0.5
 
 

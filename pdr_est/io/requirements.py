@@ -1,0 +1,115 @@
+"""What a track needs of a device's recording, and in words why a recording does not have it."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.recording import DeviceRecording, Signal
+from pdr_est.records import Channel
+
+_LONGEST_WALK_S = 366 * 86400.0  # what lies further apart is a wrong time stamp
+_WORDS = {
+    Channel.SPECIFIC_FORCE: "accelerometer",
+    Channel.ROTATION_RATE: "gyroscope",
+    Channel.ATTITUDE: "attitude",
+}
+
+
+def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:
+    """The channels that a track is made of. with_attitude: whether the device's own attitude is one of them.
+
+    place: what to call the device in messages. Raises RecordingError when one of them is missing, has a single
+    sample, has no running clock, or when they never run at the same time.
+    """
+    signals = _needed_signals(device, place, with_attitude)
+    for channel, signal in signals.items():
+        _refuse_useless_clock(signal, _WORDS[channel], place)
+    start_s = max(float(signal.time_s.min()) for signal in signals.values())
+    end_s = min(float(signal.time_s.max()) for signal in signals.values())
+    if start_s >= end_s:
+        spans = ", ".join(
+            f"{_WORDS[channel]} {_seconds(signal.time_s.min())} to {_seconds(signal.time_s.max())} s"
+            for channel, signal in signals.items()
+        )
+        raise RecordingError(f"{place}: the channels do not overlap in time ({spans}): check the recorder's clocks")
+    return tuple(signals)
+
+
+def why_nothing(device: DeviceRecording, place: str, longest_pause_s: float) -> RecordingError:
+    """The error for a device with all channels from which resampling made nothing."""
+    for channel, words in _WORDS.items():
+        signal = _signal(device, channel)
+        if signal is None or len(signal) < 2:
+            continue
+        pause_s = float(np.median(np.diff(signal.time_s)))
+        if pause_s < 0.0:
+            return RecordingError(f"{place}: the time stamps of the {words} run backwards: sort its rows by time")
+        if pause_s > longest_pause_s:
+            return RecordingError(
+                f"{place}: the samples of the {words} lie {pause_s:.6g} s apart, more than resample.max_gap_s = "
+                f"{longest_pause_s:g}: give the time in seconds, or record at a higher rate"
+            )
+    return RecordingError(f"{place}: too few samples for a single point of the working grid: record for longer")
+
+
+def doubts(device: DeviceRecording) -> tuple[str, ...]:
+    """What makes a track of this device doubtful although it can be computed, in words."""
+    rate = device.rotation_rate
+    if rate is not None and len(rate) and not rate.values.any():
+        return ("all values of the gyroscope are zero, the sensor is absent or fake: no turn can be seen",)
+    return ()
+
+
+def _needed_signals(device: DeviceRecording, place: str, with_attitude: bool) -> Mapping[Channel, Signal]:
+    signals: dict[Channel, Signal] = {}
+    force = _signal(device, Channel.SPECIFIC_FORCE)
+    if force is None:
+        raise RecordingError(f"{place}: no accelerometer: nothing can be done without it; record it and try again")
+    signals[Channel.SPECIFIC_FORCE] = force
+    rate = _signal(device, Channel.ROTATION_RATE)
+    if rate is None:
+        raise RecordingError(
+            f"{place}: no gyroscope, so steps could be found but no heading and no track: record it too; "
+            "`pdr-est inspect` still describes the recording"
+        )
+    signals[Channel.ROTATION_RATE] = rate
+    if with_attitude:
+        attitude = _signal(device, Channel.ATTITUDE)
+        if attitude is None:
+            raise RecordingError(f"{place}: the device recorded no attitude: use --attitude vqf")
+        signals[Channel.ATTITUDE] = attitude
+    return signals
+
+
+def _signal(device: DeviceRecording, channel: Channel) -> Signal | None:
+    """A channel's signal; None when it is absent or empty."""
+    signal = {
+        Channel.SPECIFIC_FORCE: device.specific_force,
+        Channel.ROTATION_RATE: device.rotation_rate,
+        Channel.ATTITUDE: device.attitude,
+    }[channel]
+    return signal if signal is not None and len(signal) else None
+
+
+def _refuse_useless_clock(signal: Signal, words: str, place: str) -> None:
+    time_s = signal.time_s
+    if len(signal) == 1:
+        raise RecordingError(f"{place}: a single sample of the {words}: record for longer")
+    if time_s.min() == time_s.max():
+        raise RecordingError(
+            f"{place}: all {len(signal)} time stamps of the {words} are {_seconds(time_s[0])} s, its clock does not "
+            "run: give seconds with their fractions"
+        )
+    if time_s.max() - time_s.min() > _LONGEST_WALK_S:
+        wrong = int(np.argmax(np.abs(time_s - np.median(time_s))))
+        raise RecordingError(
+            f"{place}: the {words} spans {_seconds(time_s.min())} to {_seconds(time_s.max())} s, more than a year: "
+            f"correct the time of sample {wrong + 1}, {_seconds(time_s[wrong])} s, or give the time in seconds"
+        )
+
+
+def _seconds(time_s: float) -> str:
+    """A time for a message: to the hundredth, but never hundreds of digits."""
+    text = f"{time_s:.2f}" if abs(time_s) < 1e12 else f"{time_s:.6g}"
+    return text.removeprefix("-") if float(text) == 0.0 else text
