@@ -1,15 +1,17 @@
 """`pdr-est demo`: the whole path on a simulated walk, whose truth is known."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from pdr_est import pipeline
-from pdr_est.cli.options import EXISTING
+from pdr_est.cli.options import PATH
 from pdr_est.cli.progress import progress_bar
 from pdr_est.config import Config
 from pdr_est.io.output import staged_folder
 from pdr_est.io.plain_csv_writer import write_plain_csv
+from pdr_est.io.recording import Truth
 from pdr_est.simulate import preset, simulate_walk
 
 RECORDING = "simulated-walk.csv"
@@ -17,10 +19,10 @@ RECORDING = "simulated-walk.csv"
 
 @click.command()
 @click.option(
-    "-o", "--output", type=EXISTING, default=Path("demo-out"), show_default=True, help="Folder for the results."
+    "-o", "--output", type=PATH, default=Path("demo-out"), show_default=True, help="Folder for the results."
 )
 @click.option("--preset", "name", default="office_loop", show_default=True, help="Which simulated walk.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress bar.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress bar and no closing lines.")
 def demo(output: Path, name: str, quiet: bool) -> None:
     """Simulate a walk with a held phone, smooth it and write the report. No recording is needed."""
     from pdr_est.report.results import write_results  # matplotlib is slow to load
@@ -32,9 +34,15 @@ def demo(output: Path, name: str, quiet: bool) -> None:
         walk = pipeline.smooth(recording, Config())
         bar.doing("writing")
         summary = write_results(folder, walk, recording, Config(), {RECORDING: None})
-    errors = summary["errors_against_truth"]
-    click.echo(f"Simulated walk {name}: {summary['distance_m']:.1f} m in {len(walk.devices[0].steps)} steps.")
-    click.echo(f"  true steps {recording.truth.step_count}, true distance {recording.truth.distance_m:.1f} m")
+    if not quiet:
+        _report(name, output, summary, recording.truth)
+
+
+def _report(name: str, output: Path, summary: dict[str, Any], truth: Truth) -> None:
+    """Print the track beside the truth, and what to do next."""
+    errors, steps = summary["errors_against_truth"], sum(summary["counts"]["steps"].values())
+    click.echo(f"Simulated walk {name}: {summary['distance_m']:.1f} m in {steps} steps.")
+    click.echo(f"  true steps {truth.step_count}, true distance {truth.distance_m:.1f} m")
     click.echo(f"  root mean square error {errors['ate_rigid_m']:.2f} m after the best rigid alignment")
     click.echo(f"  error at the end {100.0 * errors['final_drift']:.2f} % of the distance")
     click.echo(f"Report: {output / 'report.html'}")

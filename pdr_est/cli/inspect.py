@@ -5,14 +5,14 @@ from pathlib import Path
 
 import click
 
-from pdr_est.cli.options import EXISTING
+from pdr_est.cli.options import PATH
 from pdr_est.io import read
 from pdr_est.io.inspection import inspect as inspect_recording
 from pdr_est.io.inspection_text import describe
 
 
 @click.command()
-@click.argument("recordings", type=EXISTING, nargs=-1, required=True, metavar="RECORDING...")
+@click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING...")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several recordings.")
 def inspect(recordings: tuple[Path, ...], as_json: bool) -> None:
     """Say what was recognised in each RECORDING: device, channels, rates, gaps, units, signs and faults."""

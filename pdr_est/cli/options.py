@@ -12,12 +12,14 @@ from pdr_est.estimators import ESTIMATORS
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-EXISTING = click.Path(path_type=Path)
+PATH = click.Path(path_type=Path)
 
 
 def config_option(command: Command) -> Command:
     """--config FILE.yaml"""
-    option = click.option("--config", "config_file", type=EXISTING, help="Settings, where not the defaults (YAML).")
+    option = click.option(
+        "--config", "config_file", type=PATH, metavar="FILE.yaml", help="Settings, where not the defaults."
+    )
     return option(command)
 
 
@@ -26,13 +28,23 @@ def walker_options(command: Command) -> Command:
     for option in reversed(
         (
             click.option("--estimator", type=click.Choice(ESTIMATORS), help="Default: factor-graph."),
-            click.option("--height", "height_m", type=float, help="Height of the walker in metres."),
-            click.option("--gender", type=click.Choice(("male", "female")), help="Of the walker."),
+            click.option(
+                "--height",
+                "height_m",
+                type=float,
+                metavar="M",
+                help="Height of the walker in metres, for the step-length models static and mmpdr.",
+            ),
+            click.option(
+                "--gender",
+                type=click.Choice(("male", "female"), case_sensitive=False),
+                help="Of the walker, for the same models.",
+            ),
             click.option("--start", type=(float, float), metavar="X Y", help="Start in the map frame, metres."),
             click.option(
                 "--heading",
                 "heading_deg",
-                type=float,
+                type=click.FloatRange(-360.0, 360.0),
                 metavar="DEG",
                 help="Start heading, degrees counter-clockwise from east (the x axis).",
             ),
@@ -49,27 +61,32 @@ def walker_options(command: Command) -> Command:
 
 def resolve_config(
     config_file: Path | None,
-    estimator: str | None,
-    height_m: float | None,
-    gender: str | None,
-    start: tuple[float, float] | None,
-    heading_deg: float | None,
-    attitude: str | None,
+    *,
+    estimator: str | None = None,
+    height_m: float | None = None,
+    gender: str | None = None,
+    start: tuple[float, float] | None = None,
+    heading_deg: float | None = None,
+    attitude: str | None = None,
 ) -> Config:
-    """The configuration of a command: defaults, then the file, then the options. Raises ConfigError."""
+    """The configuration of a command: defaults, then the file, then the options.
+
+    Raises ConfigError that names the file or the option.
+    """
     config = Config() if config_file is None else load_config(config_file)
-    settings = config_to_dict(config)
-    heading = None if heading_deg is None else float(np.deg2rad(heading_deg))
-    x, y = start if start is not None else (None, None)
-    for section, key, value in (
-        ("estimator", "name", estimator),
-        ("walker", "height_m", height_m),
-        ("walker", "gender", gender),
-        ("start", "x_m", x),
-        ("start", "y_m", y),
-        ("start", "heading_rad", heading),
-        ("attitude", "source", attitude),
+    x_m, y_m = (None, None) if start is None else start
+    heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
+    for option, section, values in (
+        ("--estimator", "estimator", {"name": estimator}),
+        ("--height", "walker", {"height_m": height_m}),
+        ("--gender", "walker", {"gender": gender}),
+        ("--start", "start", {"x_m": x_m, "y_m": y_m}),
+        ("--heading", "start", {"heading_rad": heading_rad}),
+        ("--attitude", "attitude", {"source": attitude}),
     ):
-        if value is not None:
-            settings[section][key] = value
-    return config_from_dict(settings, "command line")
+        given = {key: value for key, value in values.items() if value is not None}
+        if given:
+            settings = config_to_dict(config)
+            settings[section] |= given
+            config = config_from_dict(settings, option)
+    return config

@@ -1,14 +1,17 @@
 """`pdr-est smooth`: a recording becomes a folder with its track."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
 from pdr_est import pipeline
-from pdr_est.cli.options import EXISTING, config_option, resolve_config, walker_options
+from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
 from pdr_est.cli.progress import Bar, progress_bar
 from pdr_est.config import Config
+from pdr_est.errors import PdrError
 from pdr_est.io import read
 from pdr_est.io.digest import file_digests
 from pdr_est.io.fixes import read_fixes, recorded_fixes
@@ -18,13 +21,13 @@ from pdr_est.records import PositionFix
 
 
 @click.command()
-@click.argument("recording", type=EXISTING)
-@click.option("-o", "--output", type=EXISTING, required=True, metavar="OUT", help="Folder for the results.")
+@click.argument("recording", type=PATH)
+@click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="Folder for the results.")
 @click.option("--fixes", metavar="FILE.csv|recording", help="Known positions: a table, or those in the recording.")
 @config_option
 @walker_options
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress bar and no closing lines.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress bar and no closing lines; warnings are still shown.")
 def smooth(recording: Path, output: Path, fixes: str | None, overwrite: bool, quiet: bool, **settings: Any) -> None:
     """Turn RECORDING (a file, a folder or a zip) into a track with uncertainty, its files and its report."""
     config = resolve_config(**settings)
@@ -42,14 +45,27 @@ def smooth_into(folder: Path, path: Path, fixes: str | None, config: Config, bar
     from pdr_est.report.results import write_results  # matplotlib is slow to load
 
     recorded = read(path)
-    known = _fixes(fixes, recorded)
+    known = _fixes(fixes, recorded, path)
     bar.doing("walking")
-    walk = pipeline.smooth(recorded, config, known)
+    with _naming(path):
+        walk = pipeline.smooth(recorded, config, known)
     bar.doing("writing")
     return write_results(folder, walk, recorded, config, file_digests(path))
 
 
-def _fixes(choice: str | None, recorded: Recording) -> tuple[PositionFix, ...]:
+def _fixes(choice: str | None, recorded: Recording, path: Path) -> tuple[PositionFix, ...]:
     if choice is None:
         return ()
-    return recorded_fixes(recorded) if choice == "recording" else read_fixes(choice, recorded)
+    if choice != "recording":
+        return read_fixes(choice, recorded)
+    with _naming(path):
+        return recorded_fixes(recorded)
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Errors of what knows a recording by its name only are told with its path."""
+    try:
+        yield
+    except PdrError as error:
+        raise type(error)(f"{path}: {error}") from error

@@ -1,4 +1,4 @@
-"""A folder of results that appears complete or not at all."""
+"""Results that appear complete or not at all: a folder, or a single file."""
 
 import errno
 import json
@@ -29,8 +29,8 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
     target has meanwhile been changed.
     """
     target = Path(target).expanduser()
+    resolved = _resolved(target)
     _check_target(target, overwrite)
-    resolved = target.resolve()
     staging = _make_sibling(resolved, "partial")
     try:
         yield staging
@@ -43,6 +43,38 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
         raise
     finally:
         shutil.rmtree(staging, ignore_errors=True)
+
+
+@contextmanager
+def staged_file(target: Path) -> Iterator[Path]:
+    """Give an empty file beside `target` that takes its place when the block ends well.
+
+    Raises OutputError, before the block runs, when the target is a folder or a device, or when no file can be
+    made beside it.
+    """
+    resolved = _resolved(Path(target).expanduser())
+    if resolved.exists() and not resolved.is_file():
+        raise OutputError(f"{target}: is no plain file: name another one")
+    staging = resolved.with_name(f".{uuid.uuid4().hex[:8]}.partial")
+    try:
+        staging.touch()
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror}): name a file elsewhere") from error
+    try:
+        yield staging
+        staging.replace(resolved)
+    finally:
+        staging.unlink(missing_ok=True)
+
+
+def _resolved(target: Path) -> Path:
+    """The path behind symbolic links. Raises OutputError for one that cannot exist."""
+    try:
+        resolved = target.resolve()
+        resolved.exists()
+    except (OSError, RuntimeError, ValueError) as error:  # too long a name, a loop of links, a null character
+        raise OutputError(f"{target}: is no usable path ({error}): choose another one") from error
+    return resolved
 
 
 def _check_target(target: Path, overwrite: bool) -> None:
@@ -65,7 +97,7 @@ def _check_target(target: Path, overwrite: bool) -> None:
         )
     if present and not overwrite:
         raise OutputError(
-            f"{target}: holds the results of an earlier run: allow overwriting or choose another folder"
+            f"{target}: holds the results of an earlier run: allow overwriting (--overwrite) or choose another folder"
         )
 
 

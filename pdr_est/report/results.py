@@ -36,9 +36,14 @@ def write_results(
     write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
     write_tum(walk.track, folder / "track.tum", recording.epoch_s)
     write_geojson(walk.track, folder / "track.geojson", origin, fixes=walk.fixes)
-    (folder / "summary.json").write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    (folder / "report.html").write_text(render_report(walk, recording, summary), encoding="utf-8")
+    _write(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
+    _write(folder / "report.html", render_report(walk, recording, summary))
     return summary
+
+
+def _write(path: Path, text: str) -> None:
+    """Write UTF-8; bytes of file names that are no text are escaped, which JSON reads back as they were."""
+    path.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:
