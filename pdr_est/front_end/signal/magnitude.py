@@ -1,0 +1,23 @@
+"""What an accelerometer felt, put together again from acceleration and direction of gravity."""
+
+import numpy as np
+
+from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+
+
+def specific_force(up: Array, acceleration_mps2: Array) -> Array:
+    """The accelerometer's reading (n, 3) in device axes, gravity included.
+
+    up: (n, 3) unit vector up; acceleration_mps2: (n, 3) without gravity; both in device axes.
+    """
+    return acceleration_mps2 + STANDARD_GRAVITY_MPS2 * up
+
+
+def excess_magnitude(up: Array, acceleration_mps2: Array) -> Array:
+    """Length of the specific force less standard gravity (n,), m/s^2: the same for every orientation of the phone.
+
+    Sums are written out: batched products differ with the size of a block.
+    """
+    x, y, z = specific_force(up, acceleration_mps2).T
+    magnitude: Array = np.sqrt(x * x + y * y + z * z) - STANDARD_GRAVITY_MPS2
+    return magnitude

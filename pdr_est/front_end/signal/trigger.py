@@ -1,0 +1,30 @@
+"""Crossings with hysteresis: a trigger that has to be armed before it fires, and fires once."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Flags = NDArray[np.bool_]
+
+
+class Trigger:
+    """Finds where a signal fires after it has armed. Being armed is carried from block to block."""
+
+    def __init__(self) -> None:
+        self._armed = False
+
+    def reset(self) -> None:
+        """Forget the past, for a new segment."""
+        self._armed = False
+
+    def push(self, arms: Flags, fires: Flags) -> NDArray[np.intp]:
+        """Positions of the first firing sample after each arming one.
+
+        arms, fires: (n,) what each sample does; a sample that would do both arms.
+        """
+        marks = np.flatnonzero(arms | fires)
+        if not len(marks):
+            return marks
+        arming = arms[marks]
+        armed = np.concatenate([[self._armed], arming[:-1]])
+        self._armed = bool(arming[-1])
+        return marks[armed & ~arming]

@@ -1,0 +1,84 @@
+"""Step detection by local variance, UPTIME's baseline (Alzantot and Youssef 2012, section II-B 1, reference [10]).
+
+The magnitude of the acceleration is filtered and its variance over a sliding window is compared with thresholds. In
+[10] (Jimenez et al. 2009, a sensor on the foot) the standard deviation tells the swing of the foot, above 2 m/s^2,
+from its stance, below 1 m/s^2, and a step is a swing that ends in a stance.
+
+UPTIME names neither filter nor window nor thresholds. Ours: a Butterworth low-pass of second order. Deviations from
+[10]: (1) The window ends at the current sample, and its delay is taken off the time of a step. (2) The variance is
+about the window's own mean. (3) The step is where the stance begins; [10] puts it at the end of the swing and wants
+the stance to begin soon after. (4) Defaults are tuned on phones. (5) A stance soon after a step is not a step: the
+variance of the smooth wave that a phone away from the foot feels has two crests a step.
+"""
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.front_end.signal.filters import CausalLowPass
+from pdr_est.front_end.signal.magnitude import excess_magnitude
+from pdr_est.front_end.signal.moving_average import MovingAverage
+from pdr_est.front_end.signal.trigger import Trigger
+from pdr_est.front_end.steps.undecided import UndecidedSamples
+from pdr_est.params import NonNegative, Positive, params
+from pdr_est.records import LevelBlock, StepEvent
+
+
+@params
+class LocalVarianceParams:
+    """cutoff_hz: low-pass. window_s: of the variance. swing_mps2: standard deviation above which the foot swings;
+    stance_mps2: below which it stands, at most as large. min_interval_s: between steps."""
+
+    cutoff_hz: Positive = 5.0
+    window_s: Positive = 0.3
+    swing_mps2: NonNegative = 2.0
+    stance_mps2: NonNegative = 1.0
+    min_interval_s: NonNegative = 0.3
+
+
+class LocalVariance:
+    """Stage LevelBlock -> StepEvent."""
+
+    def __init__(self, rate_hz: float, parameters: LocalVarianceParams) -> None:
+        self._parameters = parameters
+        self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
+        self._moments = MovingAverage(parameters.window_s, rate_hz)
+        self._trigger = Trigger()
+        self.latency_s = self._low_pass.delay_s + self._moments.delay_s
+        self._samples = UndecidedSamples(rate_hz, self.latency_s)
+        self._last_step_s = -np.inf
+
+    def push(self, item: LevelBlock, /) -> list[StepEvent]:
+        if not len(item):
+            return []
+        if item.segment != self._samples.segment:
+            self._begin(item)
+        variance = self._variance(self._low_pass.push(excess_magnitude(item.up, item.acceleration_mps2)))
+        self._samples.append(item, variance)
+        stances = self._trigger.push(
+            variance > self._parameters.swing_mps2**2, variance < self._parameters.stance_mps2**2
+        )
+        events = [self._samples.event(int(i)) for i in stances if self._is_step(int(i))]
+        self._samples.drop(len(item))
+        return events
+
+    def flush(self) -> list[StepEvent]:
+        return []
+
+    def _begin(self, item: LevelBlock) -> None:
+        self._samples.begin(item)
+        self._low_pass.reset()
+        self._moments.reset()
+        self._trigger.reset()
+
+    def _variance(self, samples: Array) -> Array:
+        """Variance (n,) of the window that ends at each of the samples (n,)."""
+        mean, mean_square = self._moments.push(np.stack([samples, samples * samples], axis=1)).T
+        variance: Array = mean_square - mean * mean
+        return variance
+
+    def _is_step(self, i: int) -> bool:
+        time_s = self._samples.time_s(i)
+        if time_s - self._last_step_s < self._parameters.min_interval_s:
+            return False
+        self._last_step_s = time_s
+        return True
