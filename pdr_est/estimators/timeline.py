@@ -5,16 +5,15 @@ All estimators work on the same timeline, so that their results can be compared 
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import groupby
 
 import numpy as np
 
-from pdr_est.errors import EstimationError
-from pdr_est.frames import Array
+from pdr_est.estimators.splitting import split_covariance
+from pdr_est.estimators.usable import refuse_unusable
+from pdr_est.frames import Array, wrap_angle
 from pdr_est.records import CarryingMode, HeadingPrior, Measurement, PositionFix, StepOdometry
 from pdr_est.track import Track
-
-_NO_MOTION = np.diag([1e-6, 1e-6, 1e-6])
 
 
 @dataclass(frozen=True)
@@ -49,24 +48,30 @@ class Timeline:
     def fixes(self) -> tuple[PositionFix, ...]:
         return tuple(fix for node in self.nodes for fix in node.fixes)
 
+    @property
+    def priors(self) -> tuple[HeadingPrior, ...]:
+        return tuple(prior for node in self.nodes for prior in node.priors)
+
 
 def build_timeline(device: str, start_s: float, measurements: Iterable[Measurement]) -> Timeline:
     """Order the measurements of a device and split steps at the fixes that fall inside them.
 
-    start_s: time of the start pose. A fix while the walker stands belongs to the pose before it; fixes before the
-    first or after the last step belong to the ends. Measurements of other devices are left out.
+    start_s: time of the start pose, or the end of the first step if that is earlier: detectors put a step back by
+    their delay, which may lead to before the first sample. A fix while the walker stands belongs to the pose before
+    it; fixes before the first or after the last step belong to the ends. Left out are odometry and heading priors of
+    other devices, and tethers, which tell nothing about one device alone.
 
-    Raises EstimationError for odometry that is not in order of time.
+    Raises EstimationError for odometry that is not in order of time and for measurements without a usable value.
     """
-    steps = [m for m in measurements if isinstance(m, StepOdometry) and m.device == device]
-    fixes = sorted((m for m in measurements if isinstance(m, PositionFix)), key=lambda fix: fix.time_s)
-    priors = [m for m in measurements if isinstance(m, HeadingPrior) and m.device == device]
-    for before, after in pairwise(steps):
-        if after.time_s < before.time_s:
-            raise EstimationError(f"step odometry of {device} goes back in time at {after.time_s:.3f} s: sort it")
+    given = tuple(measurements)
+    steps = [m for m in given if isinstance(m, StepOdometry) and m.device == device]
+    fixes = [m for m in given if isinstance(m, PositionFix)]
+    priors = [m for m in given if isinstance(m, HeadingPrior) and m.device == device]
+    refuse_unusable(device, steps, fixes, priors)
     first_mode = steps[0].mode if steps else CarryingMode.UNKNOWN
-    nodes = [Node(start_s, start_s, 0.0, 0.0, _NO_MOTION, True, 0.0, first_mode)]
-    pending = list(reversed(fixes))
+    begin_s = min([start_s, *(step.time_s for step in steps[:1])])
+    nodes = [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, first_mode)]
+    pending = sorted(fixes, key=lambda fix: fix.time_s, reverse=True)
     for step in steps:
         begin = max(step.start_s, nodes[-1].time_s)
         while pending and pending[-1].time_s <= begin:
@@ -89,7 +94,10 @@ def track_from_nodes(
     estimator: str,
     length_scale: tuple[float, float] = (1.0, 0.0),
 ) -> Track:
-    """The track of the nodes that are steps. covariance: (n, 3, 3) of (x, y, heading) in the map frame."""
+    """The track of the nodes that are steps, headings wrapped.
+
+    covariance: (n, 3, 3) of (x, y, heading) in the map frame; length_scale: estimate and standard deviation.
+    """
     rows = np.array([node.is_step for node in timeline.nodes])
     nodes = [node for node in timeline.nodes if node.is_step]
     return Track(
@@ -97,7 +105,7 @@ def track_from_nodes(
         moving_from_s=np.array([node.moving_from_s for node in nodes]),
         device=np.array([timeline.device] * len(nodes)),
         position_m=position_m[rows],
-        heading_rad=heading_rad[rows],
+        heading_rad=wrap_angle(heading_rad[rows]),
         covariance_m2=covariance[rows][:, :2, :2],
         sigma_heading_rad=np.sqrt(covariance[rows][:, 2, 2]),
         mode=np.array([node.mode for node in nodes], dtype=np.int8),
@@ -114,55 +122,32 @@ def _with_fix(node: Node, fix: PositionFix) -> Node:
 
 
 def _split(step: StepOdometry, begin_s: float, fixes: Sequence[PositionFix]) -> list[Node]:
-    """The nodes of a step: one at each fix inside it, and its end.
-
-    The turn happens at once and its noise with it; the displacement and its noise are spread evenly, so that the
-    parts add up to exactly the whole.
-    """
-    span = max(step.time_s - begin_s, 1e-9)
-    borders = [*((fix.time_s - begin_s) / span for fix in fixes), 1.0]
-    nodes, done = [], 0.0
-    for k, border in enumerate(borders):
-        last = k == len(borders) - 1
-        nodes.append(
-            Node(
-                time_s=step.time_s if last else fixes[k].time_s,
-                moving_from_s=begin_s,
-                length_m=(border - done) * step.length_m,
-                heading_change_rad=step.heading_change_rad if k == 0 else 0.0,
-                covariance=_part_of_covariance(step, border - done, k == 0),
-                is_step=last,
-                step_length_m=step.length_m,
-                mode=step.mode,
-                fixes=() if last else (fixes[k],),
-            )
+    """The nodes of a step: one at each moment with fixes inside it, and its end. The walker's pace is even."""
+    moments = [(time_s, tuple(group)) for time_s, group in groupby(fixes, key=lambda fix: fix.time_s)]
+    moments.append((step.time_s, ()))
+    borders = [(time_s - begin_s) / (step.time_s - begin_s) for time_s, _ in moments[:-1]]
+    shares = [float(share) for share in np.diff([0.0, *borders, 1.0])]
+    covariances = split_covariance(step.covariance, step.length_m, shares)
+    return [
+        Node(
+            time_s=time_s,
+            moving_from_s=begin_s,
+            length_m=shares[k] * step.length_m,
+            heading_change_rad=step.heading_change_rad if k == 0 else 0.0,
+            covariance=covariances[k],
+            is_step=k == len(moments) - 1,
+            step_length_m=step.length_m,
+            mode=step.mode,
+            fixes=fixes_then,
         )
-        done = border
-    return nodes
-
-
-def _part_of_covariance(step: StepOdometry, share: float, with_turn: bool) -> Array:
-    if share == 1.0:
-        return step.covariance
-    if not step.observed:
-        return np.asarray(share * step.covariance + _NO_MOTION)
-    turn = step.covariance[2, 2] if with_turn else 0.0
-    sideways = max(step.covariance[1, 1] - step.length_m**2 * step.covariance[2, 2], 0.0)
-    length = share * step.length_m
-    covariance = np.array(
-        [
-            [share * step.covariance[0, 0], 0.0, 0.0],
-            [0.0, length**2 * turn + share * sideways, length * turn],
-            [0.0, length * turn, turn],
-        ]
-    )
-    return np.asarray(covariance + _NO_MOTION)
+        for k, (time_s, fixes_then) in enumerate(moments)
+    ]
 
 
 def _attach_priors(nodes: list[Node], priors: Sequence[HeadingPrior]) -> list[Node]:
-    """Each heading prior goes to the first pose at or after its time."""
+    """Each heading prior goes to the first pose at or after its time, or to the last."""
     times = np.array([node.time_s for node in nodes])
-    for prior in priors:
-        i = min(int(np.searchsorted(times, prior.time_s - 1e-9)), len(nodes) - 1)
-        nodes[i] = replace(nodes[i], priors=(*nodes[i].priors, prior))
+    rows = np.searchsorted(times, np.array([prior.time_s for prior in priors]) - 1e-9)
+    for row, prior in zip(np.minimum(rows, len(nodes) - 1), priors, strict=True):
+        nodes[row] = replace(nodes[row], priors=(*nodes[row].priors, prior))
     return nodes
