@@ -1,87 +1,146 @@
-"""Where and in which direction a walk began, found from fixes on the way.
+"""Where and in which direction a walk began, found from fixes and heading priors on the way.
 
 While the start heading is unknown, the pose is far from Gaussian in angle, but exactly linear in the heading vector
 (u, v) = scale (cos heading, sin heading): a turn rotates the vector and a step adds L (u, v) to the position. A
 uniform heading has the moments (u, v) ~ N(0, I/2), so a linear Kalman filter follows the walk honestly from the
-first step, and hands over to the pose once fixes have fixed the direction.
+first step, and hands over to the pose once the measurements have settled the direction.
 """
+
+from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from pdr_est.estimators.motion import Moments
-from pdr_est.estimators.timeline import Node
+from pdr_est.estimators.robust import huber_inflation
+from pdr_est.estimators.start import UNKNOWN_SIGMA_RAD, StartPrior
+from pdr_est.estimators.timeline import Node, Timeline
 from pdr_est.frames import Array
-from pdr_est.records import PositionFix, StartPose
+from pdr_est.records import HeadingPrior, PositionFix
 
 ALIGNED_SIGMA_RAD = 0.2  # below this the pose is close enough to Gaussian for an EKF
 _UNIFORM_VARIANCE = 0.5  # of each component of a unit vector of uniform direction
-_FAR_M = 1e3  # sigma of an unknown position around the first fix
+_VAGUE_VARIANCE = 50.0  # as before, but so wide that it does not matter
+_SIGMA_OF_NORM = 0.5  # what a heading prior says of the norm of (u, v), the length scale: next to nothing
+_NOW, _POSITION, _DIRECTION, _FIRST_DIRECTION = slice(0, 4), slice(0, 2), slice(2, 4), slice(4, 6)
 
 
-class HeadingAlignment:
-    """Linear Kalman filter over (east, north, u, v)."""
+@dataclass(frozen=True)
+class Alignment:
+    """The nodes followed until the direction was known: all of them if it never was.
 
-    def __init__(self, start: StartPose, first_fix: PositionFix) -> None:
-        self._filter = KalmanFilter(dim_x=4, dim_z=2)
-        known = start.position_m is not None
-        sigma = max(start.sigma_position_m, 1e-3) if known else _FAR_M
-        origin = start.position_m if start.position_m is not None else first_fix.position_m
-        self._filter.x = np.array([*origin, 0.0, 0.0], dtype=np.float64)
-        self._filter.P = np.diag([sigma**2, sigma**2, _UNIFORM_VARIANCE, _UNIFORM_VARIANCE])
-        self._filter.H = np.eye(2, 4)
+    pose (k, 3) and covariance (k, 3, 3) for the track; aligned: the state at the last of these nodes, or None.
+    """
+
+    pose: Array
+    covariance: Array
+    aligned: Moments | None
+
+
+def align(timeline: Timeline, prior: StartPrior, sigma_length_scale: float) -> Alignment:
+    """Follow the walk with the heading vector until its direction is known.
+
+    Until then the heading is what the measurements favour, with the sigma of a uniform direction or less.
+    """
+    heading_vector = _HeadingVectorFilter(prior)
+    poses: list[Array] = []
+    covariances: list[Array] = []
+    for i, node in enumerate(timeline.nodes):
+        if i:
+            heading_vector.advance(node)
+        for fix in node.fixes:
+            heading_vector.update_position(fix)
+        for heading_prior in node.priors:
+            heading_vector.update_heading(heading_prior)
+        if heading_vector.sigma_heading_rad() <= ALIGNED_SIGMA_RAD:
+            aligned = heading_vector.state(sigma_length_scale)
+            poses.append(aligned.mean[:3])
+            covariances.append(aligned.covariance[:3, :3])
+            return Alignment(np.array(poses), np.array(covariances), aligned)
+        pose, covariance = heading_vector.pose()
+        poses.append(pose)
+        covariances.append(covariance)
+    return Alignment(np.array(poses), np.array(covariances), None)
+
+
+class _HeadingVectorFilter:
+    """Linear Kalman filter over (east, north, u, v, u at the start, v at the start)."""
+
+    def __init__(self, prior: StartPrior) -> None:
+        self._filter = KalmanFilter(dim_x=6, dim_z=2)
+        self._filter.x = np.array([*prior.mean[:2], 0.0, 0.0, 0.0, 0.0])
+        self._filter.P = np.diag([*prior.sigma[:2] ** 2, *(4 * [_UNIFORM_VARIANCE])])
+        self._filter.P[_DIRECTION, _FIRST_DIRECTION] = _UNIFORM_VARIANCE * np.eye(2)
+        self._filter.P[_FIRST_DIRECTION, _DIRECTION] = _UNIFORM_VARIANCE * np.eye(2)
+
+    def sigma_heading_rad(self) -> float:
+        """Of the direction now; infinite while the heading vector may as well be zero."""
+        vector, covariance = self._filter.x[_DIRECTION], self._filter.P[_DIRECTION, _DIRECTION]
+        norm = float(np.hypot(*vector))
+        if norm < 1e-6:
+            return float("inf")
+        across = np.array([-vector[1], vector[0]]) / norm
+        return float(np.sqrt(across @ covariance @ across)) / norm
 
     def advance(self, node: Node) -> None:
         """The motion that leads to `node`; its noise is spread evenly over the directions it may have."""
-        c, s = np.cos(node.heading_change_rad), np.sin(node.heading_change_rad)
+        c, s = cos(node.heading_change_rad), sin(node.heading_change_rad)
         turn = np.array([[c, -s], [s, c]])
-        transition = np.eye(4)
-        transition[:2, 2:] = node.length_m * turn
-        transition[2:, 2:] = turn
+        transition, noise = np.eye(6), np.zeros((6, 6))
+        transition[_POSITION, _DIRECTION] = node.length_m * turn
+        transition[_DIRECTION, _DIRECTION] = turn
         position = 0.5 * (node.covariance[0, 0] + node.covariance[1, 1])
         direction = 0.5 * node.covariance[2, 2]
-        self._filter.predict(F=transition, Q=np.diag([position, position, direction, direction]))
+        np.fill_diagonal(noise[_NOW, _NOW], [position, position, direction, direction])
+        self._filter.predict(F=transition, Q=noise)
 
-    def update(self, fix: PositionFix) -> None:
-        self._filter.update(np.asarray(fix.position_m, dtype=np.float64), R=fix.covariance_m2)
+    def update_position(self, fix: PositionFix) -> None:
+        self._update(np.asarray(fix.position_m, dtype=np.float64), fix.covariance_m2, _POSITION, fix.robust)
+
+    def update_heading(self, prior: HeadingPrior) -> None:
+        c, s = cos(prior.heading_rad), sin(prior.heading_rad)
+        to_map = np.array([[c, -s], [s, c]])
+        noise = to_map @ np.diag([_SIGMA_OF_NORM**2, prior.sigma_rad**2]) @ to_map.T
+        self._update(np.array([c, s]), noise, _DIRECTION, prior.robust)
 
     def pose(self) -> tuple[Array, Array]:
-        """Mean (x, y, heading) and covariance (3, 3) for the track; an unknown heading has sigma pi / sqrt 3."""
-        x, y, u, v = self._filter.x
-        covariance = np.zeros((3, 3))
-        covariance[:2, :2] = self._filter.P[:2, :2]
-        sigma = min(self._sigma_heading(), np.pi / np.sqrt(3.0))
-        covariance[2, 2] = sigma**2
+        """Mean (x, y, heading) and covariance (3, 3) for the track."""
+        x, y, u, v = self._filter.x[_NOW]
+        covariance = np.diag([0.0, 0.0, min(self.sigma_heading_rad(), UNKNOWN_SIGMA_RAD) ** 2])
+        covariance[:2, :2] = self._filter.P[_POSITION, _POSITION]
         return np.array([x, y, np.arctan2(v, u)]), covariance
 
-    def aligned(self, sigma_length_scale: float) -> Moments | None:
-        """The state for the EKF once the direction is known well enough, else None."""
-        if self._sigma_heading() > ALIGNED_SIGMA_RAD:
-            return None
+    def state(self, sigma_length_scale: float) -> Moments:
+        """Pose and length scale of a heading vector that is known well enough for a first-order conversion."""
         mean, covariance = self._without_uniform_prior()
-        x, y, u, v = mean
-        norm = np.hypot(u, v)
-        jacobian = np.eye(4)
-        jacobian[2, 2:] = [-v / norm**2, u / norm**2]
-        jacobian[3, 2:] = [u / norm, v / norm]
-        state = np.array([x, y, np.arctan2(v, u), norm])
-        return _with_scale_prior(Moments(state, jacobian @ covariance @ jacobian.T), sigma_length_scale)
+        return _with_scale_prior(_to_pose(mean[_NOW], covariance[_NOW, _NOW]), sigma_length_scale)
 
-    def _sigma_heading(self) -> float:
-        u, v = self._filter.x[2:]
-        norm = np.hypot(u, v)
-        if norm < 1e-6:
-            return np.inf
-        across = np.array([-v, u]) / norm
-        return float(np.sqrt(across @ self._filter.P[2:, 2:] @ across) / norm)
+    def _update(self, z: Array, noise: Array, part: slice, robust: bool) -> None:
+        if robust:
+            noise = noise * huber_inflation(z - self._filter.x[part], self._filter.P[part, part] + noise)
+        self._filter.update(z, R=noise, H=np.eye(6)[part])
 
     def _without_uniform_prior(self) -> tuple[Array, Array]:
-        """Take the prior of the heading vector, centred at zero, out again: it would shorten the vector."""
-        information = np.linalg.inv(self._filter.P)
-        weighted = information @ self._filter.x
-        information[2:, 2:] -= np.eye(2) / _UNIFORM_VARIANCE
-        covariance = np.linalg.inv(information)
-        return covariance @ weighted, covariance
+        """Make the prior of the heading vector at the start vague: it is centred at zero and shortens the vector.
+
+        This is the Kalman update with the information of the one less that of the other.
+        """
+        x, covariance = self._filter.x, self._filter.P
+        variance = 1.0 / (1.0 / _VAGUE_VARIANCE - 1.0 / _UNIFORM_VARIANCE)
+        first = covariance[:, _FIRST_DIRECTION]
+        gain = first @ np.linalg.inv(first[_FIRST_DIRECTION] + variance * np.eye(2))
+        return x - gain @ x[_FIRST_DIRECTION], covariance - gain @ first.T
+
+
+def _to_pose(vector_state: Array, covariance: Array) -> Moments:
+    """(x, y, heading, length scale) from (x, y, u, v), to first order."""
+    x, y, u, v = vector_state
+    norm = np.hypot(u, v)
+    jacobian = np.eye(4)
+    jacobian[2, 2:] = [-v / norm**2, u / norm**2]
+    jacobian[3, 2:] = [u / norm, v / norm]
+    return Moments(np.array([x, y, np.arctan2(v, u), norm]), jacobian @ covariance @ jacobian.T)
 
 
 def _with_scale_prior(moments: Moments, sigma: float) -> Moments:

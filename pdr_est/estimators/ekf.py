@@ -6,15 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
-from pdr_est.estimators.alignment import HeadingAlignment
-from pdr_est.estimators.motion import Moments, known_start, linearise, move, rewind
+from pdr_est.estimators.alignment import align
+from pdr_est.estimators.motion import Moments, linearise, move
+from pdr_est.estimators.robust import huber_inflation
+from pdr_est.estimators.start import start_prior
 from pdr_est.estimators.timeline import Node, Timeline, track_from_nodes
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.records import HeadingPrior, PositionFix, StartPose
 from pdr_est.track import Track
 
 NAME = "ekf"
-_HUBER = 1.345  # standard deviations; 95 % efficient for Gaussian errors
+_REGULAR = 1e-12  # variance, far below anything that matters: parts of a state may be known exactly
 _POSITION = np.eye(2, 4)
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0]])
 
@@ -45,76 +47,53 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
 
 def run_filter(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> Filtered:
     """Filter all nodes: with the heading vector until the direction is known, with the pose from then on."""
-    nodes = timeline.nodes
-    poses: list[Array] = []
-    covariances: list[Array] = []
-    aligned_from, moments = 0, known_start(start, sigma_length_scale)
-    if _needs_alignment(timeline, start):
-        aligned_from, first = _align(timeline, start, sigma_length_scale, poses, covariances)
-        if first is None:
-            return Filtered(None, np.array(poses), np.array(covariances), ())
-        moments = first
-    states = _filter_poses(nodes[aligned_from:], moments, update_first=not poses)
-    for state in states[1 if poses else 0 :]:
-        poses.append(state.mean[:3])
-        covariances.append(state.covariance[:3, :3])
-    return Filtered(aligned_from, np.array(poses), np.array(covariances), tuple(states))
+    prior = start_prior(timeline, start)
+    if not prior.heading_open:
+        states = _filter_poses(timeline.nodes, prior.moments(sigma_length_scale), update_first=True)
+        return Filtered(0, *_track_columns(states), tuple(states))
+    alignment = align(timeline, prior, sigma_length_scale)
+    if alignment.aligned is None:
+        return Filtered(None, alignment.pose, alignment.covariance, ())
+    aligned_from = len(alignment.pose) - 1
+    states = _filter_poses(timeline.nodes[aligned_from:], alignment.aligned, update_first=False)
+    pose, covariance = _track_columns(states)
+    return Filtered(
+        aligned_from,
+        np.concatenate([alignment.pose, pose[1:]]),
+        np.concatenate([alignment.covariance, covariance[1:]]),
+        tuple(states),
+    )
 
 
-def find_start(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> Moments:
-    """The state at the start: as given, or found from the first fixes that settle the direction.
-
-    Fixes that never settle it leave the heading at what they favour, with the sigma of a uniform direction.
-    """
-    given = known_start(start, sigma_length_scale)
-    if not _needs_alignment(timeline, start):
-        return given
-    poses: list[Array] = []
-    covariances: list[Array] = []
-    node, aligned = _align(timeline, start, sigma_length_scale, poses, covariances)
-    if aligned is None:
-        covariance = given.covariance.copy()
-        covariance[:3, :3] = covariances[-1]
-        node, aligned = node - 1, Moments(np.array([*poses[-1], 1.0]), covariance)
-    return rewind(aligned, timeline.nodes[: node + 1])[0]
+def undecided_anchor(timeline: Timeline, filtered: Filtered, sigma_length_scale: float) -> tuple[int, Moments]:
+    """The last node with a measurement, if all of them together did not settle the direction."""
+    anchor = max(i for i, node in enumerate(timeline.nodes) if node.fixes or node.priors)
+    covariance = np.diag([0.0, 0.0, 0.0, sigma_length_scale**2])
+    covariance[:3, :3] = filtered.covariance[anchor]
+    return anchor, Moments(np.array([*filtered.pose[anchor], 1.0]), covariance)
 
 
 def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Moments]:
     """Rauch-Tung-Striebel smoother over filtered states; nodes[k] leads to filtered[k]."""
-    smoothed = [filtered[-1]]
-    for k in range(len(filtered) - 2, -1, -1):
-        jacobian, noise = linearise(filtered[k].mean, nodes[k + 1])
-        predicted = jacobian @ filtered[k].covariance @ jacobian.T + noise
-        gain = np.linalg.solve(predicted + 1e-12 * np.eye(4), jacobian @ filtered[k].covariance).T
-        innovation = smoothed[-1].mean - move(filtered[k].mean, nodes[k + 1])
-        covariance = filtered[k].covariance + gain @ (smoothed[-1].covariance - predicted) @ gain.T
-        smoothed.append(Moments(filtered[k].mean + gain @ innovation, 0.5 * (covariance + covariance.T)))
-    return smoothed[::-1]
+    if len(filtered) == 1:
+        return list(filtered)
+    mean = np.array([state.mean for state in filtered])
+    covariance = np.array([state.covariance for state in filtered])
+    linear = [linearise(state.mean, node) for state, node in zip(filtered[:-1], nodes[1:], strict=True)]
+    jacobian, noise = np.array([f for f, _ in linear]), np.array([q for _, q in linear])
+    moved = np.array([move(state.mean, node) for state, node in zip(filtered[:-1], nodes[1:], strict=True)])
+    predicted = jacobian @ covariance[:-1] @ jacobian.transpose(0, 2, 1) + noise
+    gain = np.linalg.solve(predicted + _REGULAR * np.eye(4), jacobian @ covariance[:-1]).transpose(0, 2, 1)
+    for k in range(len(gain) - 1, -1, -1):
+        mean[k] += gain[k] @ (mean[k + 1] - moved[k])
+        covariance[k] += gain[k] @ (covariance[k + 1] - predicted[k]) @ gain[k].T
+    covariance = 0.5 * (covariance + covariance.transpose(0, 2, 1))
+    return [Moments(*moments) for moments in zip(mean, covariance, strict=True)]
 
 
-def _needs_alignment(timeline: Timeline, start: StartPose) -> bool:
-    return bool(timeline.fixes) and (start.heading_rad is None or start.position_m is None)
-
-
-def _align(
-    timeline: Timeline, start: StartPose, sigma_length_scale: float, poses: list[Array], covariances: list[Array]
-) -> tuple[int, Moments | None]:
-    """Follow the nodes until the direction is known; collect the poses on the way."""
-    alignment = HeadingAlignment(start, timeline.fixes[0])
-    for i, node in enumerate(timeline.nodes):
-        if i:
-            alignment.advance(node)
-        for fix in node.fixes:
-            alignment.update(fix)
-        aligned = alignment.aligned(sigma_length_scale)
-        if aligned is not None:
-            poses.append(aligned.mean[:3])
-            covariances.append(aligned.covariance[:3, :3])
-            return i, aligned
-        pose, covariance = alignment.pose()
-        poses.append(pose)
-        covariances.append(covariance)
-    return len(timeline.nodes), None
+def _track_columns(states: list[Moments]) -> tuple[Array, Array]:
+    """Poses (n, 3) and their covariances (n, 3, 3)."""
+    return np.array([state.mean[:3] for state in states]), np.array([state.covariance[:3, :3] for state in states])
 
 
 def _filter_poses(nodes: tuple[Node, ...], first: Moments, update_first: bool) -> list[Moments]:
@@ -156,21 +135,15 @@ class _PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         residual = np.asarray(fix.position_m) - self.x[:2]
         noise = fix.covariance_m2
         if fix.robust:
-            noise = noise * _inflation(residual, self.P[:2, :2] + noise)
+            noise = noise * huber_inflation(residual, self.P[:2, :2] + noise)
         self._correct(np.asarray(fix.position_m, dtype=np.float64), _POSITION, noise, np.subtract)
 
     def update_heading(self, prior: HeadingPrior) -> None:
         noise = np.array([[prior.sigma_rad**2]])
         if prior.robust:
             residual = wrap_angle(np.array([prior.heading_rad - self.x[2]]))
-            noise = noise * _inflation(residual, self.P[2:3, 2:3] + noise)
+            noise = noise * huber_inflation(residual, self.P[2:3, 2:3] + noise)
         self._correct(np.array([prior.heading_rad]), _HEADING, noise, lambda a, b: wrap_angle(np.subtract(a, b)))
 
     def _correct(self, z: Array, jacobian: Array, noise: Array, residual: Callable[[Array, Array], Array]) -> None:
         self.update(z, lambda _: jacobian, lambda x: jacobian @ x, R=noise, residual=residual)
-
-
-def _inflation(residual: Array, covariance: Array) -> float:
-    """Huber's weight as an inflation of the noise: far innovations count less, none is thrown away."""
-    distance = float(np.sqrt(residual @ np.linalg.solve(covariance, residual)))
-    return max(1.0, distance / _HUBER)

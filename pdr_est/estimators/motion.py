@@ -5,12 +5,12 @@ moves it by x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in map conv
 """
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 
 from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array
-from pdr_est.records import StartPose
 
 
 @dataclass(frozen=True)
@@ -21,29 +21,18 @@ class Moments:
     covariance: Array
 
 
-def known_start(start: StartPose, sigma_length_scale: float) -> Moments:
-    """The state at a start whose unknown parts are taken as zero: the frame is then the walker's own."""
-    x, y = start.position_m or (0.0, 0.0)
-    sigma_position = start.sigma_position_m if start.position_m else 0.0
-    sigma_heading = start.sigma_heading_rad if start.heading_rad is not None else 0.0
-    return Moments(
-        np.array([x, y, start.heading_rad or 0.0, 1.0]),
-        np.diag([sigma_position**2, sigma_position**2, sigma_heading**2, sigma_length_scale**2]),
-    )
-
-
 def move(state: Array, node: Node) -> Array:
     """The state after the motion that leads to `node`."""
     x, y, heading, scale = state
     heading = heading + node.heading_change_rad
     length = scale * node.length_m
-    return np.array([x + length * np.cos(heading), y + length * np.sin(heading), heading, scale])
+    return np.array([x + length * cos(heading), y + length * sin(heading), heading, scale])
 
 
 def linearise(state: Array, node: Node) -> tuple[Array, Array]:
     """Jacobian F (4, 4) of `move` at `state`, and process noise Q (4, 4) in the map frame."""
     heading = state[2] + node.heading_change_rad
-    c, s = np.cos(heading), np.sin(heading)
+    c, s = cos(heading), sin(heading)
     length = state[3] * node.length_m
     jacobian = np.array(
         [
@@ -65,23 +54,21 @@ def advance(moments: Moments, node: Node) -> Moments:
     return Moments(move(moments.mean, node), jacobian @ moments.covariance @ jacobian.T + noise)
 
 
-def rewind(moments: Moments, nodes: tuple[Node, ...]) -> list[Moments]:
-    """States at all `nodes` from the state at the last of them, by running the motion backwards.
+def retreat(moments: Moments, node: Node) -> Moments:
+    """Mean and covariance before the motion that led to `node`: `advance` in the other direction of time."""
+    x, y, heading, scale = moments.mean
+    length = scale * node.length_m
+    mean = np.array([x - length * cos(heading), y - length * sin(heading), heading - node.heading_change_rad, scale])
+    jacobian, noise = linearise(mean, node)
+    jacobian[:2, 2:] *= -1.0  # its inverse
+    return Moments(mean, jacobian @ (moments.covariance + noise) @ jacobian.T)
 
-    Process noise is not taken out again, so the covariances are a little too large.
-    """
-    states = [moments]
-    for node in reversed(nodes[1:]):
-        mean, covariance = states[-1].mean, states[-1].covariance
-        heading, length = mean[2], mean[3] * node.length_m
-        earlier = np.array(
-            [
-                mean[0] - length * np.cos(heading),
-                mean[1] - length * np.sin(heading),
-                heading - node.heading_change_rad,
-                mean[3],
-            ]
-        )
-        backwards = np.linalg.inv(linearise(earlier, node)[0])
-        states.append(Moments(earlier, backwards @ covariance @ backwards.T))
-    return states[::-1]
+
+def reckon(nodes: tuple[Node, ...], anchor: int, moments: Moments) -> list[Moments]:
+    """States at all nodes from the state at one of them and the motion between them."""
+    earlier, later = [moments], [moments]
+    for node in reversed(nodes[1 : anchor + 1]):
+        earlier.append(retreat(earlier[-1], node))
+    for node in nodes[anchor + 1 :]:
+        later.append(advance(later[-1], node))
+    return earlier[:0:-1] + later
