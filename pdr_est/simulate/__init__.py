@@ -8,9 +8,11 @@ from pdr_est.simulate.body import BodyParams
 from pdr_est.simulate.magnetic import EarthField, Iron
 from pdr_est.simulate.modes import ModeChange
 from pdr_est.simulate.path import Path, PathParams
+from pdr_est.simulate.person import Person, sample_person
 from pdr_est.simulate.phone import HeldPhone
 from pdr_est.simulate.pocket import PocketPhone
-from pdr_est.simulate.scenario import PRESETS, DeviceParams, Scenario, preset
+from pdr_est.simulate.presets import PRESETS, mmpdr_indoor, mmpdr_mode_walks, park_348, preset
+from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors import PERFECT, PHONE_MAGNETOMETER, SensorErrors, SensorParams
 from pdr_est.simulate.swing import SwingingPhone
 from pdr_est.simulate.walk import SimulatedDevice, SimulatedWalk, simulate_walk
@@ -30,6 +32,7 @@ __all__ = [
     "Path",
     "PathParams",
     "Pause",
+    "Person",
     "PocketPhone",
     "Scenario",
     "SensorErrors",
@@ -38,6 +41,10 @@ __all__ = [
     "SimulatedWalk",
     "Steps",
     "SwingingPhone",
+    "mmpdr_indoor",
+    "mmpdr_mode_walks",
+    "park_348",
     "preset",
+    "sample_person",
     "simulate_walk",
 ]

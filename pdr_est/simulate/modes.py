@@ -33,8 +33,8 @@ class ModeChange:
 
     start_s, duration_s: when, on the true clock. carry: how the phone is carried from then on. turn_from, turn_to:
     shares of the duration between which the hand turns the phone; the position moves all the time. detour_m: how
-    far out of the straight line, forward, left, up, the hand passes. flick_rad: rms, about each device axis, of a
-    flick of the wrist that is drawn anew for each change.
+    far out of the straight line, forward, left, up, the hand passes. flick_rad: how far the wrist turns the phone,
+    about its own x, y and z axes, and back again on the way.
     """
 
     start_s: NonNegative
@@ -43,7 +43,7 @@ class ModeChange:
     turn_from: Fraction = 0.15
     turn_to: Fraction = 0.8
     detour_m: tuple[float, float, float] = (0.08, 0.0, 0.03)
-    flick_rad: NonNegative = 0.35
+    flick_rad: tuple[float, float, float] = (0.2, 0.4, 0.4)
 
     @property
     def end_s(self) -> float:
@@ -87,12 +87,12 @@ def true_modes(first: AnyPhone, changes: tuple[ModeChange, ...]) -> TrueModes:
 def carried_motion(
     body: Body, time_s: Array, first: AnyPhone, changes: tuple[ModeChange, ...], rngs: list[np.random.Generator]
 ) -> RigidMotion:
-    """The device's motion at rising times (n,). rngs: one for each stay, and one for each change after them."""
+    """The device's motion at rising times (n,). rngs: one for each way of carrying, in order of time."""
     trunk = body.at(time_s)
     stays = _stays(first, changes)
     parts = [_between(time_s, stay.begin_s, stay.end_s) for stay in stays]
     changing = [_between(time_s, change.start_s, change.end_s) for change in changes]
-    poses = [stay.carry.pose(trunk.part(part), rng) for stay, part, rng in zip(stays, parts, rngs, strict=False)]
+    poses = [stay.carry.pose(trunk.part(part), rng) for stay, part, rng in zip(stays, parts, rngs, strict=True)]
 
     pieces = []
     for number, (part, pose) in enumerate(zip(parts, poses, strict=True)):
@@ -104,7 +104,7 @@ def carried_motion(
         if number < len(changes):
             both = changing[number]
             old, new = pose.part(_from(both, part.start)), poses[number + 1].part(_from(both, both.start))
-            pieces.append(_taken(trunk.part(both), old, new, changes[number], rngs[len(stays) + number]))
+            pieces.append(_taken(trunk.part(both), old, new, changes[number]))
     return _joined(pieces)
 
 
@@ -115,15 +115,13 @@ def _stays(first: AnyPhone, changes: tuple[ModeChange, ...]) -> list[_Stay]:
     return [_Stay(*stay) for stay in zip(carries, begins, ends, strict=True)]
 
 
-def _taken(
-    trunk: BodyMotion, old: DevicePose, new: DevicePose, change: ModeChange, rng: np.random.Generator
-) -> RigidMotion:
+def _taken(trunk: BodyMotion, old: DevicePose, new: DevicePose, change: ModeChange) -> RigidMotion:
     """The motion while a hand takes the phone from its old pose to its new one."""
     turn_from_s = change.start_s + change.turn_from * change.duration_s
     turn_to_s = change.start_s + change.turn_to * change.duration_s
     path = MountPath(
         way=(old.mount.inv() * new.mount).as_rotvec(),
-        flick=change.flick_rad * rng.standard_normal(3),
+        flick=np.array(change.flick_rad),
         done=_rise(trunk.time_s, turn_from_s, turn_to_s),
         flicked=_bump(trunk.time_s, turn_from_s, turn_to_s),
     )

@@ -3,7 +3,7 @@
 from typing import Annotated, Literal
 
 import numpy as np
-from annotated_types import Gt, Le
+from annotated_types import Le
 from scipy.spatial.transform import Rotation
 
 from pdr_est.params import NonNegative, params
@@ -15,6 +15,7 @@ from pdr_est.simulate.tremor import AMPLITUDE_HZ, TREMOR_HZ, WANDER_HZ, Tremor
 # Harmonics of the thigh's flexion over the stride from heel strike to heel strike, fitted to published hip angles
 # of walking at a normal cadence (Winter 1991): size over the first one, phase in rad. Stance lasts 0.6 of it.
 _THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
+_GIVE, _SHOCK = (0.5, 1.0), (0.36, 2.6)  # jolts: how long, share of a stride, and how many swings
 _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
 
@@ -27,9 +28,9 @@ class PocketPhone:
     tip_rad: how far the upper edge leans out of the vertical, away from the screen. Together they reach any mount.
     amplitude_rad: of the thigh's first harmonic, half of its range nearly. twist_rad, spread_rad: amplitudes
     about the vertical and sideways, once a stride. lag: of the twist, share of a stride.
-    shock_m, shock_rad: size of the jolt behind a heel strike of this leg, along the thigh and about its axes;
-    other_shock: that of the other leg's over it. shock_span, shock_waves: how long it lasts, share of a stride, and
-    how many times it swings. uneven: relative rms of the slow changes of all these.
+    give_m, give_rad: size of the slow jolt as this leg takes the load, upwards and about the thigh's axes.
+    shock_m, shock_rad: of the fast jolt of its heel strike. other_leg: jolts of the other leg over these.
+    uneven: relative rms of the changes of all these from stride to stride.
     from_hip_m: of the phone at rest from the hip joint, forward, outward, up. hip_left_m: of the left hip, the
     right one opposite; hip_up_m: above the trunk's centre. wander_rad: slow shifting in the pocket.
     """
@@ -39,17 +40,17 @@ class PocketPhone:
     facing_rad: float = 2.6
     spin_rad: float = np.pi
     tip_rad: float = 0.0
-    amplitude_rad: Annotated[NonNegative, Le(0.8)] = 0.32
-    twist_rad: NonNegative = 0.2
+    amplitude_rad: Annotated[NonNegative, Le(0.8)] = 0.37
+    twist_rad: NonNegative = 0.22
     spread_rad: NonNegative = 0.06
     lag: float = 0.1
-    shock_m: NonNegative = 0.004
-    shock_rad: NonNegative = 0.02
-    other_shock: NonNegative = 0.3
-    shock_span: Annotated[float, Gt(0.0), Le(0.5)] = 0.25
-    shock_waves: Annotated[float, Gt(0.0), Le(4.0)] = 2.0
-    uneven: Annotated[NonNegative, Le(0.2)] = 0.08
-    from_hip_m: tuple[float, float, float] = (0.09, 0.03, -0.14)
+    give_m: NonNegative = 0.016
+    give_rad: NonNegative = 0.05
+    shock_m: NonNegative = 0.0035
+    shock_rad: NonNegative = 0.015
+    other_leg: NonNegative = 0.3
+    uneven: Annotated[NonNegative, Le(0.2)] = 0.12
+    from_hip_m: tuple[float, float, float] = (0.09, 0.03, -0.2)
     hip_left_m: NonNegative = 0.09
     hip_up_m: float = -0.06
     wander_rad: NonNegative = 0.015
@@ -57,25 +58,27 @@ class PocketPhone:
 
     def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
         """The phone on the body; `rng` draws how uneven the leg's motion is and the phone's shifting."""
-        swell, jolt = (Tremor(self.uneven, AMPLITUDE_HZ, rng).at(body.time_s) + 1.0 for _ in range(2))
+        swell, jolted = (Tremor(self.uneven, AMPLITUDE_HZ, rng).at(body.time_s) + 1.0 for _ in range(2))
         wander = [Tremor(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
         shake = [Tremor(self.tremor_rad, TREMOR_HZ, rng).at(body.time_s) for _ in range(2)]
         outward = 1.0 if self.side == "left" else -1.0
-        shock = self._shock(body) * jolt
-        thigh = self._thigh(body, swell, shock, outward)
+        give, shock = self._jolt(body, _GIVE) * jolted, self._jolt(body, _SHOCK) * jolted
+        thigh = self._thigh(body, swell, give * self.give_rad + shock * self.shock_rad)
         ahead, out, above = self.from_hip_m
         forward, left, up = thigh.point((ahead, outward * out, above))
+        jolt = give * self.give_m + shock * self.shock_m
         return DevicePose(
-            forward=forward + shock * (0.5 * self.shock_m),
+            forward=forward + jolt,
             left=left + outward * self.hip_left_m,
-            up=up + shock * self.shock_m + self.hip_up_m,
+            up=up + jolt + self.hip_up_m,
             limb=LimbPose(thigh.twist + wander[0], thigh.flexion, thigh.abduction),
             mount=self._mount(),
             pitch=wander[1] + shake[0],
             roll=wander[2] + shake[1],
         )
 
-    def _thigh(self, body: BodyMotion, swell: Jet, shock: Jet, outward: float) -> LimbPose:
+    def _thigh(self, body: BodyMotion, swell: Jet, jolt: Jet) -> LimbPose:
+        outward = 1.0 if self.side == "left" else -1.0
         angle = body.stride_of(self.side) * (2.0 * np.pi)
         first, *higher = ((angle * (k + 1.0) + phase).cos() * size for k, (size, phase) in enumerate(_THIGH))
         curve = first + _MIDDLE
@@ -84,18 +87,17 @@ class PocketPhone:
         active = body.activity * swell
         late = (angle - 2.0 * np.pi * self.lag).cos()
         return LimbPose(
-            # the leg turns in as it comes forward
-            twist=active * late * (-outward * self.twist_rad) + shock * (outward * self.shock_rad),
-            flexion=active * curve * self.amplitude_rad + shock * self.shock_rad,
-            abduction=active * angle.sin() * (outward * self.spread_rad),
+            # the leg turns in as it comes forward, and out under the load
+            twist=active * late * (-outward * self.twist_rad) + jolt * outward,
+            flexion=active * curve * self.amplitude_rad + jolt,
+            abduction=active * angle.sin() * (outward * self.spread_rad) + jolt * (0.5 * outward),
         )
 
-    def _shock(self, body: BodyMotion) -> Jet:
-        """The jolts of both legs' heel strikes, 1 for this leg's, while walking."""
+    def _jolt(self, body: BodyMotion, shape: tuple[float, float]) -> Jet:
+        """The jolts of one kind behind the heel strikes of both legs, 1 for this leg's, while walking."""
         other: Side = "left" if self.side == "right" else "right"
-        own_jolt = pulse(body.stride_of(self.side), self.shock_span, self.shock_waves)
-        other_jolt = pulse(body.stride_of(other), self.shock_span, self.shock_waves)
-        return body.activity * (own_jolt + other_jolt * self.other_shock)
+        own_leg, other_leg = (pulse(body.stride_of(side), *shape) for side in (self.side, other))
+        return body.activity * (own_leg + other_leg * self.other_leg)
 
     def _mount(self) -> Rotation:
         left, up, ahead = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)

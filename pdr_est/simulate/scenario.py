@@ -1,9 +1,6 @@
-"""What to simulate: a path, a walker, and the devices that the walker carries; with named presets."""
+"""What to simulate: a path, a walker, and the devices that the walker carries."""
 
-from collections.abc import Mapping
 from dataclasses import asdict
-from difflib import get_close_matches
-from types import MappingProxyType
 from typing import Annotated
 
 from annotated_types import Ge
@@ -17,7 +14,7 @@ from pdr_est.simulate.modes import AnyPhone, ModeChange, check_changes
 from pdr_est.simulate.path import PathParams
 from pdr_est.simulate.phone import HeldPhone
 from pdr_est.simulate.sensors import SensorParams
-from pdr_est.simulate.walker import GaitParams, Pause
+from pdr_est.simulate.walker import GaitParams
 
 
 @params
@@ -48,28 +45,6 @@ class Scenario:
 
 
 _ADAPTER = TypeAdapter(Scenario)
-_RECTANGLE = ((0.0, 0.0), (24.0, 0.0), (24.0, 28.0), (-24.0, 28.0), (-24.0, 0.0), (0.0, 0.0))
-
-PRESETS: Mapping[str, Scenario] = MappingProxyType(
-    {
-        "office_loop": Scenario(
-            name="office_loop",
-            path=PathParams(vertices_m=_RECTANGLE),
-            gait=GaitParams(pauses=(Pause(at_m=90.0, duration_s=6.0),)),
-        ),
-        "straight": Scenario(name="straight", path=PathParams(vertices_m=((0.0, 0.0), (80.0, 0.0)))),
-        "l_shape": Scenario(name="l_shape", path=PathParams(vertices_m=((0.0, 0.0), (30.0, 0.0), (30.0, 20.0)))),
-    }
-)
-
-
-def preset(name: str) -> Scenario:
-    """The scenario of that name: office_loop, straight or l_shape. Raise ConfigError for another name."""
-    if name not in PRESETS:
-        near = get_close_matches(name, PRESETS, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(PRESETS)}"
-        raise ConfigError(f"no simulated walk is called {name!r}: {hint}")
-    return PRESETS[name]
 
 
 def check(scenario: Scenario) -> None:

@@ -1,5 +1,6 @@
 """A phone in a hand that hangs beside the body and swings with the arm."""
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -20,12 +21,12 @@ class SwingingPhone:
     At rest the x axis is vertical, up in the right hand and down in the left one, and the y axis points ahead.
     hand: which one. grip_rad: how far the y axis points below ahead. palm_rad: how far the palm is turned to
     face backwards. tip_rad: how far the screen is turned up about the y axis.
-    amplitude_rad, forward_rad: of the arm's swing about the shoulder, and its middle ahead of hanging; the arm is
-    foremost when the leg of the other side strikes, lag of a stride later. wrist: rotation of elbow and
-    wrist over that of the shoulder. second: amplitude of the second harmonic over the first; it makes the way
-    forward differ from the way back. twist_rad, spread_rad: amplitudes about the vertical and sideways.
-    arm_m: from shoulder to phone; shoulder_left_m: of the left shoulder, the right one opposite; shoulder_up_m:
-    above the trunk's centre. uneven: relative rms of the amplitude's slow changes.
+    amplitude_rad, forward_rad: of the upper arm's swing about the shoulder, and its middle ahead of hanging.
+    elbow_rad, bend_rad: the same of the elbow, which bends as the arm comes forward. The arm is foremost when the
+    leg of the other side strikes, lag of a stride later. second: amplitude of the second harmonic over the first;
+    it makes the way forward differ from the way back. twist_rad, spread_rad: amplitudes about the vertical and
+    sideways. upper_m, fore_m: from shoulder to elbow to phone; shoulder_left_m: of the left shoulder, the right one
+    opposite; shoulder_up_m: above the trunk's centre. uneven: relative rms of the changes from stride to stride.
     wander_rad, tremor_rad, tremor_m: as of a held phone.
     """
 
@@ -34,20 +35,22 @@ class SwingingPhone:
     grip_rad: float = 0.1
     palm_rad: float = 0.1
     tip_rad: float = 0.0
-    amplitude_rad: Annotated[NonNegative, Le(1.2)] = 0.32
-    forward_rad: float = 0.18
-    lag: float = 0.03
-    wrist: NonNegative = 0.25
+    amplitude_rad: Annotated[NonNegative, Le(1.0)] = 0.22
+    forward_rad: float = 0.0
+    elbow_rad: Annotated[NonNegative, Le(1.0)] = 0.18
+    bend_rad: NonNegative = 0.25
+    lag: float = 0.05
     second: NonNegative = 0.08
     twist_rad: NonNegative = 0.12
     spread_rad: NonNegative = 0.04
-    arm_m: Positive = 0.62
+    upper_m: Positive = 0.29
+    fore_m: Positive = 0.34
     shoulder_left_m: NonNegative = 0.22
     shoulder_up_m: float = 0.42
     uneven: Annotated[NonNegative, Le(0.2)] = 0.06
     wander_rad: NonNegative = 0.02
-    tremor_rad: NonNegative = 0.002
-    tremor_m: NonNegative = 0.0001
+    tremor_rad: NonNegative = 0.005
+    tremor_m: NonNegative = 0.0002
 
     def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
         """The phone on the body; `rng` draws how uneven the swing is and the hand's unrest."""
@@ -55,36 +58,38 @@ class SwingingPhone:
         wander = [Tremor(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
         shake = [Tremor(self.tremor_rad, TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
         drift = [Tremor(self.tremor_m, TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
-        swing, twist, spread = self._swing(body, swell)
-        arm = LimbPose(constant(0.0, len(body.time_s)), swing, spread)
-        forward, left, up = arm.point((0.0, 0.0, -self.arm_m))
         outward = 1.0 if self.hand == "left" else -1.0
+        beat = self._beat(body) * swell
+        upper_arm, forearm = self._arm(body, beat, outward)
+        elbow = upper_arm.point((0.0, 0.0, -self.upper_m))
+        forward, left, up = (
+            joint + beyond for joint, beyond in zip(elbow, forearm.point((0.0, 0.0, -self.fore_m)), strict=True)
+        )
+        # the palm turns in as the arm comes forward; the phone is on the forearm's axis and stays where it is
+        twist = beat * (-outward * self.twist_rad)
         return DevicePose(
             forward=forward + drift[0],
             left=left + outward * self.shoulder_left_m + drift[1],
             up=up + self.shoulder_up_m + drift[2],
-            limb=LimbPose(
-                twist=twist + wander[0] + shake[0],
-                flexion=swing * (1.0 + self.wrist),
-                abduction=spread,
-            ),
+            limb=replace(forearm, twist=twist + wander[0] + shake[0]),
             mount=self._mount(),
             pitch=wander[1] + shake[1],
             roll=wander[2] + shake[2],
         )
 
-    def _swing(self, body: BodyMotion, swell: Jet) -> tuple[Jet, Jet, Jet]:
-        """Angles of the arm: forward, about the vertical, to the left."""
+    def _beat(self, body: BodyMotion) -> Jet:
+        """The rhythm of the arm: near 1 where it is foremost, near -1 where it is hindmost, 0 when standing."""
         across: Side = "left" if self.hand == "right" else "right"
         angle = (body.stride_of(across) - self.lag) * (2.0 * np.pi)
-        active = body.activity * swell
-        swing = active * (angle.cos() + (angle * 2.0).cos() * self.second) * self.amplitude_rad
-        inward = 1.0 if self.hand == "right" else -1.0
-        return (
-            swing + body.activity * self.forward_rad,
-            active * angle.cos() * (inward * self.twist_rad),  # the palm turns in as the arm comes forward
-            active * angle.cos() * (inward * self.spread_rad),
-        )
+        return body.activity * (angle.cos() + (angle * 2.0).cos() * self.second)
+
+    def _arm(self, body: BodyMotion, beat: Jet, outward: float) -> tuple[LimbPose, LimbPose]:
+        """Upper arm and forearm."""
+        none = constant(0.0, len(body.time_s))
+        spread = beat * (-outward * self.spread_rad)
+        shoulder = beat * self.amplitude_rad + body.activity * self.forward_rad
+        elbow = beat * self.elbow_rad + body.activity * self.bend_rad
+        return LimbPose(none, shoulder, spread), LimbPose(none, shoulder + elbow, spread)
 
     def _mount(self) -> Rotation:
         inward = 1.0 if self.hand == "right" else -1.0

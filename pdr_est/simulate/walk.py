@@ -137,7 +137,7 @@ def _simulate_device(scenario: Scenario, number: int, path: Path, body: Body, en
     sensors = device.sensors
     time_s = sampling_times(end_s, sensors.rate_hz)
     hands = [_stream(seed, _Stream.HAND, number)]
-    hands += [_stream(seed, _Stream.HAND, number, further) for further in range(2 * len(device.changes))]
+    hands += [_stream(seed, _Stream.HAND, number, further) for further in range(len(device.changes))]
     motion = carried_motion(body, time_s, device.carry, device.changes, hands)
 
     def recorded(ideal: Array, errors: SensorErrors, stream: _Stream) -> RecordedSensor:

@@ -55,6 +55,11 @@ class GaitParams:
     pauses: tuple[Pause, ...] = ()
 
 
+def usual_speed_mps(gait: GaitParams) -> float:
+    """How fast someone walks on average between starts and stops."""
+    return float(_usual_length_m(gait, np.array([1.0 / gait.cadence_hz]))[0]) * gait.cadence_hz
+
+
 @dataclass(frozen=True)
 class Steps:
     """The steps of a walk. A step begins at start_s and ends with a heel strike at time_s, both (n,); the body

@@ -33,7 +33,8 @@ def test_a_preset_gives_a_recording_with_consistent_truth(name: str) -> None:
     device = recording.devices[0]
     assert device.specific_force is not None
     assert device.rotation_rate is not None
-    assert len(device.specific_force) == len(device.rotation_rate) == int(walk.steps.end_s * 100.0) + 1
+    rate_hz = walk.scenario.devices[0].sensors.rate_hz
+    assert len(device.specific_force) == len(device.rotation_rate) == int(walk.steps.end_s * rate_hz) + 1
     assert (device.model, device.platform) == ("simulated", "simulated")
     assert truth.steps is not None
     assert truth.positions is not None
