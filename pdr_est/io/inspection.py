@@ -124,7 +124,7 @@ def _inspect_device(device: DeviceRecording) -> DeviceInspection:
         force_norm_mps2=None if force is None else float(np.median(np.linalg.norm(force.values, axis=1))),
         gravity_cosine=None if force is None or attitude is None else gravity_cosine(force, attitude),
         rate_correlation=correlation,
-        capabilities=_capabilities(signals),
+        capabilities=_capabilities(signals, overlap),
         findings=tuple(findings),
         decisions=device.decisions,
         warnings=device.warnings,
@@ -179,16 +179,16 @@ def _channel_findings(channel: ChannelInspection) -> list[str]:
     return findings
 
 
-def _capabilities(signals: Mapping[str, Signal]) -> tuple[str, ...]:
+def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tuple[str, ...]:
     """What the sensors allow, and what a missing one takes away."""
     force, attitude = "specific_force" in signals, "attitude" in signals
     rate = "rotation_rate" in signals and bool(signals["rotation_rate"].values.any())
+    if force and rate and overlap is None:
+        return ("accelerometer and gyroscope never run at the same time: a track is not possible",)
     if force and rate:
         return ("steps, headings and a track",)
-    if force and attitude:
-        return ("no gyroscope: steps, and headings from the device's own attitude (choose --attitude device)",)
     if force:
-        return ("no gyroscope and no attitude: steps and distance are possible, headings and a track are not",)
+        return ("no gyroscope: steps and distance are possible, headings and a track are not",)
     if rate or attitude:
         return ("no accelerometer: the turning of the device is possible, steps and a track are not",)
     return ("no accelerometer and no gyroscope: nothing can be estimated",)

@@ -17,7 +17,7 @@ from pdr_est.io.gravity import with_gravity
 from pdr_est.io.phyphox_meta import Clock, read_clock, read_properties
 from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.io.source import Source
-from pdr_est.io.table import Table, finite_rows, read_table
+from pdr_est.io.table import Table, read_table, usable_rows
 
 NAME = "phyphox"
 
@@ -88,9 +88,9 @@ class _Reading:
         if table is None:
             return None
         values = table.stack(self.sensors[sensor].titles)
-        signal, dropped = finite_rows(table.numbers(_TIME), values, sensor, table.place)
+        signal, dropped = usable_rows(table.numbers(_TIME), values, sensor, table.place)
         self.warnings += dropped
-        return Signal(self.clock.with_pauses(signal.time_s), signal.values)
+        return None if signal is None else Signal(self.clock.with_pauses(signal.time_s), signal.values)
 
 
 def sniff(source: Source) -> bool:
@@ -213,6 +213,9 @@ def _specific_force(reading: _Reading) -> Signal | None:
     reading.decisions.append("specific force is linear acceleration + gravity: no accelerometer")
     total, warnings = with_gravity(linear, gravity)
     reading.warnings += warnings
+    if not len(total):
+        reading.warnings.append("linear acceleration and gravity have no overlap in time: no specific force")
+        return None
     return total
 
 

@@ -9,12 +9,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io import units
-from pdr_est.io.choice import stem
+from pdr_est.io.choice import members_like, only_walk, stem
 from pdr_est.io.dialect import Dialect, find_dialect
 from pdr_est.io.gps import GpsFixes, gps_fixes
 from pdr_est.io.orientation import quaternion_from_rotation_vector
@@ -22,7 +21,7 @@ from pdr_est.io.plain_clock import TableClock, is_date, read_clock
 from pdr_est.io.plain_header import Columns, Quantity, understand
 from pdr_est.io.recording import DeviceRecording, Recording, Signal, TruePositions, Truth
 from pdr_est.io.source import Source
-from pdr_est.io.table import Table, finite_rows, read_table
+from pdr_est.io.table import Table, read_table, usable_rows
 
 NAME = "plain CSV"
 
@@ -43,17 +42,17 @@ class _Reading:
     warnings: list[str] = field(default_factory=list)
 
     def signal(self, quantity: Quantity) -> Signal | None:
-        """The rows of a quantity that have a value, unconverted; None when none has."""
+        """The rows of a quantity that have a finite value, unconverted; None when none has."""
         if quantity not in self.columns:
             return None
-        values = self.table.stack(self.columns[quantity].titles)
-        sampled = _some_number(values)
+        titles = self.columns[quantity].titles
+        values, sampled = self.table.stack(titles), self.table.filled(titles)
         if not sampled.any():
             self.decisions.append(f"{quantity}: the columns are there but hold no values")
             return None
         if not sampled.all():
             self.decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows hold values")
-        signal, dropped = finite_rows(self.clock.time_s[sampled], values[sampled], quantity, self.table.place)
+        signal, dropped = usable_rows(self.clock.time_s[sampled], values[sampled], quantity, self.table.place)
         self.warnings += dropped
         return signal
 
@@ -64,17 +63,13 @@ class _Reading:
         return finding.factor
 
 
-def _some_number(values: Array) -> NDArray[np.bool_]:
-    """Which rows are not empty as a whole."""
-    present: NDArray[np.bool_] = np.any(~np.isnan(values), axis=1)
-    return present
-
-
 def sniff(source: Source) -> bool:
-    """Whether the source is one table whose header names a time and all axes of accelerometer or gyroscope."""
-    if len(source.members) != 1:
-        return False
-    dialect = find_dialect(source.head(source.members[0], _HEAD_BYTES))
+    """Whether some member is a table whose header names a time and all axes of accelerometer or gyroscope."""
+    return bool(members_like(source, _looks_right))
+
+
+def _looks_right(head: bytes) -> bool:
+    dialect = find_dialect(head)
     if dialect is None:
         return False
     columns = understand(dialect.titles)
@@ -84,9 +79,9 @@ def sniff(source: Source) -> bool:
 def read(source: Source) -> Recording:
     """The walk of a plain table.
 
-    Raises RecordingError when neither accelerometer nor gyroscope has values.
+    Raises RecordingError for several tables, and when neither accelerometer nor gyroscope has values.
     """
-    member = source.members[0]
+    member = only_walk(source, members_like(source, _looks_right), NAME)
     data = source.read(member)
     dialect = find_dialect(data[:_HEAD_BYTES])
     if dialect is None:

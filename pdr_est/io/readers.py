@@ -25,6 +25,9 @@ class Format(Protocol):
 FORMATS: tuple[Format, ...] = (ilc20, getsensordata, sensor_logger, phyphox, motionsense, weallwalk, oxiod, plain_csv)
 
 
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+
+
 def read(path: str | Path) -> Recording:
     """Read the recording in a file, a folder or a zip, plain or gzipped.
 
@@ -37,5 +40,7 @@ def read(path: str | Path) -> Recording:
     for known in FORMATS:
         if known.sniff(source):
             return known.read(source)
+    if any(source.head(member, 2) in _UTF16_MARKS for member in source.members):
+        raise RecordingError(f"{source.path}: UTF-16 text; save it as UTF-8")
     names = ", ".join(known.NAME for known in FORMATS)
     raise RecordingError(f"{source.path}: unknown format; known are {names}; see the README for their layouts")

@@ -65,21 +65,28 @@ def _needed_signals(device: DeviceRecording, place: str, with_attitude: bool) ->
     signals: dict[Channel, Signal] = {}
     force = _signal(device, Channel.SPECIFIC_FORCE)
     if force is None:
-        raise RecordingError(f"{place}: no accelerometer: nothing can be done without it; record it and try again")
+        raise RecordingError(
+            f"{place}: no accelerometer{_reasons(device)}: nothing can be done without it; record it and try again"
+        )
     signals[Channel.SPECIFIC_FORCE] = force
     rate = _signal(device, Channel.ROTATION_RATE)
     if rate is None:
         raise RecordingError(
-            f"{place}: no gyroscope, so steps could be found but no heading and no track: record it too; "
-            "`pdr-est inspect` still describes the recording"
+            f"{place}: no gyroscope{_reasons(device)}, so steps could be found but no heading and no track: "
+            "record it too; `pdr-est inspect` still describes the recording"
         )
     signals[Channel.ROTATION_RATE] = rate
     if with_attitude:
         attitude = _signal(device, Channel.ATTITUDE)
         if attitude is None:
-            raise RecordingError(f"{place}: the device recorded no attitude: use --attitude vqf")
+            raise RecordingError(f"{place}: the device recorded no attitude{_reasons(device)}: use --attitude vqf")
         signals[Channel.ATTITUDE] = attitude
     return signals
+
+
+def _reasons(device: DeviceRecording) -> str:
+    """What the reader said of the sensors, in brackets."""
+    return f" ({'; '.join(device.warnings)})" if device.warnings else ""
 
 
 def _signal(device: DeviceRecording, channel: Channel) -> Signal | None:

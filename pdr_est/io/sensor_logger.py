@@ -20,7 +20,7 @@ from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.io.sensor_logger_clock import fix_clock, seconds_since
 from pdr_est.io.sensor_logger_export import Export, FolderExport, JsonExport, looks_like_json, looks_like_sensor
 from pdr_est.io.source import Source, SourceKind
-from pdr_est.io.table import finite_rows
+from pdr_est.io.table import usable_rows
 
 NAME = "Sensor Logger"
 
@@ -43,12 +43,12 @@ class _Reading:
     warnings: list[str] = field(default_factory=list)
 
     def signal(self, sensor: str, columns: tuple[str, ...] = _AXES) -> Signal | None:
-        """The finite rows of a sensor, None when the export has none."""
+        """The finite rows of a sensor, None when it has none."""
         table = self.export.table(sensor, columns)
         if table is None:
             return None
         time_s = seconds_since(table, self.zero_ns)
-        signal, dropped = finite_rows(time_s, table.stack(columns), sensor, table.place)
+        signal, dropped = usable_rows(time_s, table.stack(columns), sensor, table.place)
         self.warnings.extend(dropped)
         return signal
 
@@ -135,6 +135,9 @@ def _device(reading: _Reading) -> DeviceRecording:
     attitude = reading.signal("Orientation", _QUATERNION)
     sign, reason = _expected_sign(reading.metadata)
     raw = _force_with_gravity(reading, attitude, sign)
+    if raw is not None and not len(raw):
+        reading.warnings.append("accelerometer and gravity have no overlap in time: no specific force")
+        raw = None
     if raw is not None and attitude is not None:
         attitude, finding = units.fitting_attitude(raw, attitude)
         reading.note(finding)
@@ -198,13 +201,8 @@ def _explain_no_force(reading: _Reading, without_gravity: bool) -> None:
     reading.warnings.append("no accelerometer in the export")
 
 
-def _upwards(
-    reading: _Reading, raw: Signal, attitude: Signal | None, sign: float | None, reason: str
-) -> Signal | None:
+def _upwards(reading: _Reading, raw: Signal, attitude: Signal | None, sign: float | None, reason: str) -> Signal:
     """The acceleration with the sign that points up at rest."""
-    if not len(raw):
-        reading.warnings.append("accelerometer and gravity have no overlap in time: no specific force")
-        return None
     factor = reading.note(units.force_sign(raw, attitude, sign, reason))
     check = units.acceleration_unit(raw.values)
     reading.note(check)

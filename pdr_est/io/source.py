@@ -23,6 +23,7 @@ _GZIP_MAGIC = b"\x1f\x8b"
 _ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
 _DRIVE_LETTER = re.compile(r"^[A-Za-z]:")
 _CHUNK_BYTES = 1 << 16
+_MOST_MEMBERS = 100_000
 
 
 class SourceKind(StrEnum):
@@ -58,7 +59,8 @@ class Source:
             if place.is_dir():
                 return cls(place, SourceKind.FOLDER, _logical_names(place, _folder_members(place)), limit_bytes)
             if not place.exists():
-                raise RecordingError(f"{place}: no such file or folder; check the path")
+                kind = "a symbolic link that leads nowhere" if place.is_symlink() else "no such file or folder"
+                raise RecordingError(f"{place}: {kind}; check the path")
             if not place.is_file():
                 raise RecordingError(f"{place}: neither a file nor a folder; give a recording's file, folder or zip")
             with place.open("rb") as stream:
@@ -66,7 +68,7 @@ class Source:
         except OSError as error:
             raise RecordingError(f"{place}: cannot be read ({error.strerror}); check its permissions") from error
         if not magic:
-            raise RecordingError(f"{place}: the file is empty (0 bytes); export the recording again")
+            raise RecordingError(f"{place}: the file is empty (0 bytes); export it again")
         if magic in _ZIP_MAGICS:
             return cls(place, SourceKind.ZIP, _logical_names(place, _zip_members(place, limit_bytes)), limit_bytes)
         return cls(place, SourceKind.FILE, {_without_gz(place.name): place.name}, limit_bytes)
@@ -174,14 +176,23 @@ def _ignored(name: str) -> bool:
 
 
 def _folder_members(folder: Path) -> list[str]:
+    """Files below a folder; pipes and devices, which may never end, are left out."""
+
     def refuse(error: OSError) -> None:
         raise error
 
     names = []
     for root, _, files in os.walk(folder, onerror=refuse):
-        relative = Path(root).relative_to(folder)
-        names += [(relative / file).as_posix() for file in files]
+        at = Path(root)
+        relative = at.relative_to(folder)
+        names += [(relative / file).as_posix() for file in files if not _is_special(at / file)]
+        if len(names) > _MOST_MEMBERS:
+            raise RecordingError(f"{folder}: holds more than {_MOST_MEMBERS} files; give the recording itself")
     return names
+
+
+def _is_special(path: Path) -> bool:
+    return path.exists() and not path.is_file()
 
 
 def _zip_members(path: Path, limit_bytes: int) -> list[str]:

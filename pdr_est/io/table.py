@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from pdr_est.io.recording import Signal
 
 _BOM = b"\xef\xbb\xbf"
 _ROWS_FOR_TYPES = 100
+_LARGEST = 1e100
 
 
 @dataclass(frozen=True)
@@ -24,10 +25,12 @@ class Table:
 
     place: the file, for messages. columns: name -> (n,) of float64, of int64 where every value is an integer
     (nanosecond clocks exceed what float64 holds exactly), or of str for the columns asked for as text.
+    empty: for number columns with empty cells, (n,) which cells are; a written NaN is none.
     """
 
     place: str
     columns: Mapping[str, NDArray[Any]]
+    empty: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()))) if self.columns else 0
@@ -47,6 +50,13 @@ class Table:
     def stack(self, names: Sequence[str]) -> Array:
         """Several columns side by side, (n, len(names)) float64."""
         return np.stack([self.numbers(name) for name in names], axis=1)
+
+    def filled(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """Rows in which at least one of some number columns is not empty, (n,)."""
+        filled = np.zeros(len(self), dtype=np.bool_)
+        for name in names:
+            filled |= ~self.empty[name] if name in self.empty else True
+        return filled
 
     def texts(self, name: str) -> NDArray[Any]:
         """A column that was asked for as text; a missing value is the empty string."""
@@ -87,13 +97,15 @@ def read_table(
 
     place: the file, for messages. columns: the names to keep (absent ones are simply not in the result); without
     a header they name all columns from the left. text_columns: names of columns that stay text; every other
-    column must hold numbers, and empty fields, NaN and inf are allowed there. A byte-order mark, CRLF and
-    trailing blank lines are tolerated.
+    column must hold numbers, and empty fields, NaN and inf are allowed there. A byte-order mark, the line
+    ends of every system and trailing blank lines are tolerated.
 
     Raises RecordingError for an empty table, text in a number column and rows of unequal length, naming line,
     column and value.
     """
     content = data.removeprefix(_BOM).rstrip(b"\r\n \0")
+    if b"\n" not in content:
+        content = content.replace(b"\r", b"\n")
     if not content:
         raise RecordingError(f"{place}: empty, holds no table; export it again or leave this file out")
     options = _Layout(separator, decimal_comma, has_header)
@@ -105,22 +117,27 @@ def read_table(
         if columns is not None:
             frame = frame.select([name for name in frame.columns if name in set(columns) | set(text_columns)])
     arrays: dict[str, NDArray[Any]] = {}
+    empty: dict[str, NDArray[np.bool_]] = {}
     for name in frame.columns:
         if name in text_columns:
             arrays[name] = frame[name].cast(pl.String).fill_null("").to_numpy().astype(np.str_)
-        else:
-            arrays[name] = _as_numbers(frame[name], place, options)
-    return Table(place, arrays)
+            continue
+        arrays[name] = _as_numbers(frame[name], place, options)
+        cells = _empty_cells(frame[name])
+        if cells.any():
+            empty[name] = cells
+    return Table(place, arrays, empty)
 
 
 def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal, tuple[str, ...]]:
     """A signal of the rows that are finite in time and values, with a warning that counts the others.
 
-    Raises RecordingError when there are no rows or none is finite.
+    Values whose squares are beyond any number count as infinite. Raises RecordingError when there are no rows or
+    none is finite.
     """
     if len(time_s) == 0:
         raise RecordingError(f"{place}: no rows of {what}; record again with this sensor switched on")
-    finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
+    finite = _finite(time_s, values)
     dropped = len(finite) - int(finite.sum())
     if dropped == 0:
         return Signal(time_s, values), ()
@@ -128,6 +145,18 @@ def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Si
         raise RecordingError(f"{place}: all {dropped} rows of {what} are NaN or infinite; record again")
     warning = f"{what}: {dropped} of {len(finite)} rows dropped because they hold NaN or infinite values"
     return Signal(time_s[finite], values[finite]), (warning,)
+
+
+def usable_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal | None, tuple[str, ...]]:
+    """Like `finite_rows`, but None and a warning where no row is finite: for sensors that a track can do without."""
+    if len(time_s) and not _finite(time_s, values).any():
+        return None, (f"{what}: left out because all {len(time_s)} rows hold NaN or infinite values",)
+    return finite_rows(time_s, values, what, place)
+
+
+def _finite(time_s: Array, values: Array) -> NDArray[np.bool_]:
+    finite: NDArray[np.bool_] = np.isfinite(time_s) & (np.abs(values) <= _LARGEST).all(axis=1)
+    return finite
 
 
 @dataclass(frozen=True)
@@ -183,6 +212,13 @@ def _headerless_names(width: int, names: Sequence[str] | None, place: str) -> li
     if len(names) != width:
         raise RecordingError(f"{place}: {width} columns instead of {len(names)}; not the expected table")
     return list(names)
+
+
+def _empty_cells(column: pl.Series) -> NDArray[np.bool_]:
+    empty = column.is_null()
+    if column.dtype == pl.String:
+        empty |= (column.str.strip_chars() == "").fill_null(True)
+    return empty.to_numpy()
 
 
 def _as_numbers(column: pl.Series, place: str, layout: _Layout) -> NDArray[Any]:

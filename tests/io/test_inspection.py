@@ -142,7 +142,7 @@ def test_a_zero_gyroscope_is_none(walk: Walk) -> None:
 @pytest.mark.parametrize(
     ("missing", "possible"),
     [
-        (("rotation_rate",), "choose --attitude device"),
+        (("rotation_rate",), "no gyroscope: steps and distance are possible, headings and a track are not"),
         (("rotation_rate", "attitude"), "steps and distance are possible, headings and a track are not"),
         (("specific_force",), "steps and a track are not"),
         (("specific_force", "rotation_rate", "attitude"), "nothing can be estimated"),
@@ -158,6 +158,7 @@ def test_sensors_that_never_run_together_are_reported(walk: Walk) -> None:
     found = look(device(walk, rotation_rate=Signal(walk.time_s + 100.0, walk.rate)))
     assert found.devices[0].overlap is None
     assert "never run at the same time" in findings(found)
+    assert "a track is not possible" in found.devices[0].capabilities[0]
     assert found.duration_s == pytest.approx(107.99)
 
 
