@@ -121,9 +121,7 @@ class Resampler:
         """Go on behind a gap, with a point to spare: a clock may jump by years."""
         edge_s = self._edge_s(self._next_index)
         behind = max(self._points_before(channel.gap_end_s(edge_s)) - 1 for channel in self._inputs.values())
-        if behind > self._next_index:
-            self._next_index = behind
-            self._in_gap = True
+        self._next_index = max(self._next_index, behind)
 
     def _cut(self, time: Array, means: dict[Channel, Array], observed: NDArray[np.bool_]) -> list[ImuBlock]:
         """Blocks of consecutive observed grid points; every stretch after a gap is a new segment."""
