@@ -1,0 +1,221 @@
+"""The whole way from a recording to a track: golden numbers, several devices, gaps, and recordings that give none."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from pdr_est import pipeline
+from pdr_est.config import Config, EstimatorParams, StartParams, StepsParams
+from pdr_est.errors import RecordingError
+from pdr_est.estimators import EstimatorName
+from pdr_est.front_end.attitude import AttitudeParams
+from pdr_est.io.recording import DeviceRecording, Recording, Signal
+from pdr_est.pipeline import SmoothedWalk
+from pdr_est.simulate import DeviceParams, SensorParams, SimulatedWalk, preset, simulate_walk
+
+DEAD_RECKONING = Config(estimator=EstimatorParams(name="dead-reckoning"))
+
+
+@cache
+def simulated(*devices: DeviceParams) -> SimulatedWalk:
+    """30 m east, then 20 m north."""
+    return simulate_walk(replace(preset("l_shape"), devices=devices or (DeviceParams(),)))
+
+
+def with_device(**signals: Signal | None) -> Recording:
+    """The simulated walk with signals of its device replaced."""
+    recording = simulated().recording
+    return replace(recording, devices=(replace(recording.devices[0], **signals),))
+
+
+def some(of: Callable[[Signal], Signal]) -> Recording:
+    """The simulated walk with accelerometer and gyroscope changed in the same way."""
+    device = simulated().recording.devices[0]
+    assert device.specific_force is not None
+    assert device.rotation_rate is not None
+    return with_device(specific_force=of(device.specific_force), rotation_rate=of(device.rotation_rate))
+
+
+def gyroscope() -> Signal:
+    signal = simulated().recording.devices[0].rotation_rate
+    assert signal is not None
+    return signal
+
+
+def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
+    """Number of steps, distance, end point and last heading."""
+    track = walk.track
+    return (
+        len(walk.devices[0].steps),
+        track.distance_m,
+        *map(float, track.position_m[-1]),
+        float(track.heading_rad[-1]),
+    )
+
+
+@pytest.mark.parametrize(
+    ("config", "golden"),
+    [
+        (DEAD_RECKONING, (69, 47.057668, 28.224116, 19.068066, 1.611481)),
+        (
+            replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
+            (70, 45.730832, 27.415249, 18.455415, 1.579595),
+        ),
+    ],
+    ids=["defaults", "mmpdr"],
+)
+def test_golden_numbers(config: Config, golden: tuple[float, ...]) -> None:
+    """Recorded from this code. A change that is meant to move them moves them here, and the changelog says why."""
+    walk = pipeline.smooth(simulated().recording, config)
+    assert shown(walk) == pytest.approx(golden, abs=1e-6)
+    assert walk.warnings == ()
+
+
+def test_the_golden_walk_is_near_the_truth() -> None:
+    walk, truth = pipeline.smooth(simulated().recording, DEAD_RECKONING), simulated()
+    assert len(walk.devices[0].steps) == truth.step_count
+    assert walk.track.distance_m == pytest.approx(truth.distance_m, rel=0.08)
+    assert np.rad2deg(walk.track.heading_rad[-1]) == pytest.approx(90.0, abs=6.0)
+
+
+@pytest.mark.parametrize("name", get_args(EstimatorName))
+def test_without_fixes_every_estimator_gives_the_dead_reckoned_positions(name: EstimatorName) -> None:
+    expected = pipeline.smooth(simulated().recording, DEAD_RECKONING)
+    walk = pipeline.smooth(simulated().recording, Config().with_estimator(name))
+    np.testing.assert_allclose(walk.track.position_m, expected.track.position_m, atol=1e-5)
+    assert walk.track.estimator == name
+
+
+def test_a_start_pose_moves_and_turns_the_track() -> None:
+    start = StartParams(x_m=100.0, y_m=-50.0, heading_rad=np.pi / 2)
+    track = pipeline.smooth(simulated().recording, replace(DEAD_RECKONING, start=start)).track
+    own = pipeline.smooth(simulated().recording, DEAD_RECKONING).track.position_m
+    np.testing.assert_allclose(track.position_m, np.stack([100.0 - own[:, 1], -50.0 + own[:, 0]], axis=1), atol=1e-9)
+
+
+def test_the_devices_own_attitude_gives_nearly_the_same_track() -> None:
+    walk = simulated(DeviceParams(sensors=SensorParams(record_attitude=True)))
+    by_vqf, by_device = (
+        pipeline.smooth(walk.recording, replace(DEAD_RECKONING, attitude=AttitudeParams(source=source))).track
+        for source in ("vqf", "device")
+    )
+    assert len(by_vqf) == len(by_device)
+    assert np.linalg.norm(by_vqf.position_m - by_device.position_m, axis=1).max() < 1.5
+
+
+def test_each_device_of_a_walk_has_its_part() -> None:
+    recording = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording
+    walk = pipeline.smooth(recording, DEAD_RECKONING)
+    assert [part.device for part in walk.devices] == ["left", "right"]
+    assert walk.track.devices == ("left", "right")
+    for part in walk.devices:
+        assert {measurement.device for measurement in part.odometry} == {part.device}
+        assert len(walk.track.of_device(part.device)) == len(part.steps) + 1
+        assert part.start_s == part.level[0].time_s[0]
+
+
+def test_a_gap_is_reported_and_bridged() -> None:
+    recording = simulated(DeviceParams(sensors=SensorParams(gaps_s=((12.0, 16.0),)))).recording
+    walk = pipeline.smooth(recording, DEAD_RECKONING)
+    (part,) = walk.devices
+    assert {gap.channel for gap in part.gaps} == {"specific_force", "rotation_rate"}
+    for gap in part.gaps:
+        assert (gap.start_s, gap.end_s) == pytest.approx((12.0, 16.0), abs=0.02)
+    (bridge,) = [measurement for measurement in part.odometry if not measurement.observed]
+    assert bridge.start_s < 12.1
+    assert bridge.time_s > 15.9
+    spread = np.trace(walk.track.covariance_m2, axis1=1, axis2=2)
+    resumed = int(np.searchsorted(walk.track.time_s, bridge.time_s))
+    assert spread[resumed] > spread[resumed - 1] + 10.0
+
+
+def test_dropped_samples_are_counted() -> None:
+    def spoiled(signal: Signal) -> Signal:
+        values = signal.values.copy()
+        values[100] = np.nan
+        return Signal(np.where(np.arange(len(signal)) == 200, signal.time_s[199], signal.time_s), values)
+
+    (part,) = pipeline.analyse(some(spoiled), DEAD_RECKONING)
+    assert part.dropped_samples == {
+        f"{channel}: {reason}": 1
+        for channel in ("specific_force", "rotation_rate")
+        for reason in ("not finite", "duplicate time")
+    }
+
+
+def test_cpu_time_and_fixes_are_handed_on() -> None:
+    fixes = simulated().with_fixes(every_s=10.0, sigma_m=0.5).recording.fixes
+    walk = pipeline.smooth(simulated().recording, Config().with_estimator("ekf"), fixes)
+    assert walk.fixes == fixes
+    assert set(walk.timings_s) == {"front_end", "estimator"}
+    assert all(seconds >= 0.0 for seconds in walk.timings_s.values())
+
+
+@pytest.mark.parametrize("name", get_args(EstimatorName))
+def test_a_walk_without_steps_is_one_point_and_a_warning(name: EstimatorName) -> None:
+    standing = some(lambda signal: Signal(signal.time_s[:250], signal.values[:250]))
+    walk = pipeline.smooth(standing, Config().with_estimator(name))
+    assert walk.warnings == ("device: no step found",)
+    assert len(walk.track) == 1
+    np.testing.assert_allclose(walk.track.position_m, [[0.0, 0.0]], atol=1e-9)
+    assert np.isfinite(walk.track.covariance_m2).all()
+
+
+NOTHING = Signal(np.empty(0), np.empty((0, 3)))
+
+
+@pytest.mark.parametrize("missing", [None, NOTHING], ids=["no channel", "empty channel"])
+@pytest.mark.parametrize(
+    ("channel", "message"),
+    [
+        ("specific_force", r"^l_shape \(device\): no accelerometer: .*record it and try again$"),
+        ("rotation_rate", r"^l_shape \(device\): no gyroscope, .*no track.*`pdr-est inspect` still describes"),
+    ],
+)
+def test_a_missing_sensor_is_named_with_what_remains(channel: str, message: str, missing: Signal | None) -> None:
+    with pytest.raises(RecordingError, match=message):
+        pipeline.smooth(with_device(**{channel: missing}), Config())
+
+
+def test_a_missing_attitude_of_the_device_names_the_other_source() -> None:
+    config = replace(Config(), attitude=AttitudeParams(source="device"))
+    with pytest.raises(
+        RecordingError, match=r"^l_shape \(device\): the device recorded no attitude: use --attitude vqf$"
+    ):
+        pipeline.smooth(simulated().recording, config)
+
+
+def test_channels_without_overlap_are_shown_with_their_times() -> None:
+    later = Signal(gyroscope().time_s + 1000.0, gyroscope().values)
+    message = r"^l_shape \(device\): .* do not overlap in time \(.*, gyroscope 1000\.00 to 1043\.42 s\): check "
+    with pytest.raises(RecordingError, match=message):
+        pipeline.smooth(with_device(rotation_rate=later), Config())
+
+
+def test_too_short_a_recording_says_so() -> None:
+    with pytest.raises(RecordingError, match=r"^l_shape \(device\): too few samples .*: record for longer$"):
+        pipeline.smooth(some(lambda signal: Signal(signal.time_s[:3], signal.values[:3])), Config())
+
+
+@pytest.mark.parametrize(
+    ("recording", "message"),
+    [
+        (some(lambda signal: Signal(signal.time_s[:1], signal.values[:1])), "single sample.*: record for longer"),
+        (with_device(rotation_rate=Signal(gyroscope().time_s[::100], gyroscope().values[::100])), "s apart.*0.5"),
+    ],
+    ids=["one sample", "one sample a second"],
+)
+def test_other_reasons_for_an_empty_grid_are_given(recording: Recording, message: str) -> None:
+    with pytest.raises(RecordingError, match=message):
+        pipeline.smooth(recording, Config())
+
+
+def test_every_device_must_be_usable() -> None:
+    good: DeviceRecording = simulated().recording.devices[0]
+    recording = replace(simulated().recording, devices=(good, replace(good, name="other", rotation_rate=None)))
+    with pytest.raises(RecordingError, match=r"^l_shape \(other\): no gyroscope"):
+        pipeline.smooth(recording, Config())
