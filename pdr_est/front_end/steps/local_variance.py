@@ -7,12 +7,14 @@ from its stance, below 1 m/s^2, and a step is a swing that ends in a stance.
 UPTIME names neither filter nor window nor thresholds. Ours: a Butterworth low-pass of second order. Deviations from
 [10]: (1) The window ends at the current sample, and its delay is taken off the time of a step. (2) The variance is
 about the window's own mean. (3) The step is where the stance begins; [10] puts it at the end of the swing and wants
-the stance to begin soon after. (4) Defaults are tuned on phones. (5) A stance soon after a step is not a step: the
-variance of the smooth wave that a phone away from the foot feels has two crests a step.
+the stance to begin soon after. (4) The defaults are tuned on phones; the values of [10] miss most of their steps.
+(5) A stance soon after a step is not a step: the variance of the smooth wave that a phone away from the foot feels
+has two crests a step.
 """
 
 import numpy as np
 
+from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.magnitude import excess_magnitude
@@ -28,17 +30,22 @@ class LocalVarianceParams:
     """cutoff_hz: low-pass. window_s: of the variance. swing_mps2: standard deviation above which the foot swings;
     stance_mps2: below which it stands, at most as large. min_interval_s: between steps."""
 
-    cutoff_hz: Positive = 5.0
-    window_s: Positive = 0.3
-    swing_mps2: NonNegative = 2.0
-    stance_mps2: NonNegative = 1.0
-    min_interval_s: NonNegative = 0.3
+    cutoff_hz: Positive = 3.0
+    window_s: Positive = 0.12
+    swing_mps2: NonNegative = 0.6
+    stance_mps2: NonNegative = 0.6
+    min_interval_s: NonNegative = 0.35
 
 
 class LocalVariance:
-    """Stage LevelBlock -> StepEvent."""
+    """Stage LevelBlock -> StepEvent. Raises ConfigError if a stance may vary more than a swing."""
 
     def __init__(self, rate_hz: float, parameters: LocalVarianceParams) -> None:
+        if parameters.stance_mps2 > parameters.swing_mps2:
+            raise ConfigError(
+                f"local-variance stance_mps2 {parameters.stance_mps2} is above swing_mps2 {parameters.swing_mps2}: "
+                "give it the same value or a smaller one"
+            )
         self._parameters = parameters
         self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
         self._moments = MovingAverage(parameters.window_s, rate_hz)

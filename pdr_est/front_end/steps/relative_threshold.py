@@ -36,7 +36,7 @@ class RelativeThresholdParams:
 
     pre_window_s: Positive = 0.2
     post_window_s: Positive = 0.2
-    threshold_mps2: NonNegative = 0.8
+    threshold_mps2: NonNegative = 0.6
     min_interval_s: NonNegative = 0.15
 
 

@@ -7,24 +7,26 @@ The magnitude enters unfiltered, gravity taken off. m stands for it, the thresho
     S1 step perhaps begun     S2                        m > Pos_Peek_Thr
                               S4                        m <= Thr
     S4 noise after S1         S1                        m > Thr
-                              S0                        m <= Thr, still at the sample after
+                              S0                        m <= Thr
     S2 positive peak          S3                        m <= Neg_Peek_Thr
     S3 negative peak          S5                        m > Neg_Peek_Thr
     S5 noise after S3         S3                        m <= Neg_Peek_Thr
                               S6                        m > Neg_Thr
     S6 end of the step        S0                        always
 
-A step's time is that of S6, where the paper ends it. The paper gives no time limits and no confidence; neither do we.
+A step's time is that of S6, where the paper ends it. The paper has no time limits and no confidence, so neither has
+this stage.
 
 Readings of the paper. (1) The thresholds have no unit; m/s^2, which its Android phones report, fits its Figure 2.
 (2) Negative thresholds need a magnitude without gravity: the length of the specific force less standard gravity.
 (3) "Going below Neg_Thr" at the end is about the size of m, which rises to zero through -0.6 there; taken by its
-sign it would hold at once in S5. (4) The text names S4 and S5 and leaves open how they tolerate noise. The table
-follows the transitions on which public implementations of Figure 3 agree. S4 changes where a step begins, never
-whether and where it ends, because S0 and S4 lead to S1 on the same condition.
+sign it would hold at once in S5. (4) The text names S4 and S5 and leaves open how they tolerate noise; the table
+follows the transitions on which public implementations of Figure 3 agree.
 
-Deviation. One sample may pass several states (S0 to S2, or S3 to S6), as a denser signal would in between; with one
-transition a sample the count would depend on the sampling rate.
+Deviation. The paper's machine makes one transition a sample and does not say how fast it samples. A transition here
+takes `transition_s` instead, one sample at 50 Hz. It matters: with several transitions a sample, or faster samples,
+the jolts of a pocket pass through all states and are counted. A recording sampled more slowly than that still makes
+one transition a sample.
 """
 
 from enum import IntEnum
@@ -35,18 +37,19 @@ from numpy.typing import NDArray
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.steps.undecided import UndecidedSamples
-from pdr_est.params import params
+from pdr_est.params import NonNegative, params
 from pdr_est.records import LevelBlock, StepEvent
 
 
 @params
 class UptimeFsmParams:
-    """Table I, in m/s^2: Thr, Pos_Peek_Thr, Neg_Peek_Thr and Neg_Thr."""
+    """Table I, in m/s^2: Thr, Pos_Peek_Thr, Neg_Peek_Thr and Neg_Thr. transition_s: least time in a state."""
 
     threshold_mps2: float = 0.6
     positive_peak_mps2: float = 1.8
     negative_peak_mps2: float = -1.0
     negative_threshold_mps2: float = -0.6
+    transition_s: NonNegative = 0.02
 
     def rising(self) -> tuple[float, float, float, float]:
         """The thresholds in rising order. Raises ConfigError if the values are in another order."""
@@ -77,21 +80,28 @@ class State(IntEnum):
 
 
 class UptimeFsm:
-    """Stage LevelBlock -> StepEvent."""
+    """Stage LevelBlock -> StepEvent. Raises ConfigError if the thresholds are not in order."""
 
     latency_s = 0.0
 
     def __init__(self, rate_hz: float, parameters: UptimeFsmParams) -> None:
         self._thresholds = np.array(parameters.rising())
+        self._stay = max(round(parameters.transition_s * rate_hz), 1)
         self._samples = UndecidedSamples(rate_hz, delay_s=0.0)
-        self.state = State.NOT_WALKING
+        self._state = State.NOT_WALKING
+        self._wait = 0  # samples until the state may change again
+
+    @property
+    def state(self) -> State:
+        """The state after the latest sample."""
+        return self._state
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         if not len(item):
             return []
         if item.segment != self._samples.segment:
             self._samples.begin(item)
-            self.state = State.NOT_WALKING
+            self._state, self._wait = State.NOT_WALKING, 0
         magnitude = excess_magnitude(item.up, item.acceleration_mps2)
         self._samples.append(item, magnitude)
         exceeded = np.searchsorted(self._thresholds, magnitude, side="left")
@@ -103,19 +113,24 @@ class UptimeFsm:
         return []
 
     def _step_ends(self, exceeded: NDArray[np.intp]) -> list[int]:
-        """Positions of the samples that end a step. exceeded: (n,) how many thresholds each sample exceeds.
+        """Run through the samples, from transition to transition; positions of those that end a step.
 
-        The state can change where the number of exceeded thresholds does, and at the sample after that (S4).
+        exceeded: (n,) how many of the thresholds each sample exceeds.
         """
-        changes = np.flatnonzero(np.diff(exceeded)) + 1
-        visits = np.unique(np.concatenate([[0, 1], changes, changes + 1]))
-        visits = visits[visits < len(exceeded)]
-        ends = []
-        for position, count in zip(visits.tolist(), exceeded[visits].tolist(), strict=True):
-            self.state, ended = _SETTLED[self.state][count]
-            if ended:
-                ends.append(position)
-        return ends
+        leaving = [np.flatnonzero(_LEAVES[state][exceeded]) for state in State]
+        ends: list[int] = []
+        position = self._wait
+        while True:
+            exits = leaving[self._state]
+            nearest = int(np.searchsorted(exits, position))
+            if nearest == len(exits):
+                self._wait = max(position - len(exceeded), 0)
+                return ends
+            at = int(exits[nearest])
+            self._state = next_state(self._state, int(exceeded[at]))
+            if self._state is State.STEP_END:
+                ends.append(at)
+            position = at + self._stay
 
 
 def next_state(state: State, exceeded: int) -> State:
@@ -141,15 +156,5 @@ def next_state(state: State, exceeded: int) -> State:
             return State.NOT_WALKING
 
 
-def _settle(state: State, exceeded: int) -> tuple[State, bool]:
-    """Where one sample leads, and whether it ends a step on the way. S4 waits for the sample after."""
-    ended = False
-    while (following := next_state(state, exceeded)) is not state:
-        state = following
-        ended = ended or state is State.STEP_END
-        if state is State.START_NOISE:
-            break
-    return state, ended
-
-
-_SETTLED = tuple(tuple(_settle(state, exceeded) for exceeded in range(5)) for state in State)
+# Whether a sample that exceeds so many thresholds (column) ends the stay in a state (row).
+_LEAVES = np.array([[next_state(state, exceeded) is not state for exceeded in range(5)] for state in State])

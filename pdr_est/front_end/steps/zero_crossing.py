@@ -26,9 +26,9 @@ class ZeroCrossingParams:
     """cutoff_hz: low-pass. mean_window_s: over which the mean is taken. dead_band_mps2: how far below the mean the
     signal must have been. min_interval_s: between steps."""
 
-    cutoff_hz: Positive = 3.0
+    cutoff_hz: Positive = 2.5
     mean_window_s: Positive = 2.0
-    dead_band_mps2: NonNegative = 0.3
+    dead_band_mps2: NonNegative = 0.4
     min_interval_s: NonNegative = 0.3
 
 
