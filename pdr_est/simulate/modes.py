@@ -105,7 +105,7 @@ def carried_motion(
             both = changing[number]
             old, new = pose.part(_from(both, part.start)), poses[number + 1].part(_from(both, both.start))
             pieces.append(_taken(trunk.part(both), old, new, changes[number]))
-    return _joined(pieces)
+    return _joined([piece for piece in pieces if len(piece.time_s)])
 
 
 def _stays(first: AnyPhone, changes: tuple[ModeChange, ...]) -> list[_Stay]:

@@ -16,6 +16,7 @@ from pdr_est.simulate.tremor import AMPLITUDE_HZ, TREMOR_HZ, WANDER_HZ, Tremor
 # of walking at a normal cadence (Winter 1991): size over the first one, phase in rad. Stance lasts 0.6 of it.
 _THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
 _GIVE, _SHOCK = (0.5, 1.0), (0.36, 2.6)  # jolts: how long, share of a stride, and how many swings
+_CIRCLING = 0.3  # phase of the sideways swing before the flexion; phones in real pockets circle as little
 _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
 
@@ -90,7 +91,9 @@ class PocketPhone:
             # the leg turns in as it comes forward, and out under the load
             twist=active * late * (-outward * self.twist_rad) + jolt * outward,
             flexion=active * curve * self.amplitude_rad + jolt,
-            abduction=active * angle.sin() * (outward * self.spread_rad) + jolt * (0.5 * outward),
+            # nearly in step with the flexion: a thigh that circles would twist the phone at every stride
+            abduction=active * (angle + _THIGH[0][1] + _CIRCLING).cos() * (outward * self.spread_rad)
+            + jolt * (0.5 * outward),
         )
 
     def _jolt(self, body: BodyMotion, shape: tuple[float, float]) -> Jet:

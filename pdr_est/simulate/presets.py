@@ -61,11 +61,19 @@ def park_348(*modes: CarryingMode, seed: int = 0) -> Scenario:
     rng = np.random.default_rng([seed, 2])
     person = sample_person(rng)
     person = replace(person, gait=replace(person.gait, height_m=1.73, gender="male", cadence_hz=458.0 / 240.0))
-    angle = np.linspace(0.0, 2.0 * np.pi, 33)
-    radius_m = 50.0 * (1.0 + 0.35 * np.cos(2.0 * angle) + 0.12 * np.cos(3.0 * angle + 1.0))
-    bends = zip(radius_m * np.cos(angle), radius_m * np.sin(angle), strict=True)
-    garden = PathParams(vertices_m=tuple((float(east), float(north)) for east, north in bends), corner_radius_m=4.0)
+    garden = PathParams(vertices_m=_garden_path(), corner_radius_m=3.0)
     return _evenly_changed("park_348", _scaled(garden, 348.0), person, modes or _MODES, rng, seed)
+
+
+def _garden_path() -> tuple[tuple[float, float], ...]:
+    """A closed line with bays, through points at equal distances."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 2001)
+    radius_m = 45.0 * (1.0 + 0.22 * np.cos(2.0 * angle + 0.5) + 0.13 * np.cos(5.0 * angle))
+    line = np.stack([radius_m * np.cos(angle), radius_m * np.sin(angle)])
+    along_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line)))])
+    points_m = np.linspace(0.0, along_m[-1], 41)
+    east, north = (np.interp(points_m, along_m, coordinate) for coordinate in line)
+    return tuple((float(x), float(y)) for x, y in zip(east, north, strict=True))
 
 
 def _evenly_changed(

@@ -1,5 +1,7 @@
 """Recorded signals: noise statistics, biases, clocks and losses."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,15 @@ def test_time_stamps_jitter_and_never_run_back() -> None:
     assert (stamps - TIME_S).std() == pytest.approx(0.0004, rel=0.05)
     large = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.05)
     assert (np.diff(record(TIME_S, ZERO, PERFECT, large, rng()).signal.time_s) > 0.0).all()
+
+
+def test_a_device_clock_is_ahead_and_runs_faster() -> None:
+    sensors = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.0, clock_offset_s=-2.5, clock_skew=1e-3)
+    gap = replace(sensors, gaps_s=((50.0, 60.0),))
+    stamps = record(TIME_S, ZERO, PERFECT, sensors, rng()).signal.time_s
+    np.testing.assert_allclose(stamps[[0, -1]], [-2.5, 100.0 * 1.001 - 2.5], atol=1e-9)
+    missing = np.setdiff1d(stamps, record(TIME_S, ZERO, PERFECT, gap, rng()).signal.time_s)
+    np.testing.assert_allclose(missing[[0, -1]], [50.05 - 2.5, 59.995 * 1.001 - 2.5], atol=1e-9)
 
 
 def test_lost_samples_and_gaps() -> None:
