@@ -1,4 +1,4 @@
-"""Crossings with hysteresis: a trigger that has to be armed before it fires, and fires once."""
+"""Crossings with hysteresis: a trigger that has to be armed before it fires, and a pause after what was accepted."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,3 +28,18 @@ class Trigger:
         armed = np.concatenate([[self._armed], arming[:-1]])
         self._armed = bool(arming[-1])
         return marks[armed & ~arming]
+
+
+class Refractory:
+    """Refuses what comes sooner than interval_s after what it accepted last."""
+
+    def __init__(self, interval_s: float) -> None:
+        self._interval_s = interval_s
+        self._last_s = -np.inf
+
+    def accepts(self, time_s: float) -> bool:
+        """Whether something at this time is accepted; times come in order."""
+        if time_s - self._last_s < self._interval_s:
+            return False
+        self._last_s = time_s
+        return True

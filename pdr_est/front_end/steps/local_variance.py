@@ -19,7 +19,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.signal.moving_average import MovingAverage
-from pdr_est.front_end.signal.trigger import Trigger
+from pdr_est.front_end.signal.trigger import Refractory, Trigger
 from pdr_est.front_end.steps.undecided import UndecidedSamples
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import LevelBlock, StepEvent
@@ -52,7 +52,7 @@ class LocalVariance:
         self._trigger = Trigger()
         self.latency_s = self._low_pass.delay_s + self._moments.delay_s
         self._samples = UndecidedSamples(rate_hz, self.latency_s)
-        self._last_step_s = -np.inf
+        self._refractory = Refractory(parameters.min_interval_s)
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         if not len(item):
@@ -64,7 +64,9 @@ class LocalVariance:
         stances = self._trigger.push(
             variance > self._parameters.swing_mps2**2, variance < self._parameters.stance_mps2**2
         )
-        events = [self._samples.event(int(i)) for i in stances if self._is_step(int(i))]
+        events = [
+            event for event in map(self._samples.event, stances.tolist()) if self._refractory.accepts(event.time_s)
+        ]
         self._samples.drop(len(item))
         return events
 
@@ -82,10 +84,3 @@ class LocalVariance:
         mean, mean_square = self._moments.push(np.stack([samples, samples * samples], axis=1)).T
         variance: Array = mean_square - mean * mean
         return variance
-
-    def _is_step(self, i: int) -> bool:
-        time_s = self._samples.time_s(i)
-        if time_s - self._last_step_s < self._parameters.min_interval_s:
-            return False
-        self._last_step_s = time_s
-        return True

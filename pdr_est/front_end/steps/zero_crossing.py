@@ -10,12 +10,10 @@ Deviations, without which the method counts the noise of a phone that lies still
 signal was below a dead band only. (4) A crossing soon after a step is not a step. Both can be set to 0.
 """
 
-import numpy as np
-
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.signal.moving_average import MovingAverage
-from pdr_est.front_end.signal.trigger import Trigger
+from pdr_est.front_end.signal.trigger import Refractory, Trigger
 from pdr_est.front_end.steps.undecided import UndecidedSamples
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import LevelBlock, StepEvent
@@ -41,7 +39,7 @@ class ZeroCrossing:
         self._mean = MovingAverage(parameters.mean_window_s, rate_hz)
         self._trigger = Trigger()
         self._samples = UndecidedSamples(rate_hz, self._low_pass.delay_s)
-        self._last_step_s = -np.inf
+        self._refractory = Refractory(parameters.min_interval_s)
         self.latency_s = self._low_pass.delay_s
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
@@ -53,7 +51,9 @@ class ZeroCrossing:
         signal = smooth - self._mean.push(smooth)
         self._samples.append(item, signal)
         crossings = self._trigger.push(signal < -self._parameters.dead_band_mps2, signal > 0.0)
-        events = [self._samples.event(int(i)) for i in crossings if self._is_step(int(i))]
+        events = [
+            event for event in map(self._samples.event, crossings.tolist()) if self._refractory.accepts(event.time_s)
+        ]
         self._samples.drop(len(item))
         return events
 
@@ -65,10 +65,3 @@ class ZeroCrossing:
         self._low_pass.reset()
         self._mean.reset()
         self._trigger.reset()
-
-    def _is_step(self, i: int) -> bool:
-        time_s = self._samples.time_s(i)
-        if time_s - self._last_step_s < self._parameters.min_interval_s:
-            return False
-        self._last_step_s = time_s
-        return True
