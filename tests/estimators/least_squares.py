@@ -1,4 +1,4 @@
-"""Walks as one dense least-squares problem over all poses and the length scale: the answer the estimators must give."""
+"""Walks as one dense least-squares problem over all poses and the length scale: what the estimators must give."""
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -69,7 +69,9 @@ def _residuals(timeline: Timeline, start: StartPose, sigma_scale: float, state: 
             error = _logarithm(poses[i - 1], poses[i], node.heading_change_rad, scale * node.length_m)
             residuals.append(_whitened(error, node.covariance))
         residuals += [_whitened(poses[i, :2] - fix.position_m, fix.covariance_m2) for fix in node.fixes]
-        residuals += [np.array([_wrapped(poses[i, 2] - prior.heading_rad)]) / prior.sigma_rad for prior in node.priors]
+        residuals += [
+            np.array([_wrapped(poses[i, 2] - prior.heading_rad)]) / prior.sigma_rad for prior in node.priors
+        ]
     return np.concatenate(residuals)
 
 

@@ -70,7 +70,9 @@ def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
     for i, state in enumerate(smoothed):
         rows = [2 * i, 2 * i + 1, -1]
         assert state.mean[[0, 1, 3]] == pytest.approx(mean[rows], abs=1e-8)
-        assert state.covariance[np.ix_([0, 1, 3], [0, 1, 3])] == pytest.approx(covariance[np.ix_(rows, rows)], abs=1e-8)
+        assert state.covariance[np.ix_([0, 1, 3], [0, 1, 3])] == pytest.approx(
+            covariance[np.ix_(rows, rows)], abs=1e-8
+        )
 
 
 def test_on_a_linear_walk_the_graph_is_the_smoothed_filter() -> None:

@@ -91,7 +91,9 @@ def test_before_its_first_fix_a_filter_of_unknown_position_says_so() -> None:
 
 @every_estimator
 def test_nothing_known_but_fixes_tells_the_whole_pose(name: EstimatorName) -> None:
-    walk = simulate(np.random.default_rng(3), winding(60, np.random.default_rng(4)), (-30.0, 80.0, -2.0), fix_every=15)
+    walk = simulate(
+        np.random.default_rng(3), winding(60, np.random.default_rng(4)), (-30.0, 80.0, -2.0), fix_every=15
+    )
     track = run(name, walk.measurements, StartPose())
     error = track.position_m - walk.truth[:, :2]
     distance = np.einsum("ni,nij,nj->n", error, np.linalg.inv(track.covariance_m2), error)

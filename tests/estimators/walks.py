@@ -82,9 +82,10 @@ def simulate(
 ) -> SimulatedWalk:
     """A walk with these measured turns, errors drawn from the covariances, and fixes every so many steps."""
     odometry = [step(k, 0.7, float(turn), covariance) for k, turn in enumerate(turns_rad, 1)]
+    variance, axes = np.linalg.eigh(usual_covariance(0.7) if covariance is None else covariance)
+    errors = rng.standard_normal((len(odometry), 3)) * np.sqrt(np.maximum(variance, 0.0)) @ axes.T
     truth = [np.array(start, dtype=np.float64)]
-    for measured in odometry:
-        forward, left, heading = rng.multivariate_normal(np.zeros(3), measured.covariance)
+    for measured, (forward, left, heading) in zip(odometry, errors, strict=True):
         ahead = truth[-1][2] + measured.heading_change_rad
         move = rotation_matrix(ahead) @ [scale * measured.length_m + forward, left]
         truth.append(np.array([*(truth[-1][:2] + move), ahead + heading]))

@@ -1,0 +1,157 @@
+"""Walks without steps, of one step, of steps that lead nowhere, and very long ones."""
+
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import gtsam
+import numpy as np
+import pytest
+from walks import STEP_S, fix, run, simulate, step, straight, usual_covariance, winding
+
+from pdr_est.errors import EstimationError
+from pdr_est.estimators import ESTIMATORS, EstimatorName, estimate_track, factor_graph
+from pdr_est.records import Measurement, StartPose, StepOdometry
+from pdr_est.track import Track
+
+every_estimator = pytest.mark.parametrize("name", ESTIMATORS)
+every_start = pytest.mark.parametrize(
+    "start",
+    [StartPose(), StartPose((1.0, 2.0)), StartPose(None, 0.5), StartPose((1.0, 2.0), 0.5, 0.1, 0.1)],
+    ids=["nothing", "position", "heading", "both"],
+)
+
+
+def check_sound(track: Track, poses: int) -> None:
+    assert len(track) == poses
+    for values in (track.position_m, track.heading_rad, track.covariance_m2, track.sigma_heading_rad):
+        assert np.all(np.isfinite(values))
+    assert np.all(np.linalg.eigvalsh(track.covariance_m2) >= -1e-9)
+    assert np.all(np.diff(track.time_s) >= 0.0)
+
+
+@every_estimator
+@every_start
+@pytest.mark.parametrize("fixes", [[], [fix(0, 5, 5)], [fix(0, 5, 5), fix(0, 5, 5), fix(9, 6, 5)]], ids=len)
+@pytest.mark.parametrize("steps", [[], straight(1)], ids=["no step", "one step"])
+def test_next_to_no_walk(
+    name: EstimatorName, start: StartPose, fixes: list[Measurement], steps: list[Measurement]
+) -> None:
+    check_sound(run(name, [*steps, *fixes], start), len(steps) + 1)
+
+
+@every_estimator
+def test_no_step_and_fixes_is_their_mean(name: EstimatorName) -> None:
+    track = run(name, [fix(0, 4.0, 5.0, 0.4), fix(1, 6.0, 5.0, 0.4)], StartPose(heading_rad=1.0))
+    assert track.position_m[0] == pytest.approx([5.0, 5.0], abs=1e-3)
+    assert track.covariance_m2[0] == pytest.approx(0.08 * np.eye(2), rel=1e-3, abs=1e-6)
+
+
+@every_estimator
+@every_start
+def test_steps_of_no_length(name: EstimatorName, start: StartPose) -> None:
+    nowhere = [step(k, 0.0, covariance=usual_covariance(0.0)) for k in range(1, 11)]
+    track = run(name, [*nowhere, fix(0, 5, 5), fix(5.5, 5, 6), fix(10, 5, 5)], start)
+    check_sound(track, 11)
+
+
+@every_estimator
+@every_start
+def test_steps_without_noise(name: EstimatorName, start: StartPose) -> None:
+    exact = straight(10, covariance=np.zeros((3, 3)))
+    check_sound(run(name, [*exact, fix(0, 5, 5), fix(4.5, 8, 5), fix(10, 12, 5)], start, 0.0), 11)
+
+
+@every_estimator
+@every_start
+def test_steps_at_the_same_time(name: EstimatorName, start: StartPose) -> None:
+    twins = [replace(step(k), time_s=STEP_S * (k // 2), start_s=STEP_S * (k // 2)) for k in range(1, 21)]
+    check_sound(run(name, [*twins, *(fix(k, 0.7 * k, 0) for k in range(0, 11, 2))], start), 21)
+
+
+@every_estimator
+def test_a_gap_after_which_nothing_is_known(name: EstimatorName) -> None:
+    rng = np.random.default_rng(1)
+    walk = simulate(rng, winding(60, rng), (50.0, 50.0, 1.0), fix_every=10)
+    bridge = StepOdometry("phone", 40.25, 30.0, 0.0, 0.0, np.diag([900.0, 900.0, 3.3]), observed=False)
+    later = [
+        replace(one, time_s=one.time_s + 10.5, start_s=one.start_s + 10.5) if one.time_s > 30.0 else one
+        for one in [*walk.odometry, *straight(80)[60:]]
+    ]
+    measurements = [*later[:60], bridge, *later[60:], *walk.fixes]
+    check_sound(run(name, measurements, StartPose()), 82)
+
+
+@every_estimator
+def test_maps_far_from_their_origin(name: EstimatorName) -> None:
+    rng = np.random.default_rng(2)
+    walk = simulate(rng, winding(60, rng), (500_000.0, 5_400_000.0, 1.0), fix_every=15)
+    track = run(name, walk.measurements, StartPose())
+    check_sound(track, 61)
+    assert np.max(np.abs(track.position_m - walk.truth[:, :2])) < 10.0
+
+
+def test_an_unknown_estimator_is_named() -> None:
+    with pytest.raises(EstimationError, match=r"unknown estimator 'kalman': choose one of dead-reckoning, ekf, fact"):
+        estimate_track("kalman", "phone", 0.0, [], StartPose(), 0.1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("steps", [10, factor_graph._LARGE_STACK_NODES + 1], ids=["short", "long"])
+def test_a_graph_that_cannot_be_solved_is_an_estimation_error(steps: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    def indeterminate(*_: object) -> None:
+        raise RuntimeError("\nIndeterminate linear system detected\nwhile working near variable 7")
+
+    monkeypatch.setattr(gtsam.LevenbergMarquardtOptimizer, "optimize", indeterminate)
+    with pytest.raises(EstimationError, match=r"\(Indeterminate linear system detected\): give a start pose"):
+        run("factor-graph", straight(steps), StartPose())
+
+
+LONG_WALK = """
+import sys
+import numpy as np
+from walks import fix, run, step
+from pdr_est.records import StartPose
+count = int(sys.argv[1])
+turns = 0.1 * np.sin(np.arange(count) / 50.0)
+walk = [step(k, 0.7, float(turn)) for k, turn in enumerate(turns, 1)]
+truth = run("dead-reckoning", walk, StartPose((0.0, 0.0), 0.0), 0.0)
+fixes = [fix(k + 0.5, *truth.position_m[k]) for k in range(0, count, 200)]
+track = run("factor-graph", [*walk, *fixes], StartPose())
+print(np.max(np.abs(track.position_m - truth.position_m)))
+"""
+
+
+def largest_error_with_an_8_mb_stack(count: int) -> float:
+    done = subprocess.run(
+        ["sh", "-c", 'ulimit -s 8192; exec "$@"', "sh", sys.executable, "-c", LONG_WALK, str(count)],
+        capture_output=True,
+        text=True,
+        cwd=Path(__file__).parent,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return float(done.stdout)
+
+
+def test_walks_around_the_size_where_the_stack_is_enlarged() -> None:
+    assert largest_error_with_an_8_mb_stack(factor_graph._LARGE_STACK_NODES - 100) < 3.0
+
+
+@pytest.mark.slow
+def test_fifty_thousand_steps_fit_an_8_mb_stack() -> None:
+    assert largest_error_with_an_8_mb_stack(50_000) < 3.0
+
+
+@pytest.mark.slow
+@every_estimator
+@pytest.mark.parametrize("start", [StartPose((0.0, 0.0), 0.0, 0.1, 0.1), StartPose()], ids=["known", "unknown"])
+def test_time_grows_with_the_number_of_steps(name: EstimatorName, start: StartPose) -> None:
+    def seconds(count: int) -> float:
+        walk = simulate(np.random.default_rng(3), winding(count, np.random.default_rng(4)), fix_every=50)
+        begin = time.process_time()
+        check_sound(run(name, walk.measurements, start), count + 1)
+        return time.process_time() - begin
+
+    assert seconds(50_000) < 8.0 * seconds(12_500)

@@ -1,0 +1,92 @@
+"""Errors of many simulated walks against the covariances claimed for them."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+from walks import SIGMA_SCALE, run, simulate, winding
+
+from pdr_est.estimators import EstimatorName
+from pdr_est.evaluate.consistency import coverage95, nees_mean
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.records import StartPose
+from pdr_est.track import Track
+
+TRIALS, STEPS = 100, 45
+# Bounds of the mean of so many chi-squared variables with two degrees of freedom. Some fifty such means are tested.
+LEAST_NEES, MOST_NEES = chi2.ppf([0.0005, 0.9995], 2 * TRIALS) / TRIALS
+
+
+@cache
+def outcomes(name: EstimatorName, known: bool, first_fix: int = 0) -> list[tuple[Track, Array]]:
+    """Tracks and true poses of walks with fixes every 15 steps. Scale and start are drawn from what is claimed."""
+    rng = np.random.default_rng(21)
+    results = []
+    for _ in range(TRIALS):
+        pose = (3.0 * rng.standard_normal(), 3.0 * rng.standard_normal(), rng.uniform(-np.pi, np.pi))
+        scale = 1.0 + SIGMA_SCALE * rng.standard_normal()
+        walk = simulate(rng, winding(STEPS, rng), pose, scale, fix_every=15, first_fix=first_fix)
+        guess = np.array(pose) + [0.3, 0.3, 0.1] * rng.standard_normal(3)
+        start = StartPose((guess[0], guess[1]), guess[2], 0.3, 0.1) if known else StartPose()
+        results.append((run(name, walk.measurements, start), walk.truth))
+    return results
+
+
+def nees_at(results: list[tuple[Track, Array]], step: int) -> float:
+    error = np.array([track.position_m[step] - truth[step, :2] for track, truth in results])
+    covariance = np.array([track.covariance_m2[step] for track, _ in results])
+    return nees_mean(error, covariance, 0.0)
+
+
+def coverage(results: list[tuple[Track, Array]], steps: slice) -> float:
+    error = np.concatenate([(track.position_m - truth[:, :2])[steps] for track, truth in results])
+    covariance = np.concatenate([track.covariance_m2[steps] for track, _ in results])
+    return coverage95(error, covariance, 0.0)
+
+
+CASES = [
+    ("ekf", True, range(0, STEPS + 1, 10)),
+    ("ekf", False, range(25, STEPS + 1, 5)),  # the direction is known from step 15 on
+    ("factor-graph", True, range(0, STEPS + 1, 10)),
+    ("factor-graph", False, range(0, STEPS + 1, 10)),
+    ("dead-reckoning", True, range(0, STEPS + 1, 10)),
+    ("dead-reckoning", False, range(15, STEPS + 1, 10)),
+]
+cases = pytest.mark.parametrize(
+    ("name", "known", "steps"), CASES, ids=[f"{name}-{'known' if known else 'unknown'}" for name, known, _ in CASES]
+)
+
+
+@cases
+def test_normalised_errors_are_chi_squared(name: EstimatorName, known: bool, steps: range) -> None:
+    results = outcomes(name, known)
+    nees = {step: nees_at(results, step) for step in steps}
+    assert all(LEAST_NEES < value < MOST_NEES for value in nees.values()), nees
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("name", ["ekf", "factor-graph"])
+def test_the_95_percent_regions_hold_95_percent(name: EstimatorName, known: bool) -> None:
+    assert 0.92 <= coverage(outcomes(name, known), slice(None)) <= 0.98
+
+
+@cases
+def test_heading_errors_are_as_large_as_claimed(name: EstimatorName, known: bool, steps: range) -> None:
+    normalised = [
+        wrap_angle(track.heading_rad - truth[:, 2])[steps.start :] / track.sigma_heading_rad[steps.start :]
+        for track, truth in outcomes(name, known)
+    ]
+    assert 0.7 < np.mean(np.square(normalised)) < 1.35
+
+
+@pytest.mark.parametrize("first_fix", [0, 10])
+def test_the_filter_is_honest_while_the_direction_is_unknown(first_fix: int) -> None:
+    results = outcomes("ekf", False, first_fix)
+    assert coverage(results, slice(0, 15)) >= 0.9
+    assert np.mean([track.sigma_heading_rad[5] for track, _ in results]) > 1.0
+
+
+@pytest.mark.parametrize("name", ["factor-graph", "dead-reckoning"])
+def test_poses_before_the_first_fix_are_covered(name: EstimatorName) -> None:
+    assert coverage(outcomes(name, False, 10), slice(0, 10)) >= 0.9
