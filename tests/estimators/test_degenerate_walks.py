@@ -135,6 +135,7 @@ def largest_error_with_an_8_mb_stack(count: int) -> float:
     return float(done.stdout)
 
 
+@pytest.mark.slow
 def test_walks_around_the_size_where_the_stack_is_enlarged() -> None:
     assert largest_error_with_an_8_mb_stack(factor_graph._LARGE_STACK_NODES - 100) < 3.0
 

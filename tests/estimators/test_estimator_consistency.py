@@ -13,7 +13,7 @@ from pdr_est.frames import Array, wrap_angle
 from pdr_est.records import StartPose
 from pdr_est.track import Track
 
-TRIALS, STEPS = 100, 45
+TRIALS, STEPS = 80, 45
 # Bounds of the mean of so many chi-squared variables with two degrees of freedom. Some fifty such means are tested.
 LEAST_NEES, MOST_NEES = chi2.ppf([0.0005, 0.9995], 2 * TRIALS) / TRIALS
 

@@ -98,7 +98,7 @@ def test_nothing_known_but_fixes_tells_the_whole_pose(name: EstimatorName) -> No
     error = track.position_m - walk.truth[:, :2]
     distance = np.einsum("ni,nij,nj->n", error, np.linalg.inv(track.covariance_m2), error)
     assert np.max(distance) < 16.0  # four sigmas
-    assert np.linalg.norm(error, axis=1)[-1] < 3.0
+    assert np.linalg.norm(error, axis=1)[-1] < 5.0
     assert track.sigma_heading_rad[-1] < 0.2
 
 
