@@ -48,7 +48,7 @@ def main() -> None:
 def readme_table() -> str:
     """The README's table, from the recorded results of the default estimator."""
     lines = [
-        "| recordings | walks | ate_rigid_m median | mean | length_ratio median | error_heldout_m mean | coverage95 |",
+        "| recordings | walks | ate_rigid_m median | mean | length_ratio median | error_heldout_m | coverage95 |",
         "|---|---|---|---|---|---|---|",
     ]
     for suite, group, words in ROWS:

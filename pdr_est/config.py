@@ -5,7 +5,7 @@ import reprlib
 from collections.abc import Hashable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import yaml
 from annotated_types import Ge, Le
@@ -19,23 +19,10 @@ from pdr_est.front_end.heading.step_yaw import HeadingParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
-from pdr_est.front_end.steps.band_peaks import BandPeaksParams
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams
-from pdr_est.front_end.steps.segmentation import SegmentationParams
+from pdr_est.front_end.steps import StepsParams
 from pdr_est.io.resample import ResampleParams
 from pdr_est.params import NonNegative, params
 from pdr_est.records import StartPose
-
-
-@params
-class StepsParams:
-    """detector: which step detector; its parameters lie under its own name."""
-
-    detector: Literal["band-peaks", "mmpdr"] = "band-peaks"
-    band_peaks: BandPeaksParams = BandPeaksParams()
-    mmpdr: MmpdrStepParams = MmpdrStepParams()
-    segmentation: SegmentationParams = SegmentationParams()
-
 
 Coordinate = Annotated[float, Ge(-1e8), Le(1e8)]  # also UTM's, which reach 1e7 m
 Turn = Annotated[float, Ge(-6.3), Le(6.3)]
@@ -88,6 +75,7 @@ class Config:
 
 _ADAPTER = TypeAdapter(Config)
 _MOST_ERRORS = 3  # told at once
+_LEAST_CUTOFF_HZ = 0.01
 _LONGEST_VALUE = 60  # characters of a value in a message
 _UNIT_WORDS = {"_m": "metres", "_s": "seconds", "_hz": "hertz", "_rad": "radians", "_mps": "m/s", "_mps2": "m/s^2"}
 
@@ -170,20 +158,24 @@ def _refuse_contradictions(config: Config, place: str) -> None:
         config.start.pose()
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from error
-    band = config.steps.band_peaks
+    band = config.steps.auto
     if band.low_hz >= band.high_hz:
         raise ConfigError(
-            f"{place}: steps.band_peaks.low_hz = {band.low_hz:g} is not below high_hz = {band.high_hz:g}: swap them"
+            f"{place}: steps.auto.low_hz = {band.low_hz:g} is not below high_hz = {band.high_hz:g}: swap them"
         )
     rate_hz = config.resample.rate_hz
-    if config.steps.detector == "band-peaks":
-        key, cutoff_hz = "band_peaks.high_hz", band.high_hz
-    else:
+    if config.steps.detector == "auto":
+        key, cutoff_hz = "auto.high_hz", band.high_hz
+    elif config.steps.detector == "mmpdr":
         key, cutoff_hz = "mmpdr.cutoff_hz", config.steps.mmpdr.cutoff_hz
+    else:
+        return
     if cutoff_hz >= rate_hz / 2.0:
         raise ConfigError(
             f"{place}: steps.{key} = {cutoff_hz:g} is not below half of resample.rate_hz = {rate_hz:g}: lower it"
         )
+    if cutoff_hz < _LEAST_CUTOFF_HZ:
+        raise ConfigError(f"{place}: steps.{key} = {cutoff_hz:g} is below {_LEAST_CUTOFF_HZ:g}: no step is so slow")
 
 
 def _explain(detail: ErrorDetails) -> str:

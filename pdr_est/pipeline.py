@@ -9,17 +9,16 @@ from pdr_est.config import Config
 from pdr_est.estimators import estimate_track
 from pdr_est.front_end.attitude import DeviceAttitude, VqfAttitude
 from pdr_est.front_end.heading.step_yaw import StepYaw
-from pdr_est.front_end.mode import FixedMode
+from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
-from pdr_est.front_end.steps.band_peaks import BandPeaks
-from pdr_est.front_end.steps.mmpdr import MmpdrSteps
+from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.io.requirements import doubts, needed_channels, why_nothing
 from pdr_est.io.resample import Resampler
-from pdr_est.records import CarryingMode, Gap, LevelBlock, PositionFix, Step, StepOdometry
-from pdr_est.stage import Chain, Stage
+from pdr_est.records import Gap, LevelBlock, PositionFix, Step, StepOdometry
+from pdr_est.stage import Chain
 from pdr_est.track import Track, concatenate
 
 
@@ -94,7 +93,7 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
     channels = needed_channels(device, place, with_attitude=config.attitude.source == "device")
     resampler = Resampler(channels, config.resample)
     attitude = VqfAttitude(rate_hz, config.attitude) if config.attitude.source == "vqf" else DeviceAttitude()
-    return resampler, Chain([resampler, attitude, FixedMode(CarryingMode[config.mode.mode])])
+    return resampler, Chain([resampler, attitude, mode_stage(rate_hz, config.mode)])
 
 
 def stepping(config: Config) -> Chain:
@@ -102,20 +101,11 @@ def stepping(config: Config) -> Chain:
     rate_hz = config.resample.rate_hz
     return Chain(
         [
-            StepSegmentation(step_detector(config), config.steps.segmentation),
+            StepSegmentation(step_detector(rate_hz, config.steps), config.steps.segmentation),
             StepLength(rate_hz, config.walker, config.step_length),
             StepYaw(),
         ]
     )
-
-
-def step_detector(config: Config) -> Stage:
-    """The configured step detector, a stage LevelBlock -> StepEvent."""
-    match config.steps.detector:
-        case "band-peaks":
-            return BandPeaks(config.resample.rate_hz, config.steps.band_peaks)
-        case "mmpdr":
-            return MmpdrSteps(config.resample.rate_hz, config.steps.mmpdr)
 
 
 def _analyse_device(device: DeviceRecording, recording_name: str, config: Config) -> DeviceWalk:

@@ -74,7 +74,8 @@ class LevelBlock:
 
     up: (n, 3) unit vector up in device axes. acceleration_mps2: (n, 3) without gravity, device axes.
     vertical_mps2: (n,) acceleration upwards. yaw_rad: (n,) rotation about the vertical, wrapped, arbitrary zero.
-    turn_rate_radps: (n,) rotation rate about the vertical. mode: (n,) values of CarryingMode.
+    rotation_rate_radps: (n, 3) device axes, turn_rate_radps: (n,) about the vertical, both without the estimated bias.
+    mode: (n,) values of CarryingMode, mode_probability: (n,) how sure it is.
     """
 
     first_index: int
@@ -84,8 +85,10 @@ class LevelBlock:
     acceleration_mps2: Array
     vertical_mps2: Array
     yaw_rad: Array
+    rotation_rate_radps: Array
     turn_rate_radps: Array
     mode: NDArray[np.int8]
+    mode_probability: Array
 
     def __len__(self) -> int:
         return len(self.time_s)

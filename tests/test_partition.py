@@ -19,12 +19,16 @@ from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.heading.step_yaw import StepYaw
-from pdr_est.front_end.mode import FixedMode
+from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
-from pdr_est.front_end.steps.band_peaks import BandPeaks, BandPeaksParams
+from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
+from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
+from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
 from pdr_est.io.recording import DeviceRecording
 from pdr_est.io.resample import ResampleParams, Resampler
 from pdr_est.records import CarryingMode, Channel, SensorBlock, Step
@@ -34,8 +38,8 @@ RATES_HZ = (25.0, 50.0, 100.0, 400.0)
 WORKING_HZ = 50.0
 
 
-def band_peaks() -> Stage:
-    return BandPeaks(WORKING_HZ, BandPeaksParams())
+def auto_steps() -> Stage:
+    return AutoSteps(WORKING_HZ, AutoStepParams())
 
 
 def mmpdr() -> Stage:
@@ -55,9 +59,15 @@ CASES = {
     "VqfAttitude": Case(lambda: VqfAttitude(WORKING_HZ, AttitudeParams()), "imu"),
     "DeviceAttitude": Case(DeviceAttitude, "imu"),
     "FixedMode": Case(lambda: FixedMode(CarryingMode.HOLDING), "level"),
-    "BandPeaks": Case(band_peaks, "level"),
+    "AutoMode": Case(lambda: AutoMode(WORKING_HZ, AutoModeParams()), "level"),
+    "MmpdrMode": Case(lambda: MmpdrMode(WORKING_HZ, MmpdrModeParams()), "level"),
+    "LocalVariance": Case(lambda: LocalVariance(WORKING_HZ, LocalVarianceParams()), "level"),
+    "RelativeThreshold": Case(lambda: RelativeThreshold(WORKING_HZ, RelativeThresholdParams()), "level"),
+    "UptimeFsm": Case(lambda: UptimeFsm(WORKING_HZ, UptimeFsmParams()), "level"),
+    "ZeroCrossing": Case(lambda: ZeroCrossing(WORKING_HZ, ZeroCrossingParams()), "level"),
+    "AutoSteps": Case(auto_steps, "level"),
     "MmpdrSteps": Case(mmpdr, "level"),
-    "StepSegmentation-BandPeaks": Case(lambda: StepSegmentation(band_peaks(), SegmentationParams()), "level"),
+    "StepSegmentation-AutoSteps": Case(lambda: StepSegmentation(auto_steps(), SegmentationParams()), "level"),
     "StepSegmentation-MmpdrSteps": Case(lambda: StepSegmentation(mmpdr(), SegmentationParams()), "level"),
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
@@ -69,7 +79,7 @@ CONFIGS = {
         Config(), attitude=AttitudeParams(source=source), steps=StepsParams(detector=detector)
     )
     for source in ("vqf", "device")
-    for detector in ("band-peaks", "mmpdr")
+    for detector in ("auto", "mmpdr")
 }
 
 
@@ -86,7 +96,7 @@ def records(consumed: str, rate_hz: float) -> tuple[Any, ...]:
     before, stage = {
         "imu": ("raw", CASES["Resampler"].make()),
         "level": ("imu", Chain([CASES["VqfAttitude"].make(), FixedMode(CarryingMode.HOLDING)])),
-        "steps": ("level", CASES["StepSegmentation-BandPeaks"].make()),
+        "steps": ("level", CASES["StepSegmentation-AutoSteps"].make()),
         "complete steps": ("steps", Chain([CASES["StepLength"].make(), StepYaw()])),
     }[consumed]
     return tuple(run(stage, records(before, rate_hz))[0])

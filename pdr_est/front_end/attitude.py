@@ -81,8 +81,10 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         acceleration_mps2=acceleration,
         vertical_mps2=_dot(acceleration, up),
         yaw_rad=twist_about_vertical(quaternion),
+        rotation_rate_radps=rotation_rate_radps,
         turn_rate_radps=_dot(rotation_rate_radps, up),
         mode=np.full(len(block.time_s), CarryingMode.UNKNOWN, dtype=np.int8),
+        mode_probability=np.zeros(len(block.time_s)),
     )
 
 

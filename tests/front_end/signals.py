@@ -87,8 +87,10 @@ def level(
         acceleration_mps2=up * vertical_mps2[:, None],
         vertical_mps2=vertical_mps2,
         yaw_rad=np.full(count, yaw_rad),
+        rotation_rate_radps=np.zeros((count, 3)),
         turn_rate_radps=np.zeros(count),
         mode=np.full(count, CarryingMode.HOLDING, dtype=np.int8),
+        mode_probability=np.ones(count),
     )
 
 

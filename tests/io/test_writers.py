@@ -36,8 +36,8 @@ def make_track(device_names: tuple[str, ...] = ("left",), count: int = 4) -> Tra
 
 
 def make_step(index: int, length_m: float = 0.7, heading_rad: float = 1.5) -> Step:
-    none = np.zeros(0)
-    samples = LevelBlock(0, 0, none, none.reshape(0, 3), none.reshape(0, 3), none, none, none, none.astype(np.int8))
+    none, empty = np.zeros(0), np.zeros((0, 3))
+    samples = LevelBlock(0, 0, none, empty, empty, none, none, empty, none, none.astype(np.int8), none)
     event = StepEvent(index, 1.25 + index, 2, CarryingMode.SWING, 0.875)
     return Step(event, 1.0 + index, 1.8, samples, length_m, heading_rad)
 

@@ -62,7 +62,9 @@ def make_level(track: Track, rng: np.random.Generator) -> LevelBlock:
     phase = 2 * np.pi * (time - 3.0) / STEP_S
     vertical = walking * (2.4 * np.cos(phase) + 0.8 * np.cos(2 * phase + 1.0)) + 0.15 * rng.standard_normal(n)
     flat = np.zeros((n, 3))
-    return LevelBlock(0, 0, time, flat, flat, vertical, np.zeros(n), np.zeros(n), np.ones(n, dtype=np.int8))
+    return LevelBlock(
+        0, 0, time, flat, flat, vertical, np.zeros(n), flat, np.zeros(n), np.ones(n, dtype=np.int8), np.ones(n)
+    )
 
 
 def make_device(track: Track, rng: np.random.Generator) -> DeviceWalk:

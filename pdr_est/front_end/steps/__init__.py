@@ -1,0 +1,46 @@
+"""Step detectors, one file each: stages LevelBlock -> StepEvent."""
+
+from typing import Literal
+
+from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
+from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
+from pdr_est.front_end.steps.segmentation import SegmentationParams
+from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
+from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
+from pdr_est.params import params
+from pdr_est.stage import Stage
+
+DetectorName = Literal["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
+
+
+@params
+class StepsParams:
+    """detector: which step detector; the parameters of each lie under its own name."""
+
+    detector: DetectorName = "auto"
+    auto: AutoStepParams = AutoStepParams()
+    mmpdr: MmpdrStepParams = MmpdrStepParams()
+    uptime_fsm: UptimeFsmParams = UptimeFsmParams()
+    relative_threshold: RelativeThresholdParams = RelativeThresholdParams()
+    local_variance: LocalVarianceParams = LocalVarianceParams()
+    zero_crossing: ZeroCrossingParams = ZeroCrossingParams()
+    segmentation: SegmentationParams = SegmentationParams()
+
+
+def step_detector(rate_hz: float, parameters: StepsParams) -> Stage:
+    """The configured step detector."""
+    match parameters.detector:
+        case "auto":
+            return AutoSteps(rate_hz, parameters.auto)
+        case "mmpdr":
+            return MmpdrSteps(rate_hz, parameters.mmpdr)
+        case "uptime-fsm":
+            return UptimeFsm(rate_hz, parameters.uptime_fsm)
+        case "relative-threshold":
+            return RelativeThreshold(rate_hz, parameters.relative_threshold)
+        case "local-variance":
+            return LocalVariance(rate_hz, parameters.local_variance)
+        case "zero-crossing":
+            return ZeroCrossing(rate_hz, parameters.zero_crossing)

@@ -1,14 +1,11 @@
 """From step events to steps: each event with the samples of its movement."""
 
-from dataclasses import fields
-
 import numpy as np
 
+from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.params import Positive, params
 from pdr_est.records import LevelBlock, Step, StepEvent
 from pdr_est.stage import Stage
-
-_SAMPLE_FIELDS = ("time_s", "up", "acceleration_mps2", "vertical_mps2", "yaw_rad", "turn_rate_radps", "mode")
 
 
 @params
@@ -80,19 +77,3 @@ class StepSegmentation:
         excess = int(np.searchsorted(self._samples.time_s, self._samples.time_s[-1] - horizon_s))
         if excess > len(self._samples) // 2:
             self._samples = part(self._samples, excess, len(self._samples))
-
-
-def join(blocks: list[LevelBlock]) -> LevelBlock:
-    """Consecutive blocks of one segment as one block."""
-    columns = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in _SAMPLE_FIELDS}
-    return LevelBlock(first_index=blocks[0].first_index, segment=blocks[0].segment, **columns)
-
-
-def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
-    """Samples start to stop (exclusive) of a block."""
-    columns = {name: getattr(block, name)[start:stop].copy() for name in _SAMPLE_FIELDS}
-    return LevelBlock(first_index=block.first_index + start, segment=block.segment, **columns)
-
-
-if {field.name for field in fields(LevelBlock)} != {"first_index", "segment", *_SAMPLE_FIELDS}:
-    raise TypeError("segmentation does not cover all fields of LevelBlock")

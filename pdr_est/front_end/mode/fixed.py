@@ -1,20 +1,10 @@
-"""The carrying mode of each sample. So far a recording has one mode, given by the user."""
+"""One carrying mode for the whole recording, given by the user."""
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
-from pdr_est.params import params
 from pdr_est.records import CarryingMode, LevelBlock
-
-
-@params
-class ModeParams:
-    """method: "fixed" labels the whole recording with one mode."""
-
-    method: Literal["fixed"] = "fixed"
-    mode: Literal["HOLDING"] = "HOLDING"
 
 
 class FixedMode:
@@ -26,7 +16,8 @@ class FixedMode:
         self._mode = mode
 
     def push(self, item: LevelBlock, /) -> list[LevelBlock]:
-        return [replace(item, mode=np.full(len(item), self._mode, dtype=np.int8))]
+        mode = np.full(len(item), self._mode, dtype=np.int8)
+        return [replace(item, mode=mode, mode_probability=np.ones(len(item)))]
 
     def flush(self) -> list[LevelBlock]:
         return []
