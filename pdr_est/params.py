@@ -8,12 +8,21 @@ from dataclasses import dataclass
 from typing import Annotated, TypeVar, dataclass_transform
 
 from annotated_types import Ge, Gt, Le
-from pydantic import ConfigDict
+from pydantic import AfterValidator, ConfigDict
 
 T = TypeVar("T")
 
-Positive = Annotated[float, Gt(0.0)]
-NonNegative = Annotated[float, Ge(0.0)]
+_SMALLEST, _LARGEST = 1e-9, 1e6  # beyond lie mistakes, and squares that no number can hold
+
+
+def _zero_or_not_tiny(value: float) -> float:
+    if 0.0 < value < _SMALLEST:
+        raise ValueError(f"Input should be 0 or at least {_SMALLEST:g}")
+    return value
+
+
+Positive = Annotated[float, Gt(0.0), Le(_LARGEST), AfterValidator(_zero_or_not_tiny)]
+NonNegative = Annotated[float, Ge(0.0), Le(_LARGEST), AfterValidator(_zero_or_not_tiny)]
 Fraction = Annotated[float, Ge(0.0), Le(1.0)]
 
 

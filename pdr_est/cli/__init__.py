@@ -34,7 +34,7 @@ class _Group(click.Group):
             raise BadInput(str(error)) from error
         except click.UsageError as error:
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
-            raise BadInput(f"{error.format_message()} See {command} --help.") from error
+            raise BadInput(f"{error.format_message().rstrip('.')}; see {command} --help") from error
 
 
 def _print_any_name() -> None:
