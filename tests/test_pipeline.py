@@ -12,6 +12,7 @@ from pdr_est import pipeline
 from pdr_est.config import Config, EstimatorParams, StartParams, StepsParams
 from pdr_est.errors import RecordingError
 from pdr_est.estimators import EstimatorName
+from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.pipeline import SmoothedWalk
@@ -145,6 +146,19 @@ def test_dropped_samples_are_counted() -> None:
         for channel in ("specific_force", "rotation_rate")
         for reason in ("not finite", "duplicate time")
     }
+
+
+def test_gentle_steps_after_a_standstill_are_not_measured_by_brisk_ones_before() -> None:
+    """18 steps with crests of 6 m/s^2, four seconds of standing, then 18 with a fifth of that."""
+    time_s = np.arange(1300) / 50.0
+    height = np.select([(time_s > 1.0) & (time_s < 11.0), (time_s > 15.0) & (time_s < 25.0)], [6.0, 1.2], 0.0)
+    up = np.tile([0.0, 0.0, 1.0], (len(time_s), 1))
+    force = (STANDARD_GRAVITY_MPS2 + height * np.sin(2.0 * np.pi * 1.8 * time_s))[:, None] * up
+    device = DeviceRecording(specific_force=Signal(time_s, force), rotation_rate=Signal(time_s, 0.0 * up))
+    (part,) = pipeline.analyse(Recording("sine", "made up", (device,)), Config())
+    found_s = np.array([step.event.time_s for step in part.steps])
+    assert np.count_nonzero(found_s < 13.0) == pytest.approx(18, abs=1)
+    assert np.count_nonzero(found_s > 13.0) == pytest.approx(18, abs=1)
 
 
 def test_cpu_time_and_fixes_are_handed_on() -> None:

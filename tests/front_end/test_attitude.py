@@ -79,6 +79,14 @@ def test_the_devices_attitude_is_taken_as_it_is() -> None:
     np.testing.assert_allclose(block.up, rotation.inv().apply([0.0, 0.0, 1.0]), atol=1e-12)
 
 
+def test_the_turn_rate_is_without_the_bias_that_standing_still_shows() -> None:
+    up = np.array([0.0, 0.6, 0.8])
+    bias = np.tile([0.004, -0.006, 0.008], (1000, 1))
+    (block,) = run(vqf(), [imu(still_force(up, 1000), bias)])
+    assert block.turn_rate_radps[0] == pytest.approx(0.0028, abs=1e-4)
+    assert np.abs(block.turn_rate_radps[-250:]).max() < 2e-4
+
+
 def test_a_missing_attitude_of_the_device_names_the_remedy() -> None:
     with pytest.raises(RecordingError, match="no attitude of the device: use attitude source vqf"):
         DeviceAttitude().push(imu(np.zeros((1, 3)), np.zeros((1, 3))))
