@@ -36,11 +36,13 @@ def test_a_minimum_must_lie_below_the_maximum_before_it_by_the_threshold(trough:
     assert step_times((0.3, 2.0), (0.6, trough), (0.9, 1.5)) == pytest.approx(found)
 
 
+@pytest.mark.parametrize("later_s", np.arange(0.0, 0.2, 0.01).tolist())
 @pytest.mark.parametrize(("gap_s", "found"), [(0.14, [0.6, 1.4]), (0.15, [0.6, 0.6 + 2 * 0.15, 1.4])])
-def test_extremes_must_be_150_ms_apart(gap_s: float, found: list[float]) -> None:
-    """The maximum after 0.6 s comes after the gap, the minimum after it after another one."""
+def test_extremes_must_be_150_ms_apart(gap_s: float, found: list[float], later_s: float) -> None:
+    """The maximum after 0.6 s comes after the gap, the minimum after it after another one; times are rounded."""
     corners = [(0.3, 2.0), (0.6, 0.0), (0.6 + gap_s, 2.0), (0.6 + 2 * gap_s, 0.0), (1.1, 2.0), (1.4, 0.0), (1.5, 1.0)]
-    assert step_times(*corners) == pytest.approx(found)
+    shifted = [(time_s + later_s, value) for time_s, value in corners]
+    assert step_times((later_s, 0.0), *shifted) == pytest.approx([time_s + later_s for time_s in found])
 
 
 def test_the_time_between_maximum_and_minimum_counts_too() -> None:
