@@ -67,11 +67,11 @@ def joined(parts: list[Jet]) -> Jet:
     return Jet(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("value", "rate", "acceleration")))
 
 
-def pulse(cycle: Jet, span: float, waves: float) -> Jet:
+def pulse(cycle: Jet, span: float, waves: float, phase_rad: float) -> Jet:
     """A short swinging jolt behind every whole number of a counting signal, zero elsewhere.
 
-    It lasts a share `span` of a cycle, swings `waves` times within a bell of height 1, and begins and ends so
-    gently that its acceleration is continuous.
+    It lasts a share `span` of a cycle, swings `waves` times within a bell of height 1, with a phase of `phase_rad`
+    in its middle (0: highest there), and begins and ends so gently that its acceleration is continuous.
     """
     inside = np.mod(cycle.value, 1.0) < span
     share = Jet(np.where(inside, np.mod(cycle.value, 1.0), 0.0) / span, cycle.rate / span, cycle.acceleration / span)
@@ -81,7 +81,7 @@ def pulse(cycle: Jet, span: float, waves: float) -> Jet:
         192.0 * (share.value * rest) ** 2 * (rest - share.value),
         384.0 * share.value * rest * (1.0 - 5.0 * share.value * rest),
     )
-    jolt = bell * (share * (2.0 * np.pi * waves)).sin()
+    jolt = bell * ((share - 0.5) * (2.0 * np.pi * waves) + phase_rad).cos()
     return Jet(*(np.where(inside, part, 0.0) for part in (jolt.value, jolt.rate, jolt.acceleration)))
 
 

@@ -93,8 +93,8 @@ def _gait(
 
 def _body(rng: np.random.Generator) -> BodyParams:
     return BodyParams(
-        bounce_share=rng.uniform(0.55, 0.95),
-        impact=(rng.uniform(0.12, 0.4), rng.uniform(0.04, 0.16)),
+        bounce_share=rng.uniform(0.6, 1.2),
+        impact=(rng.uniform(0.15, 0.45), rng.uniform(0.05, 0.18)),
         speed_ripple=rng.uniform(0.04, 0.09),
         sway_m=rng.uniform(0.01, 0.028),
     )
@@ -102,7 +102,7 @@ def _body(rng: np.random.Generator) -> BodyParams:
 
 def _held(size: float, rng: np.random.Generator) -> HeldPhone:
     return HeldPhone(
-        tilt_rad=rng.uniform(0.1, 1.0),
+        tilt_rad=rng.uniform(0.0, 1.0),
         heading_offset_rad=0.06 * _normal(rng),
         forward_m=size * rng.uniform(0.28, 0.42),
         left_m=rng.uniform(-0.12, 0.12),
@@ -111,12 +111,13 @@ def _held(size: float, rng: np.random.Generator) -> HeldPhone:
         rock_yaw_rad=rng.uniform(0.02, 0.05),
         rock_roll_rad=rng.uniform(0.01, 0.03),
         wander_rad=rng.uniform(0.01, 0.04),
-        tremor_rad=rng.uniform(0.0005, 0.003),
+        unrest_radps=rng.uniform(0.1, 0.25),
+        unrest_mps2=rng.uniform(0.4, 1.0),
     )
 
 
 def _swing(size: float, briskness: float, rng: np.random.Generator) -> SwingingPhone:
-    amplitude_rad = briskness**2 * rng.uniform(0.14, 0.32)
+    amplitude_rad = briskness**2 * rng.uniform(0.15, 0.36)
     return SwingingPhone(
         hand=_side(rng),
         grip_rad=0.1 + 0.15 * _normal(rng),
@@ -125,7 +126,7 @@ def _swing(size: float, briskness: float, rng: np.random.Generator) -> SwingingP
         amplitude_rad=amplitude_rad,
         forward_rad=0.05 * _normal(rng),
         elbow_rad=amplitude_rad * rng.uniform(0.5, 1.0),
-        bend_rad=rng.uniform(0.12, 0.35),
+        bend_rad=rng.uniform(0.12, 0.45),
         lag=rng.uniform(0.02, 0.08),
         second=rng.uniform(0.04, 0.12),
         twist_rad=rng.uniform(0.05, 0.2),
@@ -134,6 +135,8 @@ def _swing(size: float, briskness: float, rng: np.random.Generator) -> SwingingP
         fore_m=size * 0.34,
         shoulder_left_m=size * 0.22,
         shoulder_up_m=size * 0.42,
+        unrest_radps=rng.uniform(0.15, 0.35),
+        unrest_mps2=rng.uniform(0.2, 0.5),
     )
 
 
@@ -142,7 +145,7 @@ def _pocket(size: float, briskness: float, rng: np.random.Generator) -> PocketPh
     outward = 1.0 if side == "left" else -1.0
     against_thigh = rng.random() < 0.6
     facing_rad = outward * rng.uniform(0.0, 0.9) + (np.pi if against_thigh else 0.0)
-    jolt = briskness**2 * rng.uniform(0.3, 1.2)
+    jolt = briskness**2 * rng.uniform(0.4, 1.2)
     return PocketPhone(
         side=side,
         facing_rad=facing_rad,
@@ -152,13 +155,15 @@ def _pocket(size: float, briskness: float, rng: np.random.Generator) -> PocketPh
         twist_rad=rng.uniform(0.12, 0.32),
         spread_rad=rng.uniform(0.03, 0.12),
         lag=rng.uniform(0.0, 0.25),
-        give_m=0.016 * jolt,
-        give_rad=0.05 * jolt,
-        shock_m=0.0035 * jolt,
-        shock_rad=0.015 * jolt,
+        give_m=0.024 * jolt,
+        give_rad=0.06 * jolt,
+        shock_m=0.005 * jolt,
+        shock_rad=0.04 * jolt,
         other_leg=rng.uniform(0.15, 0.5),
         from_hip_m=(size * 0.09, size * rng.uniform(0.0, 0.06), size * rng.uniform(-0.24, -0.14)),
         hip_left_m=size * 0.09,
+        unrest_radps=0.4 * jolt,
+        unrest_mps2=0.9 * jolt,
     )
 
 

@@ -10,12 +10,13 @@ from pdr_est.params import NonNegative, params
 from pdr_est.simulate.body import BodyMotion, Side
 from pdr_est.simulate.jet import Jet, pulse
 from pdr_est.simulate.pose import DevicePose, LimbPose
-from pdr_est.simulate.tremor import AMPLITUDE_HZ, TREMOR_HZ, WANDER_HZ, Tremor
+from pdr_est.simulate.tremor import AMPLITUDE_HZ, WANDER_HZ, Tremor, Unrest
 
 # Harmonics of the thigh's flexion over the stride from heel strike to heel strike, fitted to published hip angles
 # of walking at a normal cadence (Winter 1991): size over the first one, phase in rad. Stance lasts 0.6 of it.
 _THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
-_GIVE, _SHOCK = (0.5, 1.0), (0.36, 2.6)  # jolts: how long, share of a stride, and how many swings
+# Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle.
+_GIVE, _SHOCK = (0.5, 1.3, -np.pi / 2.0), (0.25, 2.0, 0.0)
 _CIRCLING = 0.3  # phase of the sideways swing before the flexion; phones in real pockets circle as little
 _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
@@ -29,11 +30,13 @@ class PocketPhone:
     tip_rad: how far the upper edge leans out of the vertical, away from the screen. Together they reach any mount.
     amplitude_rad: of the thigh's first harmonic, half of its range nearly. twist_rad, spread_rad: amplitudes
     about the vertical and sideways, once a stride. lag: of the twist, share of a stride.
-    give_m, give_rad: size of the slow jolt as this leg takes the load, upwards and about the thigh's axes.
-    shock_m, shock_rad: of the fast jolt of its heel strike. other_leg: jolts of the other leg over these.
-    uneven: relative rms of the changes of all these from stride to stride.
+    give_m, give_rad: size of the slow jolt as this leg takes the load, downwards and about the thigh's axes.
+    shock_m, shock_rad: of the fast jolt of its heel strike, in which the phone rattles about its own axes.
+    other_leg: jolts of the other leg over these. uneven: relative rms of the changes of all these from stride to
+    stride.
     from_hip_m: of the phone at rest from the hip joint, forward, outward, up. hip_left_m: of the left hip, the
-    right one opposite; hip_up_m: above the trunk's centre. wander_rad: slow shifting in the pocket.
+    right one opposite; hip_up_m: above the trunk's centre. wander_rad: slow shifting in the pocket. unrest_radps,
+    unrest_mps2: rms of the irregular rotation and acceleration about and along each axis while walking.
     """
 
     mode: Literal["pocket"] = "pocket"
@@ -45,37 +48,39 @@ class PocketPhone:
     twist_rad: NonNegative = 0.22
     spread_rad: NonNegative = 0.06
     lag: float = 0.1
-    give_m: NonNegative = 0.016
-    give_rad: NonNegative = 0.05
-    shock_m: NonNegative = 0.0035
-    shock_rad: NonNegative = 0.015
+    give_m: NonNegative = 0.024
+    give_rad: NonNegative = 0.06
+    shock_m: NonNegative = 0.005
+    shock_rad: NonNegative = 0.04
     other_leg: NonNegative = 0.3
     uneven: Annotated[NonNegative, Le(0.2)] = 0.12
     from_hip_m: tuple[float, float, float] = (0.09, 0.03, -0.2)
     hip_left_m: NonNegative = 0.09
     hip_up_m: float = -0.06
     wander_rad: NonNegative = 0.015
-    tremor_rad: NonNegative = 0.001
+    unrest_radps: NonNegative = 0.35
+    unrest_mps2: NonNegative = 0.8
 
     def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
         """The phone on the body; `rng` draws how uneven the leg's motion is and the phone's shifting."""
         swell, jolted = (Tremor(self.uneven, AMPLITUDE_HZ, rng).at(body.time_s) + 1.0 for _ in range(2))
         wander = [Tremor(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
-        shake = [Tremor(self.tremor_rad, TREMOR_HZ, rng).at(body.time_s) for _ in range(2)]
+        turn = [body.activity * Unrest(self.unrest_radps, 1, rng).at(body.time_s) for _ in range(3)]
+        jerk = [body.activity * Unrest(self.unrest_mps2, 2, rng).at(body.time_s) for _ in range(3)]
         outward = 1.0 if self.side == "left" else -1.0
         give, shock = self._jolt(body, _GIVE) * jolted, self._jolt(body, _SHOCK) * jolted
-        thigh = self._thigh(body, swell, give * self.give_rad + shock * self.shock_rad)
+        thigh, rattle = self._thigh(body, swell, give * self.give_rad), shock * self.shock_rad
         ahead, out, above = self.from_hip_m
         forward, left, up = thigh.point((ahead, outward * out, above))
         jolt = give * self.give_m + shock * self.shock_m
         return DevicePose(
-            forward=forward + jolt,
-            left=left + outward * self.hip_left_m,
-            up=up + jolt + self.hip_up_m,
-            limb=LimbPose(thigh.twist + wander[0], thigh.flexion, thigh.abduction),
+            forward=forward + jolt + jerk[0],
+            left=left + outward * self.hip_left_m + jerk[1],
+            up=up - jolt + self.hip_up_m + jerk[2],
+            limb=LimbPose(thigh.twist + rattle + wander[0] + turn[0], thigh.flexion, thigh.abduction),
             mount=self._mount(),
-            pitch=wander[1] + shake[0],
-            roll=wander[2] + shake[1],
+            pitch=rattle + wander[1] + turn[1],
+            roll=rattle + wander[2] + turn[2],
         )
 
     def _thigh(self, body: BodyMotion, swell: Jet, jolt: Jet) -> LimbPose:
@@ -96,7 +101,7 @@ class PocketPhone:
             + jolt * (0.5 * outward),
         )
 
-    def _jolt(self, body: BodyMotion, shape: tuple[float, float]) -> Jet:
+    def _jolt(self, body: BodyMotion, shape: tuple[float, float, float]) -> Jet:
         """The jolts of one kind behind the heel strikes of both legs, 1 for this leg's, while walking."""
         other: Side = "left" if self.side == "right" else "right"
         own_leg, other_leg = (pulse(body.stride_of(side), *shape) for side in (self.side, other))

@@ -11,7 +11,7 @@ from pdr_est.params import NonNegative, Positive, params
 from pdr_est.simulate.body import BodyMotion, Side
 from pdr_est.simulate.jet import Jet, constant
 from pdr_est.simulate.pose import DevicePose, LimbPose
-from pdr_est.simulate.tremor import AMPLITUDE_HZ, TREMOR_HZ, WANDER_HZ, Tremor
+from pdr_est.simulate.tremor import AMPLITUDE_HZ, WANDER_HZ, Tremor, Unrest
 
 
 @params
@@ -27,7 +27,8 @@ class SwingingPhone:
     it makes the way forward differ from the way back. twist_rad, spread_rad: amplitudes about the vertical and
     sideways. upper_m, fore_m: from shoulder to elbow to phone; shoulder_left_m: of the left shoulder, the right one
     opposite; shoulder_up_m: above the trunk's centre. uneven: relative rms of the changes from stride to stride.
-    wander_rad, tremor_rad, tremor_m: as of a held phone.
+    wander_rad: rms of slow changes of the attitude about each axis. unrest_radps, unrest_mps2: rms of the irregular
+    rotation and acceleration about and along each axis while walking.
     """
 
     mode: Literal["swing"] = "swing"
@@ -49,15 +50,15 @@ class SwingingPhone:
     shoulder_up_m: float = 0.42
     uneven: Annotated[NonNegative, Le(0.2)] = 0.06
     wander_rad: NonNegative = 0.02
-    tremor_rad: NonNegative = 0.005
-    tremor_m: NonNegative = 0.0002
+    unrest_radps: NonNegative = 0.25
+    unrest_mps2: NonNegative = 0.3
 
     def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
         """The phone on the body; `rng` draws how uneven the swing is and the hand's unrest."""
         swell = Tremor(self.uneven, AMPLITUDE_HZ, rng).at(body.time_s) + 1.0
         wander = [Tremor(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
-        shake = [Tremor(self.tremor_rad, TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
-        drift = [Tremor(self.tremor_m, TREMOR_HZ, rng).at(body.time_s) for _ in range(3)]
+        turn = [body.activity * Unrest(self.unrest_radps, 1, rng).at(body.time_s) for _ in range(3)]
+        jerk = [body.activity * Unrest(self.unrest_mps2, 2, rng).at(body.time_s) for _ in range(3)]
         outward = 1.0 if self.hand == "left" else -1.0
         beat = self._beat(body) * swell
         upper_arm, forearm = self._arm(body, beat, outward)
@@ -68,13 +69,13 @@ class SwingingPhone:
         # the palm turns in as the arm comes forward; the phone is on the forearm's axis and stays where it is
         twist = beat * (-outward * self.twist_rad)
         return DevicePose(
-            forward=forward + drift[0],
-            left=left + outward * self.shoulder_left_m + drift[1],
-            up=up + self.shoulder_up_m + drift[2],
-            limb=replace(forearm, twist=twist + wander[0] + shake[0]),
+            forward=forward + jerk[0],
+            left=left + outward * self.shoulder_left_m + jerk[1],
+            up=up + self.shoulder_up_m + jerk[2],
+            limb=replace(forearm, twist=twist + wander[0] + turn[0]),
             mount=self._mount(),
-            pitch=wander[1] + shake[1],
-            roll=wander[2] + shake[2],
+            pitch=wander[1] + turn[1],
+            roll=wander[2] + turn[2],
         )
 
     def _beat(self, body: BodyMotion) -> Jet:

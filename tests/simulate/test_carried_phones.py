@@ -31,15 +31,15 @@ PHONES = [
 @pytest.mark.parametrize("phone", PHONES)
 def test_sensors_agree_with_the_motion(phone: SwingingPhone | PocketPhone) -> None:
     motion = finely_walked(DeviceParams(carry=phone))
-    assert orientation_error_rad(motion).max() < 1e-5
-    np.testing.assert_allclose(twice_integrated(motion), motion.position_m, atol=1e-3)
+    assert orientation_error_rad(motion).max() < 3e-5  # trapezium error of a shock at 500 Hz
+    np.testing.assert_allclose(twice_integrated(motion), motion.position_m, atol=4e-3)
 
 
 @pytest.mark.parametrize("phone", PHONES)
 def test_specific_force_and_rotation_have_no_jumps(phone: SwingingPhone | PocketPhone) -> None:
     motion = finely_walked(DeviceParams(carry=phone))
-    assert np.abs(np.diff(motion.specific_force_mps2, axis=0)).max() < 3.0  # within 2 ms; a shock swings at 10 Hz
-    assert np.abs(np.diff(motion.rotation_rate_radps, axis=0)).max() < 0.4
+    assert np.abs(np.diff(motion.specific_force_mps2, axis=0)).max() < 5.0  # within 2 ms; a shock swings at 10 Hz
+    assert np.abs(np.diff(motion.rotation_rate_radps, axis=0)).max() < 0.7
 
 
 @pytest.mark.parametrize(("hand", "sign"), [("right", 1.0), ("left", -1.0)])
@@ -116,7 +116,7 @@ def test_the_arm_is_foremost_when_the_other_foot_strikes(hand: Side) -> None:
 
 def test_the_thigh_swings_once_a_stride_and_is_flexed_when_its_foot_strikes() -> None:
     phone = PocketPhone(facing_rad=0.0, spin_rad=0.0, amplitude_rad=0.35, twist_rad=0.0, spread_rad=0.0)
-    still = replace(phone, give_rad=0.0, shock_rad=0.0, uneven=0.0, wander_rad=0.0, tremor_rad=0.0)
+    still = replace(phone, give_rad=0.0, shock_rad=0.0, uneven=0.0, wander_rad=0.0, unrest_radps=0.0)
     walk = walk_with(DeviceParams(carry=still))
     motion, steps = walk.devices[0].motion, walk.steps
     up = up_in(motion)
@@ -167,7 +167,7 @@ def test_the_yaw_in_the_pocket_swings_with_the_leg_and_follows_the_turns() -> No
 def test_a_tilted_gyroscope_axis_sees_less_of_a_turn() -> None:
     """The turn-insufficient effect of PSP: the y axis of a swinging phone integrates to less than the turn."""
     in_one_plane = PocketPhone(facing_rad=0.0, spin_rad=0.0, amplitude_rad=0.5, twist_rad=0.0, spread_rad=0.0)
-    calm = replace(in_one_plane, give_rad=0.0, shock_rad=0.0, wander_rad=0.0)
+    calm = replace(in_one_plane, give_rad=0.0, shock_rad=0.0, wander_rad=0.0, unrest_radps=0.0)
     corner = PathParams(vertices_m=((0.0, 0.0), (8.0, 0.0), (8.0, 6.0)))
     motion = walk_with(DeviceParams(carry=calm), corner).devices[0].motion
     seen = np.trapezoid(motion.rotation_rate_radps[:, 1], motion.time_s)

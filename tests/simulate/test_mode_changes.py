@@ -40,12 +40,12 @@ def motion() -> RigidMotion:
 
 def test_sensors_agree_with_the_motion_through_all_changes(motion: RigidMotion) -> None:
     assert orientation_error_rad(motion).max() < 3e-5
-    np.testing.assert_allclose(twice_integrated(motion), motion.position_m, atol=2e-3)
+    np.testing.assert_allclose(twice_integrated(motion), motion.position_m, atol=4e-3)
 
 
 def test_nothing_jumps(motion: RigidMotion) -> None:
-    assert np.abs(np.diff(motion.specific_force_mps2, axis=0)).max() < 3.0  # within 2 ms
-    assert np.abs(np.diff(motion.rotation_rate_radps, axis=0)).max() < 0.5
+    assert np.abs(np.diff(motion.specific_force_mps2, axis=0)).max() < 5.0  # within 2 ms; a shock swings at 10 Hz
+    assert np.abs(np.diff(motion.rotation_rate_radps, axis=0)).max() < 0.7
     assert np.abs(np.diff(motion.quaternion, axis=0)).max() < 0.05
     np.testing.assert_allclose(np.linalg.norm(motion.quaternion, axis=1), 1.0, atol=1e-12)
 

@@ -1,0 +1,206 @@
+"""Draws simulated phones beside real ones carried in the same mode: signals, spectra, direction of gravity.
+
+    python experiments/simulated_and_real.py --data DIR
+
+DIR holds the data sets. Writes experiments/results/simulated_and_real.png and a table of the same, .txt.
+"""
+
+import argparse
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
+from scipy.signal import welch
+
+from pdr_est import read
+from pdr_est.frames import Array
+from pdr_est.front_end.attitude import AttitudeParams, VqfAttitude
+from pdr_est.io.recording import DeviceRecording, Signal
+from pdr_est.records import ImuBlock
+from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
+
+RESULTS = Path(__file__).parent / "results"
+RATE_HZ = 100.0
+PEOPLE = 12
+SHOWN_S = 5.0
+MODES = {
+    "holding": ("phyphox/hallway-loop", "ilc20/site1/F1/5dd9e7[bc]*.txt*", "known-distance/[A-G].csv*"),
+    "swing": ("phone-gps/*swing*",),
+    "pocket": (
+        "motionsense/wlk_7/sub_*.csv*",
+        "oxiod/large-scale/floor1/syn/imu[456].csv*",
+        "sensor-logger/inpocket*",
+    ),
+}
+COLOURS = {"real": "tab:gray", "simulated": "tab:red"}
+
+
+@dataclass(frozen=True)
+class Walk:
+    """The steady walking of one recording at RATE_HZ.
+
+    vertical_mps2: (n,) upwards without gravity; rotation_radps: (n, 3); tilt_deg: (n,) angle of gravity from its
+    mean direction; cadence_hz: steps a second. up: (3,) the mean direction, device axes.
+    """
+
+    name: str
+    vertical_mps2: Array
+    rotation_radps: Array
+    tilt_deg: Array
+    up: Array
+    cadence_hz: float
+
+
+def main() -> None:
+    """Compare all modes."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, required=True)
+    folder = parser.parse_args().data
+    kinds = {mode: {"real": real_walks(folder, mode), "simulated": simulated_walks(mode)} for mode in MODES}
+    figure, axes = plt.subplots(len(MODES), 4, figsize=(16, 9), layout="constrained")
+    for row, (mode, walks) in zip(axes, kinds.items(), strict=True):
+        draw(row, mode, walks)
+    picture = io.BytesIO()
+    figure.savefig(picture, dpi=68)
+    Image.open(picture).convert("RGB").quantize(48).save(RESULTS / "simulated_and_real.png", optimize=True)
+    (RESULTS / "simulated_and_real.txt").write_text(table(kinds), encoding="utf-8")
+
+
+def real_walks(folder: Path, mode: str) -> list[Walk]:
+    """The real recordings of a mode that hold at least 10 s of walking."""
+    paths = sorted(path for pattern in MODES[mode] for path in folder.glob(pattern))
+    walks = [steady_walk(path.name, read(path).devices[0]) for path in paths]
+    return [walk for walk in walks if walk is not None]
+
+
+def simulated_walks(mode: str) -> list[Walk]:
+    """One walk each of some people drawn at random."""
+    walks = []
+    for seed in range(PEOPLE):
+        person = sample_person(np.random.default_rng(seed))
+        carry = {"holding": person.held, "swing": person.swing, "pocket": person.pocket}[mode]
+        straight = PathParams(vertices_m=((0.0, 0.0), (80.0, 0.0)))
+        device = DeviceParams(carry=carry)
+        scenario = Scenario(path=straight, gait=person.gait, body=person.body, devices=(device,), seed=seed)
+        walk = steady_walk(f"person {seed}", simulate_walk(scenario).recording.devices[0])
+        if walk is not None:
+            walks.append(walk)
+    return walks
+
+
+def steady_walk(name: str, device: DeviceRecording) -> Walk | None:
+    """The longest stretch of walking of a recording, its ends cut off; None below 10 s."""
+    if device.specific_force is None or device.rotation_rate is None:
+        return None
+    force, rate = device.specific_force, device.rotation_rate
+    time_s = np.arange(max(force.time_s[0], rate.time_s[0]), min(force.time_s[-1], rate.time_s[-1]), 1.0 / RATE_HZ)
+    block = ImuBlock(0, 0, time_s, sampled(force, time_s), sampled(rate, time_s))
+    level = VqfAttitude(RATE_HZ, AttitudeParams()).push(block)[0]
+    part = longest_walking(block.specific_force_mps2)
+    if part.stop - part.start < 10.0 * RATE_HZ:
+        return None
+    up = level.up[part]
+    mean_up = up.mean(axis=0) / np.linalg.norm(up.mean(axis=0))
+    vertical = level.vertical_mps2[part]
+    frequency, power = spectrum(vertical)
+    band = (frequency > 1.2) & (frequency < 2.6)
+    return Walk(
+        name=name,
+        vertical_mps2=vertical,
+        rotation_radps=block.rotation_rate_radps[part],
+        tilt_deg=np.degrees(np.arccos(np.clip(up @ mean_up, -1.0, 1.0))),
+        up=mean_up,
+        cadence_hz=float(frequency[band][np.argmax(power[band])]),
+    )
+
+
+def sampled(signal: Signal, time_s: Array) -> Array:
+    """A three-axis signal at other times, linearly."""
+    return np.stack([np.interp(time_s, signal.time_s, axis) for axis in signal.values.T], axis=1)
+
+
+def longest_walking(force_mps2: Array) -> slice:
+    """Where the magnitude keeps moving by more than 0.8 m/s^2 rms over 2 s; 3 s and 1 s at the ends cut off."""
+    moving = np.linalg.norm(force_mps2, axis=1) - np.linalg.norm(force_mps2, axis=1).mean()
+    window = np.ones(int(2.0 * RATE_HZ)) / int(2.0 * RATE_HZ)
+    walking = np.convolve(moving**2, window, "same") > 0.8**2
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], walking, [False]]).astype(int)))
+    if not len(edges):
+        return slice(0, 0)
+    starts, ends = edges[::2], edges[1::2]
+    longest = int(np.argmax(ends - starts))
+    return slice(int(starts[longest] + 3.0 * RATE_HZ), max(int(ends[longest] - RATE_HZ), int(starts[longest] + 300)))
+
+
+def spectrum(signal: Array) -> tuple[Array, Array]:
+    """Frequencies and power density, summed over axes."""
+    frequency, power = welch(signal, fs=RATE_HZ, nperseg=1000, axis=0, detrend="constant")
+    return frequency, power if power.ndim == 1 else power.sum(axis=1)
+
+
+def magnitude(vectors: Array) -> Array:
+    """Lengths (n,) of vectors (n, 3)."""
+    lengths: Array = np.linalg.norm(vectors, axis=1)
+    return lengths
+
+
+def draw(axes: Array, mode: str, kinds: dict[str, list[Walk]]) -> None:
+    """One row: vertical acceleration, its spectrum, that of the rotation rate, tilt of gravity."""
+    signal, vertical, rotation, tilt = axes
+    for kind, walks in kinds.items():
+        typical = sorted(walks, key=lambda walk: float(walk.vertical_mps2.std()))[len(walks) // 2]
+        shown = typical.vertical_mps2[: int(SHOWN_S * RATE_HZ)]
+        signal.plot(np.arange(len(shown)) / RATE_HZ, shown, color=COLOURS[kind], lw=1.0, label=kind)
+        for axis, values in ((vertical, "vertical_mps2"), (rotation, "rotation_radps")):
+            spectra = [spectrum(getattr(walk, values)) for walk in walks]
+            strides = np.linspace(0.3, 14.0, 400)
+            curves = [
+                np.interp(strides, frequency / (0.5 * walk.cadence_hz), power)
+                for walk, (frequency, power) in zip(walks, spectra, strict=True)
+            ]
+            low, middle, high = np.percentile(curves, [10, 50, 90], axis=0)
+            axis.fill_between(strides, low, high, color=COLOURS[kind], alpha=0.25, lw=0)
+            axis.semilogy(strides, middle, color=COLOURS[kind], lw=1.2, label=kind)
+            axis.set_xlabel("frequency / stride frequency")
+        for walk in walks:
+            shares = np.linspace(0.0, 1.0, 100)
+            tilt.plot(np.quantile(walk.tilt_deg, shares), shares, color=COLOURS[kind], lw=0.7)
+    signal.set(title=f"{mode}: vertical acceleration, m/s²", xlabel="time, s")
+    vertical.set(title="its spectrum, (m/s²)²/Hz", ylim=(1e-3, None))
+    rotation.set(title="rotation rate, (rad/s)²/Hz", ylim=(1e-5, None))
+    tilt.set(title="gravity off its mean direction", xlabel="at most, degrees", ylabel="share of time")
+    signal.legend(loc="upper right")
+
+
+def table(kinds: dict[str, dict[str, list[Walk]]]) -> str:
+    """Medians over the walks of each mode, with the 10th and 90th percentile."""
+    measures = {
+        "cadence, Hz": lambda walk: walk.cadence_hz,
+        "vertical, 1st percentile, m/s2": lambda walk: np.percentile(walk.vertical_mps2, 1),
+        "vertical, 99th percentile, m/s2": lambda walk: np.percentile(walk.vertical_mps2, 99),
+        "rotation, rms, rad/s": lambda walk: np.sqrt((walk.rotation_radps**2).sum(axis=1).mean()),
+        "rotation, 99th percentile, rad/s": lambda walk: np.percentile(
+            np.linalg.norm(walk.rotation_radps, axis=1), 99
+        ),
+        "gravity off its mean, 95th percentile, deg": lambda walk: np.percentile(walk.tilt_deg, 95),
+        "gravity on x, share": lambda walk: abs(walk.up[0]),
+        "gravity on y, share": lambda walk: abs(walk.up[1]),
+        "gravity on z, share": lambda walk: abs(walk.up[2]),
+    }
+    lines = [f"{'median (10th to 90th percentile)':46}{'real':>24}{'simulated':>24}"]
+    for mode, walks in kinds.items():
+        lines.append(f"{mode}: {len(walks['real'])} real, {len(walks['simulated'])} simulated walks")
+        for words, measure in measures.items():
+            cells = []
+            for kind in ("real", "simulated"):
+                low, middle, high = np.percentile([measure(walk) for walk in walks[kind]], [10, 50, 90])
+                cells.append(f"{middle:8.2f} ({low:.2f} to {high:.2f})")
+            lines.append(f"  {words:44}" + "".join(f"{cell:>24}" for cell in cells))
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()
