@@ -3,15 +3,16 @@
 import io
 import re
 import sys
+from difflib import get_close_matches
+from importlib import import_module
 
 import click
 
 from pdr_est import __version__
-from pdr_est.cli.benchmark import benchmark
-from pdr_est.cli.demo import demo
-from pdr_est.cli.inspect import inspect
-from pdr_est.cli.smooth import smooth
 from pdr_est.errors import PdrError
+
+COMMANDS = ("inspect", "smooth", "benchmark", "demo")
+"""Each is a module of this package that holds the command under its own name."""
 
 
 class BadInput(click.ClickException):
@@ -24,7 +25,21 @@ class BadInput(click.ClickException):
 
 
 class _Group(click.Group):
-    """A group whose commands report bad input and wrong options in one line, without a traceback."""
+    """A group whose commands report bad input and wrong options in one line, without a traceback.
+
+    A command is loaded when it is called: loading takes seconds, and Ctrl-C must work from the beginning.
+    """
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            near = get_close_matches(cmd_name, COMMANDS, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
+            raise click.UsageError(f"No such command {cmd_name!r}: {hint}", ctx)
+        command: click.Command = getattr(import_module(f"pdr_est.cli.{cmd_name}"), cmd_name)
+        return command
 
     def invoke(self, ctx: click.Context) -> object:
         _print_any_name()
@@ -48,7 +63,3 @@ def _print_any_name() -> None:
 @click.version_option(__version__, prog_name="pdr-est")
 def main() -> None:
     """Tracks of walking people, with honest uncertainty, from the inertial recordings of phones."""
-
-
-for command in (inspect, smooth, benchmark, demo):
-    main.add_command(command)
