@@ -12,8 +12,9 @@ from pdr_est.simulate.jet import Jet, pulse
 from pdr_est.simulate.pose import DevicePose, LimbPose
 from pdr_est.simulate.tremor import AMPLITUDE_HZ, WANDER_HZ, Tremor, Unrest
 
-# Harmonics of the thigh's flexion over the stride from heel strike to heel strike, fitted to published hip angles
-# of walking at a normal cadence (Winter 1991): size over the first one, phase in rad. Stance lasts 0.6 of it.
+# Harmonics of the thigh's flexion over the stride from heel strike to heel strike: size over the first one, phase
+# in rad. They follow the usual shape of the hip's angle: 20 degrees flexed at the heel strike, furthest back (11) at
+# 0.54 of the stride, furthest forward (22) at 0.88; so it moves back for longer than it moves forward.
 _THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
 # Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle.
 _GIVE, _SHOCK = (0.5, 1.3, -np.pi / 2.0), (0.25, 2.0, 0.0)
