@@ -92,3 +92,12 @@ def test_the_averaged_reading_is_projected_with_the_latest_attitude() -> None:
     turned = replace(level(np.zeros(200), rate_hz=RATE_HZ), up=up)
     detector = RelativeThreshold(RATE_HZ, RelativeThresholdParams(post_window_s=0.01, threshold_mps2=9.0))
     assert [event.time_s for event in run(detector, [turned])] == pytest.approx([1.2 - 0.095])
+
+
+def test_extremes_of_an_earlier_segment_are_forgotten() -> None:
+    """0.5 is a valid maximum after the trough of the first segment, but not after its own segment's first sample."""
+    detector = RelativeThreshold(RATE_HZ, RelativeThresholdParams(**UNFILTERED))
+    first = np.interp(np.arange(100), [0, 30, 60, 99], [0.0, 2.0, -5.0, -4.5])
+    second = np.interp(np.arange(100), [0, 30, 60, 99], [0.0, 0.5, -1.0, -0.5])
+    blocks = [level(first, rate_hz=RATE_HZ), level(second, segment=1, first_index=200, rate_hz=RATE_HZ)]
+    assert [event.index for event in run(detector, blocks)] == [60]
