@@ -31,8 +31,9 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
     target = Path(target).expanduser()
     resolved = _resolved(target)
     _check_target(target, overwrite)
-    staging = _make_sibling(resolved, "partial")
+    staging = _sibling(resolved, "partial")
     try:
+        _create(staging, resolved)  # within the block that removes it: Ctrl-C may come at any moment
         yield staging
         _write_manifest(staging)
         _check_target(target, overwrite)
@@ -55,12 +56,12 @@ def staged_file(target: Path) -> Iterator[Path]:
     resolved = _resolved(Path(target).expanduser())
     if resolved.exists() and not resolved.is_file():
         raise OutputError(f"{target}: is no plain file: name another one")
-    staging = resolved.with_name(f".{uuid.uuid4().hex[:8]}.partial")
+    staging = _sibling(resolved, "partial")
     try:
-        staging.touch()
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}): name a file elsewhere") from error
-    try:
+        try:
+            staging.touch()
+        except OSError as error:
+            raise OutputError(f"{target}: cannot be written ({error.strerror}): name a file elsewhere") from error
         yield staging
         staging.replace(resolved)
     finally:
@@ -127,16 +128,18 @@ def _write_manifest(folder: Path) -> None:
     (folder / MANIFEST).write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def _make_sibling(target: Path, purpose: str) -> Path:
-    """Create a hidden folder beside `target`: on the same disk, so that it can be renamed into place."""
-    folder = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.{purpose}")
+def _sibling(target: Path, purpose: str) -> Path:
+    """A new hidden name beside `target`: on the same disk, so that it can be renamed into place."""
+    return target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.{purpose}")
+
+
+def _create(folder: Path, target: Path) -> None:
     try:
         folder.mkdir()
     except OSError as error:
         raise OutputError(
             f"{target}: the folder {target.parent} is not writable ({error.strerror}): choose another output folder"
         ) from error
-    return folder
 
 
 def _publish(staging: Path, target: Path) -> None:
@@ -145,8 +148,9 @@ def _publish(staging: Path, target: Path) -> None:
         staging.rename(target)
         return
     shutil.copymode(target, staging)
-    old = _make_sibling(target, "old")
+    old = _sibling(target, "old")
     try:
+        _create(old, target)
         try:
             target.rename(old / target.name)
         except OSError as error:

@@ -1,0 +1,46 @@
+"""Runs of the command line in the tests' own process, and what every refusal must look like."""
+
+from pathlib import Path
+
+from click.testing import CliRunner, Result
+
+from pdr_est.cli import main
+
+RESULT_FILES = {"track.csv", "steps.csv", "track.tum", "track.geojson", "summary.json", "report.html"}
+
+
+def run(*arguments: object) -> Result:
+    """Call `pdr-est` with these arguments; an exception that is no exit fails the test with its own traceback."""
+    result = CliRunner().invoke(main, [str(argument) for argument in arguments], prog_name="pdr-est")
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
+def refused(*arguments: object) -> str:
+    """The one line on stderr of a call that must be refused with exit code 2 and without any output."""
+    result = run(*arguments)
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    assert result.stderr.startswith("Error: ")
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.endswith("\n")
+    return result.stderr.removeprefix("Error: ").rstrip("\n")
+
+
+def smooth_refused(recording: Path, folder: Path, *options: object) -> str:
+    """The line of a refused `smooth`, which must leave neither its output folder nor a temporary one in `folder`."""
+    folder.mkdir(exist_ok=True)
+    before = sorted(path.name for path in folder.iterdir())
+    line = refused("smooth", recording, "-o", folder / "out", *options)
+    assert sorted(path.name for path in folder.iterdir()) == before
+    return line
+
+
+def smoothed(recording: Path, out: Path, *options: object) -> Result:
+    """A `smooth` that must succeed with all its files."""
+    result = run("smooth", recording, "-o", out, *options)
+    assert result.exit_code == 0, result.output
+    assert {path.name for path in out.iterdir() if not path.name.startswith(".")} == RESULT_FILES
+    assert [path.name for path in out.parent.iterdir() if path.name.endswith(".partial")] == []
+    return result

@@ -1,0 +1,345 @@
+"""Whatever is wrong with an input: one line with file, place and remedy, exit code 2, and nothing is left behind."""
+
+import gzip
+import os
+import re
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli_recordings import (
+    ACC,
+    GYR,
+    Walk,
+    as_folder,
+    as_zip,
+    columns_of,
+    lines_of,
+    save,
+    sensor_logger,
+    with_cell,
+)
+from cli_runs import refused, run, smooth_refused, smoothed
+
+from pdr_est.io.readers import FORMATS
+
+NO_TRACK = "steps could be found but no heading and no track: record it too"
+
+
+def both_refuse(recording: Path, folder: Path, pattern: str) -> str:
+    """`smooth` and `inspect` refuse a recording with the same line, which begins with its path."""
+    line = smooth_refused(recording, folder)
+    assert line == refused("inspect", recording)
+    assert line.startswith(str(recording))
+    assert re.search(pattern, line), line
+    return line
+
+
+def only_inspected(recording: Path, folder: Path, pattern: str, *options: object) -> str:
+    """`smooth` refuses a recording that `inspect` still describes; its output is returned."""
+    line = smooth_refused(recording, folder, *options)
+    assert line.startswith(str(recording))
+    assert re.search(pattern, line), line
+    described = run("inspect", recording)
+    assert described.exit_code == 0
+    assert described.stderr == ""
+    return described.stdout
+
+
+@pytest.fixture
+def outs(tmp_path: Path) -> Path:
+    """Where the output folder would lie."""
+    return tmp_path / "outs"
+
+
+# --- files -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("content", "pattern"),
+    [
+        (b"", r"the file is empty \(0 bytes\); export it again"),
+        (gzip.compress(b""), "empty"),
+        (b"PK\x03\x04 and no more", "damaged or truncated zip archive .*; export or copy it again"),
+        ("time_s,acc_x_mps2\n1,2\n".encode("utf-16"), "UTF-16 text; save it as UTF-8"),
+        (b"\0" * 1000, "unknown format"),
+        (b"\n \n\n", "unknown format"),
+    ],
+    ids=["empty", "empty gzip", "truncated zip", "UTF-16", "zeros", "blank"],
+)
+def test_files_without_a_recording(content: bytes, pattern: str, tmp_path: Path, outs: Path) -> None:
+    path = tmp_path / "walk.csv"
+    path.write_bytes(content)
+    both_refuse(path, outs, pattern)
+
+
+@pytest.mark.parametrize("keep", [12, 5000, -4])
+def test_truncated_gzip(keep: int, tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    path = tmp_path / "walk.csv.gz"
+    path.write_bytes(gzip.compress("\n".join(lines).encode())[:keep])
+    both_refuse(path, outs, "truncated gzip data; copy or download it again")
+
+
+def test_an_unknown_format_lists_the_known_ones(tmp_path: Path, outs: Path) -> None:
+    line = both_refuse(save(tmp_path / "walk.txt", ["hello", "world"]), outs, "unknown format; known are .* README")
+    assert all(known.NAME in line for known in FORMATS)
+
+
+def test_paths_that_lead_to_no_recording(tmp_path: Path, outs: Path) -> None:
+    (tmp_path / "one").symlink_to("two")
+    (tmp_path / "two").symlink_to("one")
+    (tmp_path / "folders" / "in" / "folders").mkdir(parents=True)
+    os.mkfifo(tmp_path / "pipe")
+    as_zip(tmp_path / "empty.zip", {})
+    for name, pattern in {
+        "nowhere.csv": "no such file or folder; check the path",
+        "one": "a symbolic link that leads nowhere; check the path",
+        "folders": "holds no files; give the file, folder or zip",
+        "pipe": "neither a file nor a folder",
+        "empty.zip": "holds no files",
+        "x" * 300: "cannot be read .*; check its permissions",
+    }.items():
+        both_refuse(tmp_path / name, outs, pattern)
+
+
+def test_a_folder_of_several_walks_names_them(tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    for name in ("b.csv", "a.csv"):
+        (tmp_path / "walks").mkdir(exist_ok=True)
+        save(tmp_path / "walks" / name, lines)
+    both_refuse(tmp_path / "walks", outs, r"2 plain CSV recordings inside \(a\.csv, b\.csv\); pick one of them")
+
+
+def test_a_folder_may_hold_links_to_itself_and_pipes(tmp_path: Path, lines: list[str]) -> None:
+    folder = tmp_path / "recording"
+    folder.mkdir()
+    save(folder / "walk.csv", lines)
+    (folder / "again").symlink_to(folder)
+    os.mkfifo(folder / "pipe")
+    assert smoothed(folder, tmp_path / "out").stderr == ""
+
+
+def test_archives_that_would_harm_are_refused_unpacked(tmp_path: Path, outs: Path, export: dict[str, bytes]) -> None:
+    path = as_zip(tmp_path / "escape.zip", {**export, "../evil.csv": b"x"})
+    both_refuse(path, outs, r"member '\.\./evil\.csv' points outside the archive; refused, pack the recording again")
+    bomb = bytearray(as_zip(tmp_path / "bomb.zip", export).read_bytes())
+    for magic, offset in ((b"PK\x01\x02", 24), (b"PK\x03\x04", 22)):
+        at = bomb.find(magic)
+        bomb[at + offset : at + offset + 4] = struct.pack("<I", 0xFFFFFFFE)
+    (tmp_path / "bomb.zip").write_bytes(bomb)
+    both_refuse(tmp_path / "bomb.zip", outs, r"claims to unpack to 4\.0 GiB, the limit is 2\.0 GiB; refused")
+    assert not list(tmp_path.rglob("evil.csv"))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"], ids=["unix", "windows", "old mac"])
+def test_names_and_line_ends_of_any_system(end: str, tmp_path: Path, lines: list[str]) -> None:
+    path = save(tmp_path / "Übung 歩く.csv", lines, end)
+    path.chmod(0o444)
+    tmp_path.chmod(0o555)
+    try:
+        result = smoothed(path, tmp_path.parent / f"out-{tmp_path.name}")
+    finally:
+        tmp_path.chmod(0o755)
+    assert " m in " in result.stdout
+
+
+def test_a_name_that_is_no_text(tmp_path: Path, lines: list[str]) -> None:
+    folder = tmp_path / os.fsdecode(b"caf\xe9")
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("this file system takes text only")
+    path = save(folder / os.fsdecode(b"caf\xe9.csv"), lines)
+    assert "caf\\udce9" in smoothed(path, folder / "out").stdout
+    assert "caf\\udce9" in run("inspect", path, "--json").stdout
+    assert "caf\\udce9" in refused("inspect", folder / "nowhere.csv")
+
+
+# --- values in a table -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("line", [2, 60, 500])
+def test_text_in_a_number_column(line: int, tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    path = save(tmp_path / "walk.csv", with_cell(lines, line, 2, "9.8.1"))
+    pattern = rf", line {line}, column 'acc_y_mps2': '9\.8\.1' is not a number; correct or remove it"
+    both_refuse(path, outs, pattern)
+
+
+@pytest.mark.parametrize(("row", "n"), [("1.0,2.0", 2), ("1,2,3,4,5,6,7,8", 8)])
+def test_rows_of_another_length(row: str, n: int, tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    path = save(tmp_path / "walk.csv", [*lines[:40], row, *lines[40:]])
+    both_refuse(path, outs, f", line 41: {n} fields instead of 7; complete or remove this line")
+
+
+def test_nan_and_inf_are_dropped_and_counted(tmp_path: Path, lines: list[str]) -> None:
+    table = lines
+    for line, text in ((10, "nan"), (20, "inf"), (30, "-Infinity"), (40, "NaN"), (50, "1e200")):
+        table = with_cell(table, line, 1, text)
+    time_s = table[59].split(",")[0]
+    table = [*table[:59], f"{time_s},nan,nan,nan,nan,nan,nan", *table[60:]]
+    result = smoothed(save(tmp_path / "walk.csv", table), tmp_path / "out")
+    total = len(lines) - 1
+    assert result.stderr.splitlines() == [
+        f"warning: device: specific force: 6 of {total} rows dropped because they hold NaN or infinite values",
+        f"warning: device: rotation rate: 1 of {total} rows dropped because they hold NaN or infinite values",
+    ]
+
+
+def test_nothing_but_nan(walk: Walk, tmp_path: Path, outs: Path) -> None:
+    nothing = np.full_like(walk.rate, np.nan)
+    path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, rate=nothing)))
+    only_inspected(path, outs, f"no gyroscope .*: left out because all {len(nothing)} rows hold NaN.*{NO_TRACK}")
+    path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, force=nothing, rate=nothing)))
+    both_refuse(path, outs, "neither accelerometer nor gyroscope has values; record again")
+
+
+def test_a_header_and_no_rows(tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    both_refuse(save(tmp_path / "walk.csv", lines[:1]), outs, "neither accelerometer nor gyroscope has values")
+
+
+# --- missing and contradicting sensors -------------------------------------------------------------------------
+
+
+def test_no_gyroscope(walk: Walk, tmp_path: Path, outs: Path) -> None:
+    columns = columns_of(walk)
+    path = save(tmp_path / "walk.csv", lines_of({name: columns[name] for name in ("time_s", *ACC)}))
+    described = only_inspected(path, outs, f"no gyroscope, so {NO_TRACK}")
+    assert "no gyroscope: steps and distance are possible, headings and a track are not" in described
+
+
+def test_no_accelerometer(walk: Walk, tmp_path: Path, outs: Path) -> None:
+    columns = columns_of(walk)
+    path = save(tmp_path / "walk.csv", lines_of({name: columns[name] for name in ("time_s", *GYR)}))
+    described = only_inspected(path, outs, "no accelerometer: nothing can be done without it; record it")
+    assert "no accelerometer: the turning of the device is possible" in described
+
+
+def test_no_attitude_of_the_device(tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    path = save(tmp_path / "walk.csv", lines)
+    pattern = "the device recorded no attitude: use --attitude vqf"
+    only_inspected(path, outs, pattern, "--attitude", "device")
+
+
+def test_a_gyroscope_of_zeros_is_a_warning(walk: Walk, tmp_path: Path) -> None:
+    path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, rate=np.zeros_like(walk.rate))))
+    stderr = smoothed(path, tmp_path / "out").stderr
+    assert "warning: device: all values of the gyroscope are zero, the sensor is absent or fake" in stderr
+
+
+def test_units_that_contradict_the_header_are_a_warning(walk: Walk, tmp_path: Path) -> None:
+    columns = columns_of(walk, force=walk.force / 9.80665, rate=np.rad2deg(walk.rate))
+    stderr = smoothed(save(tmp_path / "walk.csv", lines_of(columns)), tmp_path / "out").stderr
+    assert "the header (acc_x_mps2) contradicts the values: acceleration is in g" in stderr
+    assert "the header (gyr_x_radps) contradicts the values: rotation rate is in deg/s" in stderr
+
+
+def test_units_without_a_header_are_found(walk: Walk, tmp_path: Path) -> None:
+    columns = columns_of(walk, force=walk.force / 9.80665, rate=np.rad2deg(walk.rate))
+    titles = dict(zip(columns, ("time", "acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"), strict=True))
+    path = save(tmp_path / "walk.csv", lines_of({titles[name]: column for name, column in columns.items()}))
+    distance_m, text = smoothed(path, tmp_path / "out").stdout.split(" m in ")
+    assert float(distance_m) == pytest.approx(12.0, rel=0.15)
+    assert "report.html" in text
+
+
+# --- an export with a damaged member ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("damage", [b"", b"time,seconds_elapsed,x,y,z\n"], ids=["0 bytes", "header only"])
+def test_a_channel_without_rows(damage: bytes, export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
+    for sensor in ("Magnetometer", "Orientation", "Location"):
+        path = as_zip(tmp_path / "walk.zip", {**export, f"{sensor}.csv": damage})
+        stderr = smoothed(path, tmp_path / f"out-{sensor}").stderr
+        assert stderr == f"warning: device: {sensor} is in the export but has no rows\n"
+    path = as_zip(tmp_path / "walk.zip", {**export, "Gyroscope.csv": damage})
+    only_inspected(path, outs, rf"no gyroscope \(Gyroscope is in the export but has no rows\), so {NO_TRACK}")
+    path = as_zip(tmp_path / "walk.zip", {**export, "TotalAcceleration.csv": damage})
+    both_refuse(
+        path, outs, "TotalAcceleration has no rows and no other sensor replaces it; export the recording again"
+    )
+
+
+def test_a_channel_of_nan_that_a_track_can_do_without(export: dict[str, bytes], tmp_path: Path) -> None:
+    table = b"\n".join(
+        line if number == 0 else b",".join([*line.split(b",")[:2], b"nan,nan,nan"])
+        for number, line in enumerate(export["Magnetometer.csv"].splitlines())
+    )
+    path = as_zip(tmp_path / "walk.zip", {**export, "Magnetometer.csv": table})
+    assert "warning: device: Magnetometer: left out because all" in smoothed(path, tmp_path / "out").stderr
+
+
+def test_a_damaged_member_is_named(export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
+    rows = export["Gyroscope.csv"].splitlines()
+    for damaged, pattern in (
+        ([*rows[:100], rows[100][:22]], r", member Gyroscope\.csv, line 101: 2 fields instead of 5"),
+        ([*rows[:100], b"x" + rows[100], *rows[101:]], r", member Gyroscope\.csv, line 101, column 'time': 'x17"),
+    ):
+        path = as_zip(tmp_path / "walk.zip", {**export, "Gyroscope.csv": b"\n".join(damaged)})
+        both_refuse(path, outs, pattern)
+
+
+def test_two_walks_in_one_archive(export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
+    members = {f"{folder}/{name}": data for folder in ("monday", "sunday") for name, data in export.items()}
+    path = as_zip(tmp_path / "walks.zip", members)
+    both_refuse(path, outs, r"2 Sensor Logger recordings inside \(monday, sunday\); pick one of them")
+
+
+def test_gravity_of_another_time(walk: Walk, export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
+    late = sensor_logger(walk, {"TotalAcceleration": 3600.0})["TotalAcceleration.csv"]
+    members = {name: data for name, data in export.items() if name != "TotalAcceleration.csv"}
+    members |= {"Accelerometer.csv": export["TotalAcceleration.csv"], "Gravity.csv": late}
+    path = as_folder(tmp_path / "walk", members)
+    only_inspected(path, outs, r"no accelerometer \(.*accelerometer and gravity have no overlap in time")
+
+
+# --- clocks ----------------------------------------------------------------------------------------------------
+
+
+def test_two_clocks_an_hour_apart(walk: Walk, tmp_path: Path, outs: Path) -> None:
+    path = as_zip(tmp_path / "walk.zip", sensor_logger(walk, {"Gyroscope": 3600.0}))
+    pattern = (
+        r"the channels do not overlap in time \(accelerometer 0\.00 to \d+\.\d\d s, gyroscope 3600\.00 to "
+        r"36\d+\.\d\d s\): check the recorder's clocks"
+    )
+    described = only_inspected(path, outs, pattern)
+    assert "accelerometer and gyroscope never run at the same time: a track is not possible" in described
+
+
+def test_clocks_that_hardly_overlap_are_a_warning(walk: Walk, tmp_path: Path) -> None:
+    path = as_zip(tmp_path / "walk.zip", sensor_logger(walk, {"Gyroscope": float(walk.time_s[-1]) - 0.5}))
+    stderr = smoothed(path, tmp_path / "out").stderr
+    assert re.search(r"warning: device: 2 gaps or clock jumps, \d+\.\d s in all, listed in the summary", stderr)
+
+
+@pytest.mark.parametrize(
+    ("samples", "pattern"),
+    [(1, "a single sample of the accelerometer: record for longer"), (2, "too few samples .*: record for longer")],
+)
+def test_hardly_any_sample(samples: int, pattern: str, tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    only_inspected(save(tmp_path / "walk.csv", lines[: 1 + samples]), outs, pattern)
+
+
+@pytest.mark.parametrize(
+    ("scale", "shift_s", "pattern"),
+    [
+        (0.0, 5.0, r"all \d+ time stamps of the accelerometer are 5\.00 s, its clock does not run: give seconds"),
+        (1.0, 1.7e18, r"all \d+ time stamps .* are 1\.7e\+18 s, its clock does not run: give seconds"),
+        (1.0, 1e300, r"all \d+ time stamps .* are 1e\+300 s, its clock does not run: give seconds"),
+        (1e9, 0.0, r"spans 0\.00 to \d+\.00 s, more than a year: correct the time of sample \d+, .* in seconds"),
+        (
+            1e3,
+            0.0,
+            r"samples of the accelerometer lie 20 s apart, more than resample\.max_gap_s = 0\.5: .* in seconds",
+        ),
+        (-1.0, 0.0, "the time stamps of the accelerometer run backwards: sort its rows by time"),
+    ],
+    ids=["constant", "nanoseconds", "huge", "nanoseconds from 0", "milliseconds", "backwards"],
+)
+def test_useless_clocks(scale: float, shift_s: float, pattern: str, walk: Walk, tmp_path: Path, outs: Path) -> None:
+    columns = columns_of(walk, time_s=walk.time_s * scale + shift_s)
+    only_inspected(save(tmp_path / "walk.csv", lines_of(columns)), outs, pattern)
+
+
+def test_one_wrong_time_stamp_is_pointed_at(tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    path = save(tmp_path / "walk.csv", with_cell(lines, 301, 0, "1e12"))
+    only_inspected(path, outs, r"more than a year: correct the time of sample 300, 1e\+12 s, or give")
