@@ -31,7 +31,7 @@ from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
 from pdr_est.io.recording import DeviceRecording
 from pdr_est.io.resample import ResampleParams, Resampler
-from pdr_est.records import CarryingMode, Channel, SensorBlock, Step
+from pdr_est.records import CarryingMode, Channel, LevelBlock, SensorBlock, Step
 from pdr_est.stage import Chain, Stage
 
 RATES_HZ = (25.0, 50.0, 100.0, 400.0)
@@ -174,14 +174,34 @@ def test_the_messy_recording_is_a_hard_one(rate_hz: float) -> None:
 def test_random_cuts_of_a_stage(name: str, rate_hz: float) -> None:
     rng = np.random.default_rng(int(rate_hz))
     items = records(CASES[name].consumes, rate_hz)
-    assert_cuts_do_not_matter(CASES[name].make, items, [randomly_cut(items, rng) for _ in range(6)], rng)
+    assert_cuts_do_not_matter(CASES[name].make, items, [randomly_cut(items, rng) for _ in range(3)], rng)
 
 
-@pytest.mark.parametrize("rate_hz", [25.0, 100.0])
+@pytest.mark.parametrize("rate_hz", [50.0])
 @pytest.mark.parametrize("name", CASES)
 def test_one_sample_at_a_time_through_a_stage(name: str, rate_hz: float) -> None:
     items = records(CASES[name].consumes, rate_hz)
     assert_cuts_do_not_matter(CASES[name].make, items, [finely_cut(items)], np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.consumes == "level"])
+def test_stages_on_noise(name: str) -> None:
+    """Noise has extrema at every distance from each other and modes that change, hence borders that no walk shows."""
+    rng = np.random.default_rng(5)
+    items = [with_noise(block, rng) for block in records("level", 50.0)]
+    cuttings = [finely_cut(items), randomly_cut(items, rng)]
+    assert_cuts_do_not_matter(CASES[name].make, items, cuttings, rng)
+
+
+def with_noise(block: LevelBlock, rng: np.random.Generator) -> LevelBlock:
+    force = 10.0 * rng.standard_normal((len(block), 3))
+    return replace(
+        block,
+        acceleration_mps2=force,
+        vertical_mps2=np.sum(force * block.up, axis=1),
+        rotation_rate_radps=rng.standard_normal((len(block), 3)),
+        mode=rng.choice([CarryingMode.HOLDING, CarryingMode.POCKET], len(block)).astype(np.int8),
+    )
 
 
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
@@ -189,15 +209,15 @@ def test_one_sample_at_a_time_through_a_stage(name: str, rate_hz: float) -> None
 def test_random_cuts_of_the_chain(config: Config, rate_hz: float) -> None:
     rng = np.random.default_rng(int(rate_hz))
     items = records("raw", rate_hz)
-    cuttings = [randomly_cut(items, rng) for _ in range(4)]
+    cuttings = [randomly_cut(items, rng) for _ in range(2)]
     assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
 
 
-@pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
-def test_one_sample_at_a_time_through_the_chain(config: Config) -> None:
+@pytest.mark.parametrize("name", ["vqf-auto", "device-mmpdr"])
+def test_one_sample_at_a_time_through_the_chain(name: str) -> None:
     items = records("raw", 50.0)
     cuttings = [in_time_order(items), one_by_one(items)]
-    assert_cuts_do_not_matter(lambda: whole_chain(config, 50.0), items, cuttings, np.random.default_rng(0))
+    assert_cuts_do_not_matter(lambda: whole_chain(CONFIGS[name], 50.0), items, cuttings, np.random.default_rng(0))
 
 
 @pytest.mark.slow

@@ -37,8 +37,8 @@ def steps_at(*times_s: float, duration_s: float = 12.0) -> list[Step]:
 
 
 def test_the_frequency_is_the_reciprocal_of_the_interval() -> None:
-    steps = steps_at(1.0, 1.5, 2.1, 4.1)
-    assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 1.0 / 0.6, 0.5])
+    steps = steps_at(1.0, 1.5, 2.0, 4.0, 6.0625)
+    assert [step.frequency_hz for step in steps] == [0.0, 2.0, 2.0, 0.5, 0.0]  # at most two seconds
 
 
 def test_a_step_begins_where_the_one_before_ended() -> None:
@@ -51,6 +51,13 @@ def test_the_first_step_after_a_standstill_has_no_frequency_and_its_own_duration
     steps = steps_at(1.0, 1.5, 3.6, 9.0, 9.5)
     assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 0.0, 0.0, 2.0])
     assert [step.start_s for step in steps] == pytest.approx([0.4, 1.0, 3.0, 8.4, 9.0])
+
+
+def test_a_first_step_begins_no_earlier_than_the_last_one_ended() -> None:
+    stage = StepSegmentation(Script([(1.0, 0), (1.5, 0)]), SegmentationParams(standstill_s=0.4, initial_step_s=0.6))
+    steps = run(stage, [level(np.zeros(200))])
+    assert [step.frequency_hz for step in steps] == [0.0, 0.0]
+    assert [step.start_s for step in steps] == pytest.approx([0.4, 1.0])
 
 
 def test_the_first_step_begins_no_earlier_than_the_recording() -> None:

@@ -1,0 +1,63 @@
+"""The chain of stages: order, the flush that runs down the chain, and the latency."""
+
+from dataclasses import dataclass, field
+
+from pdr_est.stage import Chain, Stage
+
+
+@dataclass
+class Pairs:
+    """Sums of two consecutive numbers; an odd one out comes at the end."""
+
+    latency_s: float = 0.5
+    held: list[int] = field(default_factory=list)
+
+    def push(self, item: int, /) -> list[int]:
+        self.held.append(item)
+        if len(self.held) < 2:
+            return []
+        total, self.held = sum(self.held), []
+        return [total]
+
+    def flush(self) -> list[int]:
+        left, self.held = self.held, []
+        return left
+
+
+@dataclass
+class Repeat:
+    """Each number twice."""
+
+    latency_s: float = 0.25
+
+    def push(self, item: int, /) -> list[int]:
+        return [item, item]
+
+    def flush(self) -> list[int]:
+        return []
+
+
+def test_outputs_of_a_stage_are_inputs_of_the_next() -> None:
+    chain = Chain([Repeat(), Pairs(), Repeat()])
+    assert chain.push(3) == [6, 6]
+    assert chain.flush() == []
+
+
+def test_what_a_stage_holds_back_runs_through_the_later_ones() -> None:
+    chain = Chain([Pairs(), Pairs(), Repeat()])
+    assert [output for item in (1, 2, 4) for output in chain.push(item)] == []
+    assert chain.flush() == [7, 7]  # 4 leaves the first stage and meets the 3 that waits in the second
+    assert chain.flush() == []
+
+
+def test_latencies_add_up() -> None:
+    assert Chain([Pairs(), Repeat(), Pairs()]).latency_s == 1.25
+    assert Chain([]).latency_s == 0
+
+
+def test_a_chain_is_a_stage_and_may_be_part_of_another() -> None:
+    assert isinstance(Chain([]), Stage)
+    assert not isinstance(object(), Stage)
+    inner = Chain([Pairs(), Repeat()])
+    assert Chain([inner, Pairs()]).push(5) == []
+    assert [output for item in (5, 6) for output in Chain([Chain([Repeat()]), Pairs()]).push(item)] == [10, 12]
