@@ -4,6 +4,9 @@ While the start heading is unknown, the pose is far from Gaussian in angle, but 
 (u, v) = scale (cos heading, sin heading): a turn rotates the vector and a step adds L (u, v) to the position. A
 uniform heading has the moments (u, v) ~ N(0, I/2), so a linear Kalman filter follows the walk honestly from the
 first step, and hands over to the pose once the measurements have settled the direction.
+
+Before, the noise of a step is spread evenly over the directions it may have. Once the direction is known, the same
+nodes are followed a second time with the noise where it belongs.
 """
 
 from dataclasses import dataclass
@@ -21,6 +24,7 @@ from pdr_est.records import HeadingPrior, PositionFix
 
 ALIGNED_SIGMA_RAD = 0.2  # below this the pose is close enough to Gaussian for an EKF
 _UNIFORM_VARIANCE = 0.5  # of each component of a unit vector of uniform direction
+_LOST_VARIANCE = 0.25  # rad^2; a turn this uncertain tells nothing of the direction before it
 _VAGUE_VARIANCE = 50.0  # as before, but so wide that it does not matter
 _SIGMA_OF_NORM = 0.5  # what a heading prior says of the norm of (u, v), the length scale: next to nothing
 _NOW, _POSITION, _DIRECTION, _FIRST_DIRECTION = slice(0, 4), slice(0, 2), slice(2, 4), slice(4, 6)
@@ -47,21 +51,29 @@ def align(timeline: Timeline, prior: StartPrior, sigma_length_scale: float) -> A
     poses: list[Array] = []
     covariances: list[Array] = []
     for i, node in enumerate(timeline.nodes):
-        if i:
-            heading_vector.advance(node)
-        for fix in node.fixes:
-            heading_vector.update_position(fix)
-        for heading_prior in node.priors:
-            heading_vector.update_heading(heading_prior)
-        if heading_vector.sigma_heading_rad() <= ALIGNED_SIGMA_RAD:
-            aligned = heading_vector.state(sigma_length_scale)
-            poses.append(aligned.mean[:3])
-            covariances.append(aligned.covariance[:3, :3])
-            return Alignment(np.array(poses), np.array(covariances), aligned)
+        heading_vector.follow(node, i == 0, None)
         pose, covariance = heading_vector.pose()
         poses.append(pose)
         covariances.append(covariance)
+        if heading_vector.sigma_heading_rad() <= ALIGNED_SIGMA_RAD:
+            aligned = _follow_again(timeline.nodes[: i + 1], prior, float(pose[2])).state(sigma_length_scale)
+            poses[-1], covariances[-1] = aligned.mean[:3], aligned.covariance[:3, :3]
+            return Alignment(np.array(poses), np.array(covariances), aligned)
     return Alignment(np.array(poses), np.array(covariances), None)
+
+
+def _follow_again(nodes: tuple[Node, ...], prior: StartPrior, heading_rad: float) -> "_HeadingVectorFilter":
+    """The filter at the last of some nodes, when the heading there is known about."""
+    headings: list[float | None] = [None] * len(nodes)
+    for i in range(len(nodes) - 1, 0, -1):
+        if nodes[i].covariance[2, 2] > _LOST_VARIANCE:
+            break
+        headings[i] = heading_rad
+        heading_rad -= nodes[i].heading_change_rad
+    heading_vector = _HeadingVectorFilter(prior)
+    for i, (node, heading) in enumerate(zip(nodes, headings, strict=True)):
+        heading_vector.follow(node, i == 0, heading)
+    return heading_vector
 
 
 class _HeadingVectorFilter:
@@ -83,26 +95,17 @@ class _HeadingVectorFilter:
         across = np.array([-vector[1], vector[0]]) / norm
         return float(np.sqrt(across @ covariance @ across)) / norm
 
-    def advance(self, node: Node) -> None:
-        """The motion that leads to `node`; its noise is spread evenly over the directions it may have."""
-        c, s = cos(node.heading_change_rad), sin(node.heading_change_rad)
-        turn = np.array([[c, -s], [s, c]])
-        transition, noise = np.eye(6), np.zeros((6, 6))
-        transition[_POSITION, _DIRECTION] = node.length_m * turn
-        transition[_DIRECTION, _DIRECTION] = turn
-        position = 0.5 * (node.covariance[0, 0] + node.covariance[1, 1])
-        direction = 0.5 * node.covariance[2, 2]
-        np.fill_diagonal(noise[_NOW, _NOW], [position, position, direction, direction])
-        self._filter.predict(F=transition, Q=noise)
+    def follow(self, node: Node, first: bool, heading_rad: float | None) -> None:
+        """The motion that leads to `node`, unless it is the first, and what was measured there.
 
-    def update_position(self, fix: PositionFix) -> None:
-        self._update(np.asarray(fix.position_m, dtype=np.float64), fix.covariance_m2, _POSITION, fix.robust)
-
-    def update_heading(self, prior: HeadingPrior) -> None:
-        c, s = cos(prior.heading_rad), sin(prior.heading_rad)
-        to_map = np.array([[c, -s], [s, c]])
-        noise = to_map @ np.diag([_SIGMA_OF_NORM**2, prior.sigma_rad**2]) @ to_map.T
-        self._update(np.array([c, s]), noise, _DIRECTION, prior.robust)
+        heading_rad: of the walker on the way to `node`, to about a radian, or None.
+        """
+        if not first:
+            self._advance(node, heading_rad)
+        for fix in node.fixes:
+            self._update_position(fix)
+        for prior in node.priors:
+            self._update_heading(prior)
 
     def pose(self) -> tuple[Array, Array]:
         """Mean (x, y, heading) and covariance (3, 3) for the track."""
@@ -115,6 +118,24 @@ class _HeadingVectorFilter:
         """Pose and length scale of a heading vector that is known well enough for a first-order conversion."""
         mean, covariance = self._without_uniform_prior()
         return _with_scale_prior(_to_pose(mean[_NOW], covariance[_NOW, _NOW]), sigma_length_scale)
+
+    def _advance(self, node: Node, heading_rad: float | None) -> None:
+        c, s = cos(node.heading_change_rad), sin(node.heading_change_rad)
+        turn = np.array([[c, -s], [s, c]])
+        transition, noise = np.eye(6), np.zeros((6, 6))
+        transition[_POSITION, _DIRECTION] = node.length_m * turn
+        transition[_DIRECTION, _DIRECTION] = turn
+        noise[_NOW, _NOW] = _even_noise(node) if heading_rad is None else _directed_noise(node, heading_rad)
+        self._filter.predict(F=transition, Q=noise)
+
+    def _update_position(self, fix: PositionFix) -> None:
+        self._update(np.asarray(fix.position_m, dtype=np.float64), fix.covariance_m2, _POSITION, fix.robust)
+
+    def _update_heading(self, prior: HeadingPrior) -> None:
+        c, s = cos(prior.heading_rad), sin(prior.heading_rad)
+        to_map = np.array([[c, -s], [s, c]])
+        noise = to_map @ np.diag([_SIGMA_OF_NORM**2, prior.sigma_rad**2]) @ to_map.T
+        self._update(np.array([c, s]), noise, _DIRECTION, prior.robust)
 
     def _update(self, z: Array, noise: Array, part: slice, robust: bool) -> None:
         if robust:
@@ -131,6 +152,23 @@ class _HeadingVectorFilter:
         first = covariance[:, _FIRST_DIRECTION]
         gain = first @ np.linalg.inv(first[_FIRST_DIRECTION] + variance * np.eye(2))
         return x - gain @ x[_FIRST_DIRECTION], covariance - gain @ first.T
+
+
+def _even_noise(node: Node) -> Array:
+    """Of (x, y, u, v), the mean over all directions of the walker."""
+    of_length = node.covariance[0, 0] + node.covariance[1, 1]
+    turn = node.covariance[2, 2]
+    of_turn = -np.expm1(-turn)  # a vector of length one that turns is never off by more than that
+    shared = node.covariance[1, 2] * (of_turn / turn if turn > 0.0 else 0.0)
+    noise: Array = np.kron(0.5 * np.array([[of_length, shared], [shared, of_turn]]), np.eye(2))
+    return noise
+
+
+def _directed_noise(node: Node, heading_rad: float) -> Array:
+    """Of (x, y, u, v) for a walker with this heading: a heading error moves the heading vector to its left."""
+    c, s = cos(heading_rad), sin(heading_rad)
+    to_map = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, -s], [0.0, 0.0, c]])
+    return np.asarray(to_map @ node.covariance @ to_map.T)
 
 
 def _to_pose(vector_state: Array, covariance: Array) -> Moments:

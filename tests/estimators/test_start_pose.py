@@ -143,6 +143,15 @@ def test_two_fixes_far_apart_tell_direction_and_length(name: EstimatorName) -> N
     assert 1.05 < track.length_scale < 1.1  # between the 1 +- 0.1 that was expected and the 1.1 of the fixes
 
 
+@pytest.mark.parametrize("steps", [[60], [30, 60], [7, 15, 30, 60]], ids=str)
+def test_a_filter_that_found_its_start_knows_as_much_at_the_end_as_the_smoother(steps: list[int]) -> None:
+    """Exact fixes, so that what is left to know is the noise of the steps between them."""
+    walk = [*straight(60), *(fix(k, 0.0, 0.7 * k, 0.02) for k in (0, *steps))]
+    filtered, smoothed = run("ekf", walk, StartPose()), run("factor-graph", walk, StartPose())
+    assert filtered.sigma_heading_rad[-1] == pytest.approx(smoothed.sigma_heading_rad[-1], rel=0.15)
+    assert filtered.sigma_length_scale == pytest.approx(smoothed.sigma_length_scale, rel=0.15)
+
+
 @every_estimator
 def test_a_heading_prior_alone_tells_the_direction(name: EstimatorName) -> None:
     track = run(name, [*straight(20), heading_prior(0, 2.5, 0.05)], StartPose())
