@@ -15,7 +15,6 @@ from pydantic_core import ErrorDetails
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import EstimatorName
 from pdr_est.front_end.attitude import AttitudeParams
-from pdr_est.front_end.heading.step_yaw import HeadingParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
@@ -63,7 +62,6 @@ class Config:
     steps: StepsParams = StepsParams()
     walker: WalkerParams = WalkerParams()
     step_length: StepLengthParams = StepLengthParams()
-    heading: HeadingParams = HeadingParams()
     odometry: OdometryParams = OdometryParams()
     start: StartParams = StartParams()
     estimator: EstimatorParams = EstimatorParams()

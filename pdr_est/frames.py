@@ -20,17 +20,6 @@ def wrap_angle(angle_rad: ArrayLike) -> Array:
     return wrapped
 
 
-def heading_from_compass(theta_rad: ArrayLike) -> Array:
-    """Compass direction (clockwise from north, the papers' theta, MMPDR eq. 1) as a map heading."""
-    return wrap_angle(np.pi / 2.0 - np.asarray(theta_rad, dtype=np.float64))
-
-
-def circular_mean(angle_rad: ArrayLike) -> float:
-    """Direction of the mean unit vector of some angles; exact wrap handling for any spread below pi."""
-    angle = np.asarray(angle_rad, dtype=np.float64)
-    return float(np.arctan2(np.sin(angle).sum(), np.cos(angle).sum()))
-
-
 def rotation_matrix(heading_rad: float) -> Array:
     """2x2 matrix that turns vectors of a body with this heading into the map frame."""
     c, s = np.cos(heading_rad), np.sin(heading_rad)

@@ -34,6 +34,11 @@ class DeviceWalk:
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def span_s(self) -> tuple[float, float]:
+        """Times of the first and the last sample that the front end could use."""
+        return float(self.level[0].time_s[0]), float(self.level[-1].time_s[-1])
+
 
 @dataclass(frozen=True)
 class SmoothedWalk:

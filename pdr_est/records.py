@@ -74,7 +74,8 @@ class LevelBlock:
 
     up: (n, 3) unit vector up in device axes. acceleration_mps2: (n, 3) without gravity, device axes.
     vertical_mps2: (n,) acceleration upwards. yaw_rad: (n,) rotation about the vertical, wrapped, arbitrary zero.
-    rotation_rate_radps: (n, 3) device axes, turn_rate_radps: (n,) about the vertical, both without their bias.
+    rotation_rate_radps: (n, 3) device axes, turn_rate_radps: (n,) about the vertical, less the bias that
+    the attitude filter knows.
     mode: (n,) values of CarryingMode, mode_probability: (n,) how sure it is.
     """
 

@@ -7,8 +7,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from pdr_est.frames import (
-    circular_mean,
-    heading_from_compass,
     quaternion_from_core_motion,
     rotation_matrix,
     twist_about_vertical,
@@ -34,19 +32,6 @@ def test_wrapping_keeps_the_direction(angle: float) -> None:
     assert -np.pi <= wrapped < np.pi
     assert np.cos(wrapped) == pytest.approx(np.cos(angle), abs=1e-12)
     assert np.sin(wrapped) == pytest.approx(np.sin(angle), abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("compass_deg", "heading_deg"), [(0.0, 90.0), (90.0, 0.0), (180.0, -90.0), (270.0, -180.0), (45.0, 45.0)]
-)
-def test_compass_directions_become_headings(compass_deg: float, heading_deg: float) -> None:
-    assert np.rad2deg(heading_from_compass(np.deg2rad(compass_deg))) == pytest.approx(heading_deg)
-
-
-@given(ANGLES, st.floats(-1.4, 1.4))
-def test_the_circular_mean_of_two_directions_lies_in_their_middle(middle: float, half_spread: float) -> None:
-    mean = circular_mean([middle - half_spread, middle + half_spread])
-    assert float(wrap_angle(mean - middle)) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_heading_turns_forward_into_the_map() -> None:

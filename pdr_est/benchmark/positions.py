@@ -4,21 +4,18 @@ import numpy as np
 
 from pdr_est.benchmark.suite import Scores, Walked
 from pdr_est.errors import RecordingError
-from pdr_est.evaluate import metrics
+from pdr_est.evaluate import metrics, open_loop
 from pdr_est.evaluate.association import Association, associate
 from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.evaluate.heldout import LEAST_POINTS, WAYPOINT_SIGMA_M, fixes_at, given_points
+from pdr_est.evaluate.open_loop import open_metrics
 from pdr_est.frames import Array
 from pdr_est.io.recording import TruePositions
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import CarryingMode
 from pdr_est.track import Track
 
-OPEN_METRICS = ("error_open_m", "final_drift", "ate_rigid_m", "length_ratio")
 HELDOUT_METRICS = ("error_heldout_m", "coverage95", "nees_mean")
-
-_LEAST_LEG_M = {"gps": 5.0}  # between which points the truth's length is taken, by source of the truth
-_LEAST_POINTS = 2
 
 
 def score_open(walk: Walked) -> list[Scores]:
@@ -31,7 +28,7 @@ def score_open(walk: Walked) -> list[Scores]:
     for device in walk.devices:
         own = track.of_device(device.device)
         pairs = _pairs(walk, device, own, truth)
-        scores.append(_scores(walk, device, pairs, _open_values(own, pairs, truth.source)))
+        scores.append(_scores(walk, device, pairs, open_metrics(own, pairs, truth.source)))
     return scores
 
 
@@ -46,7 +43,7 @@ def score_waypoints(walk: Walked, true_mode: CarryingMode) -> list[Scores]:
     for device in walk.devices:
         own = track.of_device(device.device)
         pairs = _pairs(walk, device, own, truth)
-        values = _open_values(own, pairs, truth.source)
+        values = open_metrics(own, pairs, truth.source)
         values["mode_accuracy"] = metrics.mode_accuracy(*_walking(device), true_mode)
         missing = {} if device.steps else {"mode_accuracy": "no step found"}
         if len(pairs) >= LEAST_POINTS:
@@ -57,21 +54,11 @@ def score_waypoints(walk: Walked, true_mode: CarryingMode) -> list[Scores]:
     return scores
 
 
-def _open_values(track: Track, pairs: Association, source: str) -> dict[str, float]:
-    least_leg_m = _LEAST_LEG_M.get(source, 0.0)
-    return {
-        "error_open_m": metrics.error_open(pairs.track_m, pairs.truth_m),
-        "final_drift": metrics.final_drift(pairs.track_m, pairs.truth_m),
-        "ate_rigid_m": metrics.ate_rigid(pairs.track_m, pairs.truth_m),
-        "length_ratio": metrics.length_ratio(track, pairs.time_s, pairs.truth_m, least_leg_m),
-    }
-
-
 def _heldout_values(walk: Walked, device: DeviceWalk, pairs: Association) -> dict[str, float]:
     """Metrics at the held-out points of a track that was given the others as fixes."""
     given = given_points(len(pairs))
     track = walk.track(fixes_at(pairs.time_s[given], pairs.truth_m[given])).of_device(device.device)
-    held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], _span_s(device))
+    held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], device.span_s)
     error_m = held.track_m - held.truth_m
     return {
         "error_heldout_m": float(metrics.point_errors(held.track_m, held.truth_m).mean()),
@@ -104,18 +91,13 @@ def _truth(walk: Walked) -> TruePositions:
 
 
 def _pairs(walk: Walked, device: DeviceWalk, track: Track, truth: TruePositions) -> Association:
-    pairs = associate(track, truth.time_s, truth.position_m, _span_s(device))
-    if len(pairs) < _LEAST_POINTS:
+    pairs = associate(track, truth.time_s, truth.position_m, device.span_s)
+    if len(pairs) < open_loop.LEAST_POINTS:
         raise RecordingError(
             f"{walk.recording.name}: {len(pairs)} of {len(truth.time_s)} truth points within the recording of "
-            f"{device.device}: at least {_LEAST_POINTS} are needed"
+            f"{device.device}: at least {open_loop.LEAST_POINTS} are needed"
         )
     return pairs
-
-
-def _span_s(device: DeviceWalk) -> tuple[float, float]:
-    """Times of the first and the last sample that the front end could use."""
-    return float(device.level[0].time_s[0]), float(device.level[-1].time_s[-1])
 
 
 def _walking(device: DeviceWalk) -> tuple[Array, list[CarryingMode]]:

@@ -14,14 +14,16 @@ class OdometryParams:
     sigma_length_fraction: of the step length, independent from step to step. sigma_direction_rad: of the direction
     of a single step around the heading (it does not accumulate). sigma_heading_rad_per_sqrt_s: random walk of the
     heading error, for gyroscope drift and for the phone turning in the hand. sigma_length_scale: of the walker's own
-    step length over the model's, constant through a walk. gap_speed_mps: speed with which a walker may have moved
-    during a gap. gap_turn_rad_per_sqrt_s: how much the walker may have turned in it.
+    step length over the model's, constant through a walk. sigma_mode_change_rad: of the heading change of a step in
+    another carrying mode than the one before, because the phone was turned against the body. gap_speed_mps: speed
+    with which a walker may have moved during a gap. gap_turn_rad_per_sqrt_s: how much the walker may have turned.
     """
 
     sigma_length_fraction: Positive = 0.15
     sigma_direction_rad: Positive = 0.18
     sigma_heading_rad_per_sqrt_s: NonNegative = 0.04
     sigma_length_scale: NonNegative = 0.1
+    sigma_mode_change_rad: NonNegative = 0.5
     gap_speed_mps: Positive = 1.0
     gap_turn_rad_per_sqrt_s: Positive = 1.0
 
@@ -39,17 +41,23 @@ class Odometry:
     def push(self, item: Step, /) -> list[StepOdometry]:
         previous, self._previous = self._previous, item
         if previous is None:
-            return [self._step(item, 0.0, item.event.time_s - item.start_s)]
+            return [self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
         elapsed = item.event.time_s - previous.event.time_s
         if item.event.segment == previous.event.segment:
-            return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), elapsed)]
+            modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
+            changed = len(modes) > 1
+            sigma = self._sigma_heading(elapsed, self._parameters.sigma_mode_change_rad if changed else 0.0)
+            return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
         bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)
-        return [bridge, self._step(item, 0.0, item.event.time_s - item.start_s)]
+        return [bridge, self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
 
     def flush(self) -> list[StepOdometry]:
         return []
 
-    def _step(self, step: Step, heading_change_rad: float, elapsed_s: float) -> StepOdometry:
+    def _sigma_heading(self, elapsed_s: float, of_mode_change: float = 0.0) -> float:
+        return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), of_mode_change))
+
+    def _step(self, step: Step, heading_change_rad: float, sigma_heading_rad: float) -> StepOdometry:
         p = self._parameters
         return StepOdometry(
             device=self._device,
@@ -61,7 +69,7 @@ class Odometry:
                 length_m=step.length_m,
                 sigma_length_m=p.sigma_length_fraction * step.length_m,
                 sigma_direction_rad=p.sigma_direction_rad,
-                sigma_heading_rad=p.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s),
+                sigma_heading_rad=sigma_heading_rad,
             ),
             mode=step.event.mode,
         )

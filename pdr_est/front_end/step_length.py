@@ -6,6 +6,7 @@ far more than the step length, so a smaller exponent than 1/4 carries over bette
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -23,6 +24,8 @@ MMPDR_K = {"male": 0.3139, "female": 0.2975}  # eq. 9
 
 
 Height = Annotated[float, Ge(0.5), Le(2.6)]  # of a small child and of the tallest; refuses centimetres and feet
+
+_LEAST_MEANS = 4  # means of the sliding window within a step, for a range
 
 
 @params
@@ -65,34 +68,32 @@ class StepLength:
         }
 
     def push(self, item: Step, /) -> list[Step]:
-        return [replace(item, length_m=self._model(item)(item))]
+        return [replace(item, length_m=self._models[self._parameters.model](item))]
 
     def flush(self) -> list[Step]:
         return []
 
-    def _model(self, step: Step) -> Callable[[Step], float]:
-        """The chosen model, or the static one for a step cut so short that it shows no range of acceleration."""
-        too_short = len(step.samples) < 2 * self._window
-        return self._static if too_short else self._models[self._parameters.model]
-
     def _static(self, step: Step) -> float:
         return static_length_m(self._walker)
-
-    def _weinberg(self, step: Step) -> float:
-        return weinberg_length_m(self._parameters.weinberg_k2, self._vertical(step))
-
-    def _scarlett(self, step: Step) -> float:
-        return scarlett_length_m(self._parameters.scarlett_k3, self._vertical(step))
 
     def _mmpdr(self, step: Step) -> float:
         return mmpdr_length_m(self._walker, step.frequency_hz)
 
+    def _weinberg(self, step: Step) -> float:
+        return self._by_acceleration(step, partial(weinberg_length_m, self._parameters.weinberg_k2))
+
+    def _scarlett(self, step: Step) -> float:
+        return self._by_acceleration(step, partial(scarlett_length_m, self._parameters.scarlett_k3))
+
     def _range_power(self, step: Step) -> float:
         p = self._parameters
-        return float(p.range_power_k * np.ptp(self._vertical(step)) ** p.range_power_exponent)
+        return self._by_acceleration(step, partial(range_power_length_m, p.range_power_k, p.range_power_exponent))
 
-    def _vertical(self, step: Step) -> Array:
-        return running_mean(step.samples.vertical_mps2, self._window)
+    def _by_acceleration(self, step: Step, model: Callable[[Array], float]) -> float:
+        """A model on the smoothed vertical acceleration; a step cut too short to show its range takes eq. 2."""
+        if len(step.samples) < self._window + _LEAST_MEANS:
+            return static_length_m(self._walker)
+        return model(running_mean(step.samples.vertical_mps2, self._window))
 
 
 def static_length_m(walker: WalkerParams) -> float:
@@ -103,6 +104,11 @@ def static_length_m(walker: WalkerParams) -> float:
 def weinberg_length_m(k2: float, vertical_mps2: Array) -> float:
     """MMPDR eq. 3: fourth root of the range of the vertical acceleration (n,) within the step."""
     return float(k2 * np.ptp(vertical_mps2) ** 0.25)
+
+
+def range_power_length_m(k: float, exponent: float, vertical_mps2: Array) -> float:
+    """MMPDR eq. 3 with a free exponent."""
+    return float(k * np.ptp(vertical_mps2) ** exponent)
 
 
 def scarlett_length_m(k3: float, vertical_mps2: Array) -> float:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from pdr_est.config import Config, config_to_dict
 from pdr_est.evaluate.association import associate
-from pdr_est.evaluate.metrics import ate_rigid, error_open, final_drift, length_ratio, point_errors
+from pdr_est.evaluate.metrics import point_errors
+from pdr_est.evaluate.open_loop import LEAST_POINTS, open_metrics
 from pdr_est.io.recording import Recording
 from pdr_est.io.writers import write_geojson, write_steps_csv, write_tum
 from pdr_est.pipeline import SmoothedWalk
@@ -55,17 +56,10 @@ def errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:
     truth = recording.truth.positions
     if truth is None or len(walk.devices) != 1:
         return None
-    level = walk.devices[0].level
-    span_s = (float(level[0].time_s[0]), float(level[-1].time_s[-1]))
-    pairs = associate(walk.track, truth.time_s, truth.position_m, span_s)
-    if len(pairs) < 2:
+    pairs = associate(walk.track, truth.time_s, truth.position_m, walk.devices[0].span_s)
+    if len(pairs) < LEAST_POINTS:
         return None
-    found = {
-        "error_open_m": error_open(pairs.track_m, pairs.truth_m),
-        "final_drift": final_drift(pairs.track_m, pairs.truth_m),
-        "ate_rigid_m": ate_rigid(pairs.track_m, pairs.truth_m),
-        "length_ratio": length_ratio(walk.track, pairs.time_s, pairs.truth_m),
-    }
+    found = open_metrics(walk.track, pairs, truth.source)
     if walk.fixes:
         found["error_map_m"] = float(point_errors(pairs.track_m, pairs.truth_m).mean())
     return found

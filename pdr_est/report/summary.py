@@ -138,8 +138,11 @@ def _truth(truth: Truth) -> Json:
 
 def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
     """ "map" when position and direction are tied to the map, else "own": origin at the start of the walk."""
-    tied = start is not None and start.position_m is not None and start.heading_rad is not None
-    return "map" if tied or walk.fixes else "own"
+    places = {tuple(fix.position_m) for fix in walk.fixes}
+    if start is not None and start.position_m is not None:
+        places.add(start.position_m)
+    directed = start is not None and start.heading_rad is not None
+    return "map" if len(places) >= (1 if directed else 2) else "own"
 
 
 def _duration_s(walk: SmoothedWalk) -> float | None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from signals import RATE_HZ, corner_walk, joined, level, levels_of, run
 
+from pdr_est.front_end.signal.blocks import part
 from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
@@ -121,3 +122,18 @@ def test_memory_stays_bounded_while_the_walker_stands() -> None:
     for i in range(200):
         stage.push(level(np.zeros(50), first_index=50 * i))
     assert len(stage.__dict__["_samples"]) < 500
+
+
+def test_a_crest_held_back_at_a_gap_does_not_reach_the_next_segment() -> None:
+    """One crest, a gap of 0.6 s, then a walk: the first step of the second segment has only its samples."""
+    wave = np.maximum(2.0 * np.sin(2.0 * np.pi * 1.8 * np.arange(400) / RATE_HZ), -1.0)
+    lonely = np.concatenate([np.zeros(100), wave[:28], np.zeros(20)])
+    blocks = [level(lonely), level(wave, segment=1, first_index=len(lonely) + 30)]
+    whole = run(StepSegmentation(AutoSteps(RATE_HZ, AutoStepParams()), SegmentationParams()), blocks)
+    assert whole
+    for step_found in whole:
+        assert step_found.event.segment == step_found.samples.segment
+    pieces = [part(block, i, i + 1) for block in blocks for i in range(len(block))]
+    singly = run(StepSegmentation(AutoSteps(RATE_HZ, AutoStepParams()), SegmentationParams()), pieces)
+    assert [found.event for found in singly] == [found.event for found in whole]
+    assert [found.frequency_hz for found in singly] == [found.frequency_hz for found in whole]

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from pdr_est.benchmark.files import recordings
-from pdr_est.benchmark.positions import HELDOUT_METRICS, OPEN_METRICS, score_waypoints
+from pdr_est.benchmark.positions import HELDOUT_METRICS, score_waypoints
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.evaluate.open_loop import OPEN_METRICS
 from pdr_est.records import CarryingMode
 
 

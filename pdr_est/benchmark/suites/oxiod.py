@@ -8,8 +8,9 @@ import re
 from pathlib import Path
 
 from pdr_est.benchmark.files import recordings
-from pdr_est.benchmark.positions import OPEN_METRICS, score_open
+from pdr_est.benchmark.positions import score_open
 from pdr_est.benchmark.suite import Suite, WalkFile, as_recorded
+from pdr_est.evaluate.open_loop import OPEN_METRICS
 
 _LARGE_SCALE = "large-scale"
 

@@ -1,20 +1,14 @@
-"""Direction of a step: the mean yaw of the device over the step (MMPDR section III-E, Table IV)."""
+"""Direction of a step: the mean yaw of the device over the step (MMPDR section III-E, Table IV).
+
+The averaging over two steps in POCKET and the adaptive offset compensation of Table V are not there yet.
+"""
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.params import params
 from pdr_est.records import Step
-
-
-@params
-class HeadingParams:
-    """method: "mmpdr" averages the yaw over each step."""
-
-    method: Literal["mmpdr"] = "mmpdr"
 
 
 class StepYaw:

@@ -38,7 +38,7 @@ class MmpdrMode:
 
     def __init__(self, rate_hz: float, parameters: MmpdrModeParams) -> None:
         self._parameters = parameters
-        self._window = round(parameters.window_s * rate_hz)
+        self._window = max(round(parameters.window_s * rate_hz), 1)
         self._segment: int | None = None
         self._begin(None)
 

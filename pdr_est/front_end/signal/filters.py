@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.signal import butter, sosfilt, sosfilt_zi, sosfreqz
 
+from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 
 CADENCE_HZ = 1.8  # steps a second of a common walk
@@ -39,6 +40,7 @@ class CausalLowPass(CausalFilter):
     """Butterworth low-pass of second order."""
 
     def __init__(self, cutoff_hz: float, rate_hz: float) -> None:
+        _refuse_fast(cutoff_hz, rate_hz)
         super().__init__(butter(2, cutoff_hz, fs=rate_hz, output="sos"), rate_hz)
 
 
@@ -46,12 +48,21 @@ class CausalBandPass(CausalFilter):
     """First-order high-pass and third-order low-pass (Butterworth)."""
 
     def __init__(self, low_hz: float, high_hz: float, rate_hz: float) -> None:
+        _refuse_fast(high_hz, rate_hz)
         high_pass = butter(1, low_hz, btype="high", fs=rate_hz, output="sos")
         low_pass = butter(3, high_hz, fs=rate_hz, output="sos")
         super().__init__(np.concatenate([low_pass, high_pass]), rate_hz)
 
 
+def _refuse_fast(cutoff_hz: float, rate_hz: float) -> None:
+    if cutoff_hz >= 0.5 * rate_hz:
+        raise ConfigError(
+            f"a filter's cutoff of {cutoff_hz:g} Hz is not below half of resample.rate_hz = {rate_hz:g}: lower it"
+        )
+
+
 def phase_delay_s(sos: Array, rate_hz: float, signal_hz: float) -> float:
-    """By how much second-order sections delay a sine of `signal_hz`; at most half of its period."""
-    _, response = sosfreqz(sos, worN=[signal_hz], fs=rate_hz)
-    return float(-np.angle(response[0]) / (2.0 * np.pi * signal_hz))
+    """By how much second-order sections delay a sine of `signal_hz`. The phase is followed from zero frequency."""
+    frequencies = np.linspace(0.0, signal_hz, 257)[1:]
+    _, response = sosfreqz(sos, worN=frequencies, fs=rate_hz)
+    return float(-np.unwrap(np.angle(response))[-1] / (2.0 * np.pi * signal_hz))

@@ -59,6 +59,7 @@ class AutoSteps:
         if item.segment != self._samples.segment:
             self._samples.begin(item)
             self._filter.reset()
+            self._last_crest_s, self._recent_height, self._first = -np.inf, 0.0, None
         self._samples.append(item, self._filter.push(item.vertical_mps2))
         return self._decide()
 

@@ -1,6 +1,8 @@
 """Step detection of MMPDR (Tian et al. 2016), section III-C: peaks of the low-passed user acceleration.
 
-HOLDING only so far: the vertical acceleration of eqs. 5 and 6, positive peaks, criteria 1 and 2.
+HOLDING only so far: the vertical acceleration of eqs. 5 and 6, positive peaks, criteria 1 and 2. In SWING and POCKET
+the same acceleration is used instead of Table III's y and z axes. No step is detected in TRANS, and the compensation
+of eq. 8 for those steps is not there yet.
 
 Deviations from the paper. (1) Sample counts at 50 Hz are durations here. (2) The paper gives a threshold for POCKET
 only (0.2 g); the HOLDING default was tuned on real walks. (3) The paper's accelerations have Apple's sign, which
@@ -17,7 +19,7 @@ from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.peaks import local_maxima, local_minima
 from pdr_est.front_end.steps.undecided import UndecidedSamples
 from pdr_est.params import NonNegative, Positive, params
-from pdr_est.records import LevelBlock, StepEvent
+from pdr_est.records import CarryingMode, LevelBlock, StepEvent
 
 
 @params
@@ -73,8 +75,11 @@ class MmpdrSteps:
             time_s = self._samples.time_s(int(i))
             if time_s - self._last_step_s < self._parameters.min_interval_s:
                 continue  # criterion 1
+            event = self._samples.event(int(i))
+            if event.mode is CarryingMode.TRANS:
+                continue
             self._last_step_s = time_s
-            events.append(self._samples.event(int(i)))
+            events.append(event)
         self._samples.drop(ready - 1)
         return events
 
