@@ -116,6 +116,11 @@ def config_from_dict(data: Any, place: str) -> Config:
     return config
 
 
+def check(config: Config) -> None:
+    """Raise ConfigError if a value of a configuration made in Python is of the wrong type or out of range."""
+    config_from_dict(config_to_dict(config), "configuration")
+
+
 def config_to_dict(config: Config) -> dict[str, Any]:
     """Nested plain dictionaries, ready for YAML or JSON."""
     return asdict(config)

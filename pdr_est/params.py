@@ -1,4 +1,4 @@
-"""Parameter records: frozen dataclasses that pydantic can validate strictly.
+"""Parameter records: frozen dataclasses that pydantic can validate strictly, which `config` does.
 
 The parameters of a stage live beside the stage. `config.py` nests the same records into the configuration, so
 that a name, a default or a range is written once.
@@ -28,6 +28,9 @@ Fraction = Annotated[float, Ge(0.0), Le(1.0)]
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def params(cls: type[T]) -> type[T]:
-    """Make `cls` a frozen keyword-only dataclass whose validation refuses unknown keys, NaN and infinity."""
+    """Make `cls` a frozen keyword-only dataclass whose validation refuses unknown keys, NaN and infinity.
+
+    Making one does not validate it; `config.check` and reading a configuration do.
+    """
     cls.__pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)  # type: ignore[attr-defined]
     return dataclass(frozen=True, kw_only=True)(cls)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from pdr_est.config import Config
+from pdr_est.config import Config, check
 from pdr_est.estimators import estimate_track
 from pdr_est.front_end.attitude import DeviceAttitude, VqfAttitude
 from pdr_est.front_end.heading.step_yaw import StepYaw
@@ -54,8 +54,9 @@ class SmoothedWalk:
 def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = ()) -> SmoothedWalk:
     """The track of a recorded walk, with everything a report needs.
 
-    Raises RecordingError if a device lacks a sensor that the configuration needs.
+    Raises ConfigError for values out of range, RecordingError if a device lacks a sensor that is needed.
     """
+    check(config)
     started = time.process_time()
     devices = analyse(recording, config)
     analysed = time.process_time()

@@ -8,6 +8,7 @@ import pytest
 from pdr_est import pipeline
 from pdr_est.config import Config, config_from_dict, config_to_dict, config_to_yaml, load_config
 from pdr_est.errors import ConfigError
+from pdr_est.front_end.step_length import StepLengthParams
 from pdr_est.simulate import DeviceParams, Scenario, SensorParams, simulate_walk
 from pdr_est.simulate.path import PathParams
 
@@ -57,3 +58,10 @@ def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
 def test_bad_values_name_the_key(settings: object, message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         config_from_dict(settings, "test")
+
+
+def test_a_configuration_made_in_python_is_checked_before_use() -> None:
+    config = Config(step_length=StepLengthParams(model="typo"))  # type: ignore[arg-type]
+    walk = simulate_walk(Scenario(path=PathParams(vertices_m=((0.0, 0.0), (5.0, 0.0)))))
+    with pytest.raises(ConfigError, match=r"step_length\.model"):
+        pipeline.smooth(walk.recording, config)
