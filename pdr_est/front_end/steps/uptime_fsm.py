@@ -21,7 +21,7 @@ Readings of the paper. (1) The thresholds have no unit; m/s^2, which its Android
 (2) Negative thresholds need a magnitude without gravity: the length of the specific force less standard gravity.
 (3) "Going below Neg_Thr" at the end is about the size of m, which rises to zero through -0.6 there; taken by its
 sign it would hold at once in S5. (4) The text names S4 and S5 and leaves open how they tolerate noise; the table
-follows the transitions on which public implementations of Figure 3 agree.
+takes the usual reading of Figure 3, and in S5 the paper's text.
 
 Deviation. The paper's machine makes one transition a sample and does not say how fast it samples. A transition here
 takes `transition_s` instead, one sample at 50 Hz. It matters: with several transitions a sample, or faster samples,
