@@ -160,8 +160,7 @@ def _even_noise(node: Node) -> Array:
     turn = node.covariance[2, 2]
     of_turn = -np.expm1(-turn)  # a vector of length one that turns is never off by more than that
     shared = node.covariance[1, 2] * (of_turn / turn if turn > 0.0 else 0.0)
-    noise: Array = np.kron(0.5 * np.array([[of_length, shared], [shared, of_turn]]), np.eye(2))
-    return noise
+    return np.kron(0.5 * np.array([[of_length, shared], [shared, of_turn]]), np.eye(2)).astype(np.float64)
 
 
 def _directed_noise(node: Node, heading_rad: float) -> Array:
