@@ -247,10 +247,11 @@ def test_units_without_a_header_are_found(walk: Walk, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("damage", [b"", b"time,seconds_elapsed,x,y,z\n"], ids=["0 bytes", "header only"])
 def test_a_channel_without_rows(damage: bytes, export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
-    for sensor in ("Magnetometer", "Orientation", "Location"):
-        path = as_zip(tmp_path / "walk.zip", {**export, f"{sensor}.csv": damage})
-        stderr = smoothed(path, tmp_path / f"out-{sensor}").stderr
-        assert stderr == f"warning: device: {sensor} is in the export but has no rows\n"
+    dispensable = ("Location", "Magnetometer", "Orientation")
+    path = as_zip(tmp_path / "walk.zip", export | {f"{sensor}.csv": damage for sensor in dispensable})
+    assert smoothed(path, tmp_path / "out").stderr.splitlines() == [
+        f"warning: device: {sensor} is in the export but has no rows" for sensor in dispensable
+    ]
     path = as_zip(tmp_path / "walk.zip", {**export, "Gyroscope.csv": damage})
     only_inspected(path, outs, rf"no gyroscope \(Gyroscope is in the export but has no rows\), so {NO_TRACK}")
     path = as_zip(tmp_path / "walk.zip", {**export, "TotalAcceleration.csv": damage})
