@@ -17,14 +17,13 @@ from filterpy.kalman import KalmanFilter
 
 from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.robust import huber_inflation
-from pdr_est.estimators.start import UNKNOWN_SIGMA_RAD, StartPrior
-from pdr_est.estimators.timeline import Node, Timeline
+from pdr_est.estimators.start import UNKNOWN_SIGMA_RAD
+from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array
 from pdr_est.records import HeadingPrior, PositionFix
 
 ALIGNED_SIGMA_RAD = 0.2  # below this the pose is close enough to Gaussian for an EKF
 _UNIFORM_VARIANCE = 0.5  # of each component of a unit vector of uniform direction
-_LOST_VARIANCE = 0.25  # rad^2; a turn this uncertain tells nothing of the direction before it
 _VAGUE_VARIANCE = 50.0  # as before, but so wide that it does not matter
 _SIGMA_OF_NORM = 0.5  # what a heading prior says of the norm of (u, v), the length scale: next to nothing
 _NOW, _POSITION, _DIRECTION, _FIRST_DIRECTION = slice(0, 4), slice(0, 2), slice(2, 4), slice(4, 6)
@@ -42,47 +41,46 @@ class Alignment:
     aligned: Moments | None
 
 
-def align(timeline: Timeline, prior: StartPrior, sigma_length_scale: float) -> Alignment:
+def align(nodes: tuple[Node, ...], prior: Moments) -> Alignment:
     """Follow the walk with the heading vector until its direction is known.
 
-    Until then the heading is what the measurements favour, with the sigma of a uniform direction or less.
+    prior: of the state at the first node; its heading is ignored. Until the direction is known, the heading is what
+    the measurements favour, with the sigma of a uniform direction or less.
     """
     heading_vector = _HeadingVectorFilter(prior)
     poses: list[Array] = []
     covariances: list[Array] = []
-    for i, node in enumerate(timeline.nodes):
+    for i, node in enumerate(nodes):
         heading_vector.follow(node, i == 0, None)
         pose, covariance = heading_vector.pose()
         poses.append(pose)
         covariances.append(covariance)
         if heading_vector.sigma_heading_rad() <= ALIGNED_SIGMA_RAD:
-            aligned = _follow_again(timeline.nodes[: i + 1], prior, float(pose[2])).state(sigma_length_scale)
+            aligned = _follow_again(nodes[: i + 1], prior, float(pose[2])).state()
             poses[-1], covariances[-1] = aligned.mean[:3], aligned.covariance[:3, :3]
             return Alignment(np.array(poses), np.array(covariances), aligned)
     return Alignment(np.array(poses), np.array(covariances), None)
 
 
-def _follow_again(nodes: tuple[Node, ...], prior: StartPrior, heading_rad: float) -> "_HeadingVectorFilter":
+def _follow_again(nodes: tuple[Node, ...], prior: Moments, heading_rad: float) -> "_HeadingVectorFilter":
     """The filter at the last of some nodes, when the heading there is known about."""
-    headings: list[float | None] = [None] * len(nodes)
-    for i in range(len(nodes) - 1, 0, -1):
-        if nodes[i].covariance[2, 2] > _LOST_VARIANCE:
-            break
-        headings[i] = heading_rad
-        heading_rad -= nodes[i].heading_change_rad
+    turns = np.array([node.heading_change_rad for node in nodes])
+    headings = heading_rad - turns.sum() + turns.cumsum()
     heading_vector = _HeadingVectorFilter(prior)
-    for i, (node, heading) in enumerate(zip(nodes, headings, strict=True)):
-        heading_vector.follow(node, i == 0, heading)
+    for i, node in enumerate(nodes):
+        heading_vector.follow(node, i == 0, float(headings[i]))
     return heading_vector
 
 
 class _HeadingVectorFilter:
     """Linear Kalman filter over (east, north, u, v, u at the start, v at the start)."""
 
-    def __init__(self, prior: StartPrior) -> None:
+    def __init__(self, prior: Moments) -> None:
+        self._prior = prior
         self._filter = KalmanFilter(dim_x=6, dim_z=2)
         self._filter.x = np.array([*prior.mean[:2], 0.0, 0.0, 0.0, 0.0])
-        self._filter.P = np.diag([*prior.sigma[:2] ** 2, *(4 * [_UNIFORM_VARIANCE])])
+        self._filter.P = _UNIFORM_VARIANCE * np.eye(6)
+        self._filter.P[_POSITION, _POSITION] = prior.covariance[:2, :2]
         self._filter.P[_DIRECTION, _FIRST_DIRECTION] = _UNIFORM_VARIANCE * np.eye(2)
         self._filter.P[_FIRST_DIRECTION, _DIRECTION] = _UNIFORM_VARIANCE * np.eye(2)
 
@@ -114,10 +112,10 @@ class _HeadingVectorFilter:
         covariance[:2, :2] = self._filter.P[_POSITION, _POSITION]
         return np.array([x, y, np.arctan2(v, u)]), covariance
 
-    def state(self, sigma_length_scale: float) -> Moments:
+    def state(self) -> Moments:
         """Pose and length scale of a heading vector that is known well enough for a first-order conversion."""
         mean, covariance = self._without_uniform_prior()
-        return _with_scale_prior(_to_pose(mean[_NOW], covariance[_NOW, _NOW]), sigma_length_scale)
+        return _with_scale_prior(_to_pose(mean[_NOW], covariance[_NOW, _NOW]), self._prior)
 
     def _advance(self, node: Node, heading_rad: float | None) -> None:
         c, s = cos(node.heading_change_rad), sin(node.heading_change_rad)
@@ -180,8 +178,8 @@ def _to_pose(vector_state: Array, covariance: Array) -> Moments:
     return Moments(np.array([x, y, np.arctan2(v, u), norm]), jacobian @ covariance @ jacobian.T)
 
 
-def _with_scale_prior(moments: Moments, sigma: float) -> Moments:
-    """The walker's length scale is 1 +- sigma before any measurement: one Kalman update of the last state."""
-    gain = moments.covariance[:, 3] / (moments.covariance[3, 3] + sigma**2)
-    mean = moments.mean + gain * (1.0 - moments.mean[3])
+def _with_scale_prior(moments: Moments, prior: Moments) -> Moments:
+    """What is known of the length scale beside these measurements: one Kalman update of the last state."""
+    gain = moments.covariance[:, 3] / (moments.covariance[3, 3] + prior.covariance[3, 3])
+    mean = moments.mean + gain * (prior.mean[3] - moments.mean[3])
     return Moments(mean, moments.covariance - np.outer(gain, moments.covariance[3]))

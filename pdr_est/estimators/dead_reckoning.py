@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pdr_est.estimators.ekf import run_filter, smooth, undecided_anchor
+from pdr_est.estimators.ekf import Stretch, run_filter, smooth, undecided_anchor
 from pdr_est.estimators.motion import Moments, reckon
 from pdr_est.estimators.start import start_prior
 from pdr_est.estimators.timeline import Timeline, track_from_nodes
@@ -26,17 +26,29 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
 
 
 def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[Moments]:
-    nodes, prior = timeline.nodes, start_prior(timeline, start)
+    prior = start_prior(timeline, start, sigma_length_scale)
     if not prior.heading_open and not prior.position_open:
-        return reckon(nodes, 0, prior.moments(sigma_length_scale))
-    filtered = run_filter(timeline, start, sigma_length_scale)
-    if filtered.aligned_from is None:
-        return reckon(nodes, *undecided_anchor(timeline, filtered, sigma_length_scale))
-    first_fix = next((i for i, node in enumerate(nodes) if node.fixes), 0)
-    anchor = max(filtered.aligned_from, first_fix if prior.position_open else 0)
-    onwards = reckon(nodes[anchor:], 0, filtered.moments[anchor - filtered.aligned_from])
-    if prior.heading_open:
-        return reckon(nodes[: anchor + 1], anchor, onwards[0])[:-1] + onwards
-    # One fix can correct the position of a walk but not bend it: the smoother gives the same poses, and exactly what
-    # is known of those before the fix.
-    return smooth(nodes[: anchor + 1], filtered.moments[: anchor + 1])[:-1] + onwards
+        return reckon(timeline.nodes, 0, prior.moments)
+    stretches = run_filter(timeline, start, sigma_length_scale)
+    before = 0
+    for stretch in stretches:
+        anchor = _anchor(stretch, prior.position_open)
+        if anchor is not None and before == 0 and not prior.heading_open:
+            # One fix can correct the position of a walk but not bend it: the smoother gives the same poses, and
+            # exactly what is known of those before the fix.
+            earlier = smooth(stretch.nodes[: anchor + 1], stretch.moments[: anchor + 1])[:-1]
+            return earlier + reckon(timeline.nodes[anchor:], 0, stretch.moments[anchor])
+        if anchor is not None:
+            return reckon(timeline.nodes, before + anchor, stretch.moments[anchor - (stretch.aligned_from or 0)])
+        before += len(stretch.nodes)
+    return reckon(timeline.nodes, *undecided_anchor(stretches[0]))
+
+
+def _anchor(stretch: Stretch, position_open: bool) -> int | None:
+    """The first node of a stretch whose position and direction are known."""
+    if stretch.aligned_from is None:
+        return None
+    if not position_open:
+        return stretch.aligned_from
+    fixed = next((i for i, node in enumerate(stretch.nodes) if node.fixes), None)
+    return None if fixed is None else max(stretch.aligned_from, fixed)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
@@ -9,7 +10,7 @@ from filterpy.kalman import ExtendedKalmanFilter
 from pdr_est.estimators.alignment import align
 from pdr_est.estimators.motion import Moments, linearise, move
 from pdr_est.estimators.robust import huber_inflation
-from pdr_est.estimators.start import start_prior
+from pdr_est.estimators.start import StartPrior, prior_after_lost_turn, start_prior
 from pdr_est.estimators.timeline import Node, Timeline, track_from_nodes
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.records import HeadingPrior, PositionFix, StartPose
@@ -17,60 +18,55 @@ from pdr_est.track import Track
 
 NAME = "ekf"
 _REGULAR = 1e-12  # variance, far below anything that matters: parts of a state may be known exactly
+_LOST_VARIANCE = 0.25  # rad^2; with a turn this uncertain a heading is too far from Gaussian for an EKF
 _POSITION = np.eye(2, 4)
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0]])
 
 
 @dataclass(frozen=True)
-class Filtered:
-    """States of the filter. aligned_from: first node with a known direction (0 if the start pose is known, None if
-    it never became known); pose (n, 3) and covariance (n, 3, 3) for the track; moments of the nodes from
-    `aligned_from` on."""
+class Stretch:
+    """Consecutive nodes with what the filter knows of them; between two stretches the direction was lost.
 
+    aligned_from: first node with a known direction, None if it never became known; pose (n, 3) and covariance
+    (n, 3, 3) for the track; moments of the nodes from `aligned_from` on; end: the state at the last node.
+    """
+
+    nodes: tuple[Node, ...]
     aligned_from: int | None
     pose: Array
     covariance: Array
     moments: tuple[Moments, ...]
+    end: Moments
 
 
 def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> Track:
     """Filtered track: each pose from the measurements up to its time."""
-    filtered = run_filter(timeline, start, sigma_length_scale)
-    scale = (1.0, sigma_length_scale)
-    if filtered.moments:
-        last = filtered.moments[-1]
-        scale = (float(last.mean[3]), float(np.sqrt(last.covariance[3, 3])))
-    return track_from_nodes(
-        timeline, filtered.pose[:, :2], filtered.pose[:, 2], filtered.covariance, "filtered", NAME, scale
-    )
+    stretches = run_filter(timeline, start, sigma_length_scale)
+    pose = np.concatenate([stretch.pose for stretch in stretches])
+    covariance = np.concatenate([stretch.covariance for stretch in stretches])
+    end = stretches[-1].end
+    scale = (float(end.mean[3]), float(np.sqrt(end.covariance[3, 3])))
+    return track_from_nodes(timeline, pose[:, :2], pose[:, 2], covariance, "filtered", NAME, scale)
 
 
-def run_filter(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> Filtered:
-    """Filter all nodes: with the heading vector until the direction is known, with the pose from then on."""
-    prior = start_prior(timeline, start)
-    if not prior.heading_open:
-        states = _filter_poses(timeline.nodes, prior.moments(sigma_length_scale), update_first=True)
-        return Filtered(0, *_track_columns(states), tuple(states))
-    alignment = align(timeline, prior, sigma_length_scale)
-    if alignment.aligned is None:
-        return Filtered(None, alignment.pose, alignment.covariance, ())
-    aligned_from = len(alignment.pose) - 1
-    states = _filter_poses(timeline.nodes[aligned_from:], alignment.aligned, update_first=False)
-    pose, covariance = _track_columns(states)
-    return Filtered(
-        aligned_from,
-        np.concatenate([alignment.pose, pose[1:]]),
-        np.concatenate([alignment.covariance, covariance[1:]]),
-        tuple(states),
-    )
+def run_filter(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[Stretch]:
+    """Filter all nodes: with the heading vector until the direction is known, with the pose from then on.
+
+    A turn that leaves nothing of the direction begins a new stretch, if there are measurements to find it again.
+    """
+    prior = start_prior(timeline, start, sigma_length_scale)
+    stretches: list[Stretch] = []
+    for nodes in _between_lost_turns(timeline.nodes):
+        if stretches:
+            prior = prior_after_lost_turn(stretches[-1].end, nodes[0])
+        stretches.append(_filter_stretch(nodes, prior))
+    return stretches
 
 
-def undecided_anchor(timeline: Timeline, filtered: Filtered, sigma_length_scale: float) -> tuple[int, Moments]:
-    """The last node with a measurement, if all of them together did not settle the direction."""
-    anchor = max(i for i, node in enumerate(timeline.nodes) if node.fixes or node.priors)
-    covariance = np.diag([0.0, 0.0, 0.0, sigma_length_scale**2])
-    covariance[:3, :3] = filtered.covariance[anchor]
-    return anchor, Moments(np.array([*filtered.pose[anchor], 1.0]), covariance)
+def undecided_anchor(stretch: Stretch) -> tuple[int, Moments]:
+    """The last node with a measurement and its state, if all of them together did not settle the direction."""
+    anchor = max((i for i, node in enumerate(stretch.nodes) if node.fixes or node.priors), default=0)
+    return anchor, _undecided(stretch.pose[anchor], stretch.covariance[anchor], stretch.end)
 
 
 def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Moments]:
@@ -89,6 +85,35 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Momen
         covariance[k] += gain[k] @ (covariance[k + 1] - predicted[k]) @ gain[k].T
     covariance = 0.5 * (covariance + covariance.transpose(0, 2, 1))
     return [Moments(*moments) for moments in zip(mean, covariance, strict=True)]
+
+
+def _between_lost_turns(nodes: tuple[Node, ...]) -> list[tuple[Node, ...]]:
+    last = max((i for i, node in enumerate(nodes) if node.fixes or node.priors), default=0)
+    lost = [i for i in range(1, last + 1) if nodes[i].covariance[2, 2] > _LOST_VARIANCE]
+    return [nodes[i:j] for i, j in pairwise([0, *lost, len(nodes)])]
+
+
+def _filter_stretch(nodes: tuple[Node, ...], prior: StartPrior) -> Stretch:
+    if not prior.heading_open:
+        states = _filter_poses(nodes, prior.moments, update_first=True)
+        return Stretch(nodes, 0, *_track_columns(states), tuple(states), states[-1])
+    alignment = align(nodes, prior.moments)
+    if alignment.aligned is None:
+        end = _undecided(alignment.pose[-1], alignment.covariance[-1], prior.moments)
+        return Stretch(nodes, None, alignment.pose, alignment.covariance, (), end)
+    aligned_from = len(alignment.pose) - 1
+    states = _filter_poses(nodes[aligned_from:], alignment.aligned, update_first=False)
+    pose, covariance = _track_columns(states)
+    pose = np.concatenate([alignment.pose, pose[1:]])
+    covariance = np.concatenate([alignment.covariance, covariance[1:]])
+    return Stretch(nodes, aligned_from, pose, covariance, tuple(states), states[-1])
+
+
+def _undecided(pose: Array, covariance: Array, scale: Moments) -> Moments:
+    """The state for a pose whose direction is open, with the length scale of another state."""
+    state = np.diag([0.0, 0.0, 0.0, scale.covariance[3, 3]])
+    state[:3, :3] = covariance
+    return Moments(np.array([*pose, scale.mean[3]]), state)
 
 
 def _track_columns(states: list[Moments]) -> tuple[Array, Array]:

@@ -73,12 +73,15 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
 
 def initial_states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[Moments]:
     """States at all nodes to start from: the smoothed filter, and before the direction was known back from there."""
-    filtered = run_filter(timeline, start, sigma_length_scale)
-    if filtered.aligned_from is None:
-        return reckon(timeline.nodes, *undecided_anchor(timeline, filtered, sigma_length_scale))
-    k = filtered.aligned_from
-    tail = smooth(timeline.nodes[k:], filtered.moments)
-    return reckon(timeline.nodes[: k + 1], k, tail[0])[:-1] + tail
+    states: list[Moments] = []
+    for stretch in run_filter(timeline, start, sigma_length_scale):
+        k = stretch.aligned_from
+        if k is None:
+            states += reckon(stretch.nodes, *undecided_anchor(stretch))
+        else:
+            tail = smooth(stretch.nodes[k:], stretch.moments)
+            states += reckon(stretch.nodes[: k + 1], k, tail[0])[:-1] + tail
+    return states
 
 
 def _solve(
@@ -111,10 +114,10 @@ def _solve(
 
 def _anchors(timeline: Timeline, start: StartPose, guess: Array) -> gtsam.NonlinearFactorGraph:
     """What ties the walk to the map: start, fixes and heading priors. guess: start pose, used where it is open."""
-    prior = start_prior(timeline, start)
-    mean = np.array([*prior.mean[:2], guess[2] if prior.heading_open else prior.mean[2]])
+    prior = start_prior(timeline, start, 0.0)
+    mean = np.array([*prior.moments.mean[:2], guess[2] if prior.heading_open else prior.moments.mean[2]])
+    sigmas = np.maximum(np.sqrt(np.diag(prior.moments.covariance)[:3]), _LEAST_SIGMA)
     graph = gtsam.NonlinearFactorGraph()
-    sigmas = np.maximum(prior.sigma, _LEAST_SIGMA)
     graph.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*mean), gtsam.noiseModel.Diagonal.Sigmas(sigmas)))
     for i, node in enumerate(timeline.nodes):
         for fix in node.fixes:

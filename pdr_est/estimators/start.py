@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.estimators.motion import Moments
-from pdr_est.estimators.timeline import Timeline
-from pdr_est.frames import Array
+from pdr_est.estimators.timeline import Node, Timeline
 from pdr_est.records import StartPose
 
 UNKNOWN_SIGMA_M = 1e3  # of an unknown position around the first fix
@@ -15,29 +14,23 @@ UNKNOWN_SIGMA_RAD = float(np.pi / np.sqrt(3.0))  # standard deviation of a unifo
 
 @dataclass(frozen=True)
 class StartPrior:
-    """Prior of the pose at the start. mean, sigma: (3,) of east m, north m, heading rad.
+    """Prior of the state at the start of a walk, or of the rest of a walk after its direction was lost.
 
     position_open, heading_open: to be found from the measurements. The mean of an open position is the first fix,
     that of an open heading is without meaning.
     """
 
-    mean: Array
-    sigma: Array
+    moments: Moments
     position_open: bool
     heading_open: bool
 
-    def moments(self, sigma_length_scale: float) -> Moments:
-        """The prior of the whole state."""
-        sigma = np.array([*self.sigma, sigma_length_scale])
-        return Moments(np.array([*self.mean, 1.0]), np.diag(sigma**2))
 
-
-def start_prior(timeline: Timeline, start: StartPose) -> StartPrior:
+def start_prior(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> StartPrior:
     """The given start; unknown parts are open if measurements can tell them, else they define the frame as zero."""
     fixes = timeline.fixes
     position_open = start.position_m is None and bool(fixes)
     heading_open = start.heading_rad is None and bool(fixes or timeline.priors)
-    mean, sigma = np.zeros(3), np.zeros(3)
+    mean, sigma = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 0.0, sigma_length_scale])
     if start.position_m is not None:
         mean[:2], sigma[:2] = start.position_m, start.sigma_position_m
     elif position_open:
@@ -46,4 +39,12 @@ def start_prior(timeline: Timeline, start: StartPose) -> StartPrior:
         mean[2], sigma[2] = start.heading_rad, start.sigma_heading_rad
     elif heading_open:
         sigma[2] = UNKNOWN_SIGMA_RAD
-    return StartPrior(mean, sigma, position_open, heading_open)
+    return StartPrior(Moments(mean, np.diag(sigma**2)), position_open, heading_open)
+
+
+def prior_after_lost_turn(before: Moments, node: Node) -> StartPrior:
+    """The state at `node` after a motion in any direction, whose turn leaves nothing of the heading."""
+    reach = 0.5 * (node.length_m**2 + node.covariance[0, 0] + node.covariance[1, 1])
+    covariance = np.diag([reach, reach, UNKNOWN_SIGMA_RAD**2, before.covariance[3, 3]])
+    covariance[:2, :2] += before.covariance[:2, :2]
+    return StartPrior(Moments(before.mean, covariance), position_open=False, heading_open=True)

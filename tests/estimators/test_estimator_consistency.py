@@ -1,11 +1,12 @@
 """Errors of many simulated walks against the covariances claimed for them."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from scipy.stats import chi2
-from walks import SIGMA_SCALE, run, simulate, winding
+from walks import SIGMA_SCALE, run, simulate, step, winding
 
 from pdr_est.estimators import EstimatorName
 from pdr_est.evaluate.consistency import coverage95, nees_mean
@@ -90,3 +91,36 @@ def test_the_filter_is_honest_while_the_direction_is_unknown(first_fix: int) -> 
 @pytest.mark.parametrize("name", ["factor-graph", "dead-reckoning"])
 def test_poses_before_the_first_fix_are_covered(name: EstimatorName) -> None:
     assert coverage(outcomes(name, False, 10), slice(0, 10)) >= 0.9
+
+
+GAP_STEPS, REACH_M = 40, 10.0
+
+
+@cache
+def outcomes_with_gap(name: EstimatorName) -> list[tuple[Track, Array]]:
+    """Walks from a known start, with a gap in which the walker went anywhere and turned anyhow."""
+    rng = np.random.default_rng(22)
+    bridge = step(30 + GAP_STEPS, 0.0, 0.0, np.diag([REACH_M**2, REACH_M**2, np.pi**2 / 3.0]), observed=False)
+    results = []
+    for _ in range(TRIALS):
+        before = simulate(rng, winding(30, rng), fix_every=10)
+        there = before.truth[-1, :2] + REACH_M * rng.standard_normal(2)
+        after = simulate(rng, winding(30, rng), (*there, rng.uniform(-np.pi, np.pi)), fix_every=10, first_fix=5)
+        shift_s = bridge.time_s
+        later = [replace(m, time_s=m.time_s + shift_s) for m in after.fixes]
+        later += [replace(m, time_s=m.time_s + shift_s, start_s=m.start_s + shift_s) for m in after.odometry]
+        track = run(name, [*before.measurements, bridge, *later], StartPose((0.0, 0.0), 0.0), 0.03)
+        results.append((track, np.concatenate([before.truth, after.truth])))
+    return results
+
+
+@pytest.mark.parametrize("name", ["ekf", "factor-graph"])
+def test_a_gap_in_which_the_direction_was_lost_leaves_an_honest_track(name: EstimatorName) -> None:
+    results = outcomes_with_gap(name)
+    assert coverage(results, slice(31, None)) >= 0.9
+    assert coverage(results, slice(50, None)) >= 0.92
+    for number in (31, 50, 61):
+        assert nees_at(results, number) < MOST_NEES
+    heading = np.array([wrap_angle(track.heading_rad - truth[:, 2])[50:] for track, truth in results])
+    sigma = np.array([track.sigma_heading_rad[50:] for track, _ in results])
+    assert np.mean((heading / sigma) ** 2) < 1.4

@@ -63,7 +63,7 @@ def test_on_a_linear_walk_the_ekf_is_the_kalman_filter() -> None:
 def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
     timeline = timeline_of(straight_walk(0.0))
     mean, covariance = solve_linear(timeline, EAST, SIGMA_SCALE)
-    filtered = ekf.run_filter(timeline, EAST, SIGMA_SCALE)
+    filtered = ekf.run_filter(timeline, EAST, SIGMA_SCALE)[0]
     smoothed = ekf.smooth(timeline.nodes, filtered.moments)
     assert filtered.moments[-1].mean[:2] == pytest.approx(mean[-3:-1], abs=1e-9)
     assert filtered.moments[-1].covariance[:2, :2] == pytest.approx(covariance[-3:-1, -3:-1], abs=1e-9)
@@ -77,7 +77,7 @@ def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
 
 def test_on_a_linear_walk_the_graph_is_the_smoothed_filter() -> None:
     timeline = timeline_of(straight_walk(1e-4))
-    filtered = ekf.run_filter(timeline, EAST, SIGMA_SCALE)
+    filtered = ekf.run_filter(timeline, EAST, SIGMA_SCALE)[0]
     smoothed = [
         state
         for state, node in zip(ekf.smooth(timeline.nodes, filtered.moments), timeline.nodes, strict=True)
@@ -99,7 +99,7 @@ def test_on_a_gently_turning_walk_the_graph_is_the_smoothed_filter() -> None:
     turns = 0.05 * np.sin(np.arange(80) / 9.0)
     walk = simulate(rng, turns, (3.0, -2.0, 0.5), 1.02, fix_every=10, sigma_fix_m=0.2, covariance=covariance)
     timeline = timeline_of(walk)
-    smoothed = ekf.smooth(timeline.nodes, ekf.run_filter(timeline, start, 0.03).moments)
+    smoothed = ekf.smooth(timeline.nodes, ekf.run_filter(timeline, start, 0.03)[0].moments)
     track = run("factor-graph", walk.measurements, start, 0.03)
     assert track.position_m == pytest.approx(np.array([state.mean[:2] for state in smoothed]), abs=0.01)
     for k, state in enumerate(smoothed):

@@ -19,7 +19,7 @@ def timeline() -> Timeline:
 @pytest.mark.parametrize("start", [StartPose(), StartPose((0.0, 0.0), 0.0, 0.1, 0.1)], ids=["unknown", "known"])
 def test_states_stay_one_dimensional_and_covariances_symmetric(start: StartPose) -> None:
     walk = timeline()
-    filtered = ekf.run_filter(walk, start, 0.1)
+    (filtered,) = ekf.run_filter(walk, start, 0.1)
     assert filtered.pose.shape == (len(walk.nodes), 3)
     assert filtered.covariance.shape == (len(walk.nodes), 3, 3)
     for state in filtered.moments:
@@ -30,7 +30,7 @@ def test_states_stay_one_dimensional_and_covariances_symmetric(start: StartPose)
 
 
 def test_states_are_snapshots_not_views_of_the_running_filter() -> None:
-    filtered = ekf.run_filter(timeline(), StartPose((0.0, 0.0), 0.0, 0.1, 0.1), 0.1)
+    (filtered,) = ekf.run_filter(timeline(), StartPose((0.0, 0.0), 0.0, 0.1, 0.1), 0.1)
     assert filtered.moments[0].mean[0] < 1.0 < filtered.moments[-1].mean[0]
     assert filtered.moments[0].covariance[0, 0] < filtered.moments[9].covariance[0, 0]
 

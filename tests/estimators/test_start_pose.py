@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from walks import DEVICE, fix, heading_prior, run, simulate, step, straight, turned, winding
+from walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, step, straight, turned, winding
 
 from pdr_est.estimators import ESTIMATORS, EstimatorName, ekf
 from pdr_est.estimators.timeline import build_timeline
@@ -211,8 +211,33 @@ def start_at(pose: tuple[float, float, float], known: str) -> StartPose:
 
 def test_the_direction_is_found_before_the_filter_turns_to_poses() -> None:
     walk = simulate(np.random.default_rng(7), winding(60, np.random.default_rng(8)), (0, 0, 3.0), fix_every=20)
-    filtered = ekf.run_filter(build_timeline(DEVICE, 0.0, walk.measurements), StartPose(), 0.1)
+    (filtered,) = ekf.run_filter(build_timeline(DEVICE, 0.0, walk.measurements), StartPose(), 0.1)
     assert filtered.aligned_from == 20
     assert len(filtered.moments) == 41
     assert filtered.covariance[19, 2, 2] > 1.0
     assert filtered.covariance[20, 2, 2] < 0.04
+
+
+def test_before_the_direction_is_known_the_covariance_is_that_of_all_directions() -> None:
+    forward, left, heading, steps = 0.01, 0.03, 0.002, 20
+    walk = straight(steps, 0.7, np.diag([forward, left, heading]))
+    track = run("ekf", [*walk, fix(0, 5.0, 6.0, 0.3)], StartPose())
+    turned_away = 1.0 - np.exp(-heading)  # variance of a unit vector after one step
+    of_turns = 0.7**2 * turned_away * sum(m**2 for m in range(steps))
+    per_axis = 0.5 * ((0.7 * steps) ** 2 + of_turns + steps * (forward + left))
+    assert track.covariance_m2[-1] == pytest.approx((0.09 + per_axis) * np.eye(2), rel=1e-4)
+    assert track.position_m[-1] == pytest.approx([5.0, 6.0], abs=1e-6)
+
+
+def test_a_gap_in_which_the_walker_may_have_turned_ends_what_was_known_of_the_direction() -> None:
+    """Before the gap two fixes hint at east, after it the walk goes north."""
+    east = [*straight(3), fix(0, 0.0, 0.0, 0.2), fix(3, 2.1, 0.0, 0.2)]
+    bridge = step(43, 0.0, 0.0, np.diag([400.0, 400.0, 3.3]), observed=False)
+    north = [step(k) for k in range(44, 74)]
+    fixes = [fix(k, 20.0, 0.7 * (k - 43), 0.2) for k in (43, 50, 57, 64, 73)]
+    track = run("ekf", [*east, bridge, *north, *fixes], StartPose())
+    settled = np.flatnonzero((track.sigma_heading_rad < 0.2) & (track.time_s > 43 * STEP_S))
+    error = wrap_angle(track.heading_rad - np.pi / 2)
+    assert len(settled) > 20
+    assert np.max(np.abs(error[settled] / track.sigma_heading_rad[settled])) < 1.0
+    assert track.length_scale == pytest.approx(1.0, abs=0.03)
