@@ -241,3 +241,16 @@ def test_a_gap_in_which_the_walker_may_have_turned_ends_what_was_known_of_the_di
     assert len(settled) > 20
     assert np.max(np.abs(error[settled] / track.sigma_heading_rad[settled])) < 1.0
     assert track.length_scale == pytest.approx(1.0, abs=0.03)
+
+
+def test_position_and_length_scale_outlast_a_gap_in_the_direction() -> None:
+    known = [*straight(40), *(fix(k, 0.77 * k, 0.0, 0.1) for k in range(0, 37, 4))]
+    bridge = step(41, 0.0, 0.0, np.diag([0.25, 0.25, 3.3]), observed=False)
+    before, after = (
+        run("ekf", [*known, *more, fix(42, 90.0, 0.0, 1e4)], StartPose((0.0, 0.0), 0.0)) for more in ([], [bridge])
+    )
+    assert after.position_m[41] == pytest.approx(before.position_m[40], abs=1e-6)
+    assert after.covariance_m2[41] == pytest.approx(before.covariance_m2[40] + 0.25 * np.eye(2), rel=1e-4)
+    assert after.sigma_heading_rad[41] == pytest.approx(UNIFORM_RAD)
+    assert after.length_scale == pytest.approx(before.length_scale, abs=1e-6)
+    assert after.sigma_length_scale == pytest.approx(before.sigma_length_scale, rel=1e-4)
