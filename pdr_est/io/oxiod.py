@@ -11,7 +11,7 @@ from pdr_est.io.choice import members_like, only_walk, stem
 from pdr_est.io.orientation import core_motion_force, vertical_mismatch, vertical_warning
 from pdr_est.io.recording import DeviceRecording, Recording, TruePositions, Truth
 from pdr_est.io.source import Source
-from pdr_est.io.table import Table, finite_rows, read_table
+from pdr_est.io.table import Table, finite_rows, measurable, read_table
 
 NAME = "OxIOD"
 
@@ -57,7 +57,7 @@ def _looks_right(head: bytes) -> bool:
     if not lines or any(line.count(b",") != len(_COLUMNS) - 1 for line in lines):
         return False
     try:
-        rows = np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2)
+        rows = measurable(np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2))
     except ValueError:
         return False
     attitude = quaternion_from_core_motion(rows[:, 1], rows[:, 2], rows[:, 3])

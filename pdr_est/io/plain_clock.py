@@ -14,6 +14,7 @@ from pdr_est.io.table import Table
 from pdr_est.io.units import Finding, clock_unit
 
 _DATE = re.compile(r"^\s*\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}")
+_MOMENT = re.compile(r"[1-9]\d{3}-\d{2}-\d{2}[T ]\d{2}:\d{2}(:\d{2}(\.\d+)?)?")
 _ZONE = re.compile(r"\s*(Z|[+-]\d{2}:?\d{2})$")
 _EARLIEST_UNIX_S = 9e8  # smaller clocks count from something else
 
@@ -44,8 +45,11 @@ def read_clock(table: Table, columns: Columns, dates: bool) -> TableClock:
         )
     if dates:
         return _by_dates(table, title)
+    ticks = table.columns[title][np.isfinite(table.columns[title])]
+    if not len(ticks):
+        raise RecordingError(f"{table.place}: no time in column {title!r}; record again")
     if columns.factor is None:
-        finding = clock_unit(table.columns[title][np.isfinite(table.columns[title])])
+        finding = clock_unit(ticks)
     else:
         finding = Finding(columns.factor, f"the clock's unit is in the header: {title}")
     first_s, since_s = table.clock(title, 1.0 / finding.factor)
@@ -53,34 +57,40 @@ def read_clock(table: Table, columns: Columns, dates: bool) -> TableClock:
 
 
 def _by_dates(table: Table, title: str) -> TableClock:
-    texts = table.texts(title)
+    texts = np.char.strip(table.texts(title))
     zone = _ZONE.search(str(texts[0]))
+    suffixes = {found.group() if (found := _ZONE.search(text)) else "" for text in texts if text}
+    if len(suffixes) > 1:
+        raise RecordingError(f"{table.place}, column {title!r}: the time zone changes; write all times in one zone")
     if zone is not None:
-        suffix = zone.group()
-        if not np.char.endswith(texts[texts != ""], suffix).all():
-            raise RecordingError(
-                f"{table.place}, column {title!r}: the time zone changes; write all times in one zone"
-            )
-        texts = np.array([text.removesuffix(suffix) for text in texts])
+        texts = np.array([text.removesuffix(zone.group()) for text in texts])
     moments = _parse(texts, table.place, title)
     since_s = (moments - moments[0]) / np.timedelta64(1, "ns") / 1e9
-    epoch_s = None if zone is None else datetime.fromisoformat(str(table.texts(title)[0])).timestamp()
+    epoch_s = None if zone is None else _unix_s(f"{texts[0]}{zone.group()}", table.place, title)
     words = f"the clock counts date and time{'' if zone else ' without a time zone: the Unix time is unknown'}"
     return TableClock(since_s, epoch_s, Finding(1.0, words))
 
 
-def _parse(texts: NDArray[np.str_], place: str, title: str) -> NDArray[np.datetime64]:
+def _unix_s(text: str, place: str, title: str) -> float:
     try:
-        return np.where(texts == "", "NaT", texts).astype("datetime64[ns]")
-    except ValueError:
-        number = next(i for i, text in enumerate(texts) if text and not _is_moment(text))
-        raise RecordingError(
-            f"{place}, row {number + 1}, column {title!r}: {str(texts[number])!r} is not a date with time; "
-            "correct or remove this row"
-        ) from None
+        return datetime.fromisoformat(text).timestamp()
+    except (ValueError, OverflowError) as error:
+        raise RecordingError(f"{place}, column {title!r}: {text!r} is not a time in a zone; correct it") from error
+
+
+def _parse(texts: NDArray[np.str_], place: str, title: str) -> NDArray[np.datetime64]:
+    for number, text in enumerate(texts):
+        if text and not _is_moment(text):
+            raise RecordingError(
+                f"{place}, row {number + 1}, column {title!r}: {str(text)!r} is not a date with time; "
+                "correct or remove this row"
+            )
+    return np.where(texts == "", "NaT", texts).astype("datetime64[ns]")
 
 
 def _is_moment(text: str) -> bool:
+    if not _MOMENT.fullmatch(text):
+        return False
     try:
         np.datetime64(text, "ns")
     except ValueError:

@@ -133,7 +133,10 @@ def _device(reading: _Reading) -> DeviceRecording:
         force, attitude = _upwards(reading, force, attitude)
     rate = _in_si(reading, Quantity.RATE, units.rotation_unit)
     if force is None and rate is None:
-        raise RecordingError(f"{reading.table.place}: neither accelerometer nor gyroscope has values; record again")
+        reasons = f" ({'; '.join(reading.warnings)})" if reading.warnings else ""
+        raise RecordingError(
+            f"{reading.table.place}: neither accelerometer nor gyroscope has values{reasons}; record again"
+        )
     return DeviceRecording(
         specific_force=force,
         rotation_rate=rate,

@@ -8,8 +8,6 @@ Columns come in any order and are read by name.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
 from pdr_est.io import units
@@ -24,6 +22,7 @@ from pdr_est.io.table import usable_rows
 
 NAME = "Sensor Logger"
 
+_LATEST_NS = 2**63 - 1
 _AXES = ("x", "y", "z")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _FIX = ("latitude", "longitude", "horizontalAccuracy")
@@ -126,8 +125,8 @@ def _zero_ns(export: Export) -> int:
             f"{export.place}: no accelerometer or gyroscope with rows among {present}; "
             "record again with both switched on"
         )
-    if not np.isfinite(starts).all():
-        raise RecordingError(f"{export.place}: no time in the first row of a motion sensor; remove that row")
+    if not all(0 <= start < _LATEST_NS for start in starts):  # NaN is not either
+        raise RecordingError(f"{export.place}: no Unix time in the first row of a motion sensor; remove that row")
     return int(min(starts))
 
 

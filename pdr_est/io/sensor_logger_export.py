@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.source import Source
-from pdr_est.io.table import Table, read_table
+from pdr_est.io.table import Table, measurable, read_table
 
 CLOCK_COLUMNS = ("time", "seconds_elapsed")
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')
@@ -148,7 +148,7 @@ def _json_numbers(rows: Sequence[Mapping[str, Any]], name: str, place: str) -> N
     except (ValueError, OverflowError):
         pass
     try:
-        return np.array([float(text) if text else np.nan for text in texts])
+        return measurable(np.array([float(text) if text else np.nan for text in texts]))
     except ValueError:
         number = next(i for i, text in enumerate(texts) if text and not _is_number(text))
         raise RecordingError(

@@ -16,7 +16,7 @@ from pdr_est.io.recording import Signal
 
 _BOM = b"\xef\xbb\xbf"
 _ROWS_FOR_TYPES = 100
-_LARGEST = 1e100
+_LARGEST = 1e30
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def read_table(
 
     place: the file, for messages. columns: the names to keep (absent ones are simply not in the result); without
     a header they name all columns from the left. text_columns: names of columns that stay text; every other
-    column must hold numbers, and empty fields, NaN and inf are allowed there. A byte-order mark, the line
+    column must hold numbers; empty fields, NaN and what no sensor can measure become NaN. A byte-order mark, the line
     ends of every system and trailing blank lines are tolerated.
 
     Raises RecordingError for an empty table, text in a number column and rows of unequal length, naming line,
@@ -122,7 +122,7 @@ def read_table(
         if name in text_columns:
             arrays[name] = frame[name].cast(pl.String).fill_null("").to_numpy().astype(np.str_)
             continue
-        arrays[name] = _as_numbers(frame[name], place, options)
+        arrays[name] = measurable(_as_numbers(frame[name], place, options))
         cells = _empty_cells(frame[name])
         if cells.any():
             empty[name] = cells
@@ -132,12 +132,11 @@ def read_table(
 def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal, tuple[str, ...]]:
     """A signal of the rows that are finite in time and values, with a warning that counts the others.
 
-    Values whose squares are beyond any number count as infinite. Raises RecordingError when there are no rows or
-    none is finite.
+    Raises RecordingError when there are no rows or none is finite.
     """
     if len(time_s) == 0:
         raise RecordingError(f"{place}: no rows of {what}; record again with this sensor switched on")
-    finite = _finite(time_s, values)
+    finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
     dropped = len(finite) - int(finite.sum())
     if dropped == 0:
         return Signal(time_s, values), ()
@@ -149,14 +148,18 @@ def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Si
 
 def usable_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal | None, tuple[str, ...]]:
     """Like `finite_rows`, but None and a warning where no row is finite: for sensors that a track can do without."""
-    if len(time_s) and not _finite(time_s, values).any():
-        return None, (f"{what}: left out because all {len(time_s)} rows hold NaN or infinite values",)
+    timed = np.isfinite(time_s)
+    if len(time_s) and not (timed & np.isfinite(values).all(axis=1)).any():
+        reason = "hold NaN or infinite values" if timed.any() else "have no usable time"
+        return None, (f"{what}: left out because all {len(time_s)} rows {reason}",)
     return finite_rows(time_s, values, what, place)
 
 
-def _finite(time_s: Array, values: Array) -> NDArray[np.bool_]:
-    finite: NDArray[np.bool_] = np.isfinite(time_s) & (np.abs(values) <= _LARGEST).all(axis=1)
-    return finite
+def measurable(values: NDArray[Any]) -> NDArray[Any]:
+    """Numbers with NaN for infinity and for what is so large that arithmetic would soon get there."""
+    if values.dtype != np.float64:
+        return values
+    return np.where(np.abs(values) <= _LARGEST, values, np.nan)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import polars as pl
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.table import measurable
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ class TaggedLog:
         return int(self._rows[self._tag_column].str.starts_with(tag_prefix).sum())
 
     def numbers(self, tag: str, fields: Sequence[int]) -> Array:
-        """The rows of a tag, (n, len(fields)) float64; an empty or absent field is NaN.
+        """The rows of a tag, (n, len(fields)) float64; an empty or absent field is NaN, as is what no sensor can
+        measure.
 
         Raises RecordingError for text in a number field, naming line, field and value.
         """
@@ -62,7 +64,7 @@ class TaggedLog:
                     f"{self.place}, line {self._line_of(rows.row(wrong))}, {tag}: {text[name][wrong]!r} is not a "
                     "number; correct or remove this line"
                 )
-        return numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields))
+        return measurable(numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields)))
 
     def _line_of(self, row: tuple[str | None, ...]) -> int:
         """Line of the first row that equals this one, in the file as it was recorded."""

@@ -11,7 +11,7 @@ from pdr_est.io.choice import members_like, only_walk, stem
 from pdr_est.io.orientation import core_motion_force, vertical_mismatch, vertical_warning
 from pdr_est.io.recording import DeviceRecording, Recording, Truth
 from pdr_est.io.source import Source
-from pdr_est.io.table import finite_rows, read_table
+from pdr_est.io.table import finite_rows, measurable, read_table
 from pdr_est.io.weallwalk_truth import is_annotation, read_annotation
 
 NAME = "WeAllWalk"
@@ -67,7 +67,7 @@ def _is_table(head: bytes) -> bool:
     if not lines or any(line.count(b",") != len(_COLUMNS) - 1 for line in lines):
         return False
     try:
-        rows = np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2)
+        rows = measurable(np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2))
     except ValueError:
         return False
     return vertical_mismatch(rows[:, _QUATERNION], -rows[:, _GRAVITY]) < _LARGEST_MISMATCH

@@ -267,7 +267,7 @@ def wait_for_work(folder: Path, process: "subprocess.Popen[str]") -> None:
     pytest.fail("the run never began to write")
 
 
-@pytest.mark.parametrize("overwrite", [False, True])
+@pytest.mark.parametrize("overwrite", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_ctrl_c_leaves_everything_as_it_was(overwrite: bool, good: Path, tmp_path: Path) -> None:
     if overwrite:
         smoothed(good, tmp_path / "out")
