@@ -200,13 +200,16 @@ def _frame(content: bytes, layout: _Layout, text_columns: Sequence[str], rows_fo
 def _refuse_ragged(content: bytes, place: str, layout: _Layout) -> None:
     rows = csv.reader(io.StringIO(content.decode("utf-8", "replace"), newline=""), delimiter=layout.separator)
     expected = 0
-    for row in rows:
-        expected = expected or len(row)
-        if len(row) != expected and row:
-            raise RecordingError(
-                f"{place}, line {rows.line_num}: {len(row)} fields instead of {expected}; "
-                "complete or remove this line"
-            )
+    try:
+        for row in rows:
+            expected = expected or len(row)
+            if len(row) != expected and row:
+                raise RecordingError(
+                    f"{place}, line {rows.line_num}: {len(row)} fields instead of {expected}; "
+                    "complete or remove this line"
+                )
+    except csv.Error as error:
+        raise RecordingError(f"{place}, line {rows.line_num}: {error}, is a quote not closed? correct it") from error
 
 
 def _headerless_names(width: int, names: Sequence[str] | None, place: str) -> list[str]:

@@ -171,6 +171,11 @@ def test_rows_of_another_length(row: str, n: int, tmp_path: Path, outs: Path, li
     both_refuse(path, outs, f", line 41: {n} fields instead of 7; complete or remove this line")
 
 
+def test_a_quote_that_is_never_closed(tmp_path: Path, outs: Path, lines: list[str]) -> None:
+    path = save(tmp_path / "walk.csv", with_cell(lines * 2, 40, 1, '"9.8'))
+    both_refuse(path, outs, r", line \d+: ")
+
+
 def test_nan_and_inf_are_dropped_and_counted(tmp_path: Path, lines: list[str]) -> None:
     table = lines
     for line, text in ((10, "nan"), (20, "inf"), (30, "-Infinity"), (40, "NaN"), (50, "1e200")):
