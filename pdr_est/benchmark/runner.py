@@ -2,10 +2,13 @@
 
 import math
 import multiprocessing
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -139,7 +142,22 @@ def _map(
     # Spawned and not forked: the same on every platform, and safe with the threads of numpy and GTSAM.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context, initializer=_warm_up, initargs=(estimators,)) as pool:
-        yield from _until_broken(pool.map(work, walks))
+        with _without_interrupts():
+            outcomes = pool.map(work, walks)
+        yield from _until_broken(outcomes)
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Processes that start within ignore Ctrl-C, which reaches all of them: this one alone winds up the work."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are the main thread's business
+        return
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 def _until_broken(outcomes: Iterable[Outcome]) -> Iterator[Outcome]:

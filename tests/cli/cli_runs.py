@@ -1,11 +1,19 @@
-"""Runs of the command line in the tests' own process, and what every refusal must look like."""
+"""Runs of the command line, and what every refusal and every interruption must look like."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner, Result
 
 from pdr_est.cli import main
 
+PROGRAM = (sys.executable, "-c", "from pdr_est.cli import main; main()")
 RESULT_FILES = {"track.csv", "steps.csv", "track.tum", "track.geojson", "summary.json", "report.html"}
 
 
@@ -44,3 +52,19 @@ def smoothed(recording: Path, out: Path, *options: object) -> Result:
     assert {path.name for path in out.iterdir() if not path.name.startswith(".")} == RESULT_FILES
     assert [path.name for path in out.parent.iterdir() if path.name.endswith(".partial")] == []
     return result
+
+
+def interrupt(command: Sequence[str], folder: Path, delay_s: float = 0.0) -> None:
+    """Press Ctrl-C so long after a run has begun to write in a folder; it must end with a word and no traceback."""
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        deadline = time.monotonic() + 60.0
+        while not any(path.name.endswith(".partial") for path in folder.iterdir()):
+            if time.monotonic() > deadline or process.poll() is not None:
+                pytest.fail("the run never began to write")
+            time.sleep(0.005)
+        time.sleep(delay_s)
+        os.killpg(process.pid, signal.SIGINT)  # a terminal sends it to all processes of a program
+        stdout, stderr = process.communicate(timeout=60)
+    assert (process.returncode, stdout, stderr.strip()) == (1, "", "Aborted!")

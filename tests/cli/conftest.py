@@ -6,6 +6,12 @@ import pytest
 from cli_recordings import Walk, as_zip, columns_of, lines_of, make_walk, save, sensor_logger, with_attitude
 
 
+@pytest.fixture
+def without_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Results without the page: plotting takes nearly all the time of a run."""
+    monkeypatch.setattr("pdr_est.report.results.render_report", lambda *_: "<html></html>")
+
+
 @pytest.fixture(scope="session")
 def walk() -> Walk:
     return make_walk()

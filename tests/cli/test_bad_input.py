@@ -24,6 +24,8 @@ from cli_runs import refused, run, smooth_refused, smoothed
 
 from pdr_est.io.readers import FORMATS
 
+pytestmark = pytest.mark.usefixtures("without_report")
+
 NO_TRACK = "steps could be found but no heading and no track: record it too"
 
 
@@ -141,18 +143,6 @@ def test_names_and_line_ends_of_any_system(end: str, tmp_path: Path, lines: list
     finally:
         tmp_path.chmod(0o755)
     assert " m in " in result.stdout
-
-
-def test_a_name_that_is_no_text(tmp_path: Path, lines: list[str]) -> None:
-    folder = tmp_path / os.fsdecode(b"caf\xe9")
-    try:
-        folder.mkdir()
-    except OSError:
-        pytest.skip("this file system takes text only")
-    path = save(folder / os.fsdecode(b"caf\xe9.csv"), lines)
-    assert "caf\\udce9" in smoothed(path, folder / "out").stdout
-    assert "caf\\udce9" in run("inspect", path, "--json").stdout
-    assert "caf\\udce9" in refused("inspect", folder / "nowhere.csv")
 
 
 # --- values in a table -----------------------------------------------------------------------------------------

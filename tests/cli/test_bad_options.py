@@ -8,6 +8,8 @@ import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import refused, run, smooth_refused, smoothed
 
+pytestmark = pytest.mark.usefixtures("without_report")
+
 
 @pytest.fixture
 def outs(tmp_path: Path) -> Path:

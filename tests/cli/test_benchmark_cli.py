@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from cli_recordings import Walk, ilc20_log
-from cli_runs import refused, run
+from cli_runs import PROGRAM, interrupt, refused, run
 
 ESTIMATORS = ["dead-reckoning", "ekf", "factor-graph"]
 METRICS = {
@@ -101,6 +101,13 @@ def test_processes_give_the_same_document(data: Path, tmp_path: Path) -> None:
     (tmp_path / "result.json").unlink()
     together, _ = scored(tmp_path, "ilc20", "--data", data, "--jobs", 2)
     assert without_seconds(together) == without_seconds(alone)
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_all_processes(data: Path, tmp_path: Path) -> None:
+    options = ("--data", str(data), "--jobs", "2", "--json", str(tmp_path / "result.json"))
+    interrupt((*PROGRAM, "benchmark", "ilc20", *options), tmp_path, delay_s=0.5)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

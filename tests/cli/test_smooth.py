@@ -3,22 +3,19 @@
 import csv
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
-from cli_runs import RESULT_FILES, refused, run, smoothed
+from cli_runs import PROGRAM, RESULT_FILES, interrupt, refused, run, smoothed
 
 from pdr_est.front_end.step_length import MMPDR_K
 from pdr_est.track import COLUMNS
 
-PROGRAM = (sys.executable, "-c", "from pdr_est.cli import main; main()")
 SUMMARY_KEYS = {"inputs", "config", "versions", "counts", "distance_m", "gaps", "timings_s", "warnings", "estimator"}
 
 
@@ -251,20 +248,22 @@ def test_a_refused_run_keeps_the_earlier_result(good: Path, tmp_path: Path) -> N
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+def test_a_name_that_is_no_text(tmp_path: Path, lines: list[str]) -> None:
+    folder = tmp_path / os.fsdecode(b"caf\xe9")
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("this file system takes text only")
+    path = save(folder / os.fsdecode(b"caf\xe9.csv"), lines)
+    assert "caf\\udce9" in smoothed(path, folder / "out").stdout
+    assert "caf\\udce9" in run("inspect", path, "--json").stdout
+    assert "caf\\udce9" in refused("inspect", folder / "nowhere.csv")
+
+
 def test_the_output_may_lie_in_the_folder_of_the_recording(lines: list[str], tmp_path: Path) -> None:
     save(tmp_path / "walk.csv", lines)
     smoothed(tmp_path, tmp_path / "out")
     smoothed(tmp_path, tmp_path / "out", "--overwrite")
-
-
-def wait_for_work(folder: Path, process: "subprocess.Popen[str]") -> None:
-    """Until the temporary folder of the results is there."""
-    deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline and process.poll() is None:
-        if any(path.name.endswith(".partial") for path in folder.iterdir()):
-            return
-        time.sleep(0.005)
-    pytest.fail("the run never began to write")
 
 
 @pytest.mark.parametrize("overwrite", [pytest.param(False, marks=pytest.mark.slow), True])
@@ -273,13 +272,7 @@ def test_ctrl_c_leaves_everything_as_it_was(overwrite: bool, good: Path, tmp_pat
         smoothed(good, tmp_path / "out")
     before = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*"))
     command = (*PROGRAM, "smooth", str(good), "-o", str(tmp_path / "out"), *(("--overwrite",) if overwrite else ()))
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        wait_for_work(tmp_path, process)
-        process.send_signal(signal.SIGINT)
-        stdout, stderr = process.communicate(timeout=60)
-    assert process.returncode == 1
-    assert stdout == ""
-    assert stderr.strip() == "Aborted!"
+    interrupt(command, tmp_path)
     assert sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*")) == before
 
 
