@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from pdr_est.evaluate.consistency import CHI2_95_2D
 from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording, Recording, Truth
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
@@ -22,8 +23,6 @@ from pdr_est.track import Track
 PACKAGES = ("pdr-est", "numpy", "scipy", "gtsam", "filterpy", "vqf")
 
 Json = dict[str, Any]
-
-CHI2_95_2D = 5.991464547107979  # 0.95 quantile of chi-squared with two degrees of freedom
 
 
 def package_versions() -> dict[str, str | None]:

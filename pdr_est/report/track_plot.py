@@ -8,10 +8,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 from matplotlib.ticker import MultipleLocator
 
+from pdr_est.evaluate.consistency import CHI2_95_2D
 from pdr_est.frames import Array
 from pdr_est.records import PositionFix
 from pdr_est.report import svg
-from pdr_est.report.summary import CHI2_95_2D, radius95_m
+from pdr_est.report.summary import radius95_m
 from pdr_est.track import Track
 
 ELLIPSES = 28  # about as many in all at most: more hide the track
