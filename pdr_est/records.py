@@ -97,13 +97,17 @@ class LevelBlock:
 
 @dataclass(frozen=True)
 class StepEvent:
-    """A detected step: when the detector's feature happened, not when it was recognised."""
+    """A detected step: when the detector's feature happened, not when it was recognised.
+
+    mode_probability: how sure the recogniser was of the mode at the step.
+    """
 
     index: int
     time_s: float
     segment: int
     mode: CarryingMode
     confidence: float = 1.0
+    mode_probability: float = 1.0
 
 
 @dataclass(frozen=True)

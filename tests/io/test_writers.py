@@ -38,7 +38,7 @@ def make_track(device_names: tuple[str, ...] = ("left",), count: int = 4) -> Tra
 def make_step(index: int, length_m: float = 0.7, heading_rad: float = 1.5) -> Step:
     none, empty = np.zeros(0), np.zeros((0, 3))
     samples = LevelBlock(0, 0, none, empty, empty, none, none, empty, none, none.astype(np.int8), none)
-    event = StepEvent(index, 1.25 + index, 2, CarryingMode.SWING, 0.875)
+    event = StepEvent(index, 1.25 + index, 2, CarryingMode.SWING, 0.875, 0.96875)
     return Step(event, 1.0 + index, 1.8, samples, length_m, heading_rad)
 
 
@@ -158,8 +158,9 @@ def test_steps_table_has_a_row_a_step_and_blanks_for_what_is_unknown(tmp_path: P
     with (tmp_path / "steps.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.reader(stream))
     assert rows[0] == list(STEP_COLUMNS)
-    assert rows[1] == ["1.250000", "left, “old”", "0", "2", "SWING", "1.8000", "0.7000", "1.500000", "0.8750"]
-    assert rows[2][6:8] == ["", ""]
+    assert rows[1][:6] == ["1.250000", "left, “old”", "0", "2", "SWING", "0.9688"]
+    assert rows[1][6:] == ["1.8000", "0.7000", "1.500000", "0.8750"]
+    assert rows[2][7:9] == ["", ""]
     assert [row[1] for row in rows[1:]] == ["left, “old”", "left, “old”", "right"]
 
 

@@ -19,6 +19,7 @@ class UndecidedSamples:
         self.signal: Array = np.empty(0)
         self._time_s: Array = np.empty(0)
         self._mode: NDArray[np.int8] = np.empty(0, dtype=np.int8)
+        self._mode_probability: Array = np.empty(0)
 
     def begin(self, block: LevelBlock) -> None:
         """Start a segment with an empty window."""
@@ -30,11 +31,13 @@ class UndecidedSamples:
         self.signal = np.concatenate([self.signal, signal])
         self._time_s = np.concatenate([self._time_s, block.time_s])
         self._mode = np.concatenate([self._mode, block.mode])
+        self._mode_probability = np.concatenate([self._mode_probability, block.mode_probability])
 
     def drop(self, count: int, moved: bool = True) -> None:
         """Forget the oldest samples."""
         self._first_index += count if moved else 0
-        self.signal, self._time_s, self._mode = self.signal[count:], self._time_s[count:], self._mode[count:]
+        self.signal, self._time_s = self.signal[count:], self._time_s[count:]
+        self._mode, self._mode_probability = self._mode[count:], self._mode_probability[count:]
 
     def time_s(self, i: int) -> float:
         """When the feature at position i happened: the sample's time less the delay."""
@@ -47,4 +50,5 @@ class UndecidedSamples:
             time_s=self.time_s(i),
             segment=self.segment or 0,
             mode=CarryingMode(int(self._mode[i])),
+            mode_probability=float(self._mode_probability[i]),
         )
