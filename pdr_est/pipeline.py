@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pdr_est.config import Config, check
+from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_track
-from pdr_est.front_end.attitude import DeviceAttitude, VqfAttitude
+from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
@@ -15,22 +16,26 @@ from pdr_est.front_end.step_length import StepLength
 from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.recording import DeviceRecording, Recording
-from pdr_est.io.requirements import doubts, needed_channels, why_nothing
+from pdr_est.io.requirements import doubts, has_gyroscope, needed_channels, refuse_without_track, why_nothing
 from pdr_est.io.resample import Resampler
-from pdr_est.records import Gap, LevelBlock, PositionFix, Step, StepOdometry
-from pdr_est.stage import Chain
+from pdr_est.records import Channel, Gap, LevelBlock, PositionFix, Step, StepOdometry
+from pdr_est.stage import Chain, Stage
 from pdr_est.track import Track, concatenate
 
 
 @dataclass(frozen=True)
 class DeviceWalk:
-    """What the front end found in one device's recording. start_s: time of the first usable sample."""
+    """What the front end found in one device's recording. start_s: time of the first usable sample.
+
+    has_heading is False for a device without gyroscope: its steps have a length but no heading, and no odometry.
+    """
 
     device: str
     start_s: float
     level: tuple[LevelBlock, ...]
     steps: tuple[Step, ...]
     odometry: tuple[StepOdometry, ...]
+    has_heading: bool = True
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
 
@@ -57,6 +62,8 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
     Raises ConfigError for values out of range, RecordingError if a device lacks a sensor that is needed.
     """
     check(config)
+    for device in recording.devices:
+        refuse_without_track(device, _place(device, recording.name))
     started = time.process_time()
     devices = analyse(recording, config)
     analysed = time.process_time()
@@ -72,12 +79,24 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
 
 
 def analyse(recording: Recording, config: Config) -> tuple[DeviceWalk, ...]:
-    """The front end on every device of a recording."""
+    """The front end on every device of a recording; one without gyroscope has steps without heading.
+
+    Raises RecordingError if a device has no accelerometer, or samples that cannot be used.
+    """
     return tuple(_analyse_device(device, recording.name, config) for device in recording.devices)
 
 
 def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = ()) -> Track:
-    """The configured estimator on the measurements of every device."""
+    """The configured estimator on the measurements of every device.
+
+    Raises EstimationError for a device without gyroscope, and what `estimate_track` raises.
+    """
+    for walk in walks:
+        if not walk.has_heading:
+            raise EstimationError(
+                f"{walk.device}: no gyroscope, so its {len(walk.steps)} steps have no direction and make no track: "
+                "leave this device out"
+            )
     return concatenate(
         [
             estimate_track(
@@ -98,7 +117,10 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
     rate_hz = config.resample.rate_hz
     channels = needed_channels(device, place, with_attitude=config.attitude.source == "device")
     resampler = Resampler(channels, config.resample)
-    attitude = VqfAttitude(rate_hz, config.attitude) if config.attitude.source == "vqf" else DeviceAttitude()
+    if Channel.ROTATION_RATE not in channels:
+        # Modes are told apart by rotation: without it they stay unknown.
+        return resampler, Chain([resampler, AccelerometerTilt(rate_hz, config.attitude)])
+    attitude: Stage = VqfAttitude(rate_hz, config.attitude) if config.attitude.source == "vqf" else DeviceAttitude()
     return resampler, Chain([resampler, attitude, mode_stage(rate_hz, config.mode)])
 
 
@@ -115,22 +137,28 @@ def stepping(config: Config) -> Chain:
 
 
 def _analyse_device(device: DeviceRecording, recording_name: str, config: Config) -> DeviceWalk:
-    place = f"{recording_name} ({device.name})"
+    place = _place(device, recording_name)
     resampler, to_level = levelling(device, place, config)
     level = _run(to_level, device.blocks())
     if not level:
         raise why_nothing(device, place, config.resample.max_gap_s)
     steps = _run(stepping(config), level)
-    odometry = _run(Odometry(device.name, config.odometry), steps)
+    has_heading = has_gyroscope(device)
+    odometry = _run(Odometry(device.name, config.odometry), steps) if has_heading else []
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
         level=tuple(level),
         steps=tuple(steps),
         odometry=tuple(odometry),
+        has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
     )
+
+
+def _place(device: DeviceRecording, recording_name: str) -> str:
+    return f"{recording_name} ({device.name})"
 
 
 def _run(stage: Any, items: Any) -> list[Any]:

@@ -56,14 +56,15 @@ class ImuBlock:
     """Consecutive samples on the uniform working grid, all of one segment (no gap inside).
 
     first_index counts grid points since the start of the recording, time_s: (n,).
-    specific_force_mps2, rotation_rate_radps: (n, 3), device axes. attitude: (n, 4) w first or None.
+    specific_force_mps2, rotation_rate_radps: (n, 3), device axes; the latter None for a device without gyroscope.
+    attitude: (n, 4) w first or None.
     """
 
     first_index: int
     segment: int
     time_s: Array
     specific_force_mps2: Array
-    rotation_rate_radps: Array
+    rotation_rate_radps: Array | None
     attitude: Array | None = None
     magnetic_field_ut: Array | None = None
 

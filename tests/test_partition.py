@@ -17,7 +17,7 @@ from partitions import Block, content, cut, in_time_order, interleave, messy_dev
 
 from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
-from pdr_est.front_end.attitude import AttitudeParams, DeviceAttitude, VqfAttitude
+from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
@@ -58,6 +58,7 @@ CASES = {
     "Resampler": Case(lambda: Resampler(tuple(CHANNELS), ResampleParams()), "raw"),
     "VqfAttitude": Case(lambda: VqfAttitude(WORKING_HZ, AttitudeParams()), "imu"),
     "DeviceAttitude": Case(DeviceAttitude, "imu"),
+    "AccelerometerTilt": Case(lambda: AccelerometerTilt(WORKING_HZ, AttitudeParams()), "imu"),
     "FixedMode": Case(lambda: FixedMode(CarryingMode.HOLDING), "level"),
     "AutoMode": Case(lambda: AutoMode(WORKING_HZ, AutoModeParams()), "level"),
     "MmpdrMode": Case(lambda: MmpdrMode(WORKING_HZ, MmpdrModeParams()), "level"),

@@ -187,7 +187,7 @@ NOTHING = Signal(np.empty(0), np.empty((0, 3)))
     ("channel", "message"),
     [
         ("specific_force", r"^l_shape \(device\): no accelerometer: .*record it and try again$"),
-        ("rotation_rate", r"^l_shape \(device\): no gyroscope, .*no track.*`pdr-est inspect` still describes"),
+        ("rotation_rate", r"^l_shape \(device\): no gyroscope, .*no track.*`pdr-est steps` still finds the steps"),
     ],
 )
 def test_a_missing_sensor_is_named_with_what_remains(channel: str, message: str, missing: Signal | None) -> None:

@@ -1,14 +1,22 @@
-"""Direction of gravity, vertical acceleration and yaw, from raw samples or from the device's own attitude."""
+"""Direction of gravity, vertical acceleration and yaw: from raw samples, or from the device's own attitude.
 
-from typing import Any, Literal
+Without gyroscope there is no yaw, and gravity comes from the accelerometer alone.
+"""
+
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from annotated_types import Le
 from vqf import VQF
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, twist_about_vertical, up_in_device
+from pdr_est.front_end.signal.filters import CausalLowPass
+from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.params import Positive, params
 from pdr_est.records import CarryingMode, ImuBlock, LevelBlock
+
+_LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of nothing finite
 
 
 @params
@@ -16,10 +24,12 @@ class AttitudeParams:
     """source: "vqf" integrates the raw samples (Laidig and Seel 2023), "device" takes the recorder's attitude.
 
     accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
+    tilt_cutoff_hz: below this the specific force of a device without gyroscope is taken for gravity.
     """
 
     source: Literal["vqf", "device"] = "vqf"
     accelerometer_time_constant_s: Positive = 3.0
+    tilt_cutoff_hz: Annotated[Positive, Le(2.0)] = 0.3
 
 
 class VqfAttitude:
@@ -46,10 +56,9 @@ class VqfAttitude:
         if item.segment != self._segment:
             self._filter.resetState()
             self._segment = item.segment
-        result = self._filter.updateBatch(
-            np.ascontiguousarray(item.rotation_rate_radps), np.ascontiguousarray(item.specific_force_mps2)
-        )
-        return [_level(item, result["quat6D"], item.rotation_rate_radps - result["bias"])]
+        rate = _rotation_rate(item)
+        result = self._filter.updateBatch(np.ascontiguousarray(rate), np.ascontiguousarray(item.specific_force_mps2))
+        return [_level(item, result["quat6D"], rate - result["bias"])]
 
     def flush(self) -> list[LevelBlock]:
         return []
@@ -63,10 +72,63 @@ class DeviceAttitude:
     def push(self, item: ImuBlock, /) -> list[LevelBlock]:
         if item.attitude is None:
             raise RecordingError("the recording has no attitude of the device: use attitude source vqf")
-        return [_level(item, item.attitude, item.rotation_rate_radps)]
+        return [_level(item, item.attitude, _rotation_rate(item))]
 
     def flush(self) -> list[LevelBlock]:
         return []
+
+
+class AccelerometerTilt:
+    """Stage ImuBlock -> LevelBlock for a device without gyroscope: enough to find steps, not for a direction.
+
+    Up is the direction of the low-passed specific force; it lags behind a phone that turns over. The vertical
+    acceleration is therefore not taken along it: it is the length of the specific force less gravity, which no tilt
+    can spoil and which differs from the acceleration upwards in second order only. Yaw, rotation rate and turn rate
+    are NaN. Without any specific force up is zero.
+    """
+
+    latency_s = 0.0
+
+    def __init__(self, rate_hz: float, parameters: AttitudeParams) -> None:
+        self._filters = tuple(CausalLowPass(parameters.tilt_cutoff_hz, rate_hz) for _ in range(3))
+        self._segment: int | None = None
+
+    def push(self, item: ImuBlock, /) -> list[LevelBlock]:
+        if not len(item.time_s):
+            return []
+        if item.segment != self._segment:
+            for axis in self._filters:
+                axis.reset()
+            self._segment = item.segment
+        force = item.specific_force_mps2
+        slow = np.stack([axis.push(force[:, k]) for k, axis in enumerate(self._filters)], axis=1)
+        up = slow / np.maximum(np.sqrt(_dot(slow, slow)), _LEAST_FORCE_MPS2)[:, None]
+        unknown = np.full(force.shape, np.nan)
+        acceleration = force - STANDARD_GRAVITY_MPS2 * up
+        return [
+            LevelBlock(
+                first_index=item.first_index,
+                segment=item.segment,
+                time_s=item.time_s,
+                up=up,
+                acceleration_mps2=acceleration,
+                vertical_mps2=excess_magnitude(up, acceleration),
+                yaw_rad=unknown[:, 0],
+                rotation_rate_radps=unknown,
+                turn_rate_radps=unknown[:, 1],
+                mode=np.full(len(force), CarryingMode.UNKNOWN, dtype=np.int8),
+                mode_probability=np.zeros(len(force)),
+            )
+        ]
+
+    def flush(self) -> list[LevelBlock]:
+        return []
+
+
+def _rotation_rate(block: ImuBlock) -> Array:
+    if block.rotation_rate_radps is None:
+        raise RecordingError("the recording has no gyroscope: only AccelerometerTilt does without it")
+    return block.rotation_rate_radps
 
 
 def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> LevelBlock:

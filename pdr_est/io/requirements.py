@@ -1,4 +1,4 @@
-"""What a track needs of a device's recording, and in words why a recording does not have it."""
+"""What steps and what a track need of a device's recording, and in words why a recording does not have it."""
 
 from collections.abc import Mapping
 
@@ -16,11 +16,30 @@ _WORDS = {
 }
 
 
-def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:
-    """The channels that a track is made of. with_attitude: whether the device's own attitude is one of them.
+def has_gyroscope(device: DeviceRecording) -> bool:
+    """Whether steps of this device can have a direction."""
+    return _signal(device, Channel.ROTATION_RATE) is not None
 
-    place: what to call the device in messages. Raises RecordingError when one of them is missing, has a single
-    sample, has no running clock, or when they never run at the same time.
+
+def refuse_without_track(device: DeviceRecording, place: str) -> None:
+    """Raises RecordingError when a device lacks a sensor without which there is no track, whatever the settings.
+
+    place: what to call the device in messages.
+    """
+    _specific_force(device, place)
+    if not has_gyroscope(device):
+        raise RecordingError(
+            f"{place}: no gyroscope{_reasons(device)}, so steps could be found but no heading and no track: "
+            "record it too; `pdr-est steps` still finds the steps"
+        )
+
+
+def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:
+    """The channels that the front end takes: the accelerometer alone where there is no gyroscope.
+
+    with_attitude: whether the device's own attitude is one of them. place: what to call the device in messages.
+    Raises RecordingError when one of them is missing, has a single sample, has no running clock, or when they never
+    run at the same time.
     """
     signals = _needed_signals(device, place, with_attitude)
     for channel, signal in signals.items():
@@ -62,26 +81,30 @@ def doubts(device: DeviceRecording) -> tuple[str, ...]:
 
 
 def _needed_signals(device: DeviceRecording, place: str, with_attitude: bool) -> Mapping[Channel, Signal]:
-    signals: dict[Channel, Signal] = {}
-    force = _signal(device, Channel.SPECIFIC_FORCE)
-    if force is None:
-        raise RecordingError(
-            f"{place}: no accelerometer{_reasons(device)}: nothing can be done without it; record it and try again"
-        )
-    signals[Channel.SPECIFIC_FORCE] = force
+    signals = {Channel.SPECIFIC_FORCE: _specific_force(device, place)}
     rate = _signal(device, Channel.ROTATION_RATE)
-    if rate is None:
-        raise RecordingError(
-            f"{place}: no gyroscope{_reasons(device)}, so steps could be found but no heading and no track: "
-            "record it too; `pdr-est inspect` still describes the recording"
-        )
-    signals[Channel.ROTATION_RATE] = rate
+    if rate is not None:
+        signals[Channel.ROTATION_RATE] = rate
     if with_attitude:
+        if rate is None:
+            raise RecordingError(
+                f"{place}: no gyroscope{_reasons(device)}, which the device's own attitude is used together with: "
+                "with --attitude vqf steps are found by the accelerometer alone"
+            )
         attitude = _signal(device, Channel.ATTITUDE)
         if attitude is None:
             raise RecordingError(f"{place}: the device recorded no attitude{_reasons(device)}: use --attitude vqf")
         signals[Channel.ATTITUDE] = attitude
     return signals
+
+
+def _specific_force(device: DeviceRecording, place: str) -> Signal:
+    force = _signal(device, Channel.SPECIFIC_FORCE)
+    if force is None:
+        raise RecordingError(
+            f"{place}: no accelerometer{_reasons(device)}: nothing can be done without it; record it and try again"
+        )
+    return force
 
 
 def _reasons(device: DeviceRecording) -> str:

@@ -28,7 +28,7 @@ class ResampleParams:
 
 
 class Resampler:
-    """Several channels of one device onto one grid.
+    """Several channels of one device onto one grid; the specific force must be among them.
 
     Samples with duplicate or slightly backward time stamps are dropped and counted in `dropped`. A clock that
     jumps back by more than `max_gap_s` was restarted: the samples after it are kept, as a new segment that begins
@@ -140,7 +140,7 @@ class Resampler:
                     segment=self._segment,
                     time_s=time[start:stop],
                     specific_force_mps2=means[Channel.SPECIFIC_FORCE][start:stop],
-                    rotation_rate_radps=means[Channel.ROTATION_RATE][start:stop],
+                    rotation_rate_radps=_part(means.get(Channel.ROTATION_RATE), start, stop),
                     attitude=_unit(means.get(Channel.ATTITUDE), start, stop),
                     magnetic_field_ut=_part(means.get(Channel.MAGNETIC_FIELD), start, stop),
                 )
