@@ -4,7 +4,17 @@ from pathlib import Path
 from typing import Protocol
 
 from pdr_est.errors import RecordingError
-from pdr_est.io import getsensordata, ilc20, motionsense, oxiod, phyphox, plain_csv, sensor_logger, weallwalk
+from pdr_est.io import (
+    getsensordata,
+    ilc20,
+    motionsense,
+    oxford_steps,
+    oxiod,
+    phyphox,
+    plain_csv,
+    sensor_logger,
+    weallwalk,
+)
 from pdr_est.io.recording import Recording
 from pdr_est.io.source import Source
 
@@ -22,7 +32,17 @@ class Format(Protocol):
 
 
 # Asked in this order: formats with unmistakable marks first, header-less tables of numbers after them.
-FORMATS: tuple[Format, ...] = (ilc20, getsensordata, sensor_logger, phyphox, motionsense, weallwalk, oxiod, plain_csv)
+FORMATS: tuple[Format, ...] = (
+    ilc20,
+    getsensordata,
+    sensor_logger,
+    phyphox,
+    motionsense,
+    weallwalk,
+    oxiod,
+    oxford_steps,
+    plain_csv,
+)
 
 
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")

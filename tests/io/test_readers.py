@@ -107,6 +107,8 @@ def test_every_real_recording_is_recognised(shared_data: Path) -> None:
         "oxiod/*/*/*/imu*.csv*": "OxIOD",
         "weallwalk/sensor/*.csv*": "WeAllWalk",
         "motionsense/*_*/sub_*.csv*": "MotionSense",
+        "oxford-steps/*/accelerometer.csv*": "Oxford steps",
+        "known-distance/?.csv*": "plain CSV",
     }
     for pattern, name in expected.items():
         paths = sorted(shared_data.glob(pattern))
