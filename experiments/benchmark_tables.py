@@ -1,8 +1,8 @@
-"""Runs every benchmark suite with every estimator; writes experiments/results/ and the table of the README.
+"""Runs the benchmark suites with all estimators or detectors; writes experiments/results/ and the table of the README.
 
-    python experiments/benchmark_tables.py --data DIR [--jobs 2]
+    python experiments/benchmark_tables.py --data DIR [--jobs 2] [--suite NAME ...]
 
-DIR holds the data sets, laid out as `pdr-est benchmark` wants them.
+DIR holds the data sets, laid out as `pdr-est benchmark` wants them. Without --suite all suites run.
 """
 
 import argparse
@@ -14,12 +14,13 @@ from rich.console import Console
 from pdr_est.benchmark.runner import run_benchmark
 from pdr_est.benchmark.suites import SUITES
 from pdr_est.benchmark.table import print_table
+from pdr_est.benchmark.variant import axis_named, compare
 from pdr_est.config import Config
-from pdr_est.estimators import ESTIMATORS
 
 RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parents[1] / "README.md"
 MARK = "<!-- benchmark -->"
+DETECTOR_SUITES = ("oxford-steps", "weallwalk", "known-distance", "motionsense")  # the others compare estimators
 ROWS = (
     ("ilc20", None, "Indoor Location Competition 2.0, malls, held"),
     ("ipin2023", None, "IPIN 2023, held"),
@@ -34,15 +35,23 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=1)
+    names = [suite.name for suite in SUITES]
+    parser.add_argument("--suite", action="append", choices=names)
     options = parser.parse_args()
-    for suite in SUITES:
-        result = run_benchmark(suite.name, options.data, Config(), ESTIMATORS, options.jobs)
-        summary = {key: value for key, value in result.to_dict().items() if key not in ("walks", "skipped")}
-        (RESULTS / f"{suite.name}.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-        with (RESULTS / f"{suite.name}.txt").open("w", encoding="utf-8") as stream:
-            print_table(result, Console(file=stream, width=160))
+    for name in options.suite or names:
+        record(name, options.data, options.jobs)
     before, _, after = README.read_text(encoding="utf-8").split(MARK)
     README.write_text(f"{before}{MARK}\n{readme_table()}\n{MARK}{after}", encoding="utf-8")
+
+
+def record(suite: str, data: Path, jobs: int) -> None:
+    """Write the averages of a suite and its tables."""
+    axis = axis_named("detector" if suite in DETECTOR_SUITES else "estimator")
+    result = run_benchmark(suite, data, compare(Config(), axis.word, axis.names), jobs)
+    summary = {key: value for key, value in result.to_dict().items() if key not in ("walks", "skipped")}
+    (RESULTS / f"{suite}.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    with (RESULTS / f"{suite}.txt").open("w", encoding="utf-8") as stream:
+        print_table(result, Console(file=stream, width=160))
 
 
 def readme_table() -> str:

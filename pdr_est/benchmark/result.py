@@ -14,12 +14,13 @@ Json = dict[str, Any]
 class WalkRow:
     """One scored track. metrics: name -> value, None when it cannot be told. seconds: CPU time of the chain.
 
-    labels, group, headline: of the `suite.WalkFile`. counts: how many points stand behind the metrics.
+    settings: value on each axis that benchmarks compare, by the axis' word. labels, group, headline: of the
+    `suite.WalkFile`. counts: how many points stand behind the metrics.
     """
 
     walk: str
     track: str
-    estimator: str
+    settings: Mapping[str, str]
     mode: str
     metrics: Mapping[str, float | None]
     seconds: float
@@ -33,7 +34,7 @@ class WalkRow:
         return {
             "walk": self.walk,
             "track": self.track,
-            "estimator": self.estimator,
+            **self.settings,
             "mode": self.mode,
             **self.labels,
             **self.metrics,
@@ -75,43 +76,50 @@ Summary = dict[str, Average]
 
 @dataclass(frozen=True)
 class BenchmarkResult:
-    """All rows of a suite. estimators: those that were run; estimator: the one that the plain summary is of."""
+    """All rows of a suite. axis: word of the setting that was compared. names: its values that were run.
+    settings: the value on each axis that the plain summary is of, by the axis' word."""
 
     suite: str
     version: str
-    estimator: str
-    estimators: tuple[str, ...]
+    axis: str
+    names: tuple[str, ...]
+    settings: Mapping[str, str]
     metrics: tuple[str, ...]
     rows: tuple[WalkRow, ...]
     skipped: tuple[SkippedWalk, ...]
 
-    def summary(self, estimator: str) -> Summary:
-        """Averages over the headline walks of an estimator, by metric."""
-        return self._averages(row for row in self.rows if row.estimator == estimator and row.headline)
+    def summary(self, name: str) -> Summary:
+        """Averages over the headline walks of a variant, by metric."""
+        return self._averages(row for row in self._rows_of(name) if row.headline)
 
-    def groups(self, estimator: str) -> dict[str, Summary]:
-        """Averages of an estimator over each group of walks, by group; empty when the suite has no groups."""
-        rows = [row for row in self.rows if row.estimator == estimator and row.group is not None]
-        names = sorted({row.group for row in rows if row.group is not None})
-        return {name: self._averages(row for row in rows if row.group == name) for name in names}
+    def groups(self, name: str) -> dict[str, Summary]:
+        """Averages of a variant over each group of walks, by group; empty when the suite has no groups."""
+        rows = [row for row in self._rows_of(name) if row.group is not None]
+        groups = sorted({row.group for row in rows if row.group is not None})
+        return {group: self._averages(row for row in rows if row.group == group) for group in groups}
 
     def to_dict(self) -> Json:
-        """The JSON document. With several estimators `estimator` is "all", `summary` and `groups` are of the
-        configured one, and `estimators` and `estimator_groups` hold those of each.
+        """The JSON document. With several variants the axis' value is "all", `summary` and `groups` are of the
+        configured one, and, on the axis "estimator", `estimators` and `estimator_groups` hold those of each.
         """
+        main = self.settings[self.axis]
         document: Json = {
             "suite": self.suite,
             "version": self.version,
-            "estimator": "all" if len(self.estimators) > 1 else self.estimator,
-            "summary": _plain(self.summary(self.estimator)),
-            "groups": _plain_groups(self.groups(self.estimator)),
+            **self.settings,
+            "summary": _plain(self.summary(main)),
+            "groups": _plain_groups(self.groups(main)),
         }
-        if len(self.estimators) > 1:
-            document["estimators"] = {name: _plain(self.summary(name)) for name in self.estimators}
-            document["estimator_groups"] = {name: _plain_groups(self.groups(name)) for name in self.estimators}
+        if len(self.names) > 1:
+            document[self.axis] = "all"
+            document[f"{self.axis}s"] = {name: _plain(self.summary(name)) for name in self.names}
+            document[f"{self.axis}_groups"] = {name: _plain_groups(self.groups(name)) for name in self.names}
         document["walks"] = [row.to_dict() for row in self.rows]
         document["skipped"] = [{"walk": walk.walk, "reason": walk.reason} for walk in self.skipped]
         return document
+
+    def _rows_of(self, name: str) -> list[WalkRow]:
+        return [row for row in self.rows if row.settings[self.axis] == name]
 
     def _averages(self, rows: Iterable[WalkRow]) -> Summary:
         chosen: Sequence[WalkRow] = list(rows)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
@@ -18,10 +18,12 @@ from pdr_est.benchmark.files import suite_folder
 from pdr_est.benchmark.result import BenchmarkResult, SkippedWalk, WalkRow
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile
 from pdr_est.benchmark.suites import suite_named
+from pdr_est.benchmark.variant import Comparison, Variant, same_front_end
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, EstimationError, PdrError, RecordingError
-from pdr_est.estimators import EstimatorName
 from pdr_est.io import read
+from pdr_est.io.recording import Recording, Truth
+from pdr_est.pipeline import DeviceWalk
 
 Progress = Callable[[int, int], None]
 
@@ -29,13 +31,12 @@ Progress = Callable[[int, int], None]
 def run_benchmark(
     suite: str,
     data: Path,
-    config: Config,
-    estimators: Sequence[EstimatorName],
+    comparison: Comparison,
     jobs: int = 1,
     limit: int | None = None,
     on_progress: Progress | None = None,
 ) -> BenchmarkResult:
-    """Score the walks of a suite with each of the estimators.
+    """Score the walks of a suite with each variant of a comparison (`variant.compare`).
 
     data: the folder that holds the suite's folder, or that folder itself. jobs: how many processes. limit: only the
     first so many walks. on_progress: called with the number of finished walks and of all walks. The walks come in
@@ -45,22 +46,24 @@ def run_benchmark(
     EstimationError when a process dies. What goes wrong with a single walk is told in the result's `skipped`.
     """
     chosen = suite_named(suite)
-    if not estimators or jobs < 1 or (limit is not None and limit < 1):
-        raise ConfigError(f"jobs = {jobs}, limit = {limit}, {len(estimators)} estimators: each must be at least 1")
+    if jobs < 1 or (limit is not None and limit < 1):
+        raise ConfigError(f"jobs = {jobs}, limit = {limit}: each must be at least 1")
     walks = chosen.find(suite_folder(data, chosen.folder))[:limit]
     if not walks:
         raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {chosen.folder}/")
     outcomes = []
-    work = partial(run_walk, suite, config=config, estimators=tuple(estimators))
-    for outcome in _map(work, walks, min(jobs, len(walks)), tuple(estimators)):
+    work = partial(run_walk, suite, variants=comparison.variants)
+    with_graph = any(variant.config.estimator.name == "factor-graph" for variant in comparison.variants)
+    for outcome in _map(work, walks, min(jobs, len(walks)), with_graph):
         outcomes.append(outcome)
         if on_progress is not None:
             on_progress(len(outcomes), len(walks))
     return BenchmarkResult(
         suite=suite,
         version=__version__,
-        estimator=config.estimator.name if config.estimator.name in estimators else estimators[0],
-        estimators=tuple(estimators),
+        axis=comparison.axis,
+        names=comparison.names,
+        settings=comparison.main.settings(),
         metrics=chosen.metrics,
         rows=tuple(row for outcome in outcomes for row in outcome.rows),
         skipped=tuple(walk for outcome in outcomes for walk in outcome.skipped),
@@ -69,16 +72,16 @@ def run_benchmark(
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of one walk: a row for each estimator and track, and what could not be told."""
+    """Of one walk: a row for each variant and track, and what could not be told."""
 
     rows: tuple[WalkRow, ...] = ()
     skipped: tuple[SkippedWalk, ...] = ()
 
 
-def run_walk(suite: str, file: WalkFile, config: Config, estimators: Sequence[EstimatorName]) -> Outcome:
+def run_walk(suite: str, file: WalkFile, variants: Sequence[Variant]) -> Outcome:
     """Read, analyse, estimate and score one walk; a PdrError becomes a skipped walk, other errors get its name."""
     try:
-        return _run_walk(suite_named(suite), file, config, estimators)
+        return _run_walk(suite_named(suite), file, variants)
     except PdrError as error:
         return Outcome(skipped=(SkippedWalk(file.name, str(error)),))
     except Exception as error:
@@ -86,32 +89,48 @@ def run_walk(suite: str, file: WalkFile, config: Config, estimators: Sequence[Es
         raise
 
 
-def _run_walk(suite: Suite, file: WalkFile, config: Config, estimators: Sequence[EstimatorName]) -> Outcome:
-    recording = suite.prepare(read(file.path))
-    started = time.process_time()
-    devices = pipeline.analyse(recording, config)
-    seconds = time.process_time() - started
+def _run_walk(suite: Suite, file: WalkFile, variants: Sequence[Variant]) -> Outcome:
+    recording = _with_truth(suite.prepare(read(file.path)), file.truth)
     rows: list[WalkRow] = []
     reasons: list[str] = []
-    for name in estimators:
-        walk = Walked(recording, devices, config.with_estimator(name), seconds)
+    for variant, devices, seconds in _analysed(recording, variants):
+        walk = Walked(recording, devices, variant.config, seconds)
         try:
             scores = suite.score(walk)
         except EstimationError as error:
-            reasons.append(f"{name}: {error}")
+            reasons.append(f"{variant.name}: {error}")
             continue
-        rows += [_row(suite, file, name, of_track, walk.seconds) for of_track in scores]
+        rows += [_row(suite, file, variant, of_track, walk.seconds) for of_track in scores]
         reasons += [reason for of_track in scores for reason in _missing(suite, of_track)]
-    # A reason that does not depend on the estimator or the track is given once.
+    # A reason that does not depend on the variant or the track is given once.
     return Outcome(tuple(rows), tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons)))
 
 
-def _row(suite: Suite, file: WalkFile, estimator: str, scores: Scores, seconds: float) -> WalkRow:
+def _with_truth(recording: Recording, told: Truth) -> Recording:
+    """The recording with what the data set tells of it elsewhere."""
+    known = {part.name: getattr(told, part.name) for part in fields(told) if getattr(told, part.name) is not None}
+    return replace(recording, truth=replace(recording.truth, **known))
+
+
+def _analysed(
+    recording: Recording, variants: Sequence[Variant]
+) -> Iterator[tuple[Variant, tuple[DeviceWalk, ...], float]]:
+    """Each variant with what its front end found and the CPU time of that; equal front ends in a row run once."""
+    before: Config | None = None
+    for variant in variants:
+        if before is None or not same_front_end(before, variant.config):
+            before, started = variant.config, time.process_time()
+            devices = pipeline.analyse(recording, variant.config)
+            seconds = time.process_time() - started
+        yield variant, devices, seconds
+
+
+def _row(suite: Suite, file: WalkFile, variant: Variant, scores: Scores, seconds: float) -> WalkRow:
     known = {metric: scores.values.get(metric, math.nan) for metric in suite.metrics}
     return WalkRow(
         walk=file.name,
         track=scores.track,
-        estimator=estimator,
+        settings=variant.settings(),
         mode=scores.mode,
         metrics={metric: value if math.isfinite(value) else None for metric, value in known.items()},
         seconds=seconds,
@@ -126,22 +145,23 @@ def _missing(suite: Suite, scores: Scores) -> list[str]:
     """Why metrics of a row are None; metrics with the same reason in one sentence."""
     by_reason: dict[str, list[str]] = {}
     for metric in suite.metrics:
-        if not math.isfinite(scores.values.get(metric, math.nan)):
+        applies = metric in scores.values or metric in scores.missing
+        if applies and not math.isfinite(scores.values.get(metric, math.nan)):
             by_reason.setdefault(scores.missing.get(metric, "not a finite number"), []).append(metric)
     return [f"{', '.join(metrics)}: {reason}" for reason, metrics in by_reason.items()]
 
 
 def _map(
-    work: Callable[[WalkFile], Outcome], walks: Sequence[WalkFile], jobs: int, estimators: tuple[EstimatorName, ...]
+    work: Callable[[WalkFile], Outcome], walks: Sequence[WalkFile], jobs: int, with_graph: bool
 ) -> Iterator[Outcome]:
     """The outcomes in order of the walks."""
     if jobs == 1:
-        _warm_up(estimators)
+        _warm_up(with_graph)
         yield from map(work, walks)
         return
     # Spawned and not forked: the same on every platform, and safe with the threads of numpy and GTSAM.
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_warm_up, initargs=(estimators,)) as pool:
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_warm_up, initargs=(with_graph,)) as pool:
         with _without_interrupts():
             outcomes = pool.map(work, walks)
         yield from _until_broken(outcomes)
@@ -169,7 +189,7 @@ def _until_broken(outcomes: Iterable[Outcome]) -> Iterator[Outcome]:
         ) from error
 
 
-def _warm_up(estimators: tuple[EstimatorName, ...]) -> None:
+def _warm_up(with_graph: bool) -> None:
     """Load what is loaded at first use, so that its time does not count as the first walk's."""
-    if "factor-graph" in estimators:
+    if with_graph:
         from pdr_est.estimators import factor_graph  # noqa: F401

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pdr_est import pipeline
 from pdr_est.config import Config
-from pdr_est.io.recording import Recording
+from pdr_est.io.recording import Recording, Truth
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import PositionFix
 from pdr_est.track import Track
@@ -19,7 +19,7 @@ class WalkFile:
 
     name: path of its main recording relative to the suite's folder, without extensions. labels: further keys of its
     row, such as the position of the phone. group: the group that it is also averaged in. headline: whether it is
-    averaged in the summary.
+    averaged in the summary. truth: what the data set tells of the walk outside of its recording.
     """
 
     name: str
@@ -27,6 +27,7 @@ class WalkFile:
     labels: Mapping[str, str | None] = field(default_factory=dict)
     group: str | None = None
     headline: bool = True
+    truth: Truth = field(default_factory=Truth)
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Scores:
 
     track: the device's name, "device" where there is one only, or "fused". mode: recognised for most of the walking
     time. values: metrics by name; what is not finite counts as missing. counts: how many points stand behind them.
-    missing: metric -> why it cannot be told for this walk.
+    missing: metric -> why it cannot be told for this walk. A metric of the suite that stands in neither, such as the
+    false steps of somebody who walks, does not apply to this walk.
     """
 
     track: str
@@ -69,7 +71,8 @@ class Suite:
     """A benchmark suite, made of functions at module level so that it can be used in other processes.
 
     folder: name of its folder of walks. metrics: names, in the order of the table. find: the walks in that folder.
-    prepare: what has to be cut off a recording before any stage sees it. score: a walk's scores, one for each track.
+    prepare: what has to be changed in a recording before any stage sees it. score: a walk's scores, one for each
+    track.
     """
 
     name: str
@@ -81,5 +84,5 @@ class Suite:
 
 
 def as_recorded(recording: Recording) -> Recording:
-    """`prepare` of a suite that cuts nothing."""
+    """`prepare` of a suite that changes nothing."""
     return recording

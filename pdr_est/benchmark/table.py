@@ -14,7 +14,7 @@ _WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps 
 def print_table(result: BenchmarkResult, console: Console) -> None:
     """Walk by walk, then the averages by group, those of the suite, and what was skipped with its reason."""
     _print(console, _walks(result))
-    if any(result.groups(name) for name in result.estimators):
+    if any(result.groups(name) for name in result.names):
         _print(console, _averages("groups", result, lambda name: result.groups(name)))
     title = f"{result.suite}, pdr-est {result.version}"
     _print(console, _averages(title, result, lambda name: {"": result.summary(name)}))
@@ -25,7 +25,7 @@ def print_table(result: BenchmarkResult, console: Console) -> None:
 def _walks(result: BenchmarkResult) -> Table:
     labels = list(dict.fromkeys(label for row in result.rows for label in row.labels))
     table = Table(title="walks")
-    for heading in ("walk", "track", "estimator", "mode", *labels):
+    for heading in ("walk", "track", result.axis, "mode", *labels):
         table.add_column(heading, no_wrap=True)
     for heading in (*result.metrics, "seconds"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -33,7 +33,7 @@ def _walks(result: BenchmarkResult) -> Table:
         table.add_row(
             row.walk,
             row.track,
-            row.estimator,
+            row.settings[result.axis],
             row.mode,
             *(row.labels.get(label) or "-" for label in labels),
             *(_number(row.metrics[metric]) for metric in result.metrics),
@@ -43,18 +43,18 @@ def _walks(result: BenchmarkResult) -> Table:
 
 
 def _averages(title: str, result: BenchmarkResult, of: Callable[[str], dict[str, Summary]]) -> Table:
-    """Mean, median, p90 and n of each metric. of: estimator -> group -> summary; the group "" is not named."""
-    by_estimator = {name: of(name) for name in result.estimators}
-    groups = list(dict.fromkeys(group for summaries in by_estimator.values() for group in summaries))
+    """Mean, median, p90 and n of each metric. of: variant -> group -> summary; the group "" is not named."""
+    by_variant = {name: of(name) for name in result.names}
+    groups = list(dict.fromkeys(group for summaries in by_variant.values() for group in summaries))
     named = groups != [""]
     table = Table(title=title)
-    for heading in (*(["group"] if named else []), "metric", "estimator"):
+    for heading in (*(["group"] if named else []), "metric", result.axis):
         table.add_column(heading, no_wrap=True)
     for heading in ("mean", "median", "p90", "n"):
         table.add_column(heading, justify="right", no_wrap=True)
     for group in groups:
         for metric in result.metrics:
-            for name, summaries in by_estimator.items():
+            for name, summaries in by_variant.items():
                 if group in summaries:
                     table.add_row(*([group] if named else []), metric, name, *_cells(summaries[group][metric]))
     return table

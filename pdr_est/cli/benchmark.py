@@ -1,4 +1,4 @@
-"""`pdr-est benchmark`: the errors of the estimators on public data sets."""
+"""`pdr-est benchmark`: errors on public data sets, of one variant or of several side by side."""
 
 import json
 from contextlib import ExitStack
@@ -10,16 +10,25 @@ from rich.console import Console
 from pdr_est.benchmark.runner import run_benchmark
 from pdr_est.benchmark.suites import SUITES
 from pdr_est.benchmark.table import print_table
-from pdr_est.cli.options import PATH, config_option, resolve_config
+from pdr_est.benchmark.variant import AXES, EVERY, comparison_of_choices
+from pdr_est.cli.options import PATH, Command, config_option, resolve_config
 from pdr_est.cli.progress import progress_bar
-from pdr_est.estimators import ESTIMATORS
+from pdr_est.config import Config
 from pdr_est.io.output import staged_file
+
+
+def _axis_options(command: Command) -> Command:
+    """An option for each axis, named after it, which takes one of its values or "all" of them."""
+    for axis in reversed(AXES):
+        text = f"Default: {axis.of(Config())}; {EVERY} compares them."
+        command = click.option(f"--{axis.word}", type=click.Choice((*axis.names, EVERY)), help=text)(command)
+    return command
 
 
 @click.command()
 @click.argument("suite", type=click.Choice(sorted(suite.name for suite in SUITES)))
 @click.option("--data", type=PATH, required=True, metavar="DIR", help="Folder with the data sets.")
-@click.option("--estimator", type=click.Choice((*ESTIMATORS, "all")), help="Default: factor-graph.")
+@_axis_options
 @click.option("--json", "json_file", type=PATH, metavar="FILE", help="Write the numbers there as well.")
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
 @click.option("--limit", type=click.IntRange(min=1), help="Only the first walks.")
@@ -28,21 +37,20 @@ from pdr_est.io.output import staged_file
 def benchmark(
     suite: str,
     data: Path,
-    estimator: str | None,
     json_file: Path | None,
     jobs: int,
     limit: int | None,
     config_file: Path | None,
     quiet: bool,
+    **options_of_axes: str | None,
 ) -> None:
     """Score the walks of SUITE in DIR and print a table of its metrics."""
-    every = estimator == "all"
-    config = resolve_config(config_file, estimator=None if every else estimator)
-    estimators = ESTIMATORS if every else (config.estimator.name,)
+    choices = {name.replace("_", "-"): value for name, value in options_of_axes.items()}
+    comparison = comparison_of_choices(resolve_config(config_file), choices)
     with ExitStack() as stack:
         document = None if json_file is None else stack.enter_context(staged_file(json_file))
         bar = stack.enter_context(progress_bar(suite, total=None, quiet=quiet))
-        result = run_benchmark(suite, data, config, estimators, jobs, limit, on_progress=bar.at)
+        result = run_benchmark(suite, data, comparison, jobs, limit, on_progress=bar.at)
         if document is not None:
             document.write_text(json.dumps(result.to_dict(), indent=2) + "\n", encoding="utf-8")
     print_table(result, Console())

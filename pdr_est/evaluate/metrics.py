@@ -73,6 +73,11 @@ def length_between(track: Track, start_s: float, end_s: float) -> float:
     return polyline_length(np.vstack([first, between, last]))
 
 
+def distance_error(total_m: float, true_m: float) -> float:
+    """`distance_error`: difference of the lengths of the way / true length, which is positive."""
+    return abs(total_m - true_m) / true_m
+
+
 def thinned(points_m: Array, least_leg_m: float) -> NDArray[np.intp]:
     """Indices of the first of the points (n, 2) and of each next one at least least_leg_m from the last one kept."""
     if least_leg_m <= 0.0:
@@ -84,15 +89,16 @@ def thinned(points_m: Array, least_leg_m: float) -> NDArray[np.intp]:
     return np.array(kept, dtype=np.intp)
 
 
-def mode_accuracy(duration_s: Array, mode: Sequence[CarryingMode], true_mode: CarryingMode) -> float:
+def mode_accuracy(duration_s: Array, mode: Sequence[CarryingMode], true_mode: NDArray[np.int8]) -> float:
     """`mode_accuracy`: share of the walking time that is labelled with the true carrying mode.
 
-    duration_s: (n,) how long each step took; mode: its label. NaN when there is no step.
+    duration_s: (n,) how long each step took; mode, true_mode: (n,) its label and what is right. NaN when there is no
+    step.
     """
     total = float(np.sum(duration_s))
     if total <= 0.0:
         return float("nan")
-    right = np.array([label == true_mode for label in mode])
+    right = np.asarray(mode, dtype=np.int8) == true_mode
     return float(np.sum(duration_s[right]) / total)
 
 

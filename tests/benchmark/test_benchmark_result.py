@@ -12,15 +12,17 @@ from pdr_est.benchmark.result import Average, SkippedWalk, WalkRow
 
 def row(walk, estimator, ate, group=None, headline=True, **labels):
     metrics = {"ate_rigid_m": ate, "final_drift": None}
-    return WalkRow(walk, "device", estimator, "HOLDING", metrics, 0.125, labels, {"truth_points": 9}, group, headline)
+    settings = {"estimator": estimator, "detector": "auto"}
+    return WalkRow(walk, "device", settings, "HOLDING", metrics, 0.125, labels, {"truth_points": 9}, group, headline)
 
 
 def result(estimators=("ekf",), rows=(), skipped=()):
     return BenchmarkResult(
         suite="oxiod",
         version="1.2.3",
-        estimator="ekf",
-        estimators=estimators,
+        axis="estimator",
+        names=estimators,
+        settings={"estimator": "ekf", "detector": "auto"},
         metrics=("ate_rigid_m", "final_drift"),
         rows=tuple(rows),
         skipped=tuple(skipped),
@@ -49,6 +51,7 @@ def test_document_has_exactly_the_agreed_shape():
         "suite": "oxiod",
         "version": "1.2.3",
         "estimator": "ekf",
+        "detector": "auto",
         "summary": {"ate_rigid_m": average, "final_drift": nothing},
         "groups": {"large-scale/hand": {"ate_rigid_m": average, "final_drift": nothing}},
         "walks": [
@@ -56,6 +59,7 @@ def test_document_has_exactly_the_agreed_shape():
                 "walk": "a/imu1",
                 "track": "device",
                 "estimator": "ekf",
+                "detector": "auto",
                 "mode": "HOLDING",
                 "position": "hand",
                 "ate_rigid_m": 2.0,
@@ -90,6 +94,33 @@ def test_several_estimators_are_averaged_apart():
     }
     assert document["estimator_groups"]["factor-graph"]["g"]["ate_rigid_m"]["mean"] == 3.0
     assert [walk["estimator"] for walk in document["walks"]] == ["ekf", "factor-graph"]
+
+
+def test_several_detectors_are_averaged_apart():
+    rows = [
+        WalkRow("a", "device", {"estimator": "ekf", "detector": name}, "HOLDING", {"count_error": error}, 0.1)
+        for name, error in (("auto", 0.01), ("mmpdr", 0.05))
+    ]
+    of_detectors = BenchmarkResult(
+        suite="oxford-steps",
+        version="1.2.3",
+        axis="detector",
+        names=("auto", "mmpdr"),
+        settings={"estimator": "ekf", "detector": "auto"},
+        metrics=("count_error",),
+        rows=tuple(rows),
+        skipped=(),
+    )
+    document = of_detectors.to_dict()
+    assert (document["estimator"], document["detector"]) == ("ekf", "all")
+    assert document["summary"] == document["detectors"]["auto"]
+    assert {name: s["count_error"]["mean"] for name, s in document["detectors"].items()} == {
+        "auto": 0.01,
+        "mmpdr": 0.05,
+    }
+    assert document["detector_groups"] == {"auto": {}, "mmpdr": {}}
+    assert [walk["detector"] for walk in document["walks"]] == ["auto", "mmpdr"]
+    assert "estimators" not in document
 
 
 @pytest.fixture

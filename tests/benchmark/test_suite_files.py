@@ -1,10 +1,19 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pdr_est.benchmark.files import recordings, suite_folder
+from pdr_est.benchmark.suite import WalkFile
 from pdr_est.benchmark.suites import SUITES, oxiod, suite_named
 from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.records import CarryingMode
+
+
+def mode_of(walk: WalkFile) -> CarryingMode | None:
+    """The mode that the data set tells of a walk."""
+    modes = walk.truth.modes
+    return None if modes is None else CarryingMode(int(modes.at(np.array([5.0]))[0]))
 
 
 def touch(folder: Path, *names: str) -> None:
@@ -47,6 +56,12 @@ def test_oxiod_takes_sensor_tables_with_paired_rows(tmp_path):
     loop, vicon = walks["large-scale/floor1/syn/imu4"], walks["handheld/data1/syn/imu1"]
     assert (loop.headline, loop.group, loop.labels) == (True, "large-scale/pocket", {"position": "pocket"})
     assert (vicon.headline, vicon.group, vicon.labels) == (False, "vicon/hand", {"position": "hand"})
+    assert (mode_of(loop), mode_of(vicon)) == (CarryingMode.POCKET, CarryingMode.HOLDING)
+
+
+def test_oxiod_bags_have_no_mode_with_a_name(tmp_path):
+    touch(tmp_path, "large-scale/floor1/syn/imu7.csv", "large-scale/floor1/syn/imu2.csv")
+    assert [mode_of(walk) for walk in suite_named("oxiod").find(tmp_path)] == [None, None]
 
 
 @pytest.mark.parametrize(

@@ -101,18 +101,31 @@ def test_a_track_that_never_moves_is_scored_and_not_excused(make_track):
     assert metrics.length_ratio(track, np.arange(3.0), TRUTH_M) == 0.0
 
 
+def modes(*labels):
+    return np.array(labels, dtype=np.int8)
+
+
 def test_mode_accuracy_is_weighted_by_time():
     # 0.5 + 0.5 s right of 2.5 s; by number of steps it would be 2/3.
-    accuracy = metrics.mode_accuracy(np.array([0.5, 1.5, 0.5]), [HOLDING, SWING, HOLDING], HOLDING)
+    accuracy = metrics.mode_accuracy(
+        np.array([0.5, 1.5, 0.5]), [HOLDING, SWING, HOLDING], modes(HOLDING, HOLDING, HOLDING)
+    )
     assert accuracy == pytest.approx(0.4)
 
 
 def test_transition_counts_as_wrong():
-    assert metrics.mode_accuracy(np.array([1.0, 1.0]), [HOLDING, TRANS], HOLDING) == pytest.approx(0.5)
+    assert metrics.mode_accuracy(np.array([1.0, 1.0]), [HOLDING, TRANS], modes(HOLDING, HOLDING)) == pytest.approx(
+        0.5
+    )
+
+
+def test_each_step_is_compared_with_the_mode_of_its_own_time():
+    accuracy = metrics.mode_accuracy(np.array([1.0, 3.0]), [HOLDING, SWING], modes(SWING, SWING))
+    assert accuracy == pytest.approx(0.75)
 
 
 def test_mode_accuracy_without_steps_is_not_known():
-    assert math.isnan(metrics.mode_accuracy(np.array([]), [], HOLDING))
+    assert math.isnan(metrics.mode_accuracy(np.array([]), [], modes()))
 
 
 def test_main_mode_is_the_one_of_most_time():

@@ -1,10 +1,28 @@
 """The benchmark suites, one module each."""
 
 from pdr_est.benchmark.suite import Suite
-from pdr_est.benchmark.suites import ilc20, ipin2023, oxiod
+from pdr_est.benchmark.suites import (
+    ilc20,
+    ipin2023,
+    known_distance,
+    motionsense,
+    oxford_steps,
+    oxiod,
+    phone_gps,
+    weallwalk,
+)
 from pdr_est.errors import ConfigError
 
-SUITES: tuple[Suite, ...] = (ilc20.SUITE, oxiod.SUITE, ipin2023.SUITE)
+SUITES: tuple[Suite, ...] = (
+    ilc20.SUITE,
+    oxiod.SUITE,
+    ipin2023.SUITE,
+    oxford_steps.SUITE,
+    weallwalk.SUITE,
+    known_distance.SUITE,
+    phone_gps.SUITE,
+    motionsense.SUITE,
+)
 
 
 def suite_named(name: str) -> Suite:

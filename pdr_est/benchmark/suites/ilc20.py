@@ -2,28 +2,25 @@
 
 from pathlib import Path
 
+from pdr_est.benchmark.devices import MODE_METRIC, carried
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.positions import HELDOUT_METRICS, score_waypoints
-from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.benchmark.suite import Suite, WalkFile, as_recorded
 from pdr_est.evaluate.open_loop import OPEN_METRICS
 from pdr_est.records import CarryingMode
 
 
 def find(folder: Path) -> list[WalkFile]:
     """The logs `SITE/FLOOR/*.txt`."""
-    return [WalkFile(name, path) for name, path in recordings(folder, "*.txt")]
-
-
-def score(walk: Walked) -> list[Scores]:
-    """All phones are in the mode HOLDING."""
-    return score_waypoints(walk, CarryingMode.HOLDING)
+    held = carried(CarryingMode.HOLDING)
+    return [WalkFile(name, path, truth=held) for name, path in recordings(folder, "*.txt")]
 
 
 SUITE = Suite(
     name="ilc20",
     folder="ilc20",
-    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, "mode_accuracy"),
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, MODE_METRIC),
     find=find,
     prepare=as_recorded,
-    score=score,
+    score=score_waypoints,
 )

@@ -1,10 +1,14 @@
-"""IPIN 2023 competition, track 3, training logs: held phones, surveyed points marked while walking over them."""
+"""IPIN 2023 competition, track 3, training logs: held phones, surveyed points marked while walking over them.
+
+Errors are 2-D also where a walk changes floors.
+"""
 
 from pathlib import Path
 
+from pdr_est.benchmark.devices import MODE_METRIC, carried
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.positions import HELDOUT_METRICS, score_waypoints
-from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile
+from pdr_est.benchmark.suite import Suite, WalkFile
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.open_loop import OPEN_METRICS
 from pdr_est.io.cut import cut
@@ -14,7 +18,8 @@ from pdr_est.records import CarryingMode
 
 def find(folder: Path) -> list[WalkFile]:
     """The logs `*.txt`."""
-    return [WalkFile(name, path) for name, path in recordings(folder, "*.txt")]
+    held = carried(CarryingMode.HOLDING)
+    return [WalkFile(name, path, truth=held) for name, path in recordings(folder, "*.txt")]
 
 
 def from_first_point(recording: Recording) -> Recording:
@@ -28,16 +33,11 @@ def from_first_point(recording: Recording) -> Recording:
     return cut(recording, float(positions.time_s.min()))
 
 
-def score(walk: Walked) -> list[Scores]:
-    """All phones are in the mode HOLDING. Errors are 2-D also where a walk changes floors."""
-    return score_waypoints(walk, CarryingMode.HOLDING)
-
-
 SUITE = Suite(
     name="ipin2023",
     folder="ipin2023",
-    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, "mode_accuracy"),
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, MODE_METRIC),
     find=find,
     prepare=from_first_point,
-    score=score,
+    score=score_waypoints,
 )

@@ -7,15 +7,21 @@ the position of the phone.
 import re
 from pathlib import Path
 
+from pdr_est.benchmark.devices import MODE_METRIC, carried
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.positions import score_open
 from pdr_est.benchmark.suite import Suite, WalkFile, as_recorded
 from pdr_est.evaluate.open_loop import OPEN_METRICS
+from pdr_est.io.recording import Truth
+from pdr_est.records import CarryingMode
 
 _LARGE_SCALE = "large-scale"
 
 # What folders of the data set say of the position of the phone in all their walks.
 _POSITION_OF_FOLDER = {"handheld": "hand", "pocket": "pocket", "handbag": "bag", "trolley": "trolley"}
+
+# The carrying modes that a position tells; a phone in a bag or on a trolley is in none that has a name.
+_MODE_OF_POSITION = {"hand": CarryingMode.HOLDING, "pocket": CarryingMode.POCKET}
 
 # In folders of mixed walks the position is known from the statistics of the signals, by number of the walk.
 _POSITION_OF_WALK = {
@@ -54,19 +60,21 @@ def position_of(name: str) -> str | None:
 def _walk(name: str, path: Path) -> WalkFile:
     position = position_of(name)
     large = _LARGE_SCALE in Path(name).parts
+    mode = None if position is None else _MODE_OF_POSITION.get(position)
     return WalkFile(
         name=name,
         path=path,
         labels={"position": position},
         group=f"{_LARGE_SCALE if large else 'vicon'}/{position or 'unknown'}",
         headline=large,
+        truth=Truth() if mode is None else carried(mode),
     )
 
 
 SUITE = Suite(
     name="oxiod",
     folder="oxiod",
-    metrics=OPEN_METRICS,
+    metrics=(*OPEN_METRICS, MODE_METRIC),
     find=find,
     prepare=as_recorded,
     score=score_open,

@@ -1,0 +1,58 @@
+"""What the suites say of one device of a walk, put together from parts: each metric family makes one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pdr_est.benchmark.suite import Scores, Walked
+from pdr_est.evaluate import metrics
+from pdr_est.frames import Array
+from pdr_est.io.recording import TrueModes, Truth
+from pdr_est.pipeline import DeviceWalk
+from pdr_est.records import CarryingMode
+
+MODE_METRIC = "mode_accuracy"
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some metrics of a device; the fields are those of `suite.Scores`."""
+
+    values: Mapping[str, float] = field(default_factory=dict)
+    counts: Mapping[str, int] = field(default_factory=dict)
+    missing: Mapping[str, str] = field(default_factory=dict)
+
+
+def device_scores(walk: Walked, device: DeviceWalk, *parts: Part) -> Scores:
+    """The scores of a device, from its parts."""
+    return Scores(
+        track=device.device if len(walk.devices) > 1 else "device",
+        mode=metrics.main_mode(*_walking(device)).name,
+        values={name: value for part in parts for name, value in part.values.items()},
+        counts={name: count for part in parts for name, count in part.counts.items()},
+        missing={name: reason for part in parts for name, reason in part.missing.items()},
+    )
+
+
+def mode_part(walk: Walked, device: DeviceWalk) -> Part:
+    """`mode_accuracy` against the walk's true modes; missing when they are not known or no step was found."""
+    truth = walk.recording.truth.modes
+    if truth is None:
+        return Part(missing={MODE_METRIC: "the true mode is not known"})
+    if not device.steps:
+        return Part(missing={MODE_METRIC: "no step found"})
+    durations_s, labels = _walking(device)
+    true_modes = truth.at(np.array([step.event.time_s for step in device.steps]))
+    return Part({MODE_METRIC: metrics.mode_accuracy(durations_s, labels, true_modes)})
+
+
+def carried(mode: CarryingMode) -> Truth:
+    """What is known of a walk whose phone was carried in one mode all the time."""
+    return Truth(modes=TrueModes(start_s=np.array([-np.inf]), mode=np.array([mode], dtype=np.int8)))
+
+
+def _walking(device: DeviceWalk) -> tuple[Array, list[CarryingMode]]:
+    """How long each step took, (n,) s, and the mode it was labelled with."""
+    durations_s = np.array([step.event.time_s - step.start_s for step in device.steps])
+    return durations_s, [step.event.mode for step in device.steps]

@@ -1,0 +1,62 @@
+"""Held phones over a known distance, with the steps counted by hand; a table `truth.csv` gives both for each file."""
+
+from pathlib import Path
+
+from pdr_est.benchmark.devices import Part, device_scores
+from pdr_est.benchmark.files import recordings
+from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.errors import RecordingError
+from pdr_est.evaluate.metrics import distance_error
+from pdr_est.evaluate.steps import count_error
+from pdr_est.io.known_truth import KnownWalk, read_truth_table
+from pdr_est.io.recording import Truth
+from pdr_est.pipeline import DeviceWalk
+
+_TRUTH = "truth"
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The tables `*.csv` beside a truth.csv in the suite's folder. Raises RecordingError when that is damaged."""
+    tables = [(name, path) for name, path in recordings(folder, "*.csv") if path.parent == folder]
+    truth_path = dict(tables).get(_TRUTH)
+    if truth_path is None:
+        return []
+    known = read_truth_table(truth_path)
+    return [WalkFile(name, path, truth=_truth(known.get(name))) for name, path in tables if name != _TRUTH]
+
+
+def score(walk: Walked) -> list[Scores]:
+    """Length and number of all steps of the recording; no estimator runs.
+
+    Raises RecordingError for a file that truth.csv does not name.
+    """
+    return [device_scores(walk, device, _part(walk, device)) for device in walk.devices]
+
+
+def _part(walk: Walked, device: DeviceWalk) -> Part:
+    truth = walk.recording.truth
+    if truth.distance_m is None or truth.step_count is None:
+        raise RecordingError(
+            f"{walk.recording.name}: not in {_TRUTH}.csv: no distance and step count to compare with"
+        )
+    return Part(
+        {
+            "distance_error": distance_error(sum(step.length_m for step in device.steps), truth.distance_m),
+            "count_error": count_error(len(device.steps), truth.step_count),
+        },
+        {"true_steps": truth.step_count, "detected_steps": len(device.steps)},
+    )
+
+
+def _truth(known: KnownWalk | None) -> Truth:
+    return Truth() if known is None else Truth(distance_m=known.distance_m, step_count=known.step_count)
+
+
+SUITE = Suite(
+    name="known-distance",
+    folder="known-distance",
+    metrics=("distance_error", "count_error"),
+    find=find,
+    prepare=as_recorded,
+    score=score,
+)

@@ -1,0 +1,47 @@
+"""WeAllWalk: two iPhones at once in clothing pockets, corridors with turns, every heel strike annotated.
+
+Each phone is a row. The walks are grouped by what the walker held, as the file names have it: `NA` nothing, else a
+kind of cane or a dog.
+"""
+
+import re
+from pathlib import Path
+
+from pdr_est.benchmark.annotated_steps import heading_part, step_part
+from pdr_est.benchmark.devices import device_scores
+from pdr_est.benchmark.files import recordings
+from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.evaluate.headings import HEADING_METRICS
+from pdr_est.evaluate.steps import STEP_METRICS
+
+_TABLE = re.compile(r"(?P<path>iPhoneSensors_T\d+_ID\d+)_(?:1L|2R)_(?P<aid>\w+)")
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The walks of the tables `iPhoneSensors_*.csv`: both phones are one walk, named after the left phone's table."""
+    walks: dict[tuple[Path, str, str], WalkFile] = {}
+    for name, path in recordings(folder, "iPhoneSensors_*.csv"):
+        match = _TABLE.fullmatch(Path(name).name)
+        if match is not None:
+            aid = match["aid"]
+            walks.setdefault((path.parent, match["path"], aid), WalkFile(name, path, {"aid": aid}, group=aid))
+    return list(walks.values())
+
+
+def score(walk: Walked) -> list[Scores]:
+    """Steps and headings of each phone against the annotated ones."""
+    track = walk.track()
+    return [
+        device_scores(walk, device, step_part(walk, device), heading_part(walk, track.of_device(device.device)))
+        for device in walk.devices
+    ]
+
+
+SUITE = Suite(
+    name="weallwalk",
+    folder="weallwalk",
+    metrics=(*STEP_METRICS, *HEADING_METRICS),
+    find=find,
+    prepare=as_recorded,
+    score=score,
+)
