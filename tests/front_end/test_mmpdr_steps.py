@@ -10,7 +10,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps, holding_acceleration
 
 RATE_HZ = 200.0
-SHARP = {"cutoff_hz": 95.0, "threshold_mps2": 1.0, "peak_sign": 1}  # a low-pass that leaves these signals alone
+SHARP = {"cutoff_hz": 95.0, "holding_threshold_mps2": 1.0, "peak_sign": 1}  # a low-pass that leaves these signals alone
 NO_CRITERIA = {"min_interval_s": 0.0, "false_peak_window_s": 0.0}
 
 
@@ -28,7 +28,7 @@ def event_times(signal: Array, **changes: float) -> list[float]:
 def test_crests_above_the_threshold_are_steps() -> None:
     crests = [(0.8, 0.0), (1.0, 3.0), (1.2, 0.0), (1.4, 0.9), (1.6, 0.0), (1.8, 1.1), (2.0, 0.0)]
     assert event_times(zigzag(*crests), **NO_CRITERIA) == pytest.approx([1.0, 1.8], abs=0.006)
-    assert event_times(zigzag(*crests), **NO_CRITERIA, threshold_mps2=0.5) == pytest.approx(
+    assert event_times(zigzag(*crests), **NO_CRITERIA, holding_threshold_mps2=0.5) == pytest.approx(
         [1.0, 1.4, 1.8], abs=0.006
     )
     assert event_times(zigzag(*crests), **NO_CRITERIA, peak_sign=-1) == []

@@ -83,13 +83,13 @@ def test_mmpdr_finds_one_crest_a_step(cadence_hz: float, height_m: float) -> Non
     assert_one_event_between_heel_strikes(event_times(mmpdr(), levels_of(walk)), walk, extra_a_bout=2)
 
 
-def test_mmpdr_needs_a_lower_threshold_for_a_slow_walk() -> None:
-    """The trunk of a short walker at 1.4 steps a second falls with less than the default threshold of 1 m/s^2."""
+def test_mmpdr_needs_a_low_threshold_for_a_slow_walk() -> None:
+    """The trunk of a short walker at 1.4 steps a second falls with little more than 1 m/s^2."""
     walk = corner_walk(GaitParams(cadence_hz=1.4, height_m=1.6), seed=1)
     levels = levels_of(walk)
-    lower = MmpdrSteps(RATE_HZ, replace(MmpdrStepParams(), threshold_mps2=0.5))
-    assert len(event_times(mmpdr(), levels)) < 0.95 * len(walk.steps)
-    assert_one_event_between_heel_strikes(event_times(lower, levels), walk, extra_a_bout=2)
+    higher = MmpdrSteps(RATE_HZ, replace(MmpdrStepParams(), holding_threshold_mps2=1.0))
+    assert len(event_times(higher, levels)) < 0.95 * len(walk.steps)
+    assert_one_event_between_heel_strikes(event_times(mmpdr(), levels), walk, extra_a_bout=2)
 
 
 @pytest.mark.parametrize("detector", DETECTORS)
@@ -116,8 +116,6 @@ def test_events_come_out_within_the_latency(detector: str, segmented: bool) -> N
     ]
     assert len(late_s) > 30
     assert max(late_s) <= stage.latency_s + 1e-9
-    if detector != "auto":  # which waits so long only for a slow second step
-        assert max(late_s) > stage.latency_s - 1.0 / RATE_HZ  # the promise is not a loose one
     assert stage.flush() == []
 
 
