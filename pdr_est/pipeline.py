@@ -74,7 +74,7 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=_warnings(recording, devices),
+        warnings=warnings_of(recording, devices),
     )
 
 
@@ -110,6 +110,20 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
             for walk in walks
         ]
     )
+
+
+def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str, ...]:
+    """What makes the walks of a recording's devices doubtful, in words."""
+    found = []
+    for device, walk in zip(recording.devices, walks, strict=True):
+        words = list(doubts(device))
+        if walk.gaps:
+            total_s = sum(gap.end_s - gap.start_s for gap in walk.gaps)
+            words.append(f"{len(walk.gaps)} gaps or clock jumps, {total_s:.1f} s in all, listed in the summary")
+        if not walk.steps:
+            words.append("no step found")
+        found += [f"{walk.device}: {text}" for text in words]
+    return tuple(found)
 
 
 def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resampler, Chain]:
@@ -164,16 +178,3 @@ def _place(device: DeviceRecording, recording_name: str) -> str:
 def _run(stage: Any, items: Any) -> list[Any]:
     outputs = [output for item in items for output in stage.push(item)]
     return outputs + list(stage.flush())
-
-
-def _warnings(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str, ...]:
-    found = []
-    for device, walk in zip(recording.devices, walks, strict=True):
-        words = list(doubts(device))
-        if walk.gaps:
-            total_s = sum(gap.end_s - gap.start_s for gap in walk.gaps)
-            words.append(f"{len(walk.gaps)} gaps or clock jumps, {total_s:.1f} s in all, listed in the summary")
-        if not walk.steps:
-            words.append("no step found")
-        found += [f"{walk.device}: {text}" for text in words]
-    return tuple(found)

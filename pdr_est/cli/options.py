@@ -9,6 +9,7 @@ import numpy as np
 
 from pdr_est.config import Config, config_from_dict, config_to_dict, load_config
 from pdr_est.estimators import ESTIMATORS
+from pdr_est.front_end.steps import DETECTORS
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -23,11 +24,18 @@ def config_option(command: Command) -> Command:
     return option(command)
 
 
+def detector_option(command: Command) -> Command:
+    """--detector NAME"""
+    option = click.option("--detector", type=click.Choice(DETECTORS), help="Of steps. Default: auto.")
+    return option(command)
+
+
 def walker_options(command: Command) -> Command:
-    """What is known of the walker, the start and the attitude."""
+    """What is known of the walker and the start, and which estimator, detector and attitude."""
     for option in reversed(
         (
             click.option("--estimator", type=click.Choice(ESTIMATORS), help="Default: factor-graph."),
+            detector_option,
             click.option(
                 "--height",
                 "height_m",
@@ -63,6 +71,7 @@ def resolve_config(
     config_file: Path | None,
     *,
     estimator: str | None = None,
+    detector: str | None = None,
     height_m: float | None = None,
     gender: str | None = None,
     start: tuple[float, float] | None = None,
@@ -78,6 +87,7 @@ def resolve_config(
     heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
     for option, section, values in (
         ("--estimator", "estimator", {"name": estimator}),
+        ("--detector", "steps", {"detector": detector}),
         ("--height", "walker", {"height_m": height_m}),
         ("--gender", "walker", {"gender": gender}),
         ("--start", "start", {"x_m": x_m, "y_m": y_m}),

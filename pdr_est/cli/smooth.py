@@ -1,17 +1,15 @@
 """`pdr-est smooth`: a recording becomes a folder with its track."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
 from pdr_est import pipeline
+from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
 from pdr_est.cli.progress import Bar, progress_bar
 from pdr_est.config import Config
-from pdr_est.errors import PdrError
 from pdr_est.io import read
 from pdr_est.io.digest import file_digests
 from pdr_est.io.fixes import read_fixes, recorded_fixes
@@ -47,7 +45,7 @@ def smooth_into(folder: Path, path: Path, fixes: str | None, config: Config, bar
     recorded = read(path)
     known = _fixes(fixes, recorded, path)
     bar.doing("walking")
-    with _naming(path):
+    with naming(path):
         walk = pipeline.smooth(recorded, config, known)
     bar.doing("writing")
     return write_results(folder, walk, recorded, config, file_digests(path))
@@ -58,14 +56,5 @@ def _fixes(choice: str | None, recorded: Recording, path: Path) -> tuple[Positio
         return ()
     if choice != "recording":
         return read_fixes(choice, recorded)
-    with _naming(path):
+    with naming(path):
         return recorded_fixes(recorded)
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Errors of what knows a recording by its name only are told with its path."""
-    try:
-        yield
-    except PdrError as error:
-        raise type(error)(f"{path}: {error}") from error

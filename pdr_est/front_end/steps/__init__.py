@@ -1,6 +1,6 @@
 """Step detectors, one file each: stages LevelBlock -> StepEvent."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
@@ -13,6 +13,7 @@ from pdr_est.params import params
 from pdr_est.stage import Stage
 
 DetectorName = Literal["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
+DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)
 
 
 @params
