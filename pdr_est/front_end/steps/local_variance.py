@@ -19,8 +19,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.signal.moving_average import MovingAverage
-from pdr_est.front_end.signal.trigger import Refractory, Trigger
-from pdr_est.front_end.steps.undecided import UndecidedSamples
+from pdr_est.front_end.steps.triggered import TriggeredSteps
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import LevelBlock, StepEvent
 
@@ -46,38 +45,28 @@ class LocalVariance:
                 f"local-variance stance_mps2 {parameters.stance_mps2} is above swing_mps2 {parameters.swing_mps2}: "
                 "give it the same value or a smaller one"
             )
-        self._parameters = parameters
         self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
         self._moments = MovingAverage(parameters.window_s, rate_hz)
-        self._trigger = Trigger()
         self.latency_s = self._low_pass.delay_s + self._moments.delay_s
-        self._samples = UndecidedSamples(rate_hz, self.latency_s)
-        self._refractory = Refractory(parameters.min_interval_s)
+        self._stances = TriggeredSteps(
+            rate_hz,
+            self.latency_s,
+            above=parameters.swing_mps2**2,
+            below=parameters.stance_mps2**2,
+            min_interval_s=parameters.min_interval_s,
+        )
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         if not len(item):
             return []
-        if item.segment != self._samples.segment:
-            self._begin(item)
-        variance = self._variance(self._low_pass.push(excess_magnitude(item.up, item.acceleration_mps2)))
-        self._samples.append(item, variance)
-        stances = self._trigger.push(
-            variance > self._parameters.swing_mps2**2, variance < self._parameters.stance_mps2**2
-        )
-        events = [
-            event for event in map(self._samples.event, stances.tolist()) if self._refractory.accepts(event.time_s)
-        ]
-        self._samples.drop(len(item))
-        return events
+        if self._stances.begins(item):
+            self._low_pass.reset()
+            self._moments.reset()
+        smooth = self._low_pass.push(excess_magnitude(item.up, item.acceleration_mps2))
+        return self._stances.push(item, self._variance(smooth))
 
     def flush(self) -> list[StepEvent]:
         return []
-
-    def _begin(self, item: LevelBlock) -> None:
-        self._samples.begin(item)
-        self._low_pass.reset()
-        self._moments.reset()
-        self._trigger.reset()
 
     def _variance(self, samples: Array) -> Array:
         """Variance (n,) of the window that ends at each of the samples (n,)."""

@@ -13,8 +13,7 @@ signal was below a dead band only. (4) A crossing soon after a step is not a ste
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.signal.moving_average import MovingAverage
-from pdr_est.front_end.signal.trigger import Refractory, Trigger
-from pdr_est.front_end.steps.undecided import UndecidedSamples
+from pdr_est.front_end.steps.triggered import TriggeredSteps
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import LevelBlock, StepEvent
 
@@ -34,34 +33,26 @@ class ZeroCrossing:
     """Stage LevelBlock -> StepEvent."""
 
     def __init__(self, rate_hz: float, parameters: ZeroCrossingParams) -> None:
-        self._parameters = parameters
         self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
         self._mean = MovingAverage(parameters.mean_window_s, rate_hz)
-        self._trigger = Trigger()
-        self._samples = UndecidedSamples(rate_hz, self._low_pass.delay_s)
-        self._refractory = Refractory(parameters.min_interval_s)
         self.latency_s = self._low_pass.delay_s
+        self._crossings = TriggeredSteps(
+            rate_hz,
+            self.latency_s,
+            above=parameters.dead_band_mps2,
+            below=0.0,
+            min_interval_s=parameters.min_interval_s,
+        )
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         if not len(item):
             return []
-        if item.segment != self._samples.segment:
-            self._begin(item)
+        if self._crossings.begins(item):
+            self._low_pass.reset()
+            self._mean.reset()
         smooth = self._low_pass.push(excess_magnitude(item.up, item.acceleration_mps2))
-        signal = smooth - self._mean.push(smooth)
-        self._samples.append(item, signal)
-        crossings = self._trigger.push(signal < -self._parameters.dead_band_mps2, signal > 0.0)
-        events = [
-            event for event in map(self._samples.event, crossings.tolist()) if self._refractory.accepts(event.time_s)
-        ]
-        self._samples.drop(len(item))
-        return events
+        depth = self._mean.push(smooth) - smooth
+        return self._crossings.push(item, depth)
 
     def flush(self) -> list[StepEvent]:
         return []
-
-    def _begin(self, item: LevelBlock) -> None:
-        self._samples.begin(item)
-        self._low_pass.reset()
-        self._mean.reset()
-        self._trigger.reset()
