@@ -8,11 +8,12 @@ from matplotlib.ticker import MaxNLocator
 from pdr_est.frames import Array
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.report import svg
+from pdr_est.report.mode_look import draw_strip, mode_runs, strips_height_in
 from pdr_est.report.time_axis import TimeAxis, draw_dots
 
 DETAIL_S = 12.0
 OVERVIEW_BINS = 1500  # about two a pixel of the page
-BOTTOM_IN, DETAIL_IN, BETWEEN_IN, OVERVIEW_IN, TOP_IN = 0.5, 1.75, 0.5, 1.15, 0.1
+BOTTOM_IN, DETAIL_IN, BETWEEN_IN, OVERVIEW_IN = 0.5, 1.75, 0.52, 1.15
 
 Line = tuple[Array, Array]  # times and values
 
@@ -20,24 +21,29 @@ Line = tuple[Array, Array]  # times and values
 def plot_acceleration(device: DeviceWalk, axis: TimeAxis, colour: str) -> Figure:
     """Figure of the whole walk, and of some seconds of it large enough to judge the detected steps.
 
+    A strip above each has the colours of the carrying modes. colour: of the dots.
     A recording of a few seconds is shown once.
     """
     segments = _segments(device)
     steps = _steps(device, segments)
     short = axis.end_s - axis.begin_s <= 1.5 * DETAIL_S
-    figure = svg.new_figure(BOTTOM_IN + DETAIL_IN + TOP_IN + (0.0 if short else BETWEEN_IN + OVERVIEW_IN))
+    runs, strip_in = mode_runs(device), strips_height_in(1)
+    upper_in = 0.0 if short else BETWEEN_IN + OVERVIEW_IN + strip_in
+    figure = svg.new_figure(BOTTOM_IN + DETAIL_IN + strip_in + upper_in)
     near = axis if short else _detail(steps[0], axis)
     detail = svg.add_axes(figure, BOTTOM_IN, DETAIL_IN)
     _draw(detail, segments, steps, near, colour)
     near.apply(detail, device.gaps)
+    draw_strip(detail, runs, near)
     svg.label_axes(
         detail, near.label if short else f"{near.label}: the shaded part above, enlarged", "vertical (m/s²)"
     )
     if not short:
-        whole = svg.add_axes(figure, BOTTOM_IN + DETAIL_IN + BETWEEN_IN, OVERVIEW_IN)
+        whole = svg.add_axes(figure, BOTTOM_IN + DETAIL_IN + strip_in + BETWEEN_IN, OVERVIEW_IN)
         whole.axvspan(*axis(np.array([near.begin_s, near.end_s])), facecolor=colour, alpha=0.16, linewidth=0)
         _draw(whole, segments, steps, axis, colour)
         axis.apply(whole, device.gaps)
+        draw_strip(whole, runs, axis)
         # The unit of the overview differs from that of the part below in a long recording.
         svg.label_axes(whole, f"({axis.unit[1]})" if axis.unit != near.unit else "", "vertical (m/s²)")
     return figure

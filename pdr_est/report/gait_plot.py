@@ -8,17 +8,21 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from pdr_est.frames import wrap_angle
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report import svg
+from pdr_est.report.mode_look import draw_strip, mode_runs, strips_height_in
 from pdr_est.report.time_axis import RASTER_FROM, TimeAxis, draw_dots
 from pdr_est.track import Track
 
 SIGMA_95 = 1.959963984540054  # half width of the 95 % interval in standard deviations
-BOTTOM_IN, TOP_IN, GAP_IN = 0.5, 0.1, 0.28
+BOTTOM_IN, GAP_IN = 0.5, 0.28
 
 
 def plot_gait(walk: SmoothedWalk, axis: TimeAxis) -> Figure:
-    """Heading with its 95 % interval, step length and cadence of every step of every device."""
+    """Heading with its 95 % interval, step length and cadence of every step of every device.
+
+    A strip a device above them has the colours of the carrying modes, the first device's on top.
+    """
     heights_in = (1.5, 1.05, 1.05)
-    figure = svg.new_figure(BOTTOM_IN + sum(heights_in) + 2 * GAP_IN + TOP_IN)
+    figure = svg.new_figure(BOTTOM_IN + sum(heights_in) + 2 * GAP_IN + strips_height_in(len(walk.devices)))
     cadence = svg.add_axes(figure, BOTTOM_IN, heights_in[2])
     length = svg.add_axes(figure, BOTTOM_IN + heights_in[2] + GAP_IN, heights_in[1], cadence)
     heading = svg.add_axes(figure, BOTTOM_IN + sum(heights_in[1:]) + 2 * GAP_IN, heights_in[0], cadence)
@@ -34,11 +38,19 @@ def plot_gait(walk: SmoothedWalk, axis: TimeAxis) -> Figure:
     gaps = [gap for device in walk.devices for gap in device.gaps]
     for axes in (heading, length, cadence):
         axis.apply(axes, gaps)
+    _draw_strips(heading, walk, axis)
     _set_scales(heading, length, cadence)
     svg.label_axes(heading, y="heading (°)")
     svg.label_axes(length, y="length (m)")
     svg.label_axes(cadence, axis.label, "cadence (1/min)")
     return figure
+
+
+def _draw_strips(axes: Axes, walk: SmoothedWalk, axis: TimeAxis) -> None:
+    several = len(walk.devices) > 1
+    for place, device in enumerate(walk.devices):
+        row = len(walk.devices) - 1 - place
+        draw_strip(axes, mode_runs(device), axis, row, svg.series_colour(place) if several else "")
 
 
 def _set_scales(heading: Axes, length: Axes, cadence: Axes) -> None:

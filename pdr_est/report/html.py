@@ -3,16 +3,15 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import yaml
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pdr_est.io.recording import Recording
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.records import CarryingMode
+from pdr_est.report.mode_look import mode_entry
 from pdr_est.report.panels import time_panels, track_panel
 from pdr_est.report.summary import Json
-from pdr_est.track import Track
 
 NO_VALUE = "–"
 
@@ -26,7 +25,7 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(number=number, seconds=seconds, metric=metric)
+    environment.filters.update(number=number, percent=percent, seconds=seconds, metric=metric)
     return environment.get_template("report.html.j2").render(
         summary=summary,
         one_device=len(walk.track.devices) == 1,
@@ -35,7 +34,7 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
         track=track_panel(walk, recording, summary["frame"] == "map"),
         panels=time_panels(walk),
         models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
-        modes=_modes(walk.track),
+        mode_signs={mode.name: mode_entry("strip", mode) for mode in CarryingMode},
         config_text=yaml.safe_dump(summary["config"], allow_unicode=True, sort_keys=False, width=100),
     )
 
@@ -43,6 +42,11 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
 def number(value: float | None, digits: int = 2) -> str:
     """A number for reading; a dash for None."""
     return NO_VALUE if value is None else f"{value:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
+
+
+def percent(value: float | None) -> str:
+    """A share of 1 in percent."""
+    return NO_VALUE if value is None else f"{number(100.0 * value, 1)} %"
 
 
 def seconds(value: float | None) -> str:
@@ -84,11 +88,3 @@ def _flat(errors: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     for name, value in errors.items():
         rows += _flat(value, f"{prefix}{name} · ") if isinstance(value, Mapping) else [(f"{prefix}{name}", value)]
     return rows
-
-
-def _modes(track: Track) -> list[tuple[str, float]]:
-    """Share of the steps in each carrying mode, the most frequent first."""
-    stepped = np.concatenate([track.of_device(name).mode[1:] for name in track.devices] or [track.mode])
-    values, counts = np.unique(stepped, return_counts=True)
-    shares = [(CarryingMode(int(v)).name, int(c) / len(stepped)) for v, c in zip(values, counts, strict=True)]
-    return sorted(shares, key=lambda share: -share[1])

@@ -15,18 +15,12 @@ from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report import svg
 from pdr_est.report.acceleration_plot import plot_acceleration
 from pdr_est.report.gait_plot import plot_gait
+from pdr_est.report.legend import LegendEntry
+from pdr_est.report.mode_look import mode_legend, mode_runs
 from pdr_est.report.time_axis import TimeAxis, time_axis
+from pdr_est.report.track_line import mode_legs
 from pdr_est.report.track_plot import plot_track
 from pdr_est.track import Track
-
-
-@dataclass(frozen=True)
-class LegendEntry:
-    """A sign of a plot and what it means. sign: one that the template can draw; colour: CSS variable, no dashes."""
-
-    sign: str
-    colour: str
-    label: str
 
 
 @dataclass(frozen=True)
@@ -47,20 +41,25 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) ->
     track, truth = walk.track, recording.truth.positions
     truth_m = None if truth is None else _truth_points(track, truth, in_map_frame)
     figure = plot_track(track, walk.fixes, truth_m, in_map_frame)
-    legend = []
+    legend = _track_lines(track)
+    legend += [LegendEntry("ellipse", "muted", "95 % region"), LegendEntry("start", "ink", "start")]
     if len(track) > len(track.devices):
-        alone = f"{track.kind} track"
-        lines = [alone] if len(track.devices) == 1 else list(track.devices)
-        legend += [LegendEntry("line", _colour(place), name) for place, name in enumerate(lines)]
-    legend += [LegendEntry("ellipse", "series-1", "95 % region"), LegendEntry("start", "series-1", "start")]
-    if len(track) > len(track.devices):
-        legend.append(LegendEntry("end", "series-1", "end"))
+        legend.append(LegendEntry("end", "ink", "end"))
     if walk.fixes:
         legend.append(LegendEntry("fix", "fix", "position fix"))
     if truth is not None and truth_m is not None:
         legend.append(LegendEntry("truth", "muted", f"truth ({truth.source})"))
     caption = _track_caption(walk, truth_m is not None, in_map_frame)
     return Panel("Track", _markup(figure, "track", "Map of the track"), tuple(legend), caption)
+
+
+def _track_lines(track: Track) -> list[LegendEntry]:
+    """The line's colours: of the modes when there is one device; else of the devices, with the modes as bands."""
+    legs = {mode for name in track.devices for mode in mode_legs(track.of_device(name))}
+    if len(track.devices) == 1:
+        return mode_legend("line", legs)
+    lines = [LegendEntry("line", _colour(place), name) for place, name in enumerate(track.devices)] if legs else []
+    return lines + mode_legend("band", legs)
 
 
 def _truth_points(track: Track, truth: TruePositions, in_map_frame: bool) -> Array | None:
@@ -79,6 +78,11 @@ def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool) ->
     if len(walk.track) == len(walk.track.devices):
         sentences.append("No step was found: the track is a single point.")
     else:
+        sentences.append(
+            "The line has the colour of the carrying mode."
+            if len(walk.devices) == 1
+            else "The band under the line of a device has the colour of its carrying mode."
+        )
         sentences.append("Ellipses are drawn for some of the poses.")
     if not in_map_frame:
         sentences.append(
@@ -106,6 +110,7 @@ def _acceleration_panel(device: DeviceWalk, place: int, axis: TimeAxis, several:
     legend = [LegendEntry("line", "muted", "vertical acceleration, gravity removed")]
     if device.steps:
         legend.append(LegendEntry("dot", _colour(place), "detected step"))
+    legend += mode_legend("strip", (run.mode for run in mode_runs(device)))
     if device.gaps:
         legend.append(NOT_RECORDED)
     title = "Acceleration and steps" + (f": {device.device}" if several else "")
@@ -116,6 +121,7 @@ def _gait_panel(walk: SmoothedWalk, axis: TimeAxis) -> Panel:
     names = [device.device for device in walk.devices] if len(walk.devices) > 1 else ["step"]
     legend = [LegendEntry("dot", _colour(place), name) for place, name in enumerate(names)]
     legend.append(LegendEntry("shade", "series-1", "95 % interval of the heading"))
+    legend += mode_legend("strip", (run.mode for device in walk.devices for run in mode_runs(device)))
     if any(device.gaps for device in walk.devices):
         legend.append(NOT_RECORDED)
     markup = _markup(plot_gait(walk, axis), "gait", "Heading, step length and cadence over time")

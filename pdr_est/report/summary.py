@@ -18,6 +18,7 @@ from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording, Recording, Truth
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.records import PositionFix, StartPose
+from pdr_est.report.mode_use import mode_use
 from pdr_est.track import Track
 
 PACKAGES = ("pdr-est", "numpy", "scipy", "gtsam", "filterpy", "vqf")
@@ -63,6 +64,7 @@ def summarise(
         "duration_s": _duration_s(walk),
         "distance_m": _mean([track.of_device(name).distance_m for name in track.devices]),
         "counts": _counts(walk.devices),
+        "carrying_modes": [use for device in walk.devices for use in mode_use(device)],
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
         "length_scale": {"value": track.length_scale, "sigma": track.sigma_length_scale},
         "start": start,

@@ -6,6 +6,7 @@ are escaped, and where no font has to be measured.
 
 import io
 import re
+from types import MappingProxyType
 
 import matplotlib
 import numpy as np
@@ -13,21 +14,36 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pdr_est.frames import Array
+from pdr_est.records import CarryingMode
 
 WIDTH_IN = 9.0
 LEFT_IN, RIGHT_IN = 0.72, 0.16
 
 # Colours as drawn; in the page each becomes the CSS variable of that name, so that it follows the light or dark
-# theme. The series are told apart by people with colour-blindness too (after Okabe and Ito).
+# theme.
 INK = "#1d2430"
 MUTED = "#69727f"
 GRID = "#e3e6ea"
 PAPER = "#fffffe"
-FIX = "#d55e00"
-SERIES = ("#0072b2", "#009e73", "#a3559f", "#b08a00")
-_CSS_NAMES = {INK: "ink", MUTED: "muted", GRID: "grid", PAPER: "paper", FIX: "fix"} | {
-    colour: f"series-{number}" for number, colour in enumerate(SERIES, start=1)
-}
+FIX = "#c2188b"
+# Devices. Red, blue, green and grey belong to the modes.
+SERIES = ("#7446a8", "#b08a00", "#00869b", "#8a5a3c")
+# Red, blue and green as in MMPDR, of a hue and lightness that colour-blind people tell apart as well as any.
+MODE = MappingProxyType(
+    {
+        CarryingMode.UNKNOWN: "#949da9",
+        CarryingMode.HOLDING: "#d4342c",
+        CarryingMode.SWING: "#1f5fc9",
+        CarryingMode.POCKET: "#00936a",
+        CarryingMode.OTHER: "#828b96",
+        CarryingMode.TRANS: "#4a525d",
+    }
+)
+_CSS_NAMES = (
+    {INK: "ink", MUTED: "muted", GRID: "grid", PAPER: "paper", FIX: "fix"}
+    | {colour: f"series-{number}" for number, colour in enumerate(SERIES, start=1)}
+    | {colour: f"mode-{mode.name.lower()}" for mode, colour in MODE.items()}
+)
 
 RASTER_DPI = 200  # of the dense layers that are drawn as an image
 

@@ -13,12 +13,11 @@ from pdr_est.frames import Array
 from pdr_est.records import PositionFix
 from pdr_est.report import svg
 from pdr_est.report.summary import radius95_m
+from pdr_est.report.track_line import draw_device, draw_mode_bands, draw_modes
 from pdr_est.track import Track
 
 ELLIPSES = 28  # about as many in all at most: more hide the track
-ARROWS = 7
 DENSE_POINTS = 200  # truth with more points is a line without markers
-LONG_TRACK = 3000  # poses; the line is thinner from here on
 BOTTOM_IN, TOP_IN = 0.72, 0.12
 SMALLEST_SPAN_M = 4.0
 
@@ -41,24 +40,28 @@ class Window:
 def plot_track(
     track: Track, fixes: tuple[PositionFix, ...] = (), truth_m: Array | None = None, in_map_frame: bool = True
 ) -> Figure:
-    """Figure of the track of every device. truth_m: (k, 2) in the same frame as the track, or None."""
+    """Figure of the track of every device. truth_m: (k, 2) in the same frame as the track, or None.
+
+    The line of a single device has the colours of the carrying modes. Several devices have a colour each, and
+    the modes are bands under their lines.
+    """
     tracks = [track.of_device(name) for name in track.devices]
     shown = [thin_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
     window = _window(tracks, shown, fixes, truth_m)
     figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
     axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
     _set_window(axes, window)
+    alone = len(tracks) == 1
     for number, (one, chosen) in enumerate(zip(tracks, shown, strict=True)):
-        colour = svg.series_colour(number)
+        colour = svg.MUTED if alone else svg.series_colour(number)
         for i in chosen:
             _ellipse(axes, one.position_m[i], one.covariance_m2[i], colour)
     if truth_m is not None and len(truth_m):
         _truth(axes, truth_m)
-    for number, one in enumerate(tracks):
-        _line(axes, one, svg.series_colour(number), 0.022 * window.width)
+    _lines(axes, tracks, 0.022 * window.width)
     _fixes(axes, fixes)
     for number, one in enumerate(tracks):
-        _ends(axes, one, svg.series_colour(number))
+        _ends(axes, one, svg.INK if alone else svg.series_colour(number))
     svg.label_axes(axes, *(("east (m)", "north (m)") if in_map_frame else ("x (m)", "y (m)")))
     _scale_bar(axes, window)
     return figure
@@ -127,7 +130,7 @@ def _ellipse(axes: Axes, centre: Array, covariance: Array, colour: str) -> None:
     variances, directions = np.linalg.eigh(covariance)
     short, long = 2.0 * np.sqrt(CHI2_95_2D * np.maximum(variances, 0.0))
     angle = np.degrees(np.arctan2(directions[1, 1], directions[0, 1]))
-    for style in ({"facecolor": colour, "alpha": 0.09}, {"facecolor": "none", "edgecolor": colour, "alpha": 0.45}):
+    for style in ({"facecolor": colour, "alpha": 0.06}, {"facecolor": "none", "edgecolor": colour, "alpha": 0.45}):
         axes.add_patch(Ellipse((centre[0], centre[1]), long, short, angle=angle, linewidth=0.7, **style))
 
 
@@ -138,31 +141,14 @@ def _truth(axes: Axes, truth_m: Array) -> None:
         axes.plot(*truth_m.T, "o", color=svg.PAPER, markeredgecolor=svg.MUTED, markersize=4.0, markeredgewidth=1.0)
 
 
-def _line(axes: Axes, track: Track, colour: str, arrow_m: float) -> None:
-    width = 1.7 if len(track) < LONG_TRACK else 0.9
-    axes.plot(*track.position_m.T, color=colour, linewidth=width, solid_joinstyle="round", solid_capstyle="round")
-    legs = np.linalg.norm(np.diff(track.position_m, axis=0), axis=1)
-    way = np.concatenate([[0.0], np.cumsum(legs)])
-    if way[-1] < 4.0 * arrow_m:
+def _lines(axes: Axes, tracks: list[Track], arrow_m: float) -> None:
+    if len(tracks) == 1:
+        draw_modes(axes, tracks[0], arrow_m)
         return
-    for tip_at in way[-1] * (np.arange(ARROWS) + 0.5) / ARROWS:
-        tip, tail = (
-            np.array([np.interp(at, way, track.position_m[:, axis]) for axis in (0, 1)])
-            for at in (tip_at, tip_at - 0.5 * arrow_m)
-        )
-        _arrow(axes, tip, tip - tail, arrow_m, colour)
-
-
-def _arrow(axes: Axes, tip: Array, direction: Array, size_m: float, colour: str) -> None:
-    """A small filled head that shows which way the walk goes."""
-    norm = float(np.hypot(*direction))
-    if norm < 1e-9:
-        return
-    ahead = direction / norm
-    aside = np.array([-ahead[1], ahead[0]])
-    base = tip - 0.65 * size_m * ahead
-    corners = [tip, base + 0.32 * size_m * aside, base - 0.32 * size_m * aside]
-    axes.fill(*np.array(corners).T, facecolor=colour, edgecolor=svg.PAPER, linewidth=0.6, zorder=2.5)
+    for one in tracks:
+        draw_mode_bands(axes, one)
+    for number, one in enumerate(tracks):
+        draw_device(axes, one, svg.series_colour(number), arrow_m)
 
 
 def _fixes(axes: Axes, fixes: tuple[PositionFix, ...]) -> None:

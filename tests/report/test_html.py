@@ -68,7 +68,7 @@ def test_page_holds_the_numbers(make_walk) -> None:
         "factor-graph (smoothed)",
         "1.034 ± 0.012",
         "4 (4 waypoint)",
-        "HOLDING 100 %",
+        "HOLDING 100.0 % 120 100.0 %",
         "fix at 912.0 s lies after the end",
         "rotation_rate gap 20.00 s 23.25 s 3.25 s",
         "error_heldout_m 0.83 m",
