@@ -18,7 +18,7 @@ from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
-from pdr_est.front_end.steps import StepsParams
+from pdr_est.front_end.steps import StepsParams, step_detector
 from pdr_est.io.resample import ResampleParams
 from pdr_est.params import NonNegative, params
 from pdr_est.records import StartPose
@@ -73,7 +73,6 @@ class Config:
 
 _ADAPTER = TypeAdapter(Config)
 _MOST_ERRORS = 3  # told at once
-_LEAST_CUTOFF_HZ = 0.01
 _LONGEST_VALUE = 60  # characters of a value in a message
 _UNIT_WORDS = {"_m": "metres", "_s": "seconds", "_hz": "hertz", "_rad": "radians", "_mps": "m/s", "_mps2": "m/s^2"}
 
@@ -161,24 +160,10 @@ def _refuse_contradictions(config: Config, place: str) -> None:
         config.start.pose()
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from error
-    band = config.steps.auto
-    if band.low_hz >= band.high_hz:
-        raise ConfigError(
-            f"{place}: steps.auto.low_hz = {band.low_hz:g} is not below high_hz = {band.high_hz:g}: swap them"
-        )
-    rate_hz = config.resample.rate_hz
-    if config.steps.detector == "auto":
-        key, cutoff_hz = "auto.high_hz", band.high_hz
-    elif config.steps.detector == "mmpdr":
-        key, cutoff_hz = "mmpdr.cutoff_hz", config.steps.mmpdr.cutoff_hz
-    else:
-        return
-    if cutoff_hz >= rate_hz / 2.0:
-        raise ConfigError(
-            f"{place}: steps.{key} = {cutoff_hz:g} is not below half of resample.rate_hz = {rate_hz:g}: lower it"
-        )
-    if cutoff_hz < _LEAST_CUTOFF_HZ:
-        raise ConfigError(f"{place}: steps.{key} = {cutoff_hz:g} is below {_LEAST_CUTOFF_HZ:g}: no step is so slow")
+    try:
+        step_detector(config.resample.rate_hz, config.steps)
+    except ConfigError as error:
+        raise ConfigError(f"{place}: steps.{config.steps.detector.replace('-', '_')}: {error}") from error
 
 
 def _explain(detail: ErrorDetails) -> str:

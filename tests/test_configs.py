@@ -52,6 +52,20 @@ def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
         ({"walker": {"gender": "m"}}, "walker.gender"),
         ({"start": {"x_m": 1.0}}, "x_m and y_m belong together"),
         ({"odometry": {"sigma_length_scale": float("nan")}}, "odometry.sigma_length_scale"),
+        (
+            {"steps": {"auto": {"high_hz": 25.0}}},
+            "steps.auto: high_hz = 25 is not below half of resample.rate_hz = 50",
+        ),
+        ({"steps": {"auto": {"low_hz": 3.0}}}, "steps.auto: low_hz = 3 is not below high_hz = 2: swap them"),
+        ({"steps": {"auto": {"low_hz": 1e-6}}}, "steps.auto: low_hz = 1e-06 is below 0.001: .* raise it"),
+        (
+            {"steps": {"detector": "zero-crossing", "zero_crossing": {"cutoff_hz": 30}}},
+            "steps.zero_crossing: cutoff_hz = 30 is not below half",
+        ),
+        (
+            {"steps": {"detector": "local-variance", "local_variance": {"stance_mps2": 9.0}}},
+            "steps.local_variance: stance_mps2 9.0 is above swing_mps2",
+        ),
         ([1, 2], "top level"),
     ],
 )

@@ -85,7 +85,7 @@ def test_what_must_be_given(good: Path) -> None:
         ("odometry:\n  sigma_length_scale: 1.0e-200\n", r"sigma_length_scale = 1e-200: .* 0 or at least 1e-09"),
         (
             "steps: {detector: mmpdr, mmpdr: {cutoff_hz: 30}}\n",
-            r": steps\.mmpdr\.cutoff_hz = 30 is not below half of resample\.rate_hz = 50: lower it",
+            r": steps\.mmpdr: cutoff_hz = 30 is not below half of resample\.rate_hz = 50: lower it",
         ),
         ("- a\n- b\n", r": top level = \['a', 'b'\]: is a section, give it keys such as 'resample'"),
         ("hello\n", r": top level = 'hello': is a section"),

@@ -7,6 +7,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 
 CADENCE_HZ = 1.8  # steps a second of a common walk
+_LEAST_CUTOFF_HZ = 1e-3  # far below lies a low-pass that rounding spoils
 
 
 class CausalFilter:
@@ -37,28 +38,32 @@ class CausalFilter:
 
 
 class CausalLowPass(CausalFilter):
-    """Butterworth low-pass of second order."""
+    """Butterworth low-pass of second order. Raises ConfigError for a cutoff that cannot be had at this rate."""
 
     def __init__(self, cutoff_hz: float, rate_hz: float) -> None:
-        _refuse_fast(cutoff_hz, rate_hz)
+        _check_cutoff("cutoff_hz", cutoff_hz, rate_hz)
         super().__init__(butter(2, cutoff_hz, fs=rate_hz, output="sos"), rate_hz)
 
 
 class CausalBandPass(CausalFilter):
-    """First-order high-pass and third-order low-pass (Butterworth)."""
+    """First-order high-pass and third-order low-pass (Butterworth). Raises ConfigError for cutoffs in the wrong order
+    or that cannot be had at this rate."""
 
     def __init__(self, low_hz: float, high_hz: float, rate_hz: float) -> None:
-        _refuse_fast(high_hz, rate_hz)
+        _check_cutoff("low_hz", low_hz, rate_hz)
+        _check_cutoff("high_hz", high_hz, rate_hz)
+        if low_hz >= high_hz:
+            raise ConfigError(f"low_hz = {low_hz:g} is not below high_hz = {high_hz:g}: swap them")
         high_pass = butter(1, low_hz, btype="high", fs=rate_hz, output="sos")
         low_pass = butter(3, high_hz, fs=rate_hz, output="sos")
         super().__init__(np.concatenate([low_pass, high_pass]), rate_hz)
 
 
-def _refuse_fast(cutoff_hz: float, rate_hz: float) -> None:
+def _check_cutoff(name: str, cutoff_hz: float, rate_hz: float) -> None:
     if cutoff_hz >= 0.5 * rate_hz:
-        raise ConfigError(
-            f"a filter's cutoff of {cutoff_hz:g} Hz is not below half of resample.rate_hz = {rate_hz:g}: lower it"
-        )
+        raise ConfigError(f"{name} = {cutoff_hz:g} is not below half of resample.rate_hz = {rate_hz:g}: lower it")
+    if cutoff_hz < _LEAST_CUTOFF_HZ:
+        raise ConfigError(f"{name} = {cutoff_hz:g} is below {_LEAST_CUTOFF_HZ:g}: no movement is so slow, raise it")
 
 
 def phase_delay_s(sos: Array, rate_hz: float, signal_hz: float) -> float:

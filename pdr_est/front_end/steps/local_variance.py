@@ -42,7 +42,7 @@ class LocalVariance:
     def __init__(self, rate_hz: float, parameters: LocalVarianceParams) -> None:
         if parameters.stance_mps2 > parameters.swing_mps2:
             raise ConfigError(
-                f"local-variance stance_mps2 {parameters.stance_mps2} is above swing_mps2 {parameters.swing_mps2}: "
+                f"stance_mps2 {parameters.stance_mps2} is above swing_mps2 {parameters.swing_mps2}: "
                 "give it the same value or a smaller one"
             )
         self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
