@@ -1,4 +1,4 @@
-"""Runs the benchmark suites with all estimators or detectors; writes experiments/results/ and the table of the README.
+"""Runs the benchmark suites with all estimators or detectors; writes experiments/results/ and the README's table.
 
     python experiments/benchmark_tables.py --data DIR [--jobs 2] [--suite NAME ...]
 

@@ -6,21 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_sets import bouncing
 
 _EPOCH_MS = 1_574_560_000_000
-_STEP_HZ = 2.0
 _SPEED_MPS = 1.3
 
 WriteLog = Callable[..., Path]
-
-
-def _samples(duration_s: float, bounce_mps2: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times and vertical specific force of a phone held flat by a person who walks two steps a second."""
-    time_s = np.arange(0.0, duration_s, 0.02)
-    up = 9.81 + bounce_mps2 * (
-        np.sin(2.0 * np.pi * _STEP_HZ * time_s) + np.sin(4.0 * np.pi * _STEP_HZ * time_s) / 3.0
-    )
-    return time_s, up
 
 
 @pytest.fixture
@@ -29,7 +20,7 @@ def write_ilc20() -> WriteLog:
 
     def write(path: Path, duration_s: float = 20.0, every_s: float = 3.0, bounce_mps2: float = 3.0) -> Path:
         rows = []
-        for t, up in zip(*_samples(duration_s, bounce_mps2), strict=True):
+        for t, up in zip(*bouncing(50.0, bounce_mps2, duration_s), strict=True):
             ms = _EPOCH_MS + round(1e3 * t)
             rows.append(f"{ms}\tTYPE_ACCELEROMETER\t0.0\t0.0\t{up:.5f}\t3")
             rows.append(f"{ms}\tTYPE_GYROSCOPE\t0.0\t0.0\t0.0\t3")

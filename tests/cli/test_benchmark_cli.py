@@ -11,6 +11,7 @@ from cli_recordings import Walk, ilc20_log
 from cli_runs import PROGRAM, interrupt, refused, run
 
 ESTIMATORS = ["dead-reckoning", "ekf", "factor-graph"]
+DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
 METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
     "mode_accuracy",
@@ -77,6 +78,24 @@ def test_every_estimator_in_one_document(data: Path, tmp_path: Path) -> None:
     assert all(name in text for name in ESTIMATORS)
 
 
+def test_every_detector_in_one_document(data: Path, tmp_path: Path) -> None:
+    options = ("--detector", "all", "--estimator", "ekf", "--limit", 1)
+    document, text = scored(tmp_path, "ilc20", "--data", data, *options)
+    assert (document["detector"], document["estimator"]) == ("all", "ekf")
+    assert list(document["detectors"]) == DETECTORS
+    assert [row["detector"] for row in document["walks"]] == DETECTORS
+    assert {row["estimator"] for row in document["walks"]} == {"ekf"}
+    assert document["summary"] == document["detectors"]["auto"]
+    assert all(name in text for name in DETECTORS)
+
+
+def test_one_detector(data: Path, tmp_path: Path) -> None:
+    document, text = scored(tmp_path, "ilc20", "--data", data, "--detector", "zero-crossing", "--limit", 1)
+    assert (document["detector"], document["estimator"]) == ("zero-crossing", "factor-graph")
+    assert [row["detector"] for row in document["walks"]] == ["zero-crossing"]
+    assert "zero-crossing" in text
+
+
 def test_one_estimator_and_a_limit(data: Path, tmp_path: Path) -> None:
     document, _ = scored(tmp_path, "ilc20", "--data", data / "ilc20", "--estimator", "ekf", "--limit", 1)
     assert document["estimator"] == "ekf"
@@ -117,6 +136,11 @@ def test_ctrl_c_ends_all_processes(data: Path, tmp_path: Path) -> None:
         (
             ("ilc20", "--estimator", "kalman"),
             r"'kalman' is not one of 'dead-reckoning', 'ekf', 'factor-graph', 'all'",
+        ),
+        (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'zero-crossing', 'all'"),
+        (
+            ("ilc20", "--detector", "all", "--estimator", "all"),
+            r"--estimator all and --detector all: only one setting is compared at a time: name one value",
         ),
         (("ilc20", "--jobs", "0"), r"'--jobs': 0 is not in the range x>=1"),
         (("ilc20", "--limit", "0"), r"'--limit': 0 is not in the range x>=1"),

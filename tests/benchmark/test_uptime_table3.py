@@ -1,0 +1,51 @@
+"""The experiment that repeats UPTIME's Table III: its averages, and that its recorded files tell the same."""
+
+import json
+import runpy
+from pathlib import Path
+
+import pytest
+
+from pdr_est.benchmark.result import BenchmarkResult, WalkRow
+
+EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+SCRIPT = runpy.run_path(str(EXPERIMENTS / "uptime_table3.py"))
+
+
+def result(errors):
+    """A result from {(position, detector): count error}."""
+    rows = [
+        WalkRow(f"walk_{position}", "device", {"detector": detector}, "HOLDING", {"count_error": error}, 0.1,
+                {"position": position})
+        for (position, detector), error in errors.items()
+    ]  # fmt: skip
+    names = tuple(SCRIPT["DETECTORS"])
+    return BenchmarkResult("oxford-steps", "1", "detector", names, {}, ("count_error",), tuple(rows), ())
+
+
+def test_averages_by_place_and_detector():
+    errors = {
+        (position, detector): (i + 1) * percent / 100.0
+        for i, detector in enumerate(SCRIPT["DETECTORS"])
+        for position, percent in (("InHand", 1.0), ("FrontPocket", 2.0), ("BackPocket", 4.0), ("Purse", 9.0))
+    }
+    table = SCRIPT["measured"](result(errors))
+    assert {place: cells["walks"] for place, cells in table.items()} == {
+        "in hand": 1,
+        "in pocket": 2,
+        "hand and pocket": 3,
+        "all positions": 4,
+    }
+    assert table["in pocket"]["uptime-fsm"] == pytest.approx(3.0)
+    assert table["all positions"]["zero-crossing"] == pytest.approx(3 * 4.0)
+
+
+def test_recorded_text_is_that_of_the_recorded_numbers_and_the_papers():
+    document = json.loads((EXPERIMENTS / "results/uptime_table3.json").read_text(encoding="utf-8"))
+    text = (EXPERIMENTS / "results/uptime_table3.txt").read_text(encoding="utf-8")
+    table = {place: cells["measured_percent"] for place, cells in document.items()}
+    assert SCRIPT["as_text"](table) == text
+    assert SCRIPT["as_markdown"](table) in (EXPERIMENTS / "README.md").read_text(encoding="utf-8")
+    assert {place.words: place.paper_percent for place in SCRIPT["PLACES"]} == {
+        place: cells["paper_percent"] for place, cells in document.items()
+    }
