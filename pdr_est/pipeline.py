@@ -119,7 +119,7 @@ def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str,
         words = list(doubts(device))
         if walk.gaps:
             total_s = sum(gap.end_s - gap.start_s for gap in walk.gaps)
-            words.append(f"{len(walk.gaps)} gaps or clock jumps, {total_s:.1f} s in all, listed in the summary")
+            words.append(f"{len(walk.gaps)} gaps or clock jumps, {total_s:.1f} s in all, listed by `pdr-est inspect`")
         if not walk.steps:
             words.append("no step found")
         found += [f"{walk.device}: {text}" for text in words]

@@ -22,6 +22,7 @@ from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
+from pdr_est.front_end.steps import DETECTORS, DetectorName
 from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
@@ -212,6 +213,19 @@ def test_random_cuts_of_the_chain(config: Config, rate_hz: float) -> None:
     items = records("raw", rate_hz)
     cuttings = [randomly_cut(items, rng) for _ in range(2)]
     assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
+
+
+@pytest.mark.parametrize("detector", DETECTORS)
+def test_cuts_of_the_chain_without_gyroscope(detector: DetectorName) -> None:
+    config = Config(steps=StepsParams(detector=detector))
+    bare = replace(device(50.0), rotation_rate=None, attitude=None)
+    items = tuple(bare.blocks())
+    rng = np.random.default_rng(7)
+
+    def chain() -> Chain:
+        return Chain([*pipeline.levelling(bare, "messy", config)[1].stages, *pipeline.stepping(config).stages])
+
+    assert_cuts_do_not_matter(chain, items, [randomly_cut(items, rng), one_by_one(items)], rng)
 
 
 @pytest.mark.parametrize("name", ["vqf-auto", "device-mmpdr"])

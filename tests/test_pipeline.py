@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -10,12 +11,14 @@ import pytest
 
 from pdr_est import pipeline
 from pdr_est.config import Config, EstimatorParams, StartParams, StepsParams
-from pdr_est.errors import RecordingError
+from pdr_est.errors import EstimationError, RecordingError
 from pdr_est.estimators import EstimatorName
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.attitude import AttitudeParams
+from pdr_est.io import read
 from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.pipeline import SmoothedWalk
+from pdr_est.records import CarryingMode
 from pdr_est.simulate import DeviceParams, SensorParams, SimulatedWalk, preset, simulate_walk
 
 DEAD_RECKONING = Config(estimator=EstimatorParams(name="dead-reckoning"))
@@ -45,6 +48,12 @@ def gyroscope() -> Signal:
     signal = simulated().recording.devices[0].rotation_rate
     assert signal is not None
     return signal
+
+
+def without_gyroscope(*devices: DeviceParams) -> Recording:
+    """The simulated walk as devices with nothing but an accelerometer recorded it."""
+    recording = simulated(*devices).recording
+    return replace(recording, devices=tuple(replace(device, rotation_rate=None) for device in recording.devices))
 
 
 def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
@@ -195,6 +204,54 @@ def test_a_missing_sensor_is_named_with_what_remains(channel: str, message: str,
         pipeline.smooth(with_device(**{channel: missing}), Config())
 
 
+@pytest.mark.parametrize("missing", [None, NOTHING], ids=["no channel", "empty channel"])
+def test_an_accelerometer_alone_gives_steps_with_length_and_without_heading(missing: Signal | None) -> None:
+    (part,) = pipeline.analyse(with_device(rotation_rate=missing), Config())
+    (full,) = pipeline.analyse(simulated().recording, Config())
+    assert full.has_heading
+    assert not part.has_heading
+    assert part.odometry == ()
+    assert len(part.steps) == pytest.approx(simulated().step_count, abs=1)
+    found_s, expected_s = (np.array([step.event.time_s for step in walk.steps]) for walk in (part, full))
+    assert np.abs(found_s[:, None] - expected_s).min(axis=0).max() < 0.15
+    assert np.isnan([step.heading_rad for step in part.steps]).all()
+    assert {step.event.mode for step in part.steps} == {CarryingMode.UNKNOWN}
+    length_m, expected_m = (sum(step.length_m for step in walk.steps) for walk in (part, full))
+    assert length_m == pytest.approx(expected_m, rel=0.05)
+    assert pipeline.warnings_of(simulated().recording, [part]) == ()
+
+
+def test_one_device_without_gyroscope_leaves_the_other_as_it_is() -> None:
+    recording = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording
+    left, right = recording.devices
+    mixed = replace(recording, devices=(replace(left, rotation_rate=None), right))
+    bare, whole = pipeline.analyse(mixed, Config())
+    assert (bare.has_heading, whole.has_heading) == (False, True)
+    assert len(whole.odometry) == len(whole.steps) > 0
+
+
+@pytest.mark.parametrize("name", get_args(EstimatorName))
+def test_steps_without_heading_are_refused_by_every_estimator(name: EstimatorName) -> None:
+    walks = pipeline.analyse(without_gyroscope(), Config())
+    with pytest.raises(EstimationError, match=r"^device: no gyroscope, so its \d+ steps have no direction .*: leave"):
+        pipeline.estimate(walks, Config().with_estimator(name))
+
+
+def test_a_track_is_refused_before_any_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    recording = without_gyroscope(DeviceParams(name="left"), DeviceParams(name="right"))
+    whole = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording.devices[0]
+    monkeypatch.setattr(pipeline, "analyse", lambda *_: pytest.fail("the front end ran"))
+    with pytest.raises(RecordingError, match=r"^l_shape \(right\): no gyroscope"):
+        pipeline.smooth(replace(recording, devices=(whole, recording.devices[1])), Config())
+
+
+def test_the_devices_own_attitude_needs_its_gyroscope_too() -> None:
+    walk = simulated(DeviceParams(sensors=SensorParams(record_attitude=True))).recording
+    bare = replace(walk, devices=(replace(walk.devices[0], rotation_rate=None),))
+    with pytest.raises(RecordingError, match=r"^l_shape \(device\): no gyroscope, .*: with --attitude vqf steps are"):
+        pipeline.analyse(bare, replace(Config(), attitude=AttitudeParams(source="device")))
+
+
 def test_a_missing_attitude_of_the_device_names_the_other_source() -> None:
     config = replace(Config(), attitude=AttitudeParams(source="device"))
     with pytest.raises(
@@ -233,3 +290,18 @@ def test_every_device_must_be_usable() -> None:
     recording = replace(simulated().recording, devices=(good, replace(good, name="other", rotation_rate=None)))
     with pytest.raises(RecordingError, match=r"^l_shape \(other\): no gyroscope"):
         pipeline.smooth(recording, Config())
+
+
+def test_steps_of_real_phones_by_the_accelerometer_alone(shared_data: Path) -> None:
+    """Between the first and the last true step: before and after it the phones are put away and taken out."""
+    folders = sorted((shared_data / "oxford-steps").iterdir())
+    for folder in folders[:: max(len(folders) // 5, 1)]:
+        recording = read(folder)
+        assert recording.truth.steps is not None
+        assert recording.truth.step_count is not None
+        true_s = recording.truth.steps.time_s
+        (part,) = pipeline.analyse(recording, Config())
+        found_s = np.array([step.event.time_s for step in part.steps])
+        found_s += np.median([true_s[np.argmin(np.abs(true_s - time_s))] - time_s for time_s in found_s])
+        inside = (found_s > true_s[0] - 0.3) & (found_s < true_s[-1] + 0.3)
+        assert np.count_nonzero(inside) == pytest.approx(recording.truth.step_count, rel=0.02), folder.name

@@ -306,7 +306,7 @@ def test_two_clocks_an_hour_apart(walk: Walk, tmp_path: Path, outs: Path) -> Non
 def test_clocks_that_hardly_overlap_are_a_warning(walk: Walk, tmp_path: Path) -> None:
     path = as_zip(tmp_path / "walk.zip", sensor_logger(walk, {"Gyroscope": float(walk.time_s[-1]) - 0.5}))
     stderr = smoothed(path, tmp_path / "out").stderr
-    assert re.search(r"warning: device: 2 gaps or clock jumps, \d+\.\d s in all, listed in the summary", stderr)
+    assert re.search(r"warning: device: 2 gaps or clock jumps, \d+\.\d s in all, listed by `pdr-est inspect`", stderr)
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,9 @@ def joined(blocks: Sequence[LevelBlock], name: str) -> Array:
     return np.concatenate([getattr(block, name) for block in blocks])
 
 
-def imu(force: Array, rate: Array, segment: int = 0, first_index: int = 0, attitude: Array | None = None) -> ImuBlock:
+def imu(
+    force: Array, rate: Array | None, segment: int = 0, first_index: int = 0, attitude: Array | None = None
+) -> ImuBlock:
     """Samples on the 50 Hz grid."""
     time_s = (first_index + np.arange(len(force))) / RATE_HZ
     return ImuBlock(first_index, segment, time_s, force, rate, attitude)

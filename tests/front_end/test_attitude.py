@@ -10,7 +10,7 @@ from signals import RATE_HZ, corner_walk, imu, joined, levels_of, run, still_for
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, wrap_angle
-from pdr_est.front_end.attitude import AttitudeParams, DeviceAttitude, VqfAttitude
+from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.records import CarryingMode, LevelBlock
 from pdr_est.simulate import PERFECT, SensorParams, SimulatedWalk
 
@@ -103,6 +103,60 @@ def test_a_segment_starts_the_filter_anew() -> None:
     for name in ("up", "yaw_rad", "vertical_mps2", "turn_rate_radps"):
         np.testing.assert_array_equal(getattr(continued, name), getattr(fresh, name))
     assert (continued.segment, continued.first_index) == (1, 250)
+
+
+def tilt() -> AccelerometerTilt:
+    return AccelerometerTilt(RATE_HZ, AttitudeParams())
+
+
+@pytest.mark.parametrize("up", ALONG_THE_AXES + ANYHOW)
+def test_an_accelerometer_at_rest_shows_the_vertical_and_nothing_of_turns(up: Array) -> None:
+    (block,) = run(tilt(), [imu(still_force(up, 50), None)])
+    np.testing.assert_allclose(block.up, np.tile(up, (50, 1)), atol=1e-9)
+    np.testing.assert_allclose(block.acceleration_mps2, 0.0, atol=1e-7)
+    np.testing.assert_allclose(block.vertical_mps2, 0.0, atol=1e-7)
+    for name in ("yaw_rad", "rotation_rate_radps", "turn_rate_radps"):
+        assert np.isnan(getattr(block, name)).all(), name
+    assert block.rotation_rate_radps.shape == (50, 3)
+    assert (block.mode == CarryingMode.UNKNOWN).all()
+    assert (block.mode_probability == 0.0).all()
+
+
+def test_bounces_leave_the_vertical_of_an_accelerometer_alone_and_are_seen_in_full() -> None:
+    up = np.array([0.6, 0.0, 0.8])
+    bounce = 3.0 * np.sin(2.0 * np.pi * 1.8 * np.arange(500) / RATE_HZ)
+    (block,) = run(tilt(), [imu((STANDARD_GRAVITY_MPS2 + bounce)[:, None] * up, None)])
+    np.testing.assert_allclose(block.up, np.tile(up, (500, 1)), atol=1e-9)
+    np.testing.assert_allclose(block.vertical_mps2, bounce, atol=1e-9)
+
+
+def test_a_phone_that_turns_over_feels_no_vertical_acceleration() -> None:
+    """The low-passed vertical needs seconds to follow; the length of the specific force does not care."""
+    angle = np.clip(np.arange(400) / RATE_HZ - 2.0, 0.0, 1.0) * np.pi / 2.0
+    true_up = np.stack([np.sin(angle), 0.0 * angle, np.cos(angle)], axis=1)
+    (block,) = run(tilt(), [imu(STANDARD_GRAVITY_MPS2 * true_up, None)])
+    off_rad = angle_between(block.up, true_up)
+    assert np.rad2deg(off_rad.max()) > 30.0
+    assert np.rad2deg(off_rad[-1]) < 1.0
+    np.testing.assert_allclose(block.vertical_mps2, 0.0, atol=1e-9)
+
+
+def test_free_fall_has_no_vertical_and_a_segment_starts_the_tilt_anew() -> None:
+    stage = tilt()
+    (falling,) = stage.push(imu(np.zeros((20, 3)), None))
+    np.testing.assert_array_equal(falling.up, 0.0)
+    np.testing.assert_allclose(falling.vertical_mps2, -STANDARD_GRAVITY_MPS2)
+    after = imu(still_force(np.array([0.0, 0.6, 0.8]), 10), None, segment=1, first_index=100)
+    (block,) = stage.push(after)
+    np.testing.assert_allclose(block.up, np.tile([0.0, 0.6, 0.8], (10, 1)), atol=1e-9)
+    assert (block.segment, block.first_index) == (1, 100)
+
+
+@pytest.mark.parametrize("stage", [vqf(), DeviceAttitude()], ids=["vqf", "device"])
+def test_other_sources_name_the_missing_gyroscope(stage: VqfAttitude | DeviceAttitude) -> None:
+    flat = np.tile([1.0, 0.0, 0.0, 0.0], (5, 1))
+    with pytest.raises(RecordingError, match="no gyroscope: only AccelerometerTilt does without it"):
+        stage.push(imu(np.ones((5, 3)), None, attitude=flat))
 
 
 STEADY_CLOCK = SensorParams(time_jitter_s=0.0, record_attitude=True)  # one grid, whichever channels are used

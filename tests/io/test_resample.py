@@ -50,6 +50,19 @@ def with_pause(before_s: float, pause_s: float, after_s: float = 2.0, rate_hz: f
     return np.concatenate([first, second])
 
 
+def test_the_specific_force_alone_has_its_own_gaps_and_the_same_means() -> None:
+    """What one channel becomes does not depend on whether another one is there."""
+    block = force(with_pause(1.0, 2.0), np.sin)
+    both, _ = resample(block)
+    alone = Resampler((FORCE,), ResampleParams())
+    blocks = [*alone.push(block), *alone.push(SensorBlock(RATE, block.time_s, block.values)), *alone.flush()]
+    assert [(part.segment, part.rotation_rate_radps) for part in blocks] == [(0, None), (1, None)]
+    assert [part.first_index for part in blocks] == [part.first_index for part in both]
+    for name in ("time_s", "specific_force_mps2"):
+        np.testing.assert_array_equal(joined(blocks, name), joined(both, name))
+    assert [(gap.channel, gap.start_s, gap.end_s) for gap in alone.gaps] == [("specific_force", 1.0, 3.0)]
+
+
 @pytest.mark.parametrize("rate_hz", [25.0, 50.0, 100.0, 333.0, 500.0])
 def test_a_straight_line_is_kept_at_the_midpoints_whatever_rate_and_jitter(rate_hz: float) -> None:
     count = round(4.0 * rate_hz)

@@ -1,0 +1,65 @@
+"""What steps need of a device and what a track needs: which channels are taken, and the words of a refusal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.recording import DeviceRecording, Signal
+from pdr_est.io.requirements import doubts, has_gyroscope, needed_channels, refuse_without_track
+from pdr_est.records import Channel
+
+TIME_S = np.arange(100) / 50.0
+FORCE = Signal(TIME_S, np.tile([0.0, 0.0, 9.8], (100, 1)))
+RATE = Signal(TIME_S, np.full((100, 3), 0.1))
+ATTITUDE = Signal(TIME_S, np.tile([1.0, 0.0, 0.0, 0.0], (100, 1)))
+NOTHING = Signal(np.empty(0), np.empty((0, 3)))
+
+FULL = DeviceRecording(specific_force=FORCE, rotation_rate=RATE, attitude=ATTITUDE)
+BARE = DeviceRecording(specific_force=FORCE, warnings=("the gyroscope is broken",))
+
+
+def test_the_channels_that_are_taken() -> None:
+    force, rate, attitude = Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE
+    assert needed_channels(FULL, "walk", with_attitude=False) == (force, rate)
+    assert needed_channels(FULL, "walk", with_attitude=True) == (force, rate, attitude)
+    assert needed_channels(BARE, "walk", with_attitude=False) == (force,)
+    assert needed_channels(replace(BARE, rotation_rate=NOTHING), "walk", with_attitude=False) == (force,)
+
+
+def test_a_gyroscope_of_zeros_is_one_with_a_doubt() -> None:
+    fake = replace(FULL, rotation_rate=Signal(TIME_S, np.zeros((100, 3))))
+    assert has_gyroscope(fake)
+    refuse_without_track(fake, "walk")
+    assert "all values of the gyroscope are zero" in doubts(fake)[0]
+    assert doubts(BARE) == doubts(FULL) == ()
+
+
+def test_a_track_needs_both_and_says_what_remains() -> None:
+    refuse_without_track(FULL, "walk")
+    with pytest.raises(RecordingError, match=r"^walk: no gyroscope \(the gyroscope is broken\), .*`pdr-est steps` "):
+        refuse_without_track(BARE, "walk")
+    with pytest.raises(RecordingError, match=r"^walk: no accelerometer: nothing can be done without it"):
+        refuse_without_track(replace(FULL, specific_force=None), "walk")
+
+
+def test_steps_need_an_accelerometer_that_runs() -> None:
+    with pytest.raises(RecordingError, match=r"^walk: no accelerometer"):
+        needed_channels(DeviceRecording(rotation_rate=RATE), "walk", with_attitude=False)
+    stuck = DeviceRecording(specific_force=Signal(np.zeros(100), FORCE.values))
+    with pytest.raises(RecordingError, match=r"^walk: all 100 time stamps of the accelerometer are 0\.00 s"):
+        needed_channels(stuck, "walk", with_attitude=False)
+
+
+def test_a_gyroscope_that_cannot_be_used_is_not_passed_over() -> None:
+    """One that is there and damaged is for its owner to repair or to remove, not for the reader to ignore."""
+    late = replace(FULL, rotation_rate=Signal(TIME_S + 100.0, RATE.values))
+    with pytest.raises(RecordingError, match=r"^walk: the channels do not overlap in time \(accelerometer 0\.00"):
+        needed_channels(late, "walk", with_attitude=False)
+
+
+@pytest.mark.parametrize("attitude", [ATTITUDE, None])
+def test_the_devices_attitude_is_used_with_a_gyroscope_only(attitude: Signal | None) -> None:
+    with pytest.raises(RecordingError, match=r"^walk: no gyroscope .*with --attitude vqf steps are found"):
+        needed_channels(replace(BARE, attitude=attitude), "walk", with_attitude=True)
