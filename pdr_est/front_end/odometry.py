@@ -45,7 +45,7 @@ class Odometry:
         elapsed = item.event.time_s - previous.event.time_s
         if item.event.segment == previous.event.segment:
             modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
-            changed = len(modes) > 1
+            changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in which the phone turns all the time
             sigma = self._sigma_heading(elapsed, self._parameters.sigma_mode_change_rad if changed else 0.0)
             return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
         bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)

@@ -1,16 +1,23 @@
 """Step detection of MMPDR on made-up signals whose events follow from the paper's rules by hand."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from signals import level, run
 
-from pdr_est.frames import Array
+from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps, holding_acceleration
+from pdr_est.records import CarryingMode, LevelBlock
 
 RATE_HZ = 200.0
-SHARP = {"cutoff_hz": 95.0, "holding_threshold_mps2": 1.0, "peak_sign": 1}  # a low-pass that leaves these signals alone
+SHARP = {
+    "cutoff_hz": 95.0,
+    "holding_threshold_mps2": 1.0,
+    "peak_sign": 1,
+}  # a low-pass that leaves these signals alone
+HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
 NO_CRITERIA = {"min_interval_s": 0.0, "false_peak_window_s": 0.0}
 
 
@@ -103,3 +110,100 @@ def test_any_tilt_of_a_held_phone_shows_the_same_vertical_acceleration(tilt_deg:
     up = np.array([[0.0, np.sin(tilt), np.cos(tilt)]])
     forward = np.array([[0.0, np.cos(tilt), -np.sin(tilt)]])
     np.testing.assert_allclose(holding_acceleration(up, 1.7 * up + 4.0 * forward), [1.7], atol=1e-12)
+
+
+# --- the axis of each mode (Table III) -------------------------------------------------------------------------
+
+
+def carried(mode: CarryingMode, **axes: Array) -> LevelBlock:
+    """A flat phone whose x, y, z axes feel these accelerations, or `vertical`, which belongs to none of them."""
+    count = len(next(iter(axes.values())))
+    felt = np.stack([axes.get(name, np.zeros(count)) for name in "xyz"], axis=1)
+    block = level(axes.get("vertical", np.zeros(count)), rate_hz=RATE_HZ)
+    return replace(block, acceleration_mps2=felt, mode=np.full(count, mode, dtype=np.int8))
+
+
+def times_in(mode: CarryingMode, changes: dict[str, float] | None = None, **axes: Array) -> list[float]:
+    detector = MmpdrSteps(RATE_HZ, MmpdrStepParams(**{**SHARP, **(changes or {})}))  # type: ignore[arg-type]
+    events = run(detector, [carried(mode, **axes)])
+    assert all(event.mode is mode for event in events)
+    return [event.time_s for event in events]
+
+
+def crest(time_s: float, height: float = 3.0) -> Array:
+    return zigzag((time_s - 0.2, 0.0), (time_s, height), (time_s + 0.2, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("mode", "axis"),
+    [
+        (HOLDING, "z"),
+        (SWING, "y"),
+        (POCKET, "z"),
+        (CarryingMode.OTHER, "vertical"),
+        (CarryingMode.UNKNOWN, "vertical"),
+    ],
+)
+def test_each_mode_looks_at_its_own_acceleration(mode: CarryingMode, axis: str) -> None:
+    others = {name: crest(2.0) for name in ("x", "y", "z", "vertical") if name != axis}
+    if mode is HOLDING:
+        del others["vertical"]  # eq. 6 puts it together from y and z
+    assert times_in(mode, **{axis: crest(1.0)}, **others) == pytest.approx([1.0], abs=0.006)
+
+
+def test_the_threshold_of_a_pocket_is_a_fifth_of_gravity() -> None:
+    for share, found in ((0.19, []), (0.21, [1.0])):
+        height = share * STANDARD_GRAVITY_MPS2
+        assert times_in(POCKET, z=crest(1.0, height)) == pytest.approx(found, abs=0.006)
+
+
+def test_positive_peaks_count_except_in_swing_where_both_do() -> None:
+    wave = crest(1.0) - crest(1.6)
+    both = pytest.approx([1.0, 1.6], abs=0.006)
+    assert times_in(HOLDING, z=wave) == times_in(POCKET, z=wave) == pytest.approx([1.0], abs=0.006)
+    assert times_in(POCKET, {"peak_sign": -1}, z=wave) == pytest.approx([1.6], abs=0.006)
+    assert times_in(SWING, y=wave) == both
+    assert times_in(SWING, {"peak_sign": -1}, y=wave) == both
+
+
+def test_a_second_crest_on_the_same_swing_is_no_step() -> None:
+    wave = crest(0.6) + crest(1.1) - crest(1.6) - crest(2.1)
+    assert times_in(SWING, y=wave) == pytest.approx([0.6, 1.6], abs=0.006)
+    every = times_in(SWING, {"swing_alternates": False}, y=wave)
+    assert every == pytest.approx([0.6, 1.1, 1.6, 2.1], abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("mode", "axis", "window_s"), [(HOLDING, "z", 0.12), (SWING, "y", 0.12), (POCKET, "z", 0.06)]
+)
+def test_the_window_of_criterion_2_in_each_mode(mode: CarryingMode, axis: str, window_s: float) -> None:
+    """The trough lies 15 ms within the window, at its end, and 10 ms after it."""
+    for after_s, valid in ((window_s - 0.015, False), (window_s, False), (window_s + 0.01, True)):
+        wave = zigzag((0.8, 0.0), (1.0, 4.0), (1.0 + after_s, 2.5), (1.4, 5.0), (1.8, 0.0))
+        expected = [1.0, 1.4] if valid and mode is not SWING else [1.0] if valid else [1.4]
+        assert times_in(mode, **{axis: wave}) == pytest.approx(expected, abs=0.006)
+
+
+def test_a_negative_peak_of_a_swing_is_refused_by_a_positive_one_at_once() -> None:
+    wave = -zigzag((0.8, 0.0), (1.0, 4.0), (1.1, 2.5), (1.4, 5.0), (1.8, 0.0))
+    assert times_in(SWING, y=wave) == pytest.approx([1.4], abs=0.006)
+
+
+@pytest.mark.parametrize(("mode", "axis"), [(HOLDING, "z"), (SWING, "y"), (POCKET, "z")])
+def test_criterion_1_in_each_mode(mode: CarryingMode, axis: str) -> None:
+    sign = -1.0 if mode is SWING else 1.0
+    for apart_s, count in ((0.18, 1), (0.22, 2)):
+        wave = crest(1.0, 20.0) + sign * np.roll(crest(1.0, 40.0), round(apart_s * RATE_HZ))
+        assert len(
+            times_in(mode, {"false_peak_window_s": 0.0, "pocket_false_peak_window_s": 0.0}, **{axis: wave})
+        ) == (count)
+
+
+def test_a_crest_belongs_to_the_mode_of_its_own_sample() -> None:
+    """The mode changes just before or just after the crest; its other side lies in the other mode."""
+    for change_s, found in ((0.99, [POCKET]), (1.01, [HOLDING])):
+        block = carried(HOLDING, z=crest(1.0))
+        detector = MmpdrSteps(RATE_HZ, MmpdrStepParams(**SHARP))  # type: ignore[arg-type]
+        mode = block.mode.copy()
+        mode[round(change_s * RATE_HZ) :] = POCKET
+        assert [event.mode for event in run(detector, [replace(block, mode=mode)])] == found

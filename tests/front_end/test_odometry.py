@@ -1,5 +1,7 @@
 """From steps to measurements: heading changes, covariances by hand, bridges over gaps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from signals import run, step
@@ -14,6 +16,8 @@ PARAMETERS = OdometryParams(
     gap_speed_mps=1.5,
     gap_turn_rad_per_sqrt_s=0.8,
 )
+
+TURNED, TURNED_MORE = step(1.0, 0.4, heading_rad=0.2), step(1.5, 1.0, heading_rad=1.5)
 
 
 def odometry_of(*steps: Step, parameters: OdometryParams = PARAMETERS) -> list[StepOdometry]:
@@ -51,6 +55,14 @@ def test_the_heading_error_grows_with_the_time_since_the_last_step() -> None:
     np.testing.assert_allclose(second.covariance, step_covariance(0.7, 0.07, 0.2, 0.05 * np.sqrt(0.5)))
     np.testing.assert_allclose(third.covariance, step_covariance(0.7, 0.07, 0.2, 0.05 * np.sqrt(8.0)))
     assert third.start_s == 8.9
+
+
+def test_every_step_of_a_transition_may_have_turned_the_phone() -> None:
+    trans = [replace(found, event=replace(found.event, mode=CarryingMode.TRANS)) for found in (TURNED, TURNED_MORE)]
+    for before, after in ((TURNED, trans[1]), (trans[0], trans[1]), (trans[0], TURNED_MORE)):
+        _, second = odometry_of(before, after)
+        sigma = np.hypot(0.05 * np.sqrt(0.5), PARAMETERS.sigma_mode_change_rad)
+        np.testing.assert_allclose(second.covariance, step_covariance(0.7, 0.07, 0.2, sigma))
 
 
 @pytest.mark.parametrize(

@@ -21,11 +21,15 @@ class Script:
 
     plan: list[tuple[float, int]]
     latency_s: float = DELAY_S
+    transitions_s: tuple[float, ...] = ()  # the times at which the mode is TRANS
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         due = [entry for entry in self.plan if item.time_s[-1] >= entry[0] + DELAY_S]
         self.plan = self.plan[len(due) :]
-        return [StepEvent(round(time_s * RATE_HZ), time_s, segment, CarryingMode.HOLDING) for time_s, segment in due]
+        return [StepEvent(round(time_s * RATE_HZ), time_s, segment, self._mode(time_s)) for time_s, segment in due]
+
+    def _mode(self, time_s: float) -> CarryingMode:
+        return CarryingMode.TRANS if time_s in self.transitions_s else CarryingMode.HOLDING
 
     def flush(self) -> list[StepEvent]:
         return []
@@ -59,6 +63,21 @@ def test_a_first_step_begins_no_earlier_than_the_last_one_ended() -> None:
     steps = run(stage, [level(np.zeros(200))])
     assert [step.frequency_hz for step in steps] == [0.0, 0.0]
     assert [step.start_s for step in steps] == pytest.approx([0.4, 1.0])
+
+
+def test_the_steps_of_a_transition_keep_the_frequency_before_it() -> None:
+    """So does the first step after it, whose distance from them says nothing."""
+    times_s = (1.0, 1.5, 1.8, 2.4, 2.5, 3.0, 3.625)
+    detector = Script([(time_s, 0) for time_s in times_s], transitions_s=(1.8, 2.4))
+    steps = run(StepSegmentation(detector, SegmentationParams()), [level(np.zeros(300))])
+    assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 2.0, 2.0, 2.0, 2.0, 1.6])
+    assert [step.start_s for step in steps][2:5] == pytest.approx([1.5, 1.8, 2.4])
+
+
+def test_without_a_frequency_before_it_a_transition_has_its_own() -> None:
+    detector = Script([(1.0, 0), (1.5, 0), (2.0, 0)], transitions_s=(1.5, 2.0))
+    steps = run(StepSegmentation(detector, SegmentationParams()), [level(np.zeros(200))])
+    assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 2.0])
 
 
 def test_the_first_step_begins_no_earlier_than_the_recording() -> None:

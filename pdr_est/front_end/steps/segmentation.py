@@ -4,7 +4,7 @@ import numpy as np
 
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.params import Positive, params
-from pdr_est.records import LevelBlock, Step, StepEvent
+from pdr_est.records import CarryingMode, LevelBlock, Step, StepEvent
 from pdr_est.stage import Stage
 
 
@@ -25,6 +25,7 @@ class StepSegmentation:
         self._parameters = parameters
         self._samples: LevelBlock | None = None
         self._previous: StepEvent | None = None
+        self._frequency_hz = 0.0  # of the previous step
 
     @property
     def latency_s(self) -> float:
@@ -57,9 +58,12 @@ class StepSegmentation:
             interval = event.time_s - self._previous.time_s
             if interval <= self._parameters.standstill_s:
                 start, frequency = self._previous.time_s, 1.0 / interval
+                if self._frequency_hz and CarryingMode.TRANS in (event.mode, self._previous.mode):
+                    # MMPDR section III-D: nobody saw when a transition's steps were; they keep the last frequency.
+                    frequency = self._frequency_hz
             else:
                 start = max(start, self._previous.time_s)
-        self._previous = event
+        self._previous, self._frequency_hz = event, frequency
         stop = max(int(np.searchsorted(samples.time_s, event.time_s, side="right")), 1)
         first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
         return Step(
