@@ -1,66 +1,64 @@
-"""Recognition of the carrying mode from how the phone swings while its carrier walks.
+"""Recognition of the carrying mode from how the phone moves while its carrier walks.
 
-Not from a paper. Three numbers of a sliding window tell the modes apart, for anybody and any way to hold the phone:
-
-* the swing of the direction of gravity in device axes: 1 to 5 degrees in a hand held still, 5 to 18 in a trouser
-  pocket, above 17 in a swinging hand;
-* how much of the rotation is about a single axis: nearly all of it for an arm, two thirds for a thigh;
-* whether the screen faces up, as only a phone looked at does.
-
-Their likelihoods drive a hidden Markov model with one state a mode. Windows without walking say nothing, nor do
-windows in which the mean direction of gravity moves: the phone is being taken from one place to another. Nothing
-depends on the mode at the start, and a missed change is made up for by the windows after it.
+Not from a paper. Windows tell how likely each mode is (`evidence`), and a hidden Markov model with one state a mode
+weighs them (`chain`), those a little after a time as well as those before it. A change of the mode is the likelier
+the more the mean direction of gravity moves just then: that is where it is placed. Windows near such a movement say
+nothing about the mode, because the phone is being taken from one place to another, nor do windows without walking.
+Nothing depends on the mode at the start, and a missed change is made up for by what follows.
 """
 
 from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
-from annotated_types import Ge, Gt, Lt
+from annotated_types import Ge, Gt, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
+from pdr_est.front_end.mode.chain import Chain, look_ahead
+from pdr_est.front_end.mode.evidence import COLUMNS, MODES, angles_deg, direction, hop_means, likelihoods
 from pdr_est.front_end.signal.blocks import join, part
-from pdr_est.params import Positive, params
+from pdr_est.params import Fraction, Positive, params
 from pdr_est.records import CarryingMode, LevelBlock
 
-MODES = (CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET, CarryingMode.OTHER)
-
-# Typical swing of gravity in degrees, the spread of its logarithm, typical share of the main axis, and its spread.
-# Fitted by eye to the held, swung, pocket and bag walks of the data sets in the README and to MotionSense.
-_SWING_DEG = np.array([2.6, 26.0, 11.0, 3.0])
-_SWING_SPREAD = np.array([0.6, 0.45, 0.5, 0.6])
-_SHARE = np.array([0.6, 0.94, 0.69, 0.65])
-_SHARE_SPREAD = np.array([0.3, 0.04, 0.12, 0.3])
-_LEAST_LIKELIHOOD = 1e-4  # no single window is proof
-_SCREEN_UP = 0.3  # least part of gravity along the screen's normal of a phone that is looked at
-_SCREEN_SPREAD = 0.1
-_SCREEN_WEIGHT = np.array([0.9, 0.98, 0.98])  # how sure it is that no phone in the other modes shows its screen
+_FLAT = 1.0 / len(MODES) + 1e-6  # a belief not above it knows nothing
+_Few = Annotated[int, Ge(1), Le(100)]
+_FewOrNone = Annotated[int, Ge(0), Le(100)]
+_SmallProbability = Annotated[float, Gt(0.0), Le(0.375)]  # two of them still leave each state its chance
 
 
 @params
 class AutoModeParams:
-    """hop_s: how often the mode is judged; hops: how many of them make a window. walking_mps2: least standard
-    deviation of the vertical acceleration of a walk. moving_deg: the mean gravity of the window's halves
-    differs by more while the phone is put elsewhere. stay: probability to keep the mode from one hop to
-    the next. changing: probability to have changed it while the phone was put elsewhere."""
+    """hop_s: how often the mode is judged; half_hops: how many hops make half a window. walking_mps2: least standard
+    deviation of the vertical acceleration of a walk. moving_deg: the mean gravity of a window's halves differs by
+    more while the phone is put elsewhere; spoilt_hops: so far from such a window others are spoilt, too.
+    change: probability that the mode changes at a hop at which gravity stays; change_turned: how much that grows
+    until gravity turns by a right angle. weight: of a window's evidence, below 1 because windows overlap.
+    ahead_hops: how many windows after a hop count. memory_s: what was known before a gap fades in such a time."""
 
-    hop_s: Positive = 0.5
-    hops: Annotated[int, Ge(2)] = 4
+    hop_s: Positive = 0.25
+    half_hops: _Few = 4
     walking_mps2: Positive = 0.4
     moving_deg: Positive = 25.0
-    stay: Annotated[float, Gt(0.0), Lt(1.0)] = 0.95
-    changing: Annotated[float, Gt(0.0), Lt(1.0)] = 0.3
+    spoilt_hops: _FewOrNone = 3
+    change: _SmallProbability = 0.002
+    change_turned: _SmallProbability = 0.3
+    weight: Fraction = 0.4
+    ahead_hops: _FewOrNone = 5
+    memory_s: Positive = 60.0
 
 
 class AutoMode:
-    """Stage LevelBlock -> LevelBlock with mode and probability of every sample, a window later."""
+    """Stage LevelBlock -> LevelBlock with mode and probability of every sample."""
 
     def __init__(self, rate_hz: float, parameters: AutoModeParams) -> None:
-        self._parameters = parameters
-        self._hop = max(round(parameters.hop_s * rate_hz), 1)
-        self.latency_s = parameters.hop_s * (parameters.hops + 1)
+        p = self._parameters = parameters
+        self._rate_hz = rate_hz
+        self._hop = max(round(p.hop_s * rate_hz), 2)
+        self.latency_s = (p.half_hops + p.spoilt_hops + p.ahead_hops) * self._hop / rate_hz
         self._pending: LevelBlock | None = None
+        self._chain = Chain(len(MODES))
+        self._end_s = 0.0
         self._begin()
 
     def push(self, item: LevelBlock, /) -> list[LevelBlock]:
@@ -69,132 +67,112 @@ class AutoMode:
         done: list[LevelBlock] = []
         if self._pending is not None and item.segment != self._pending.segment:
             done = self.flush()
+            gap_s = max(float(item.time_s[0]) - self._end_s, 0.0)
+            self._chain.fade(float(np.exp(-gap_s / self._parameters.memory_s)))
+        self._end_s = float(item.time_s[-1])
         self._pending = item if self._pending is None else join([self._pending, item])
-        self._sum_hops()
-        return done + self._judge()
+        if self._sum_hops():
+            sure = len(self._turned) - self._parameters.spoilt_hops - self._parameters.ahead_hops - self._past
+            done += self._emit(max(sure, 0) * self._hop)
+        return done
 
     def flush(self) -> list[LevelBlock]:
-        """Label what is left of the segment with the last mode."""
-        rest, self._pending = self._pending, None
-        mode, probability = self._mode()
-        self._begin()
-        if rest is None or not len(rest):
+        """Label what is left of the segment; nothing follows it that could say more."""
+        if self._pending is None:
             return []
-        return [_labelled(rest, np.full(len(rest), mode), np.full(len(rest), probability))]
+        p, rest = self._parameters, len(self._pending)
+        needed = self._past + -(-rest // self._hop) + p.spoilt_hops + p.ahead_hops
+        missing = max(needed - len(self._turned), 0)
+        self._append(np.zeros(missing), np.ones((missing, len(MODES))))
+        done = self._emit(rest)
+        self._pending = None
+        self._begin()
+        return done
 
     def _begin(self) -> None:
-        self._summed = 0
-        self._first = True
-        self._sums: Array = np.empty((0, 14))
-        self._belief = np.full(len(MODES), 1.0 / len(MODES))
+        """A new segment. A row a hop: how far gravity turns at its beginning, and what the window about that time
+        tells; there is none about the first hops."""
+        half = self._parameters.half_hops
+        self._summed = 0  # samples of those pending
+        self._means: Array = np.empty((0, COLUMNS))
+        self._past = 0  # rows kept for their neighbours' sake, of hops already labelled
+        self._turned: Array = np.zeros(half)
+        self._likelihood: Array = np.ones((half, len(MODES)))
 
-    def _sum_hops(self) -> None:
-        """Sums of the moments over each complete hop, laid on the sample index of the segment."""
+    def _append(self, turned: Array, likelihood: Array) -> None:
+        self._turned = np.concatenate([self._turned, turned])
+        self._likelihood = np.concatenate([self._likelihood, likelihood])
+
+    def _sum_hops(self) -> bool:
+        """Judge the windows that further complete hops make; whether there are any. Hops lie on the sample index
+        of the segment."""
         if self._pending is None:
-            return
+            return False
         count = (len(self._pending) - self._summed) // self._hop
         if not count:
-            return
+            return False
         fresh = part(self._pending, self._summed, self._summed + count * self._hop)
-        moments = _moments(fresh)
-        self._sums = np.concatenate([self._sums, moments.reshape(count, self._hop, -1).sum(axis=1)])
         self._summed += count * self._hop
+        self._means = np.concatenate([self._means, hop_means(fresh, self._hop, self._rate_hz, self._means[-1:])])
+        half = self._parameters.half_hops
+        windows = len(self._means) - 2 * half + 1
+        if windows < 1:
+            return False
+        halves = _running_means(self._means, half)
+        early, late = halves[:windows], halves[half : half + windows]
+        self._append(
+            angles_deg(direction(early), direction(late)),
+            likelihoods(0.5 * (early + late), self._parameters.walking_mps2),
+        )
+        self._means = self._means[windows:]
+        return True
 
-    def _judge(self) -> list[LevelBlock]:
-        """One decision a window; a window settles its second hop, the first one also the hop before it."""
-        hops = self._parameters.hops
-        count = len(self._sums) - hops + 1
-        if count < 1 or self._pending is None:
+    def _label(self, count: int) -> tuple[NDArray[np.int8], Array]:
+        """Mode and probability of the next `count` hops."""
+        p, first = self._parameters, self._past
+        turned = self._turned[first : first + count + p.ahead_hops]
+        change = p.change + p.change_turned * np.minimum(turned / 90.0, 1.0) ** 2
+        spoilt = _near(self._turned > p.moving_deg, p.spoilt_hops)
+        weighed = np.where(spoilt[:, None], 1.0, self._likelihood**p.weight)[first : first + count + p.ahead_hops]
+        belief = self._chain.forward(change[:count].tolist(), weighed[:count].tolist())
+        belief *= look_ahead(change, weighed, count, p.ahead_hops)
+        total = belief[:, 0] + belief[:, 1] + belief[:, 2] + belief[:, 3]
+        best = np.argmax(belief, axis=1)
+        probability: Array = belief[np.arange(count), best] / total
+        mode = np.where(probability > _FLAT, np.array(MODES, dtype=np.int8)[best], np.int8(CarryingMode.UNKNOWN))
+        self._past = min(first + count, p.spoilt_hops)
+        self._turned = self._turned[first + count - self._past :]
+        self._likelihood = self._likelihood[first + count - self._past :]
+        return mode, probability
+
+    def _emit(self, samples: int) -> list[LevelBlock]:
+        """The first pending samples with their labels."""
+        if self._pending is None or not samples:
             return []
-        total = self._sums[:count].copy()
-        for k in range(1, hops):
-            total += self._sums[k : k + count]
-        likelihood, walking = _likelihood(total / (hops * self._hop), self._parameters.walking_mps2)
-        moving = self._moving(count)
-        labels = [self._update(*evidence) for evidence in zip(likelihood, walking, moving, strict=True)]
-        if self._first:
-            labels.insert(0, labels[0])
-            self._first = False
-        self._sums = self._sums[count:]
-        return self._emit(labels)
-
-    def _moving(self, count: int) -> NDArray[np.bool_]:
-        """Whether the mean gravity of the halves of each window differs much."""
-        half = self._parameters.hops // 2
-        early, late = self._sums[:count, :3].copy(), self._sums[half : half + count, :3].copy()
-        for k in range(1, half):
-            early += self._sums[k : k + count, :3]
-            late += self._sums[half + k : half + k + count, :3]
-        dot = early[:, 0] * late[:, 0] + early[:, 1] * late[:, 1] + early[:, 2] * late[:, 2]
-        return np.asarray(dot < np.cos(np.deg2rad(self._parameters.moving_deg)) * _norm(early) * _norm(late))
-
-    def _update(self, likelihood: Array, walking: bool, moving: bool) -> tuple[CarryingMode, float]:
-        """One step of the forward recursion."""
-        p = self._parameters
-        if moving:
-            self._belief = (1.0 - p.changing) * self._belief + p.changing / len(MODES)
-        elif walking:
-            leave = (1.0 - p.stay) / (len(MODES) - 1)
-            predicted = (p.stay - leave) * self._belief + leave
-            belief = predicted * likelihood
-            self._belief = belief / belief.sum()
-        return self._mode()
-
-    def _mode(self) -> tuple[CarryingMode, float]:
-        """The likeliest mode and its probability; UNKNOWN while nobody has walked."""
-        best = int(np.argmax(self._belief))
-        known = self._belief[best] > self._belief.mean()
-        return MODES[best] if known else CarryingMode.UNKNOWN, float(self._belief[best])
-
-    def _emit(self, labels: list[tuple[CarryingMode, float]]) -> list[LevelBlock]:
-        if self._pending is None:
-            return []
-        count = len(labels) * self._hop
-        modes = np.repeat([mode for mode, _ in labels], self._hop)
-        probability = np.repeat([probability for _, probability in labels], self._hop)
-        ready = part(self._pending, 0, count)
-        self._pending = part(self._pending, count, len(self._pending))
-        self._summed -= count
-        return [_labelled(ready, modes, probability)]
+        mode, probability = self._label(-(-samples // self._hop))
+        ready = replace(
+            part(self._pending, 0, samples),
+            mode=np.repeat(mode, self._hop)[:samples],
+            mode_probability=np.repeat(probability, self._hop)[:samples],
+        )
+        self._pending = part(self._pending, samples, len(self._pending))
+        self._summed -= samples
+        return [ready]
 
 
-def _labelled(block: LevelBlock, mode: NDArray[np.int64], probability: Array) -> LevelBlock:
-    return replace(block, mode=mode.astype(np.int8), mode_probability=probability)
+def _running_means(values: Array, width: int) -> Array:
+    """Means over each `width` consecutive rows."""
+    count = len(values) - width + 1
+    total = values[:count].copy()
+    for k in range(1, width):
+        total += values[k : k + count]
+    return total / width
 
 
-def _moments(block: LevelBlock) -> Array:
-    """Columns: up (3), rotation rate (3), its products xx yy zz xy xz yz, vertical acceleration and its square."""
-    x, y, z = block.rotation_rate_radps.T
-    v = block.vertical_mps2
-    return np.column_stack([block.up, x, y, z, x * x, y * y, z * z, x * y, x * z, y * z, v, v * v])
-
-
-def _likelihood(mean: Array, walking_mps2: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Likelihood (n, modes) of windows with these mean moments (n, 14), and whether their walker walks."""
-    up, length = mean[:, :3], _norm(mean[:, :3])
-    swing_deg = np.rad2deg(np.sqrt(np.maximum(1.0 - length * length, 1e-8)))
-    share = _share_of_main_axis(mean[:, 3:6], mean[:, 6:12])
-    z_swing = (np.log(swing_deg)[:, None] - np.log(_SWING_DEG)) / _SWING_SPREAD
-    z_share = (share[:, None] - _SHARE) / _SHARE_SPREAD
-    density = np.exp(-0.5 * (z_swing**2 + z_share**2)) / (_SWING_SPREAD * _SHARE_SPREAD)
-    screen_up = 1.0 / (1.0 + np.exp((_SCREEN_UP - up[:, 2] / length) / _SCREEN_SPREAD))
-    density[:, 0] *= screen_up
-    density[:, 1:] *= 1.0 - _SCREEN_WEIGHT * screen_up[:, None]
-    likelihood: Array = density / density.sum(axis=1)[:, None] + _LEAST_LIKELIHOOD
-    walking = mean[:, 13] - mean[:, 12] ** 2 > walking_mps2**2
-    return likelihood, walking
-
-
-def _share_of_main_axis(rate: Array, products: Array) -> Array:
-    """Largest eigenvalue of the covariance of the rotation rate over their sum, (n,)."""
-    covariance = np.empty((len(rate), 3, 3))
-    for column, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
-        covariance[:, i, j] = covariance[:, j, i] = products[:, column] - rate[:, i] * rate[:, j]
-    values = np.linalg.eigvalsh(covariance)
-    share: Array = values[:, 2] / np.maximum(values.sum(axis=1), 1e-12)
-    return share
-
-
-def _norm(vectors: Array) -> Array:
-    norm: Array = np.sqrt(vectors[:, 0] ** 2 + vectors[:, 1] ** 2 + vectors[:, 2] ** 2)
-    return norm
+def _near(flags: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """Whether a flag is set within `reach` places."""
+    near = flags.copy()
+    for step in range(1, reach + 1):
+        near[step:] |= flags[:-step]
+        near[:-step] |= flags[step:]
+    return near

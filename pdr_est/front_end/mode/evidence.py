@@ -1,0 +1,111 @@
+"""What a stretch of samples tells about the carrying mode: four numbers of a window, and how likely modes have them.
+
+* The swing of the direction of gravity in device axes: 1 to 5 degrees in a hand held still, 5 to 20 in a trouser
+  pocket, 9 to 30 in a swinging hand.
+* The radius of the swing. A phone at a distance r from the joint about which it swings is accelerated across r by
+  the angular acceleration times r: 0.3 m for a hand that swings from the shoulder, 0.1 m for a thigh. What else
+  shakes the phone goes with the rotation of no such radius.
+* The mean frequency of the vertical acceleration: arms soften each step, a thigh is jolted by it.
+* Whether the screen faces up, as only a phone looked at does.
+
+They hold for anybody and for any way that the phone lies in the hand or in the pocket.
+"""
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.records import CarryingMode, LevelBlock
+
+MODES = (CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET, CarryingMode.OTHER)
+
+# A row for each of MODES: what is typical of the logarithms of gravity's swing in degrees, of the radius in metres
+# and of the frequency in hertz; and their spread. From simulated people, the held, swung, pocket and bag walks of the
+# data sets in the README, and MotionSense.
+_TYPICAL = np.log([[2.1, 0.12, 2.5], [20.0, 0.32, 2.15], [12.5, 0.11, 4.0], [3.3, 0.15, 3.2]])
+_SPREAD = np.array([[0.5, 0.6, 0.35], [0.35, 0.16, 0.25], [0.4, 0.4, 0.25], [0.5, 0.5, 0.35]])
+_JOLT_LAG_S = 0.04  # the vertical acceleration's change is taken over this time, whatever the sampling rate
+_SCREEN_UP = 0.3  # least part of gravity along the screen's normal of a phone that is looked at
+_SCREEN_SPREAD = 0.1
+_SCREEN_WEIGHT = np.array([0.9, 0.98, 0.98])  # how sure it is that no phone in the other modes shows its screen
+_LEAST_LIKELIHOOD = 1e-3  # no single window is proof
+_LEAST_DENSITY = 1e-30  # for damaged samples of which no mode knows anything
+_UP, _RATE, _ACCELERATION, _VERTICAL, _VERTICAL_SQUARED, _JOLT, _TORQUE, _SPIN = (
+    slice(0, 3), slice(3, 6), slice(6, 9), 9, 10, 11, slice(12, 15), 15
+)  # fmt: skip
+COLUMNS = 16
+
+
+def hop_means(block: LevelBlock, hop: int, rate_hz: float, before: Array) -> Array:
+    """What windows are made of, (n // hop, COLUMNS): means over each `hop` samples of a block.
+
+    n is a multiple of hop, which is at least 2. before: (1, COLUMNS) the row before, or none (0, COLUMNS).
+    """
+    v = block.vertical_mps2
+    samples = np.column_stack([block.up, block.rotation_rate_radps, block.acceleration_mps2, v, v * v])
+    means = np.zeros((len(v) // hop, COLUMNS))
+    means[:, :_JOLT] = samples.reshape(len(means), hop, -1).sum(axis=1) / hop
+    lag = min(max(round(_JOLT_LAG_S * rate_hz), 1), hop - 1)
+    vertical = v.reshape(len(means), hop)
+    means[:, _JOLT] = np.square((vertical[:, lag:] - vertical[:, :-lag]) * (rate_hz / lag)).mean(axis=1)
+    rows = np.concatenate([before if len(before) else means[:1], means])
+    spin = (rows[1:, _RATE] - rows[:-1, _RATE]) * (rate_hz / hop)
+    acceleration = 0.5 * (rows[1:, _ACCELERATION] + rows[:-1, _ACCELERATION])
+    means[:, _TORQUE] = _cross(spin, acceleration)
+    means[:, _SPIN] = spin[:, 0] ** 2 + spin[:, 1] ** 2 + spin[:, 2] ** 2
+    return means
+
+
+def direction(mean: Array) -> Array:
+    """Mean up (n, 3) of windows with these means (n, COLUMNS), not of unit length."""
+    return mean[:, _UP]
+
+
+def likelihoods(mean: Array, walking_mps2: float) -> Array:
+    """Likelihood (n, modes) of windows with these means (n, COLUMNS).
+
+    It is the same for all modes in windows without walking, and in those without rotation rate (NaN).
+    """
+    feature = features(mean)
+    deviation = (feature[:, None, :] - _TYPICAL) / _SPREAD
+    density = np.exp(-0.5 * np.square(deviation).sum(axis=2)) / np.prod(_SPREAD, axis=1)
+    up = mean[:, _UP]
+    screen_up = 1.0 / (1.0 + np.exp((_SCREEN_UP - up[:, 2] / np.maximum(_norm(up), 1e-12)) / _SCREEN_SPREAD))
+    density[:, 0] *= screen_up
+    density[:, 1:] *= 1.0 - _SCREEN_WEIGHT * screen_up[:, None]
+    density += _LEAST_DENSITY
+    total = density[:, 0] + density[:, 1] + density[:, 2] + density[:, 3]
+    walking = mean[:, _VERTICAL_SQUARED] - mean[:, _VERTICAL] ** 2 > walking_mps2**2
+    tells = walking & np.isfinite(feature).all(axis=1)
+    likelihood: Array = np.where(tells[:, None], density / total[:, None] + _LEAST_LIKELIHOOD, 1.0)
+    return likelihood
+
+
+def features(mean: Array) -> Array:
+    """The columns of _TYPICAL (n, 3) for windows with these means (n, COLUMNS).
+
+    With a = s x r, where s is the angular acceleration across r, r = -(s x a) / s^2; means of both over the window.
+    """
+    length = _norm(mean[:, _UP])
+    swing_deg = np.rad2deg(np.sqrt(np.maximum(1.0 - length * length, 1e-8)))
+    radius_m = _norm(mean[:, _TORQUE]) / np.maximum(mean[:, _SPIN], 1e-12)
+    bounce = np.maximum(mean[:, _VERTICAL_SQUARED] - mean[:, _VERTICAL] ** 2, 1e-12)
+    frequency_hz = np.sqrt(np.maximum(mean[:, _JOLT], 1e-12) / bounce) / (2.0 * np.pi)
+    return np.log(np.column_stack([swing_deg, np.maximum(radius_m, 1e-3), frequency_hz]))
+
+
+def angles_deg(early: Array, late: Array) -> Array:
+    """Angles (n,) between vectors (n, 3), degrees."""
+    dot = early[:, 0] * late[:, 0] + early[:, 1] * late[:, 1] + early[:, 2] * late[:, 2]
+    cosine = dot / np.maximum(_norm(early) * _norm(late), 1e-12)
+    return np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _cross(a: Array, b: Array) -> Array:
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.column_stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
+def _norm(vectors: Array) -> Array:
+    """Lengths (n,) of vectors (n, 3); sums written out, so that they do not depend on the number of rows."""
+    length: Array = np.sqrt(vectors[:, 0] ** 2 + vectors[:, 1] ** 2 + vectors[:, 2] ** 2)
+    return length
