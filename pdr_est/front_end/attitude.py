@@ -6,7 +6,7 @@ Without gyroscope there is no yaw, and gravity comes from the accelerometer alon
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from annotated_types import Le
+from annotated_types import Ge, Le
 from vqf import VQF
 
 from pdr_est.errors import RecordingError
@@ -24,12 +24,12 @@ class AttitudeParams:
     """source: "vqf" integrates the raw samples (Laidig and Seel 2023), "device" takes the recorder's attitude.
 
     accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
-    tilt_cutoff_hz: below this the specific force of a device without gyroscope is taken for gravity.
+    tilt_cutoff_hz: below this frequency the specific force of a device without gyroscope is taken for gravity.
     """
 
     source: Literal["vqf", "device"] = "vqf"
     accelerometer_time_constant_s: Positive = 3.0
-    tilt_cutoff_hz: Annotated[Positive, Le(2.0)] = 0.3
+    tilt_cutoff_hz: Annotated[float, Ge(0.02), Le(2.0)] = 0.3
 
 
 class VqfAttitude:
