@@ -90,7 +90,8 @@ def features(mean: Array) -> Array:
     radius_m = _norm(mean[:, _TORQUE]) / np.maximum(mean[:, _SPIN], 1e-12)
     bounce = np.maximum(mean[:, _VERTICAL_SQUARED] - mean[:, _VERTICAL] ** 2, 1e-12)
     frequency_hz = np.sqrt(np.maximum(mean[:, _JOLT], 1e-12) / bounce) / (2.0 * np.pi)
-    return np.log(np.column_stack([swing_deg, np.maximum(radius_m, 1e-3), frequency_hz]))
+    logarithms: Array = np.log(np.column_stack([swing_deg, np.maximum(radius_m, 1e-3), frequency_hz]))
+    return logarithms
 
 
 def angles_deg(early: Array, late: Array) -> Array:

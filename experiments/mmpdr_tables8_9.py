@@ -1,0 +1,150 @@
+"""Step counts of MMPDR (Tian et al. 2016), Tables VIII and IX and the park of Fig. 15, on simulated walks.
+
+    python experiments/mmpdr_tables8_9.py [--seeds 0 1 2 3 4 5]
+
+Each seed is a walker: the corridor of 96.33 m in each single mode (Table VIII) and changing between the modes (Table
+IX), and the park of 348 m in all three modes. Counted is with the paper's detector and modes (both `mmpdr`), and with
+the defaults (both `auto`). The ratio is steps counted / steps taken over all walks of a row; the error is the mean
+over walks of |counted - taken| / taken, in which too many here does not make up for too few there.
+
+Writes experiments/results/mmpdr_tables8_9.json and .txt. The tables' headings and positions are not in it.
+"""
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.config import Config
+from pdr_est.front_end.mode import ModeParams
+from pdr_est.front_end.steps import StepsParams
+from pdr_est.pipeline import analyse
+from pdr_est.records import CarryingMode
+from pdr_est.simulate import Scenario, mmpdr_indoor, park_348, simulate_walk
+
+RESULTS = Path(__file__).parent / "results"
+METHODS: tuple[Literal["mmpdr", "auto"], ...] = ("mmpdr", "auto")
+HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
+
+
+@dataclass(frozen=True)
+class Row:
+    """A kind of walk. modes: in the order of carrying; park: there instead of indoors. paper: (counted, taken)."""
+
+    words: str
+    modes: tuple[CarryingMode, ...]
+    paper: tuple[tuple[int, int], ...]
+    park: bool = False
+
+    def scenario(self, seed: int) -> Scenario:
+        """The walk of one walker."""
+        return park_348(*self.modes, seed=seed) if self.park else mmpdr_indoor(*self.modes, seed=seed)
+
+
+ROWS = (
+    Row("indoor HOLDING", (HOLDING,), ((131, 131),)),
+    Row("indoor SWING", (SWING,), ((127, 128),)),
+    Row("indoor POCKET", (POCKET,), ((126, 128),)),
+    Row(
+        "indoor, all modes",
+        (HOLDING, SWING, HOLDING, POCKET),
+        ((139, 140), (141, 140), (137, 140), (124, 130), (127, 133)),
+    ),
+    Row("indoor HOLDING, POCKET", (HOLDING, POCKET), ((125, 128),)),
+    Row("park, all modes", (HOLDING, SWING, POCKET), ((447, 458),), park=True),
+)
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Steps of the walks of a row. taken: (n,); counted: (n,) by method."""
+
+    taken: NDArray[np.int64]
+    counted: dict[str, NDArray[np.int64]]
+
+    def ratio(self, method: str) -> float:
+        """Steps counted / steps taken, percent."""
+        return 100.0 * float(self.counted[method].sum() / self.taken.sum())
+
+    def error(self, method: str) -> float:
+        """Mean over walks of the absolute error of the count, percent."""
+        return 100.0 * float(np.mean(np.abs(self.counted[method] - self.taken) / self.taken))
+
+
+def main() -> None:
+    """Simulate, count, print and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(6)))
+    seeds = parser.parse_args().seeds
+    table = {row.words: measured(row, seeds) for row in ROWS}
+    text = as_text(table, seeds)
+    document = json.dumps(as_document(table, seeds), indent=2)
+    (RESULTS / "mmpdr_tables8_9.json").write_text(document + "\n", encoding="utf-8")
+    (RESULTS / "mmpdr_tables8_9.txt").write_text(text, encoding="utf-8")
+    print(text, end="")
+
+
+def measured(row: Row, seeds: Sequence[int]) -> Counts:
+    """Steps taken and counted by the walkers of all seeds."""
+    walks = [simulate_walk(row.scenario(seed)) for seed in seeds]
+    configs = {
+        method: replace(Config(), mode=ModeParams(method=method), steps=StepsParams(detector=method))
+        for method in METHODS
+    }
+    return Counts(
+        taken=np.array([walk.step_count for walk in walks]),
+        counted={
+            method: np.array([len(analyse(walk.recording, config)[0].steps) for walk in walks])
+            for method, config in configs.items()
+        },
+    )
+
+
+def paper_ratio(row: Row) -> float:
+    """Steps counted / steps taken in the paper, percent."""
+    counted, taken = np.sum(row.paper, axis=0)
+    return 100.0 * float(counted / taken)
+
+
+def as_document(table: dict[str, Counts], seeds: Sequence[int]) -> dict[str, object]:
+    """The numbers of the text, in percent, and the counts of each walk."""
+    rows = {
+        row.words: {
+            "paper_ratio": round(paper_ratio(row), 2),
+            "taken": table[row.words].taken.tolist(),
+            **{
+                method: {
+                    "ratio": round(table[row.words].ratio(method), 2),
+                    "error": round(table[row.words].error(method), 2),
+                    "counted": table[row.words].counted[method].tolist(),
+                }
+                for method in METHODS
+            },
+        }
+        for row in ROWS
+    }
+    return {"seeds": list(seeds), "rows": rows}
+
+
+def as_text(table: dict[str, Counts], seeds: Sequence[int]) -> str:
+    """A line a row: the paper's ratio, then ratio and error of each method."""
+    lines = [
+        f"MMPDR Tables VIII, IX and the park, percent of the steps taken; {len(seeds)} walkers a row",
+        "",
+        f"{'':24}{'paper':>8}" + "".join(f"{method:>18}" for method in METHODS),
+        f"{'':24}{'ratio':>8}" + f"{'ratio':>10}{'error':>8}" * len(METHODS),
+    ]
+    for row in ROWS:
+        counts = table[row.words]
+        line = f"{row.words:24}{paper_ratio(row):8.2f}"
+        lines.append(line + "".join(f"{counts.ratio(method):10.2f}{counts.error(method):8.2f}" for method in METHODS))
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()
