@@ -9,13 +9,15 @@ from types import MappingProxyType
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
 from pdr_est.frames import Array
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import CarryingMode
 from pdr_est.report import svg
 from pdr_est.report.legend import LegendEntry
-from pdr_est.report.time_axis import RASTER_FROM, TimeAxis
+from pdr_est.report.time_axis import TimeAxis
 
 STRIP_IN, STRIP_GAP_IN = 0.16, 0.05  # height of a strip, and the room below it
 _LETTER_IN = 0.085  # a generous width of a letter in a strip
@@ -112,18 +114,19 @@ def _clipped(run: ModeRun, axis: TimeAxis) -> ModeRun:
 
 
 def _fill(axes: Axes, mode: CarryingMode, spans: list[Array], bottom: float, height: float) -> None:
-    """Boxes of one mode; what is not recognised stays empty."""
-    empty = mode is CarryingMode.UNKNOWN
-    axes.broken_barh(
-        [(float(begin), float(end - begin)) for begin, end in spans],
-        (bottom, height),
+    """Boxes of one mode, as a single shape however many they are; what is not recognised stays empty."""
+    empty, top = mode is CarryingMode.UNKNOWN, bottom + height
+    corners = [[(a, bottom), (a, top), (b, top), (b, bottom), (a, bottom)] for a, b in spans]
+    box = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    shape = PathPatch(
+        Path(np.concatenate(corners), box * len(spans)),
         facecolor=svg.PAPER if empty else svg.MODE[mode],
         edgecolor=svg.MODE[mode] if empty else "none",
         linewidth=0.8,
         transform=axes.get_xaxis_transform(),
         clip_on=False,
-        rasterized=len(spans) > RASTER_FROM,
     )
+    axes.add_patch(shape)
 
 
 def _write(axes: Axes, mode: CarryingMode, middle: float, height: float) -> None:

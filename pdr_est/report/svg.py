@@ -28,7 +28,7 @@ PAPER = "#fffffe"
 FIX = "#c2188b"
 # Devices. Red, blue, green and grey belong to the modes.
 SERIES = ("#7446a8", "#b08a00", "#00869b", "#8a5a3c")
-# Red, blue and green as in MMPDR, of a hue and lightness that colour-blind people tell apart as well as any.
+# Red, blue and green as in MMPDR, the green bluish: at least 21 (CIE 1976) apart in every kind of colour-blindness.
 MODE = MappingProxyType(
     {
         CarryingMode.UNKNOWN: "#949da9",

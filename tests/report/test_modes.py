@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.patches import PathPatch
 
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.records import CarryingMode
@@ -58,11 +59,12 @@ def strip(axes: Axes) -> list[tuple[CarryingMode, float, float, float]]:
     """Mode, begin, end and bottom of every box of the strips above the axes."""
     by_colour = {colour: mode for mode, colour in svg.MODE.items()}
     boxes = []
-    for collection in axes.collections:
-        mode = by_colour.get(to_hex(collection.get_facecolor()[0])) if len(collection.get_facecolor()) else None
-        for path in collection.get_paths() if mode is not None else ():
-            (left, bottom), (right, _) = path.get_extents().get_points()
-            boxes.append((mode, left, right, bottom))
+    for shape in axes.patches:
+        mode = by_colour.get(to_hex(shape.get_facecolor()))
+        if mode is not None and isinstance(shape, PathPatch):
+            for corners in shape.get_path().vertices.reshape(-1, 5, 2):
+                (left, bottom), (right, _) = corners.min(axis=0), corners.max(axis=0)
+                boxes.append((mode, left, right, bottom))
     return boxes
 
 
@@ -146,6 +148,16 @@ def test_every_device_has_a_strip_of_its_own_above_the_gait(make_walk) -> None:
     assert first_bottom > second_bottom > 1.0
     dots = [line.get_color() for line in heading.lines if len(line.get_xdata()) == 1]
     assert dots == [svg.series_colour(0), svg.series_colour(1)]
+
+
+def test_thousands_of_changes_stay_small(make_walk) -> None:
+    walk, recording = make_walk(steps=6000)
+    changes_s = 3.0 + np.arange(1.0, 3000.0)
+    restless = carried(walk, changes_s, [(HOLDING, SWING, POCKET)[i % 3] for i in range(3000)])
+    assert len(mode_runs(only_device(restless))) == 3000
+    calm_size, size = (len(str(panels)) for panels in (time_panels(walk), time_panels(restless)))
+    assert size < calm_size + 600_000
+    assert len(track_panel(restless, recording, in_map_frame=True).svg) < 600_000
 
 
 def test_words_stand_only_where_they_fit() -> None:
