@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import get_args
 
 from pdr_est.config import Config, EstimatorParams, config_from_dict, config_to_dict
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import ESTIMATORS
-from pdr_est.front_end.steps import DetectorName
+from pdr_est.front_end.steps import DETECTORS
 
 EVERY = "all"
 
@@ -35,7 +34,7 @@ class Axis:
 
 AXES: tuple[Axis, ...] = (
     Axis("estimator", ESTIMATORS, "estimator", "name"),
-    Axis("detector", get_args(DetectorName), "steps", "detector"),
+    Axis("detector", DETECTORS, "steps", "detector"),
 )
 
 

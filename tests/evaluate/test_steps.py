@@ -37,9 +37,10 @@ def test_steps_outside_the_annotated_span_do_not_count():
 
 
 def test_the_span_is_that_of_the_steps_without_their_offset():
-    # All are 0.4 s late, so the last true step's lies at 19.9 s; with one more 0.35 s after it the span ends before.
-    late = np.append(TRUE_S + 0.2, 19.5 + 0.2 + 0.35)
-    assert values(late) == {"count_error": 0.0, "step_precision": 1.0, "step_recall": 1.0}
+    # All are 0.2 s early, the last one at 19.3 s. One more 0.35 s later is 0.15 s after the last true step, but 0.35 s
+    # after it without the offset.
+    early = np.append(TRUE_S - 0.2, 19.5 - 0.2 + 0.35)
+    assert values(early) == {"count_error": 0.0, "step_precision": 1.0, "step_recall": 1.0}
 
 
 def test_a_step_too_far_from_its_own_is_no_match():
