@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from partitions import Block, content, cut, in_time_order, interleave, messy_device, one_by_one, run
+from partitions import Block, content, cut, in_time_order, interleave, messy_device, one_by_one, part, run
 
 from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.heading.step_yaw import StepYaw
-from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams
+from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import DETECTORS, DetectorName
@@ -33,6 +33,7 @@ from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingPara
 from pdr_est.io.recording import DeviceRecording
 from pdr_est.io.resample import ResampleParams, Resampler
 from pdr_est.records import CarryingMode, Channel, LevelBlock, SensorBlock, Step
+from pdr_est.simulate import mmpdr_mode_walks, simulate_walk
 from pdr_est.stage import Chain, Stage
 
 RATES_HZ = (25.0, 50.0, 100.0, 400.0)
@@ -202,8 +203,41 @@ def with_noise(block: LevelBlock, rng: np.random.Generator) -> LevelBlock:
         acceleration_mps2=force,
         vertical_mps2=np.sum(force * block.up, axis=1),
         rotation_rate_radps=rng.standard_normal((len(block), 3)),
-        mode=rng.choice([CarryingMode.HOLDING, CarryingMode.POCKET], len(block)).astype(np.int8),
+        mode=rng.choice(list(CarryingMode), len(block)).astype(np.int8),
     )
+
+
+@cache
+def changing_modes() -> tuple[LevelBlock, ...]:
+    """The level samples of a walk with all three modes and the transitions between them, with a gap of 2 s that
+    begins within a transition."""
+    walk = simulate_walk(mmpdr_mode_walks(people=2)[1])
+    device, config = walk.recording.devices[0], Config(mode=ModeParams(method="mmpdr"))
+    (block,) = run(pipeline.levelling(device, walk.recording.name, config)[1], device.blocks())[0]
+    middle = int(np.flatnonzero(block.mode == CarryingMode.TRANS)[-20])
+    late = part(block, middle + 100, len(block))
+    return part(block, 0, middle), replace(late, segment=1)
+
+
+def test_the_changing_modes_are_all_there() -> None:
+    found = np.concatenate([block.mode for block in changing_modes()])
+    assert {CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET, CarryingMode.TRANS} <= set(found.tolist())
+    events = run(mmpdr(), changing_modes())[0]
+    assert sum(event.mode is CarryingMode.TRANS for event in events) >= 6
+
+
+def test_cuts_where_modes_change() -> None:
+    """The state machine and the detector that follows it, from samples to odometry."""
+    rng = np.random.default_rng(11)
+    config = Config(mode=ModeParams(method="mmpdr"), steps=StepsParams(detector="mmpdr"))
+
+    def chain() -> Chain:
+        mode = MmpdrMode(WORKING_HZ, MmpdrModeParams())
+        return Chain([mode, *pipeline.stepping(config).stages, Odometry("device", config.odometry)])
+
+    cuttings = [randomly_cut(changing_modes(), rng) for _ in range(3)]
+    assert_cuts_do_not_matter(chain, changing_modes(), cuttings, rng)
+    assert_cuts_do_not_matter(mmpdr, changing_modes(), [*cuttings, one_by_one(changing_modes())], rng)
 
 
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
