@@ -45,15 +45,18 @@ def oxford_walk(folder: Path, contacts_s: Array) -> None:
     write(folder / "stepcounter.csv", [f"{start_ns + round(1e9 * t)},{left},{right}" for t, left, right in states])
 
 
-def weallwalk_table(path: Path) -> None:
-    """An iPhone lying flat: quaternion of no rotation, gravity down, the bounce as user acceleration, in g."""
+def weallwalk_table(path: Path, turning_until_s: float = 0.0) -> None:
+    """An iPhone lying flat: gravity down, the bounce as user acceleration, in g, at first perhaps turning 0.5 rad/s.
+
+    The device's own attitude does not turn; the front end makes its own.
+    """
     rows = []
     for t, up in zip(*bouncing(25.0), strict=True):
         user = -(up / STANDARD_GRAVITY_MPS2 - 1.0)
-        attitude = [0.0] * 12 + [0.0, 0.0, 0.0, 1.0]
-        motion = [0.0, 0.0, 0.0, 0.0, 0.0, user, 0.0, 0.0, -1.0]
+        attitude = [0.0] * 12 + [0.0, 0.0, 0.0, 1.0]  # angles, matrix, quaternion x y z w
+        motion = [0.0, 0.0, 0.5 if t < turning_until_s else 0.0, 0.0, 0.0, user, 0.0, 0.0, -1.0]
         rest = [0.0] * 10 + [5.0, 6.0, 7.0] + [0.0] * 2
-        rows.append([t, *attitude[:12], *attitude[12:], *motion, *rest])
+        rows.append([t, *attitude, *motion, *rest])
     write(path, [",".join(f"{value:.6f}" for value in row) for row in rows])
 
 

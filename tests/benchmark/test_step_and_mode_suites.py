@@ -94,6 +94,13 @@ def test_weallwalk_scores_both_phones_of_a_walk(tmp_path):
     assert document["summary"]["count_error"]["n"] == 2
 
 
+def test_weallwalk_turns_before_the_annotated_walk_do_not_count(tmp_path):
+    weallwalk_table(tmp_path / "sensor/iPhoneSensors_T1_ID2_1L_NA.csv", turning_until_s=2.0)
+    weallwalk_annotation(tmp_path / "xml/T1_ID2_NA.xml", crests_s()[7:38], [(12.0, 60.0)])
+    (walk,) = run("weallwalk", tmp_path)["walks"]
+    assert walk["heading_net_error_deg"] == pytest.approx(60.0, abs=1.0)
+
+
 def test_weallwalk_walk_without_turns_is_scored_by_its_steps(tmp_path):
     weallwalk_table(tmp_path / "sensor/iPhoneSensors_T1_ID2_2R_NA.csv")
     weallwalk_annotation(tmp_path / "xml/T1_ID2_NA.xml", crests_s()[2:38], [])

@@ -37,10 +37,12 @@ def test_steps_outside_the_annotated_span_do_not_count():
 
 
 def test_the_span_is_that_of_the_steps_without_their_offset():
-    # All are 0.2 s early, the last one at 19.3 s. One more 0.35 s later is 0.15 s after the last true step, but 0.35 s
-    # after it without the offset.
+    # All are 0.2 s early, the last one at 19.3 s. One more 0.35 s later is 0.15 s after the last true step, but
+    # 0.35 s after it without the offset.
     early = np.append(TRUE_S - 0.2, 19.5 - 0.2 + 0.35)
     assert values(early) == {"count_error": 0.0, "step_precision": 1.0, "step_recall": 1.0}
+    late = np.append(10.0 + 0.2 - 0.35, TRUE_S + 0.2)
+    assert values(late) == {"count_error": 0.0, "step_precision": 1.0, "step_recall": 1.0}
 
 
 def test_a_step_too_far_from_its_own_is_no_match():
@@ -57,6 +59,10 @@ def test_nothing_detected():
 def test_offset_by_hand():
     # Nearest detected less true: 0.1, -0.2, 0.3; median 0.1.
     assert steps.median_offset(np.array([1.1, 1.8, 3.3]), np.array([1.0, 2.0, 3.0])) == pytest.approx(0.1)
+
+
+def test_the_tolerance_itself_is_near_enough():
+    assert steps.largest_matching(np.array([0.0]), np.array([0.25]), 0.25) == 1
 
 
 @given(TIMES, TIMES)
