@@ -27,12 +27,12 @@ class CausalFilter:
         self._zi = None
 
     def push(self, samples: Array) -> Array:
-        """Filter (n,) samples."""
+        """Filter (n,) samples, or (n, k) samples column by column."""
         if not len(samples):
             return samples
         if self._zi is None:
-            self._zi = sosfilt_zi(self._sos) * samples[0]
-        filtered, self._zi = sosfilt(self._sos, samples, zi=self._zi)
+            self._zi = np.multiply.outer(sosfilt_zi(self._sos), samples[0])
+        filtered, self._zi = sosfilt(self._sos, samples, axis=0, zi=self._zi)
         output: Array = filtered
         return output
 

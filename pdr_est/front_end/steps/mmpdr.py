@@ -92,10 +92,10 @@ class MmpdrSteps:
         self._parameters = parameters
         self._rules = _rules(rate_hz, parameters)
         self._look_ahead = max(rule.window for rule in self._rules.values()) + 1
-        self._filters = [CausalLowPass(parameters.cutoff_hz, rate_hz) for _ in range(_COLUMNS)]
-        self._samples = _AxisSamples(rate_hz, self._filters[0].delay_s)
+        self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
+        self._samples = _AxisSamples(rate_hz, self._low_pass.delay_s)
         self._decided = 0  # samples at the front of the window that have been judged
-        self.latency_s = self._filters[0].delay_s + parameters.transition_s + self._look_ahead / rate_hz
+        self.latency_s = self._low_pass.delay_s + parameters.transition_s + self._look_ahead / rate_hz
         self._begin_walk()
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
@@ -105,8 +105,7 @@ class MmpdrSteps:
         if item.segment != self._samples.segment:
             events += self.flush()
             self._begin(item)
-        columns = zip(self._filters, _accelerations(item), strict=True)
-        self._samples.append(item, np.stack([low_pass.push(column) for low_pass, column in columns], axis=1))
+        self._samples.append(item, self._low_pass.push(_accelerations(item)))
         return events + self._decide(self._look_ahead)
 
     def flush(self) -> list[StepEvent]:
@@ -115,8 +114,7 @@ class MmpdrSteps:
     def _begin(self, block: LevelBlock) -> None:
         self._samples.begin(block)
         self._decided = 0
-        for low_pass in self._filters:
-            low_pass.reset()
+        self._low_pass.reset()
         self._begin_walk()
 
     def _begin_walk(self) -> None:
@@ -179,10 +177,10 @@ class _AxisSamples(UndecidedSamples):
 _COLUMNS, _SWING = 4, 1
 
 
-def _accelerations(block: LevelBlock) -> tuple[Array, ...]:
-    """What HOLDING, SWING, POCKET and the modes that the paper does not know look at; `_COLUMNS` of (n,), m/s^2."""
+def _accelerations(block: LevelBlock) -> Array:
+    """What HOLDING, SWING, POCKET and the modes that the paper does not know look at, (n, `_COLUMNS`), m/s^2."""
     y, z = block.acceleration_mps2[:, 1], block.acceleration_mps2[:, 2]
-    return holding_acceleration(block.up, block.acceleration_mps2), y, z, block.vertical_mps2
+    return np.stack([holding_acceleration(block.up, block.acceleration_mps2), y, z, block.vertical_mps2], axis=1)
 
 
 def _rules(rate_hz: float, p: MmpdrStepParams) -> dict[int, _Rule]:
