@@ -9,7 +9,8 @@ from scipy.optimize import linear_sum_assignment
 from pdr_est.evaluate import steps
 
 TRUE_S = np.arange(10.0, 20.0, 0.5)
-TIMES = st.lists(st.integers(0, 4000).map(lambda ms: ms / 1000.0), max_size=12).map(lambda t: np.array(sorted(t)))
+# Multiples of 2**-10 s: exact in binary, so that a shift breaks no tie.
+TIMES = st.lists(st.integers(0, 4096).map(lambda n: n / 1024.0), max_size=12).map(lambda t: np.array(sorted(t)))
 
 
 def values(detected_s, true_s=TRUE_S):
@@ -73,14 +74,14 @@ def test_matching_is_the_largest_one(a, b):
     assert steps.largest_matching(a, b, 0.3) == near[rows, columns].sum() == steps.largest_matching(b, a, 0.3)
 
 
-@given(TIMES, TIMES.filter(len), st.floats(-100.0, 100.0))
+@given(TIMES, TIMES.filter(len), st.integers(-100, 100))
 @settings(deadline=None, max_examples=100)
 def test_counts_are_consistent_and_a_common_shift_changes_no_offset(detected, true, shift_s):
     score = steps.score_steps(detected, true)
     assert 0 <= score.matched <= min(score.detected, score.true)
     assert score.detected <= len(detected)
     moved = steps.median_offset(detected + shift_s, true + shift_s)
-    assert moved == pytest.approx(score.offset_s, abs=1e-9, nan_ok=True)
+    assert moved == pytest.approx(score.offset_s, abs=0.0, nan_ok=True)
 
 
 def test_false_steps_per_minute():
