@@ -30,10 +30,10 @@ _SmallProbability = Annotated[float, Gt(0.0), Le(0.375)]  # two of them still le
 @params
 class AutoModeParams:
     """hop_s: how often the mode is judged; half_hops: how many hops make half a window. walking_mps2: least standard
-    deviation of the vertical acceleration of a walk. moving_deg: the mean gravity of a window's halves differs by
-    more while the phone is put elsewhere; spoilt_hops: so far from such a window others are spoilt, too.
-    change: probability that the mode changes at a hop at which gravity stays; change_turned: how much that grows
-    until gravity turns by a right angle. weight: of a window's evidence, below 1 because windows overlap.
+    deviation of the vertical acceleration of a walk in either half. moving_deg: the mean gravity of a window's
+    halves differs by more while the phone is put elsewhere; spoilt_hops: so far from such a window others are
+    spoilt, too. change: probability that the mode changes at a hop at which gravity stays; change_turned: how much
+    that grows until gravity turns by a right angle. weight: of a window's evidence, below 1 because windows overlap.
     ahead_hops: how many windows after a hop count. memory_s: what was known before a gap fades in such a time."""
 
     hop_s: Positive = 0.25
@@ -122,7 +122,7 @@ class AutoMode:
         early, late = halves[:windows], halves[half : half + windows]
         self._append(
             angles_deg(direction(early), direction(late)),
-            likelihoods(0.5 * (early + late), self._parameters.walking_mps2),
+            likelihoods(early, late, self._parameters.walking_mps2),
         )
         self._means = self._means[windows:]
         return True

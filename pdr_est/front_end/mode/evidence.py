@@ -3,8 +3,8 @@
 * The swing of the direction of gravity in device axes: 1 to 5 degrees in a hand held still, 5 to 20 in a trouser
   pocket, 9 to 30 in a swinging hand.
 * The radius of the swing. A phone at a distance r from the joint about which it swings is accelerated across r by
-  the angular acceleration times r: 0.3 m for a hand that swings from the shoulder, 0.1 m for a thigh. What else
-  shakes the phone goes with the rotation of no such radius.
+  the angular acceleration times r, whatever else shakes it: some 0.3 m for an arm that swings from the shoulder
+  and bends at the elbow, 0.1 m for a thigh, whether they swing far or little.
 * The mean frequency of the vertical acceleration: arms soften each step, a thigh is jolted by it.
 * Whether the screen faces up, as only a phone looked at does.
 
@@ -60,11 +60,12 @@ def direction(mean: Array) -> Array:
     return mean[:, _UP]
 
 
-def likelihoods(mean: Array, walking_mps2: float) -> Array:
-    """Likelihood (n, modes) of windows with these means (n, COLUMNS).
+def likelihoods(early: Array, late: Array, walking_mps2: float) -> Array:
+    """Likelihood (n, modes) of windows whose halves have these means (n, COLUMNS).
 
-    It is the same for all modes in windows without walking, and in those without rotation rate (NaN).
+    It is the same for all modes where one does not walk during both halves, and without rotation rate (NaN).
     """
+    mean = 0.5 * (early + late)
     feature = features(mean)
     deviation = (feature[:, None, :] - _TYPICAL) / _SPREAD
     density = np.exp(-0.5 * np.square(deviation).sum(axis=2)) / np.prod(_SPREAD, axis=1)
@@ -74,7 +75,7 @@ def likelihoods(mean: Array, walking_mps2: float) -> Array:
     density[:, 1:] *= 1.0 - _SCREEN_WEIGHT * screen_up[:, None]
     density += _LEAST_DENSITY
     total = density[:, 0] + density[:, 1] + density[:, 2] + density[:, 3]
-    walking = mean[:, _VERTICAL_SQUARED] - mean[:, _VERTICAL] ** 2 > walking_mps2**2
+    walking = (_bounce(early) > walking_mps2**2) & (_bounce(late) > walking_mps2**2)
     tells = walking & np.isfinite(feature).all(axis=1)
     likelihood: Array = np.where(tells[:, None], density / total[:, None] + _LEAST_LIKELIHOOD, 1.0)
     return likelihood
@@ -84,14 +85,22 @@ def features(mean: Array) -> Array:
     """The columns of _TYPICAL (n, 3) for windows with these means (n, COLUMNS).
 
     With a = s x r, where s is the angular acceleration across r, r = -(s x a) / s^2; means of both over the window.
+    Averaging over hops of length h makes the radius of a swing of frequency f too small, by a factor x / tan(x) with
+    x = pi f h: by a sixth for a walk.
     """
     length = _norm(mean[:, _UP])
     swing_deg = np.rad2deg(np.sqrt(np.maximum(1.0 - length * length, 1e-8)))
     radius_m = _norm(mean[:, _TORQUE]) / np.maximum(mean[:, _SPIN], 1e-12)
-    bounce = np.maximum(mean[:, _VERTICAL_SQUARED] - mean[:, _VERTICAL] ** 2, 1e-12)
+    bounce = np.maximum(_bounce(mean), 1e-12)
     frequency_hz = np.sqrt(np.maximum(mean[:, _JOLT], 1e-12) / bounce) / (2.0 * np.pi)
     logarithms: Array = np.log(np.column_stack([swing_deg, np.maximum(radius_m, 1e-3), frequency_hz]))
     return logarithms
+
+
+def _bounce(mean: Array) -> Array:
+    """Variance of the vertical acceleration, (n,)."""
+    variance: Array = mean[:, _VERTICAL_SQUARED] - mean[:, _VERTICAL] ** 2
+    return variance
 
 
 def angles_deg(early: Array, late: Array) -> Array:
