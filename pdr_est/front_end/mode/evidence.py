@@ -21,12 +21,12 @@ MODES = (CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET, Carrying
 # A row for each of MODES: what is typical of the logarithms of gravity's swing in degrees, of the radius in metres
 # and of the frequency in hertz; and their spread. From simulated people, the held, swung, pocket and bag walks of the
 # data sets in the README, and MotionSense.
-_TYPICAL = np.log([[2.1, 0.12, 2.5], [20.0, 0.32, 2.15], [12.5, 0.11, 4.0], [3.3, 0.15, 3.2]])
-_SPREAD = np.array([[0.5, 0.6, 0.35], [0.35, 0.16, 0.25], [0.4, 0.4, 0.25], [0.5, 0.5, 0.35]])
+_TYPICAL = np.log([[2.1, 0.12, 2.5], [20.0, 0.32, 2.15], [12.5, 0.11, 4.0], [3.0, 0.17, 3.2]])
+_SPREAD = np.array([[0.5, 0.6, 0.35], [0.35, 0.16, 0.25], [0.5, 0.4, 0.25], [0.45, 0.4, 0.35]])
 _JOLT_LAG_S = 0.04  # the vertical acceleration's change is taken over this time, whatever the sampling rate
-_SCREEN_UP = 0.3  # least part of gravity along the screen's normal of a phone that is looked at
+_SCREEN_UP = 0.35  # least part of gravity along the screen's normal of a phone that is looked at
 _SCREEN_SPREAD = 0.1
-_SCREEN_WEIGHT = np.array([0.9, 0.98, 0.98])  # how sure it is that no phone in the other modes shows its screen
+_SCREEN_WEIGHT = np.array([0.95, 0.998, 0.98])  # how sure it is that no phone in the other modes shows its screen
 _LEAST_LIKELIHOOD = 1e-3  # no single window is proof
 _LEAST_DENSITY = 1e-30  # for damaged samples of which no mode knows anything
 _UP, _RATE, _ACCELERATION, _VERTICAL, _VERTICAL_SQUARED, _JOLT, _TORQUE, _SPIN = (
