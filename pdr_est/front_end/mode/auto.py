@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.mode.chain import Chain, look_ahead
-from pdr_est.front_end.mode.evidence import COLUMNS, MODES, angles_deg, direction, hop_means, likelihoods
+from pdr_est.front_end.mode.evidence import COLUMNS, MODES, hop_means, likelihoods, turned
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.params import Fraction, Positive, params
 from pdr_est.records import CarryingMode, LevelBlock
@@ -33,8 +33,9 @@ class AutoModeParams:
     deviation of the vertical acceleration of a walk in either half. moving_deg: the mean gravity of a window's
     halves differs by more while the phone is put elsewhere; spoilt_hops: so far from such a window others are
     spoilt, too. change: probability that the mode changes at a hop at which gravity stays; change_turned: how much
-    that grows until gravity turns by a right angle. weight: of a window's evidence, below 1 because windows overlap.
-    ahead_hops: how many windows after a hop count. memory_s: what was known before a gap fades in such a time."""
+    more likely that is where gravity turns by a right angle. weight: of a window's evidence, below 1 because
+    windows overlap. ahead_hops: how many windows after a hop count. memory_s: what was known before a gap fades in
+    such a time."""
 
     hop_s: Positive = 0.25
     half_hops: _Few = 4
@@ -56,6 +57,7 @@ class AutoMode:
         self._rate_hz = rate_hz
         self._hop = max(round(p.hop_s * rate_hz), 2)
         self.latency_s = (p.half_hops + p.spoilt_hops + p.ahead_hops) * self._hop / rate_hz
+        self._moving = float(1.0 - np.cos(np.deg2rad(p.moving_deg)))
         self._pending: LevelBlock | None = None
         self._chain = Chain(len(MODES))
         self._end_s = 0.0
@@ -120,20 +122,17 @@ class AutoMode:
             return False
         halves = _running_means(self._means, half)
         early, late = halves[:windows], halves[half : half + windows]
-        self._append(
-            angles_deg(direction(early), direction(late)),
-            likelihoods(early, late, self._parameters.walking_mps2),
-        )
+        self._append(turned(early, late), likelihoods(early, late, self._parameters.walking_mps2))
         self._means = self._means[windows:]
         return True
 
     def _label(self, count: int) -> tuple[NDArray[np.int8], Array]:
         """Mode and probability of the next `count` hops."""
         p, first = self._parameters, self._past
-        turned = self._turned[first : first + count + p.ahead_hops]
-        change = p.change + p.change_turned * np.minimum(turned / 90.0, 1.0) ** 2
-        spoilt = _near(self._turned > p.moving_deg, p.spoilt_hops)
-        weighed = np.where(spoilt[:, None], 1.0, self._likelihood**p.weight)[first : first + count + p.ahead_hops]
+        rows = slice(first, first + count + p.ahead_hops)
+        change = p.change + p.change_turned * np.minimum(self._turned[rows], 1.0)
+        spoilt = _near(self._turned > self._moving, p.spoilt_hops)[rows]
+        weighed = np.where(spoilt[:, None], 1.0, self._likelihood[rows] ** p.weight)
         belief = self._chain.forward(change[:count].tolist(), weighed[:count].tolist())
         belief *= look_ahead(change, weighed, count, p.ahead_hops)
         total = belief[:, 0] + belief[:, 1] + belief[:, 2] + belief[:, 3]

@@ -40,16 +40,17 @@ class Chain:
 def look_ahead(change: Array, likelihood: Array, count: int, rows: int) -> Array:
     """What the `rows` rows after each of the first `count` say about it, (count, states), up to a factor.
 
-    change: (n,), likelihood: (n, states), with n >= count + rows.
+    change: (n,), likelihood: (n, states), with n >= count + rows. A state a row inside, to add them up row by row.
     """
     states = likelihood.shape[1]
-    ahead = np.ones((count, states))
+    seen = np.ascontiguousarray(likelihood.T)
+    leave = change / (states - 1)
+    stay = 1.0 - change - leave
+    ahead = np.ones((states, count))
     for step in range(rows, 0, -1):
-        seen = likelihood[step : step + count] * ahead
-        total = seen[:, 0].copy()
-        for state in range(1, states):
-            total += seen[:, state]
-        leave = change[step : step + count] / (states - 1)
-        stay = 1.0 - change[step : step + count] - leave
-        ahead = (stay[:, None] * seen + (leave * total)[:, None]) / total[:, None]
-    return ahead
+        now = slice(step, step + count)
+        ahead *= seen[:, now]
+        total = leave[now] * ahead.sum(axis=0)
+        ahead *= stay[now]
+        ahead += total
+    return ahead.T

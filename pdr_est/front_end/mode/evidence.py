@@ -23,6 +23,7 @@ MODES = (CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET, Carrying
 # data sets in the README, and MotionSense.
 _TYPICAL = np.log([[2.1, 0.12, 2.5], [20.0, 0.32, 2.15], [12.5, 0.11, 4.0], [3.0, 0.17, 3.2]])
 _SPREAD = np.array([[0.5, 0.6, 0.35], [0.35, 0.16, 0.25], [0.5, 0.4, 0.25], [0.45, 0.4, 0.35]])
+_HEIGHT = 1.0 / np.prod(_SPREAD, axis=1)
 _JOLT_LAG_S = 0.04  # the vertical acceleration's change is taken over this time, whatever the sampling rate
 _SCREEN_UP = 0.35  # least part of gravity along the screen's normal of a phone that is looked at
 _SCREEN_SPREAD = 0.1
@@ -40,24 +41,28 @@ def hop_means(block: LevelBlock, hop: int, rate_hz: float, before: Array) -> Arr
 
     n is a multiple of hop, which is at least 2. before: (1, COLUMNS) the row before, or none (0, COLUMNS).
     """
-    v = block.vertical_mps2
-    samples = np.column_stack([block.up, block.rotation_rate_radps, block.acceleration_mps2, v, v * v])
-    means = np.zeros((len(v) // hop, COLUMNS))
-    means[:, :_JOLT] = samples.reshape(len(means), hop, -1).sum(axis=1) / hop
+    count, v = len(block) // hop, block.vertical_mps2
+    means = np.empty((count, COLUMNS))
+    for columns, vectors in (
+        (_UP, block.up),
+        (_RATE, block.rotation_rate_radps),
+        (_ACCELERATION, block.acceleration_mps2),
+    ):
+        means[:, columns] = vectors.reshape(count, hop, 3).sum(axis=1) / hop
+    vertical = v.reshape(count, hop)
     lag = min(max(round(_JOLT_LAG_S * rate_hz), 1), hop - 1)
-    vertical = v.reshape(len(means), hop)
-    means[:, _JOLT] = np.square((vertical[:, lag:] - vertical[:, :-lag]) * (rate_hz / lag)).mean(axis=1)
+    change = (vertical[:, lag:] - vertical[:, :-lag]) * (rate_hz / lag)
+    means[:, _VERTICAL] = vertical.sum(axis=1) / hop
+    means[:, _VERTICAL_SQUARED] = (vertical * vertical).sum(axis=1) / hop
+    means[:, _JOLT] = (change * change).sum(axis=1) / (hop - lag)
     rows = np.concatenate([before if len(before) else means[:1], means])
     spin = (rows[1:, _RATE] - rows[:-1, _RATE]) * (rate_hz / hop)
     acceleration = 0.5 * (rows[1:, _ACCELERATION] + rows[:-1, _ACCELERATION])
-    means[:, _TORQUE] = _cross(spin, acceleration)
-    means[:, _SPIN] = spin[:, 0] ** 2 + spin[:, 1] ** 2 + spin[:, 2] ** 2
+    (sx, sy, sz), (ax, ay, az) = spin.T, acceleration.T
+    for column, product in enumerate((sy * az - sz * ay, sz * ax - sx * az, sx * ay - sy * ax), _TORQUE.start):
+        means[:, column] = product
+    means[:, _SPIN] = sx * sx + sy * sy + sz * sz
     return means
-
-
-def direction(mean: Array) -> Array:
-    """Mean up (n, 3) of windows with these means (n, COLUMNS), not of unit length."""
-    return mean[:, _UP]
 
 
 def likelihoods(early: Array, late: Array, walking_mps2: float) -> Array:
@@ -66,9 +71,8 @@ def likelihoods(early: Array, late: Array, walking_mps2: float) -> Array:
     It is the same for all modes where one does not walk during both halves, and without rotation rate (NaN).
     """
     mean = 0.5 * (early + late)
-    feature = features(mean)
-    deviation = (feature[:, None, :] - _TYPICAL) / _SPREAD
-    density = np.exp(-0.5 * np.square(deviation).sum(axis=2)) / np.prod(_SPREAD, axis=1)
+    deviation = (features(mean)[:, None, :] - _TYPICAL) / _SPREAD
+    density = _HEIGHT * np.exp(-0.5 * (deviation * deviation).sum(axis=2))
     up = mean[:, _UP]
     screen_up = 1.0 / (1.0 + np.exp((_SCREEN_UP - up[:, 2] / np.maximum(_norm(up), 1e-12)) / _SCREEN_SPREAD))
     density[:, 0] *= screen_up
@@ -76,7 +80,7 @@ def likelihoods(early: Array, late: Array, walking_mps2: float) -> Array:
     density += _LEAST_DENSITY
     total = density[:, 0] + density[:, 1] + density[:, 2] + density[:, 3]
     walking = (_bounce(early) > walking_mps2**2) & (_bounce(late) > walking_mps2**2)
-    tells = walking & np.isfinite(feature).all(axis=1)
+    tells = walking & (total > 0.0)  # NaN is not
     likelihood: Array = np.where(tells[:, None], density / total[:, None] + _LEAST_LIKELIHOOD, 1.0)
     return likelihood
 
@@ -103,16 +107,12 @@ def _bounce(mean: Array) -> Array:
     return variance
 
 
-def angles_deg(early: Array, late: Array) -> Array:
-    """Angles (n,) between vectors (n, 3), degrees."""
-    dot = early[:, 0] * late[:, 0] + early[:, 1] * late[:, 1] + early[:, 2] * late[:, 2]
-    cosine = dot / np.maximum(_norm(early) * _norm(late), 1e-12)
-    return np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
-
-
-def _cross(a: Array, b: Array) -> Array:
-    (ax, ay, az), (bx, by, bz) = a.T, b.T
-    return np.column_stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+def turned(early: Array, late: Array) -> Array:
+    """How far up has turned from one half of windows (n, COLUMNS) to the other: 1 - cos of the angle, (n,)."""
+    a, b = early[:, _UP], late[:, _UP]
+    dot = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
+    turn: Array = 1.0 - dot / np.maximum(_norm(a) * _norm(b), 1e-12)
+    return turn
 
 
 def _norm(vectors: Array) -> Array:
