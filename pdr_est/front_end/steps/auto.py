@@ -2,13 +2,22 @@
 
 Not from a paper. A steep low-pass below the second harmonic of slow walking leaves one hump a step whatever the shape
 of the raw signal, so that counting humps needs no shape rules; a threshold relative to the recent humps refuses the
-small ones between steps and while standing. It serves every position of the phone.
+small ones between steps and while standing. It serves every position of the phone but one.
+
+A swinging hand rises at both ends of its arc, when a foot strikes and the trunk is lowest: the two cancel, in some
+people altogether, and only strides are left in the vertical acceleration. While the phone swings its rate of rotation
+takes the place of the acceleration. It is smallest at the ends of the arc, near the strikes, whatever the arm's
+strength or the phone's orientation.
+
+Where the mode changes, arm and trunk may hide a step from each other. A pause of two steps between two steps in
+different modes is filled with the one in between.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from pdr_est.frames import Array
 from pdr_est.front_end.signal.filters import CausalBandPass
 from pdr_est.front_end.signal.peaks import local_maxima
 from pdr_est.front_end.steps.undecided import UndecidedSamples
@@ -19,12 +28,15 @@ from pdr_est.records import CarryingMode, LevelBlock, StepEvent
 @params
 class AutoStepParams:
     """low_hz, high_hz: band of cadences. threshold_mps2: least height of a hump in the band; relative_threshold:
-    its least share of the recent humps' height, and relative_threshold_holding the same for a phone held in front of
-    the body, which feels both feet alike. min_interval_s: between steps. memory: weight of the past in the
-    recent height. standstill_s: after this long without a step the walk is over. A walk begins with two crests at
-    most first_interval_s apart, so that a single jolt is no step; the first of them is a step if it has first_share
-    of the second's height. strike_lead_s: the foot strikes the ground this long before the trunk's acceleration
-    crests; a step's time is that of the strike."""
+    its least share of the recent humps' height, and relative_threshold_holding the same for a phone held in
+    front of the body, which feels both feet alike. min_interval_s: between steps; interval_share: the same as a
+    share of the recent intervals where that is less, because a runner's steps come faster, but never less than
+    running_interval_s. memory: weight of the past in the recent height and interval. standstill_s: after this
+    long without a step the walk is over. A walk begins with two crests at most first_interval_s apart, so that a
+    single jolt is no step; the first of them is a step if it has first_share of the second's height.
+    strike_lead_s: the foot strikes the ground this long before the trunk's acceleration crests; a step's time is
+    that of the strike. swing_gain_mps: acceleration in m/s^2 that counts as much as a rate of rotation of 1
+    rad/s while the phone swings."""
 
     low_hz: Positive = 0.3
     high_hz: Positive = 2.0
@@ -32,17 +44,21 @@ class AutoStepParams:
     relative_threshold: Fraction = 0.25
     relative_threshold_holding: Fraction = 0.45
     min_interval_s: NonNegative = 0.3
+    interval_share: Fraction = 0.55
+    running_interval_s: NonNegative = 0.24
     memory: Fraction = 0.8
     standstill_s: Positive = 2.0
     first_interval_s: Positive = 1.3
     first_share: Fraction = 0.4
     strike_lead_s: NonNegative = 0.08
+    swing_gain_mps: Positive = 2.0
 
 
 class AutoSteps:
     """Stage LevelBlock -> StepEvent.
 
-    The confidence of a step grows from 0 for a hump as high as the threshold to 1 for one far above it.
+    The confidence of a step grows from 0 for a hump as high as the threshold to 1 for one far above it. It is 0 for
+    a step that a change of the mode hid.
     """
 
     def __init__(self, rate_hz: float, parameters: AutoStepParams) -> None:
@@ -50,21 +66,34 @@ class AutoSteps:
         self._filter = CausalBandPass(parameters.low_hz, parameters.high_hz, rate_hz)
         delay_s = self._filter.delay_s + parameters.strike_lead_s
         self._samples = UndecidedSamples(rate_hz, delay_s)
-        self._last_crest_s = -np.inf
-        self._recent_height = 0.0  # of the walk under way; 0 before its second step
-        self._first: tuple[StepEvent, float] | None = None
+        self._begin_walk()
         self.latency_s = delay_s + parameters.first_interval_s + 1.0 / rate_hz
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         if item.segment != self._samples.segment:
             self._samples.begin(item)
             self._filter.reset()
-            self._last_crest_s, self._recent_height, self._first = -np.inf, 0.0, None
-        self._samples.append(item, self._filter.push(item.vertical_mps2))
+            self._begin_walk()
+        self._samples.append(item, self._humps(item))
         return self._decide()
 
     def flush(self) -> list[StepEvent]:
         return []
+
+    def _begin_walk(self) -> None:
+        self._last_crest_s = -np.inf
+        self._recent_height = 0.0  # of the walk under way; 0 before its second step
+        self._first: tuple[StepEvent, float] | None = None
+        self._rhythm = _Rhythm(self._parameters.memory, self._parameters.standstill_s)
+
+    def _humps(self, block: LevelBlock) -> Array:
+        """The signal with one hump a step, (n,)."""
+        columns = np.stack([block.vertical_mps2, horizontal_rate(block)], axis=1)
+        vertical, rotation = self._filter.push(columns).T
+        humps: Array = np.where(
+            block.mode == CarryingMode.SWING, -self._parameters.swing_gain_mps * rotation, vertical
+        )
+        return humps
 
     def _decide(self) -> list[StepEvent]:
         """Judge all samples that have both neighbours, then forget them."""
@@ -72,7 +101,7 @@ class AutoSteps:
         if len(signal) < 3:
             return []
         crests = np.flatnonzero(local_maxima(signal) & (signal > self._parameters.threshold_mps2))
-        events = [event for i in crests for event in self._judge(int(i))]
+        events = [step for i in crests for event in self._judge(int(i)) for step in self._rhythm.completed(event)]
         self._samples.drop(len(signal) - 2)
         return events
 
@@ -80,7 +109,7 @@ class AutoSteps:
         """The steps that crest i makes certain: its own, and with the second of a walk also the first."""
         p, time_s, height = self._parameters, self._samples.time_s(i), float(self._samples.signal[i])
         elapsed = time_s - self._last_crest_s
-        if elapsed < p.min_interval_s:
+        if elapsed < self._min_interval_s():
             return []
         if elapsed > p.standstill_s:
             self._recent_height, self._first = 0.0, None
@@ -100,3 +129,47 @@ class AutoSteps:
             return []
         self._recent_height, self._first = 0.5 * (first[1] + height), None
         return [first[0], event] if first[1] >= p.first_share * height else [event]
+
+    def _min_interval_s(self) -> float:
+        p = self._parameters
+        return max(p.running_interval_s, min(p.min_interval_s, p.interval_share * self._rhythm.interval_s))
+
+
+class _Rhythm:
+    """The time between steps, which tells the step that a change of the mode hid.
+
+    interval_s: mean of the recent ones with weights that fall off; infinite for who has just set off.
+    """
+
+    def __init__(self, memory: float, standstill_s: float) -> None:
+        self._memory = memory
+        self._standstill_s = standstill_s
+        self._previous: StepEvent | None = None
+        self.interval_s = np.inf
+
+    def completed(self, event: StepEvent) -> list[StepEvent]:
+        """The next step, and before it the hidden one if two intervals passed while the mode changed."""
+        previous, self._previous = self._previous, event
+        if previous is None:
+            return [event]
+        elapsed_s = event.time_s - previous.time_s
+        if event.mode is not previous.mode and 1.5 < elapsed_s / self.interval_s < 2.5:
+            middle = previous.index + (event.index - previous.index) // 2
+            return [replace(event, index=middle, time_s=event.time_s - 0.5 * elapsed_s, confidence=0.0), event]
+        if elapsed_s > self._standstill_s:
+            self.interval_s = np.inf
+        elif self.interval_s == np.inf:
+            self.interval_s = elapsed_s
+        else:
+            self.interval_s = self._memory * self.interval_s + (1.0 - self._memory) * elapsed_s
+        return [event]
+
+
+def horizontal_rate(block: LevelBlock) -> Array:
+    """Rate of rotation about the horizontal, (n,) rad/s: what a limb's swing makes of it, without the turns.
+
+    Sums are written out: batched products differ with the size of a block.
+    """
+    x, y, z = block.rotation_rate_radps.T
+    rate: Array = np.sqrt(np.maximum(x * x + y * y + z * z - block.turn_rate_radps**2, 0.0))
+    return rate
