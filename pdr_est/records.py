@@ -29,6 +29,15 @@ class CarryingMode(IntEnum):
     TRANS = 5
 
 
+class Gait(IntEnum):
+    """How the walker moves on foot."""
+
+    UNKNOWN = 0
+    WALKING = 1
+    JOGGING = 2
+    RUNNING = 3
+
+
 @dataclass(frozen=True)
 class SensorBlock:
     """Consecutive raw samples of one channel, with the recorder's own time stamps.
@@ -118,6 +127,7 @@ class Step:
     start_s: when the movement of this step began. frequency_hz: reciprocal of the time since the previous
     step, 0 for the first step after a standstill (MMPDR section III-C). samples: from start to the event.
     heading_rad: mean device yaw over the step, arbitrary zero per segment.
+    gait_probability: of walking, jogging and running; NaN where gait is UNKNOWN.
     """
 
     event: StepEvent
@@ -126,6 +136,8 @@ class Step:
     samples: LevelBlock
     length_m: float = float("nan")
     heading_rad: float = float("nan")
+    gait: Gait = Gait.UNKNOWN
+    gait_probability: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))
 
 
 @dataclass(frozen=True)
