@@ -13,6 +13,7 @@ from pdr_est.io import (
     phyphox,
     plain_csv,
     sensor_logger,
+    sisfall,
     weallwalk,
 )
 from pdr_est.io.recording import Recording
@@ -41,6 +42,7 @@ FORMATS: tuple[Format, ...] = (
     weallwalk,
     oxiod,
     oxford_steps,
+    sisfall,
     plain_csv,
 )
 

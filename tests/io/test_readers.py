@@ -108,6 +108,7 @@ def test_every_real_recording_is_recognised(shared_data: Path) -> None:
         "weallwalk/sensor/*.csv*": "WeAllWalk",
         "motionsense/*_*/sub_*.csv*": "MotionSense",
         "oxford-steps/*/accelerometer.csv*": "Oxford steps",
+        "sisfall/*/D*.txt*": "SisFall",
         "known-distance/?.csv*": "plain CSV",
     }
     for pattern, name in expected.items():
