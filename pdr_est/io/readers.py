@@ -14,6 +14,7 @@ from pdr_est.io import (
     plain_csv,
     sensor_logger,
     sisfall,
+    stride_length,
     weallwalk,
 )
 from pdr_est.io.recording import Recording
@@ -40,6 +41,7 @@ FORMATS: tuple[Format, ...] = (
     phyphox,
     motionsense,
     weallwalk,
+    stride_length,
     oxiod,
     oxford_steps,
     sisfall,

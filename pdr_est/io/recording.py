@@ -74,6 +74,15 @@ class TrueSteps:
 
 
 @dataclass(frozen=True)
+class TrueStrides:
+    """Measured strides (two steps each) in order of time. start_s, end_s: (n,); length_m: (n,)."""
+
+    start_s: Array
+    end_s: Array
+    length_m: Array
+
+
+@dataclass(frozen=True)
 class TrueTurns:
     """Annotated turns. time_s: (n,), angle_rad: (n,) counter-clockwise positive."""
 
@@ -110,6 +119,7 @@ class Truth:
     distance_m: float | None = None
     activity: str | None = None
     modes: TrueModes | None = None
+    strides: TrueStrides | None = None
 
 
 @dataclass(frozen=True)

@@ -109,6 +109,7 @@ def test_every_real_recording_is_recognised(shared_data: Path) -> None:
         "motionsense/*_*/sub_*.csv*": "MotionSense",
         "oxford-steps/*/accelerometer.csv*": "Oxford steps",
         "sisfall/*/D*.txt*": "SisFall",
+        "stride-length/*.txt*": "stride length",
         "known-distance/?.csv*": "plain CSV",
     }
     for pattern, name in expected.items():
