@@ -52,9 +52,7 @@ def read(source: Source) -> Recording:
         devices=(_device(table, time_s),),
         truth=Truth(strides=strides),
         epoch_s=start_s,
-        notes=(
-            f"true strides: {len(strides.length_m)}, and {left_out} left out because their beginning is not told",
-        ),
+        notes=(f"true strides: {len(strides.length_m)}, {left_out} more left out: their beginning is not told",),
     )
 
 
