@@ -127,7 +127,8 @@ class Step:
     start_s: when the movement of this step began. frequency_hz: reciprocal of the time since the previous
     step, 0 for the first step after a standstill (MMPDR section III-C). samples: from start to the event.
     heading_rad: mean device yaw over the step, arbitrary zero per segment.
-    gait_probability: of walking, jogging and running; NaN where gait is UNKNOWN.
+    gait_probability: of walking, jogging and running; NaN where gait is UNKNOWN. sigma_length_m: of the length,
+    independent from step to step.
     """
 
     event: StepEvent
@@ -138,6 +139,7 @@ class Step:
     heading_rad: float = float("nan")
     gait: Gait = Gait.UNKNOWN
     gait_probability: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))
+    sigma_length_m: float = float("nan")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from pdr_est.config import Config, config_from_dict, config_to_dict, load_config
 from pdr_est.estimators import ESTIMATORS
+from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -31,22 +32,25 @@ def detector_option(command: Command) -> Command:
 
 
 def walker_options(command: Command) -> Command:
-    """What is known of the walker and the start, and which estimator, detector and attitude."""
+    """What is known of the walker and the start, and which estimator, detector, length model and attitude."""
     for option in reversed(
         (
             click.option("--estimator", type=click.Choice(ESTIMATORS), help="Default: factor-graph."),
             detector_option,
             click.option(
+                "--length-model", type=click.Choice(LENGTH_MODELS), help="Of the step length. Default: auto."
+            ),
+            click.option(
                 "--height",
                 "height_m",
                 type=float,
                 metavar="M",
-                help="Height of the walker in metres, for the step-length models static and mmpdr.",
+                help="Height of the walker in metres, for the step-length models auto, static and mmpdr.",
             ),
             click.option(
                 "--gender",
                 type=click.Choice(("male", "female"), case_sensitive=False),
-                help="Of the walker, for the same models.",
+                help="Of the walker, for static and mmpdr.",
             ),
             click.option("--start", type=(float, float), metavar="X Y", help="Start in the map frame, metres."),
             click.option(
@@ -72,6 +76,7 @@ def resolve_config(
     *,
     estimator: str | None = None,
     detector: str | None = None,
+    length_model: str | None = None,
     height_m: float | None = None,
     gender: str | None = None,
     start: tuple[float, float] | None = None,
@@ -88,6 +93,7 @@ def resolve_config(
     for option, section, values in (
         ("--estimator", "estimator", {"name": estimator}),
         ("--detector", "steps", {"detector": detector}),
+        ("--length-model", "step_length", {"model": length_model}),
         ("--height", "walker", {"height_m": height_m}),
         ("--gender", "walker", {"gender": gender}),
         ("--start", "start", {"x_m": x_m, "y_m": y_m}),

@@ -13,7 +13,7 @@ import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import PROGRAM, RESULT_FILES, interrupt, refused, run, smoothed
 
-from pdr_est.front_end.step_length import MMPDR_K
+from pdr_est.front_end.step_length.equations import MMPDR_K
 from pdr_est.track import COLUMNS
 
 SUMMARY_KEYS = {"inputs", "config", "versions", "counts", "distance_m", "gaps", "timings_s", "warnings", "estimator"}

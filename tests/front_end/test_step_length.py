@@ -5,16 +5,14 @@ import pytest
 from signals import RATE_HZ, step
 
 from pdr_est.frames import Array
-from pdr_est.front_end.step_length import (
-    StepLength,
-    StepLengthParams,
-    WalkerParams,
+from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
+from pdr_est.front_end.step_length.equations import (
     mmpdr_length_m,
-    running_mean,
     scarlett_length_m,
     static_length_m,
     weinberg_length_m,
 )
+from pdr_est.front_end.step_length.stage import running_mean
 from pdr_est.records import Step
 
 MAN, WOMAN = WalkerParams(height_m=1.80, gender="male"), WalkerParams(height_m=1.60, gender="female")
@@ -32,8 +30,8 @@ def with_vertical(vertical_mps2: Array, frequency_hz: float = 1.96) -> Step:
 
 
 def test_equation_2_is_a_share_of_the_height() -> None:
-    assert static_length_m(MAN) == pytest.approx(0.747)
-    assert static_length_m(WOMAN) == pytest.approx(0.6608)
+    assert static_length_m(1.80, "male") == pytest.approx(0.747)
+    assert static_length_m(1.60, "female") == pytest.approx(0.6608)
 
 
 def test_equation_3_is_the_fourth_root_of_the_range() -> None:
@@ -46,13 +44,13 @@ def test_equation_4_is_the_cube_root_of_the_mean_magnitude() -> None:
 
 
 def test_equation_9_is_the_root_of_the_frequency() -> None:
-    assert mmpdr_length_m(MAN, 1.96) == pytest.approx(0.3139 * 1.80 * 1.4)
-    assert mmpdr_length_m(WOMAN, 2.25) == pytest.approx(0.2975 * 1.60 * 1.5)
+    assert mmpdr_length_m(1.80, "male", 1.96) == pytest.approx(0.3139 * 1.80 * 1.4)
+    assert mmpdr_length_m(1.60, "female", 2.25) == pytest.approx(0.2975 * 1.60 * 1.5)
 
 
 def test_a_first_step_takes_equation_2() -> None:
-    assert mmpdr_length_m(MAN, 0.0) == pytest.approx(0.747)
-    assert mmpdr_length_m(WOMAN, 0.0) == pytest.approx(0.6608)
+    assert mmpdr_length_m(1.80, "male", 0.0) == pytest.approx(0.747)
+    assert mmpdr_length_m(1.60, "female", 0.0) == pytest.approx(0.6608)
 
 
 def test_the_running_mean_by_hand() -> None:

@@ -1,0 +1,15 @@
+"""Length of each step: published equations, our own model, a person's constants, and how sure the length is."""
+
+from pdr_est.front_end.step_length.auto import RunningParams
+from pdr_est.front_end.step_length.stage import LENGTH_MODELS, LengthModel, StepLength, StepLengthParams
+from pdr_est.front_end.step_length.walker import Gender, WalkerParams
+
+__all__ = [
+    "LENGTH_MODELS",
+    "Gender",
+    "LengthModel",
+    "RunningParams",
+    "StepLength",
+    "StepLengthParams",
+    "WalkerParams",
+]

@@ -1,0 +1,43 @@
+"""Our own length model: walking by the range of the smoothed acceleration, running by its intensity and the cadence.
+
+The two are blended by the probability of running (jogging counts as running) in `stage.py`.
+"""
+
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Le
+
+from pdr_est.frames import Array
+from pdr_est.front_end.step_length.equations import range_power_length_m
+from pdr_est.front_end.step_length.pace import Pace
+from pdr_est.params import Positive, params
+
+_HEIGHT_M = 1.73  # of whom the constants are
+_LEAST_RANGE_MPS2, _MOST_RANGE_MPS2 = 9.0, 60.0  # of a runner's acceleration; beyond lie knocks on the phone
+
+
+@params
+class RunningParams:
+    """length_m: of a running step of someone 1.73 m tall at reference_cadence_hz and reference_range_mps2; it grows
+    with these powers of the two. No recording of runners with known speed was at hand: the constants are set so
+    that a slow jog makes about 2 m/s and 4 m/s are reached, they are not fitted."""
+
+    length_m: Positive = 1.0
+    reference_cadence_hz: Positive = 2.6
+    reference_range_mps2: Positive = 27.0
+    cadence_exponent: Annotated[float, Ge(0.0), Le(2.0)] = 0.5
+    range_exponent: Annotated[float, Gt(0.0), Le(2.0)] = 0.6
+
+
+def walking_length_m(k: float, exponent: float, height_m: float, vertical_mps2: Array) -> float:
+    """`range-power` for someone of that height, from the smoothed vertical acceleration (n,) of one step."""
+    return range_power_length_m(k, exponent, vertical_mps2) * height_m / _HEIGHT_M
+
+
+def running_length_m(parameters: RunningParams, height_m: float, pace: Pace) -> float:
+    """Length of a running step of someone of that height."""
+    p = parameters
+    intensity_mps2 = min(max(pace.range_mps2, _LEAST_RANGE_MPS2), _MOST_RANGE_MPS2)
+    by_cadence = (pace.cadence_hz / p.reference_cadence_hz) ** p.cadence_exponent
+    by_intensity = (intensity_mps2 / p.reference_range_mps2) ** p.range_exponent
+    return p.length_m * height_m / _HEIGHT_M * float(by_cadence * by_intensity)

@@ -1,0 +1,60 @@
+"""Length of a step by published equations, as pure functions: MMPDR eqs. 2, 3, 4 and 9, UPTIME Table II, Kim et al.
+
+Accelerations are (n,) samples of one step in m/s^2, without gravity; lengths are in metres.
+"""
+
+from types import MappingProxyType
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.front_end.step_length.walker import Gender
+from pdr_est.records import Gait
+
+STATIC_K1 = MappingProxyType({"male": 0.415, "female": 0.413})  # MMPDR eq. 2
+MMPDR_K = MappingProxyType({"male": 0.3139, "female": 0.2975})  # MMPDR eq. 9
+GAIT_LENGTH_M = MappingProxyType(  # UPTIME Table II: means of 100 steps, whatever the height and gender
+    {Gait.UNKNOWN: 0.74, Gait.WALKING: 0.74, Gait.JOGGING: 1.01, Gait.RUNNING: 1.70}
+)
+KIM_K = 0.98  # Kim et al. (2004); m / (m/s^2)^(1/3)
+
+
+def static_length_m(height_m: float, gender: Gender) -> float:
+    """MMPDR eq. 2: a constant share of the height."""
+    return STATIC_K1[gender] * height_m
+
+
+def weinberg_length_m(k2: float, vertical_mps2: Array) -> float:
+    """MMPDR eq. 3 (also Robust DR eq. 3): fourth root of the range of the vertical acceleration."""
+    return range_power_length_m(k2, 0.25, vertical_mps2)
+
+
+def range_power_length_m(k: float, exponent: float, vertical_mps2: Array) -> float:
+    """MMPDR eq. 3 with a free exponent."""
+    return float(k * np.ptp(vertical_mps2) ** exponent)
+
+
+def scarlett_length_m(k3: float, vertical_mps2: Array) -> float:
+    """MMPDR eq. 4: cube root of the mean absolute vertical acceleration."""
+    return float(k3 * np.mean(np.abs(vertical_mps2)) ** (1.0 / 3.0))
+
+
+def mmpdr_length_m(height_m: float, gender: Gender, frequency_hz: float) -> float:
+    """MMPDR eq. 9; a first step, whose frequency is 0, takes eq. 2 (section III-D)."""
+    if frequency_hz == 0.0:
+        return static_length_m(height_m, gender)
+    return float(MMPDR_K[gender] * height_m * np.sqrt(frequency_hz))
+
+
+def gait_table_length_m(gait: Gait) -> float:
+    """UPTIME Table II: the mean step of a gait; an unknown one counts as walking."""
+    return GAIT_LENGTH_M[gait]
+
+
+def kim_length_m(k: float, vertical_mps2: Array) -> float:
+    """Kim et al. (2004), which PSP section III refers to: cube root of the mean absolute acceleration.
+
+    PSP gives neither the equation nor the axis; taken is the vertical acceleration in m/s^2, unsmoothed. The
+    published constant is not one for phones: on held ones it gives 1.3 to 2 times the true length.
+    """
+    return scarlett_length_m(k, vertical_mps2)

@@ -1,0 +1,133 @@
+"""The stage that gives each step its length and the standard deviation of it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Annotated, Literal, get_args
+
+import numpy as np
+from annotated_types import Gt, Le
+
+from pdr_est.frames import Array
+from pdr_est.front_end.step_length import equations
+from pdr_est.front_end.step_length.auto import RunningParams, running_length_m, walking_length_m
+from pdr_est.front_end.step_length.pace import Pace, PaceMeter
+from pdr_est.front_end.step_length.walker import WalkerParams
+from pdr_est.params import Positive, params
+from pdr_est.records import Step
+
+LengthModel = Literal["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
+LENGTH_MODELS: tuple[LengthModel, ...] = get_args(LengthModel)
+
+_LEAST_MEANS = 4  # means of the sliding window within a step, for a range
+
+
+@params
+class StepLengthParams:
+    """model: which one. weinberg_k2 and scarlett_k3: the tuned constants of MMPDR's eqs. 3 and 4, for which the
+    paper gives no value; in m / (m/s^2)^(1/4) and m / (m/s^2)^(1/3), as kim_k. range_power_k, range_power_exponent:
+    of `range-power` and of walking in `auto`. smoothing_s: running mean before the extremes and the mean are taken.
+    running: steps of runners in `auto`. sigma_walking, sigma_running: standard deviation of a step over its length,
+    independent from step to step."""
+
+    model: LengthModel = "range-power"
+    weinberg_k2: Positive = 0.48
+    scarlett_k3: Positive = 0.60
+    kim_k: Positive = equations.KIM_K
+    range_power_k: Positive = 0.55
+    range_power_exponent: Annotated[float, Gt(0.0), Le(1.0)] = 0.15
+    smoothing_s: Positive = 0.24
+    running: RunningParams = RunningParams()
+    sigma_walking: Positive = 0.07
+    sigma_running: Positive = 0.20
+
+
+class StepLength:
+    """Stage Step -> Step that fills in the length and its standard deviation.
+
+    Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier; a step
+    whose gait is unknown is a walking one. In all models but `auto` the two have the same length.
+    """
+
+    latency_s = 0.0
+
+    def __init__(self, rate_hz: float, walker: WalkerParams, parameters: StepLengthParams) -> None:
+        self._walker = walker
+        self._parameters = parameters
+        self._window = max(round(parameters.smoothing_s * rate_hz), 1)
+        self._pace = PaceMeter()
+
+    def push(self, item: Step, /) -> list[Step]:
+        pace = self._pace.at(item)
+        walking_m, running_m = self._lengths_m(item, pace)
+        mean_m, sigma_m = mixture(
+            probability_of_running(item),
+            (walking_m, self._parameters.sigma_walking * walking_m),
+            (running_m, self._parameters.sigma_running * running_m),
+        )
+        factor = self._walker.personal_factor(pace.range_mps2)
+        return [replace(item, length_m=factor * mean_m, sigma_length_m=factor * sigma_m)]
+
+    def flush(self) -> list[Step]:
+        return []
+
+    def _lengths_m(self, step: Step, pace: Pace) -> tuple[float, float]:
+        """Of this step if it is a walking and if it is a running one."""
+        p, height_m = self._parameters, self._walker.height_m
+        if p.model != "auto":
+            length_m = self._published_length_m(step)
+            return length_m, length_m
+        walking_m = self._by_acceleration(
+            step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
+        )
+        return pace.steps * walking_m, pace.steps * running_length_m(p.running, height_m, pace)
+
+    def _published_length_m(self, step: Step) -> float:
+        p, walker = self._parameters, self._walker
+        match p.model:
+            case "mmpdr":
+                return equations.mmpdr_length_m(walker.height_m, walker.gender, step.frequency_hz)
+            case "gait-table":
+                return equations.gait_table_length_m(step.gait)
+            case "kim":
+                return equations.kim_length_m(p.kim_k, step.samples.vertical_mps2)
+            case "weinberg":
+                return self._by_acceleration(step, partial(equations.weinberg_length_m, p.weinberg_k2))
+            case "scarlett":
+                return self._by_acceleration(step, partial(equations.scarlett_length_m, p.scarlett_k3))
+            case "range-power":
+                model = partial(equations.range_power_length_m, p.range_power_k, p.range_power_exponent)
+                return self._by_acceleration(step, model)
+        return self._static_length_m()
+
+    def _static_length_m(self) -> float:
+        return equations.static_length_m(self._walker.height_m, self._walker.gender)
+
+    def _by_acceleration(self, step: Step, model: Callable[[Array], float]) -> float:
+        """A model on the smoothed vertical acceleration; a step cut too short to show its range takes eq. 2."""
+        if len(step.samples) < self._window + _LEAST_MEANS:
+            return self._static_length_m()
+        return model(running_mean(step.samples.vertical_mps2, self._window))
+
+
+def probability_of_running(step: Step) -> float:
+    """Of jogging or running; 0 where the gait is unknown."""
+    _, jogging, running = step.gait_probability
+    return 0.0 if math.isnan(jogging + running) else min(jogging + running, 1.0)
+
+
+def mixture(share: float, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float]:
+    """Mean and standard deviation of what is `second` with the probability `share` and else `first`, both given by
+    mean and standard deviation. In between, the doubt which of them it is counts as well."""
+    mean = (1.0 - share) * first[0] + share * second[0]
+    doubt = share * (1.0 - share) * (second[0] - first[0]) ** 2
+    return mean, math.sqrt((1.0 - share) * first[1] ** 2 + share * second[1] ** 2 + doubt)
+
+
+def running_mean(samples: Array, window: int) -> Array:
+    """Mean over `window` consecutive samples; shorter signals give their overall mean."""
+    width = min(window, len(samples))
+    total = np.cumsum(np.concatenate([[0.0], samples]))
+    mean: Array = (total[width:] - total[:-width]) / width
+    return mean
