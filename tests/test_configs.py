@@ -40,8 +40,8 @@ def test_round_trip() -> None:
 
 def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
     path = tmp_path / "typo.yaml"
-    path.write_text("odometry:\n  sigma_lenght_fraction: 0.1\n", encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"typo.yaml.*odometry.sigma_lenght_fraction.*sigma_length_fraction"):
+    path.write_text("odometry:\n  sigma_lenght_drift: 0.1\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"typo.yaml.*odometry.sigma_lenght_drift.*sigma_length_drift"):
         load_config(path)
 
 

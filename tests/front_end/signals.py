@@ -105,11 +105,20 @@ def step(
     segment: int = 0,
     frequency_hz: float = 0.0,
     vertical_mps2: Array | None = None,
+    sigma_length_m: float = 0.0,
 ) -> Step:
     """A step with made-up samples."""
     event = StepEvent(round(time_s * RATE_HZ), time_s, segment, CarryingMode.HOLDING)
     samples = level(np.zeros(30) if vertical_mps2 is None else vertical_mps2, segment, yaw_rad=heading_rad)
-    return Step(event, start_s, frequency_hz, samples, length_m, heading_rad)
+    return Step(
+        event,
+        start_s,
+        frequency_hz,
+        samples,
+        length_m=length_m,
+        heading_rad=heading_rad,
+        sigma_length_m=sigma_length_m,
+    )
 
 
 def still_force(up: Array, count: int) -> Array:

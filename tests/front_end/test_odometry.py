@@ -10,7 +10,7 @@ from pdr_est.front_end.odometry import Odometry, OdometryParams, step_covariance
 from pdr_est.records import CarryingMode, Step, StepOdometry
 
 PARAMETERS = OdometryParams(
-    sigma_length_fraction=0.1,
+    sigma_length_drift=0.1,
     sigma_direction_rad=0.2,
     sigma_heading_rad_per_sqrt_s=0.05,
     gap_speed_mps=1.5,
@@ -48,6 +48,11 @@ def test_the_first_step_changes_no_heading_and_takes_its_own_duration() -> None:
     assert (first.device, first.time_s, first.start_s, first.length_m) == ("left", 1.0, 0.6, 0.5)
     assert (first.heading_change_rad, first.mode, first.observed) == (0.0, CarryingMode.HOLDING, True)
     np.testing.assert_allclose(first.covariance, step_covariance(0.5, 0.05, 0.2, 0.05 * np.sqrt(0.4)))
+
+
+def test_the_length_models_sigma_and_the_drift_add_up() -> None:
+    (first,) = odometry_of(step(1.0, 0.6, length_m=0.5, sigma_length_m=0.12))
+    np.testing.assert_allclose(first.covariance, step_covariance(0.5, 0.13, 0.2, 0.05 * np.sqrt(0.4)))
 
 
 def test_the_heading_error_grows_with_the_time_since_the_last_step() -> None:

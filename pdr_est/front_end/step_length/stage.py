@@ -31,7 +31,7 @@ class StepLengthParams:
     running: steps of runners in `auto`. sigma_walking, sigma_running: standard deviation of a step over its length,
     independent from step to step."""
 
-    model: LengthModel = "range-power"
+    model: LengthModel = "auto"
     weinberg_k2: Positive = 0.48
     scarlett_k3: Positive = 0.60
     kim_k: Positive = equations.KIM_K
@@ -81,7 +81,7 @@ class StepLength:
         walking_m = self._by_acceleration(
             step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
         )
-        return pace.steps * walking_m, pace.steps * running_length_m(p.running, height_m, pace)
+        return walking_m, running_length_m(p.running, height_m, pace)
 
     def _published_length_m(self, step: Step) -> float:
         p, walker = self._parameters, self._walker
