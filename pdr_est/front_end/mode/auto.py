@@ -56,9 +56,9 @@ class AutoMode:
         p = self._parameters = parameters
         self._rate_hz = rate_hz
         self._hop = max(round(p.hop_s * rate_hz), 2)
-        self.latency_s = (p.half_hops + p.spoilt_hops + p.ahead_hops) * self._hop / rate_hz
+        self.latency_s = ((p.half_hops + p.spoilt_hops + p.ahead_hops) * self._hop + 1) / rate_hz
         self._moving = float(1.0 - np.cos(np.deg2rad(p.moving_deg)))
-        self._pending: LevelBlock | None = None
+        self._pending: list[LevelBlock] = []
         self._chain = Chain(len(MODES))
         self._end_s = 0.0
         self._begin()
@@ -67,27 +67,26 @@ class AutoMode:
         if not len(item):
             return []
         done: list[LevelBlock] = []
-        if self._pending is not None and item.segment != self._pending.segment:
+        if self._pending and item.segment != self._pending[0].segment:
             done = self.flush()
             gap_s = max(float(item.time_s[0]) - self._end_s, 0.0)
             self._chain.fade(float(np.exp(-gap_s / self._parameters.memory_s)))
         self._end_s = float(item.time_s[-1])
-        self._pending = item if self._pending is None else join([self._pending, item])
-        if self._sum_hops():
-            sure = len(self._turned) - self._parameters.spoilt_hops - self._parameters.ahead_hops - self._past
-            done += self._emit(max(sure, 0) * self._hop)
-        return done
+        self._pending.append(item)
+        self._count += len(item)
+        self._sum_hops()
+        return done + self._emit(self._sure_hops() * self._hop)
 
     def flush(self) -> list[LevelBlock]:
         """Label what is left of the segment; nothing follows it that could say more."""
-        if self._pending is None:
+        if not self._pending:
             return []
-        p, rest = self._parameters, len(self._pending)
+        p, rest = self._parameters, self._count
         needed = self._past + -(-rest // self._hop) + p.spoilt_hops + p.ahead_hops
         missing = max(needed - len(self._turned), 0)
         self._append(np.zeros(missing), np.ones((missing, len(MODES))))
         done = self._emit(rest)
-        self._pending = None
+        self._pending.clear()
         self._begin()
         return done
 
@@ -95,7 +94,8 @@ class AutoMode:
         """A new segment. A row a hop: how far gravity turns at its beginning, and what the window about that time
         tells; there is none about the first hops."""
         half = self._parameters.half_hops
-        self._summed = 0  # samples of those pending
+        self._count = 0  # samples pending
+        self._summed = 0  # of them, those in hops that have been judged
         self._means: Array = np.empty((0, COLUMNS))
         self._past = 0  # rows kept for their neighbours' sake, of hops already labelled
         self._turned: Array = np.zeros(half)
@@ -105,26 +105,29 @@ class AutoMode:
         self._turned = np.concatenate([self._turned, turned])
         self._likelihood = np.concatenate([self._likelihood, likelihood])
 
-    def _sum_hops(self) -> bool:
-        """Judge the windows that further complete hops make; whether there are any. Hops lie on the sample index
-        of the segment."""
-        if self._pending is None:
-            return False
-        count = (len(self._pending) - self._summed) // self._hop
+    def _sum_hops(self) -> None:
+        """Judge the windows that further complete hops make. Hops lie on the sample index of the segment."""
+        count = (self._count - self._summed) // self._hop
         if not count:
-            return False
-        fresh = part(self._pending, self._summed, self._summed + count * self._hop)
+            return
+        self._pending = [join(self._pending)]
+        fresh = part(self._pending[0], self._summed, self._summed + count * self._hop)
         self._summed += count * self._hop
         self._means = np.concatenate([self._means, hop_means(fresh, self._hop, self._rate_hz, self._means[-1:])])
         half = self._parameters.half_hops
         windows = len(self._means) - 2 * half + 1
         if windows < 1:
-            return False
+            return
         halves = _running_means(self._means, half)
         early, late = halves[:windows], halves[half : half + windows]
         self._append(turned(early, late), likelihoods(early, late, self._parameters.walking_mps2))
         self._means = self._means[windows:]
-        return True
+
+    def _sure_hops(self) -> int:
+        """How many hops can be labelled. The latest row counts from the first sample after its window on, so that
+        with single samples no push has to judge and to label as well."""
+        known = len(self._turned) - (self._count == self._summed)
+        return max(known - self._parameters.spoilt_hops - self._parameters.ahead_hops - self._past, 0)
 
     def _label(self, count: int) -> tuple[NDArray[np.int8], Array]:
         """Mode and probability of the next `count` hops."""
@@ -146,17 +149,20 @@ class AutoMode:
 
     def _emit(self, samples: int) -> list[LevelBlock]:
         """The first pending samples with their labels."""
-        if self._pending is None or not samples:
+        if not samples:
             return []
         mode, probability = self._label(-(-samples // self._hop))
-        ready = replace(
-            part(self._pending, 0, samples),
-            mode=np.repeat(mode, self._hop)[:samples],
-            mode_probability=np.repeat(probability, self._hop)[:samples],
-        )
-        self._pending = part(self._pending, samples, len(self._pending))
+        pending = join(self._pending)
+        self._pending = [part(pending, samples, self._count)]
+        self._count -= samples
         self._summed -= samples
-        return [ready]
+        return [
+            replace(
+                part(pending, 0, samples),
+                mode=np.repeat(mode, self._hop)[:samples],
+                mode_probability=np.repeat(probability, self._hop)[:samples],
+            )
+        ]
 
 
 def _running_means(values: Array, width: int) -> Array:
@@ -170,8 +176,4 @@ def _running_means(values: Array, width: int) -> Array:
 
 def _near(flags: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     """Whether a flag is set within `reach` places."""
-    near = flags.copy()
-    for step in range(1, reach + 1):
-        near[step:] |= flags[:-step]
-        near[:-step] |= flags[step:]
-    return near
+    return np.convolve(flags, np.ones(2 * reach + 1, dtype=np.intp), "same") > 0

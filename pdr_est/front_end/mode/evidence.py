@@ -30,10 +30,11 @@ _SCREEN_SPREAD = 0.1
 _SCREEN_WEIGHT = np.array([0.95, 0.998, 0.98])  # how sure it is that no phone in the other modes shows its screen
 _LEAST_LIKELIHOOD = 1e-3  # no single window is proof
 _LEAST_DENSITY = 1e-30  # for damaged samples of which no mode knows anything
-_UP, _RATE, _ACCELERATION, _VERTICAL, _VERTICAL_SQUARED, _JOLT, _TORQUE, _SPIN = (
-    slice(0, 3), slice(3, 6), slice(6, 9), 9, 10, 11, slice(12, 15), 15
+_VECTORS, _UP, _RATE, _ACCELERATION, _VERTICAL, _VERTICAL_SQUARED, _JOLT, _TORQUE, _SPIN = (
+    slice(0, 9), slice(0, 3), slice(3, 6), slice(6, 9), 9, 10, 11, slice(12, 15), 15
 )  # fmt: skip
 COLUMNS = 16
+_YZX, _ZXY = [1, 2, 0], [2, 0, 1]  # orders of axes, for a vector product
 
 
 def hop_means(block: LevelBlock, hop: int, rate_hz: float, before: Array) -> Array:
@@ -41,15 +42,11 @@ def hop_means(block: LevelBlock, hop: int, rate_hz: float, before: Array) -> Arr
 
     n is a multiple of hop, which is at least 2. before: (1, COLUMNS) the row before, or none (0, COLUMNS).
     """
-    count, v = len(block) // hop, block.vertical_mps2
+    count = len(block) // hop
     means = np.empty((count, COLUMNS))
-    for columns, vectors in (
-        (_UP, block.up),
-        (_RATE, block.rotation_rate_radps),
-        (_ACCELERATION, block.acceleration_mps2),
-    ):
-        means[:, columns] = vectors.reshape(count, hop, 3).sum(axis=1) / hop
-    vertical = v.reshape(count, hop)
+    vectors = np.concatenate([block.up, block.rotation_rate_radps, block.acceleration_mps2], axis=1)
+    means[:, _VECTORS] = vectors.reshape(count, hop, 9).sum(axis=1) / hop
+    vertical = block.vertical_mps2.reshape(count, hop)
     lag = min(max(round(_JOLT_LAG_S * rate_hz), 1), hop - 1)
     change = (vertical[:, lag:] - vertical[:, :-lag]) * (rate_hz / lag)
     means[:, _VERTICAL] = vertical.sum(axis=1) / hop
@@ -58,10 +55,8 @@ def hop_means(block: LevelBlock, hop: int, rate_hz: float, before: Array) -> Arr
     rows = np.concatenate([before if len(before) else means[:1], means])
     spin = (rows[1:, _RATE] - rows[:-1, _RATE]) * (rate_hz / hop)
     acceleration = 0.5 * (rows[1:, _ACCELERATION] + rows[:-1, _ACCELERATION])
-    (sx, sy, sz), (ax, ay, az) = spin.T, acceleration.T
-    for column, product in enumerate((sy * az - sz * ay, sz * ax - sx * az, sx * ay - sy * ax), _TORQUE.start):
-        means[:, column] = product
-    means[:, _SPIN] = sx * sx + sy * sy + sz * sz
+    means[:, _TORQUE] = spin[:, _YZX] * acceleration[:, _ZXY] - spin[:, _ZXY] * acceleration[:, _YZX]
+    means[:, _SPIN] = (spin * spin).sum(axis=1)
     return means
 
 
