@@ -166,13 +166,6 @@ def test_positive_peaks_count_except_in_swing_where_both_do() -> None:
     assert times_in(SWING, {"peak_sign": -1}, y=wave) == both
 
 
-def test_a_second_crest_on_the_same_swing_is_no_step() -> None:
-    wave = crest(0.6) + crest(1.1) - crest(1.6) - crest(2.1)
-    assert times_in(SWING, y=wave) == pytest.approx([0.6, 1.6], abs=0.006)
-    every = times_in(SWING, {"swing_alternates": False}, y=wave)
-    assert every == pytest.approx([0.6, 1.1, 1.6, 2.1], abs=0.006)
-
-
 @pytest.mark.parametrize(
     ("mode", "axis", "window_s"), [(HOLDING, "z", 0.12), (SWING, "y", 0.12), (POCKET, "z", 0.06)]
 )
@@ -180,7 +173,7 @@ def test_the_window_of_criterion_2_in_each_mode(mode: CarryingMode, axis: str, w
     """The trough lies 15 ms within the window, at its end, and 10 ms after it."""
     for after_s, valid in ((window_s - 0.015, False), (window_s, False), (window_s + 0.01, True)):
         wave = zigzag((0.8, 0.0), (1.0, 4.0), (1.0 + after_s, 2.5), (1.4, 5.0), (1.8, 0.0))
-        expected = [1.0, 1.4] if valid and mode is not SWING else [1.0] if valid else [1.4]
+        expected = [1.0, 1.4] if valid else [1.4]
         assert times_in(mode, **{axis: wave}) == pytest.approx(expected, abs=0.006)
 
 

@@ -10,10 +10,6 @@ no peak of the opposite sign follows at once (criterion 2, false peak rejection)
 steps of a transition are compensated when it is over (eq. 8, `transition.py`), from the frequency of the steps before
 it, which is 0 after two seconds without a step.
 
-In SWING the peaks alternate, as those of a pendulum do: a second crest on the same swing is no step. The paper does
-not say so, and its criteria alone let the second crest pass, which comes 0.3 s after the first (`swing_alternates:
-false`).
-
 Readings of the paper. (1) Any peak of the opposite sign within the window rejects, however small, as the small ones
 are those to be rejected. (2) A peak belongs to the mode of its own sample and is looked for on that mode's axis,
 even if its neighbours or its window lie in another mode. (3) Criterion 1 counts from the last detected step, in
@@ -51,16 +47,14 @@ class MmpdrStepParams:
     """holding_threshold_mps2, swing_threshold_mps2, pocket_threshold_mps2: least height of a peak in each mode.
     cutoff_hz: low-pass. min_interval_s: criterion 1 (5 steps a second). false_peak_window_s: criterion 2, no
     opposite peak within this time after a valid one; pocket_false_peak_window_s: the same in POCKET. peak_sign: 1
-    takes peaks of acceleration upwards and along +z, -1 the opposite ones. swing_alternates: in SWING, where peaks of
-    both signs count, a peak must have the other sign than the one before. standstill_s: after this long without a
+    takes peaks of acceleration upwards and along +z, -1 the opposite ones. standstill_s: after this long without a
     step the frequency is 0. transition_s: longest transition that is compensated at once."""
 
     holding_threshold_mps2: NonNegative = 0.5
-    swing_threshold_mps2: NonNegative = 0.5
+    swing_threshold_mps2: NonNegative = 1.0
     pocket_threshold_mps2: NonNegative = 0.2 * STANDARD_GRAVITY_MPS2
     cutoff_hz: Positive = 5.0
     min_interval_s: NonNegative = 0.2
-    swing_alternates: bool = True
     false_peak_window_s: NonNegative = 0.12
     pocket_false_peak_window_s: NonNegative = 0.06
     peak_sign: Literal[-1, 1] = -1
@@ -118,7 +112,6 @@ class MmpdrSteps:
         self._begin_walk()
 
     def _begin_walk(self) -> None:
-        self._last_swing: bool | None = None  # of the latest step, if it was one of a swinging phone
         self._criterion_1 = Refractory(self._parameters.min_interval_s)
         self._frequency = StepFrequency(self._parameters.standstill_s)
         self._transition = Transition(self._rate_hz, self._parameters.transition_s, self._frequency)
@@ -148,17 +141,11 @@ class MmpdrSteps:
         events = []
         for i in peaks:
             event = self._samples.event(i)
-            swing = self._swing_at(i) if event.mode is CarryingMode.SWING else None
-            if (swing is not None and swing == self._last_swing) or not self._criterion_1.accepts(event.time_s):
+            if not self._criterion_1.accepts(event.time_s):
                 continue
-            self._last_swing = swing
             self._frequency.step(event.time_s)
             events.append(event)
         return events
-
-    def _swing_at(self, i: int) -> bool | None:
-        """Whether the peak of a swinging phone is positive; None where that does not matter."""
-        return bool(self._samples.signal[i, _SWING] > 0.0) if self._parameters.swing_alternates else None
 
 
 class _AxisSamples(UndecidedSamples):
@@ -174,7 +161,7 @@ class _AxisSamples(UndecidedSamples):
         return self._mode
 
 
-_COLUMNS, _SWING = 4, 1
+_COLUMNS = 4
 
 
 def _accelerations(block: LevelBlock) -> Array:
