@@ -12,9 +12,9 @@ class OdometryParams:
     """Standard deviations of a step, and of what is not observed.
 
     sigma_length_drift: of a step over its length, on top of what its length model tells, for a scale that drifts
-    slowly through the walk. Estimators take the errors of steps for independent; those of neighbours are alike, so that
-    sums grow faster. On the loops of OxIOD the length of 3 steps is as uncertain as with 0.14 a step, of 20 with
-    0.17, of 40 with 0.19; the default is right for 20.
+    slowly through the walk. Estimators take the errors of steps for independent; those of neighbours are alike, so
+    that sums grow faster. On the loops of OxIOD the length of 3 steps is as uncertain as with 0.14 a step, of 20
+    with 0.17, of 40 with 0.19; the default is right for 20.
     sigma_direction_rad: of the direction of a single step around the heading (it does not accumulate).
     sigma_heading_rad_per_sqrt_s: random walk of the heading error, for gyroscope drift and for the phone turning in
     the hand. sigma_length_scale: of the walker's own step length over the model's, constant through a walk.

@@ -11,6 +11,7 @@ from cli_recordings import Walk, ilc20_log
 from cli_runs import PROGRAM, interrupt, refused, run
 
 ESTIMATORS = ["dead-reckoning", "ekf", "factor-graph"]
+LENGTH_MODELS = ["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
 DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
 METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
@@ -94,6 +95,16 @@ def test_one_detector(data: Path, tmp_path: Path) -> None:
     assert (document["detector"], document["estimator"]) == ("zero-crossing", "factor-graph")
     assert [row["detector"] for row in document["walks"]] == ["zero-crossing"]
     assert "zero-crossing" in text
+
+
+def test_every_length_model_in_one_document(data: Path, tmp_path: Path) -> None:
+    options = ("--length-model", "all", "--estimator", "ekf", "--limit", 1)
+    document, text = scored(tmp_path, "ilc20", "--data", data, *options)
+    assert [row["length-model"] for row in document["walks"]] == LENGTH_MODELS
+    assert (
+        len({row["length_ratio"] for row in document["walks"]}) >= len(LENGTH_MODELS) - 1
+    )  # auto may be range-power
+    assert all(name in text for name in LENGTH_MODELS)
 
 
 def test_one_estimator_and_a_limit(data: Path, tmp_path: Path) -> None:

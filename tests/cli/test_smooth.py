@@ -143,6 +143,12 @@ def test_height_and_gender_scale_the_models_that_use_them(good: Path, tmp_path: 
     np.testing.assert_allclose(lengths["female"], lengths["usual"] * ratio, atol=2e-4)
 
 
+def test_length_model(good: Path, tmp_path: Path) -> None:
+    smoothed(good, tmp_path / "out", "--length-model", "static", "--estimator", "dead-reckoning")
+    assert document(tmp_path / "out")["config"]["step_length"]["model"] == "static"
+    np.testing.assert_allclose(column(tmp_path / "out", "step_length_m")[1:], 0.415 * 1.73, atol=1e-4)
+
+
 def test_attitude_of_the_device(good: Path, plain: Path, tmp_path: Path) -> None:
     smoothed(good, tmp_path / "out", "--attitude", "device")
     assert document(tmp_path / "out")["config"]["attitude"]["source"] == "device"

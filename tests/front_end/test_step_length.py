@@ -1,19 +1,24 @@
-"""The step length equations of MMPDR by hand, and the stage around them."""
+"""The step length equations by hand, and the stage around them."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from signals import RATE_HZ, step
+from signals import RATE_HZ, run, step
 
 from pdr_est.frames import Array
-from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
+from pdr_est.front_end.step_length import LENGTH_MODELS, StepLength, StepLengthParams, WalkerParams
 from pdr_est.front_end.step_length.equations import (
+    gait_table_length_m,
+    kim_length_m,
     mmpdr_length_m,
+    range_power_length_m,
     scarlett_length_m,
     static_length_m,
     weinberg_length_m,
 )
-from pdr_est.front_end.step_length.stage import running_mean
-from pdr_est.records import Step
+from pdr_est.front_end.step_length.stage import mixture, probability_of_running, running_mean
+from pdr_est.records import Gait, Step
 
 MAN, WOMAN = WalkerParams(height_m=1.80, gender="male"), WalkerParams(height_m=1.60, gender="female")
 
@@ -43,6 +48,20 @@ def test_equation_4_is_the_cube_root_of_the_mean_magnitude() -> None:
     assert scarlett_length_m(0.6, np.array([-8.0, 4.0, 12.0, -8.0])) == pytest.approx(0.6 * 2.0)
 
 
+def test_the_range_to_a_power() -> None:
+    assert range_power_length_m(0.55, 0.5, np.array([-6.0, 10.0])) == pytest.approx(0.55 * 4.0)
+
+
+def test_uptime_table_2() -> None:
+    lengths = {gait: gait_table_length_m(gait) for gait in Gait}
+    assert lengths == {Gait.UNKNOWN: 0.74, Gait.WALKING: 0.74, Gait.JOGGING: 1.01, Gait.RUNNING: 1.70}
+
+
+def test_kim_is_the_cube_root_of_the_mean_magnitude() -> None:
+    assert kim_length_m(0.98, np.array([-1.0, 1.0, -0.5, 1.5])) == pytest.approx(0.98)
+    assert kim_length_m(0.5, np.array([-8.0, 8.0])) == pytest.approx(1.0)
+
+
 def test_equation_9_is_the_root_of_the_frequency() -> None:
     assert mmpdr_length_m(1.80, "male", 1.96) == pytest.approx(0.3139 * 1.80 * 1.4)
     assert mmpdr_length_m(1.60, "female", 2.25) == pytest.approx(0.2975 * 1.60 * 1.5)
@@ -69,6 +88,9 @@ PLATEAUS = np.repeat([-6.0, 10.0, 3.0], 20)  # each longer than the running mean
         ("weinberg", 0.48 * 2.0),
         ("mmpdr", 0.3139 * 1.80 * 1.4),
         ("range-power", 0.55 * 16.0**0.15),
+        ("auto", 0.55 * 16.0**0.15 * 1.80 / 1.73),
+        ("gait-table", 0.74),
+        ("kim", 0.98 * (19.0 / 3.0) ** (1.0 / 3.0)),
     ],
 )
 def test_the_stage_applies_the_chosen_model(model: str, expected: float) -> None:
@@ -110,3 +132,126 @@ def test_the_window_is_in_seconds() -> None:
     stage = StepLength(2 * RATE_HZ, MAN, StepLengthParams(model="weinberg"))
     (found,) = stage.push(with_vertical(np.repeat(PLATEAUS, 2)))
     assert found.length_m == pytest.approx(0.96)
+
+
+WALKING, RUNNING = (1.0, 0.0, 0.0), (0.0, 0.3, 0.7)
+UNKNOWN = (float("nan"),) * 3
+
+
+def in_gait(a_step: Step, probability: tuple[float, float, float], gait: Gait = Gait.UNKNOWN) -> Step:
+    return replace(a_step, gait=gait, gait_probability=probability)
+
+
+def pushed(*steps: Step, walker: WalkerParams = MAN, **parameters: object) -> list[Step]:
+    return run(StepLength(RATE_HZ, walker, StepLengthParams(**parameters)), steps)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("model", LENGTH_MODELS)
+@pytest.mark.parametrize("probability", [UNKNOWN, WALKING, RUNNING, (0.5, 0.25, 0.25)])
+@pytest.mark.parametrize("samples", [1, 3, 15, 60])
+def test_every_model_fills_in_length_and_sigma_and_nothing_else(
+    model: str, probability: tuple[float, float, float], samples: int
+) -> None:
+    before = in_gait(with_vertical(np.linspace(-4.0, 5.0, samples)), probability)
+    (after,) = pushed(before, model=model)
+    assert 0.2 < after.length_m < 2.5
+    assert 0.05 < after.sigma_length_m / after.length_m < 0.6
+    assert replace(after, length_m=0.0, sigma_length_m=0.0) == replace(before, length_m=0.0, sigma_length_m=0.0)
+
+
+@pytest.mark.parametrize("model", LENGTH_MODELS)
+def test_a_step_without_movement_has_a_finite_length(model: str) -> None:
+    (found,) = pushed(in_gait(with_vertical(np.zeros(40)), RUNNING), model=model)
+    assert 0.0 <= found.length_m < 1.2
+    assert np.isfinite(found.sigma_length_m)
+
+
+@pytest.mark.parametrize("probability", [WALKING, RUNNING])
+def test_auto_is_proportional_to_the_height(probability: tuple[float, float, float]) -> None:
+    a_step = in_gait(with_vertical(PLATEAUS), probability)
+    (short,), (tall,) = (pushed(a_step, walker=WalkerParams(height_m=height)) for height in (1.5, 1.8))
+    assert tall.length_m == pytest.approx(1.2 * short.length_m)
+
+
+def test_the_table_goes_by_the_gait() -> None:
+    steps = [in_gait(with_vertical(PLATEAUS), UNKNOWN, gait) for gait in Gait]
+    assert [found.length_m for found in pushed(*steps, model="gait-table")] == [0.74, 0.74, 1.01, 1.70]
+
+
+def run_step(range_mps2: float, period_s: float, number: int) -> Step:
+    """One of a row of running steps."""
+    vertical = range_mps2 * np.sin(2.0 * np.pi * np.arange(20) / 20) / 2.0
+    time_s = 10.0 + number * period_s
+    a_step = step(time_s, time_s - period_s, frequency_hz=1.0 / period_s if number else 0.0, vertical_mps2=vertical)
+    return in_gait(a_step, RUNNING)
+
+
+def test_running_by_hand() -> None:
+    """1 m at 2.6 steps a second and 27 m/s^2; square root of the cadence, power 0.6 of the range."""
+    steps = [run_step(54.0, 1.0 / 3.0, number) for number in range(4)]
+    lengths = [found.length_m for found in pushed(*steps, walker=WalkerParams(height_m=1.73))]
+    assert lengths == pytest.approx([(3.0 / 2.6) ** 0.5 * 2.0**0.6] * 4)
+
+
+def test_running_goes_by_three_steps_since_the_last_standstill() -> None:
+    steps = [run_step(27.0, 0.5, 0), run_step(27.0, 0.4, 1), run_step(54.0, 0.3, 2), run_step(13.5, 0.3, 3)]
+    cadence_hz = np.array([2.0, 1.0 / 0.45, 2.5, 1.0 / 0.3])
+    intensity = 27.0 * 2.0 ** np.array([0.0, 0.0, 1.0 / 3.0, 0.0])
+    expected = np.sqrt(cadence_hz / 2.6) * (intensity / 27.0) ** 0.6
+    walker = WalkerParams(height_m=1.73)
+    found = pushed(*steps, steps[0], walker=walker)
+    assert [item.length_m for item in found] == pytest.approx([*expected, expected[0]])
+
+
+def test_speed_of_running_grows_with_intensity_and_is_bounded_for_knocks() -> None:
+    speeds = [
+        pushed(*(run_step(range_mps2, 0.36, number) for number in range(3)))[-1].length_m / 0.36
+        for range_mps2 in (18.0, 27.0, 40.0, 60.0, 300.0)
+    ]
+    assert all(np.diff(speeds[:4]) > 0.2)
+    assert speeds[0] < 2.5
+    assert 4.0 < speeds[3] < 6.0
+    assert speeds[4] == pytest.approx(speeds[3])
+
+
+def test_length_and_sigma_are_continuous_in_the_gait_probability() -> None:
+    a_step = with_vertical(3.0 * PLATEAUS)
+    shares = np.linspace(0.0, 1.0, 201)
+    found = [pushed(in_gait(a_step, (1.0 - share, share / 2.0, share / 2.0)))[0] for share in shares]
+    length, sigma = (np.array([getattr(item, name) for item in found]) for name in ("length_m", "sigma_length_m"))
+    (unknown,) = pushed(in_gait(a_step, UNKNOWN))
+    assert (length[0], sigma[0]) == (unknown.length_m, unknown.sigma_length_m)
+    np.testing.assert_allclose(np.diff(length), (length[-1] - length[0]) / 200)
+    assert np.abs(np.diff(sigma)).max() < 0.03
+    assert (sigma[0], sigma[-1]) == (pytest.approx(0.07 * length[0]), pytest.approx(0.20 * length[-1]))
+    assert sigma[100] > 0.45 * (length[-1] - length[0])  # which of the two it is, nobody knows
+
+
+def test_a_mixture_by_hand() -> None:
+    assert mixture(0.0, (0.7, 0.1), (1.0, 0.2)) == pytest.approx((0.7, 0.1))
+    assert mixture(1.0, (0.7, 0.1), (1.0, 0.2)) == pytest.approx((1.0, 0.2))
+    assert mixture(0.5, (0.6, 0.0), (1.0, 0.0)) == pytest.approx((0.8, 0.2))
+    assert mixture(0.5, (0.6, 0.3), (0.6, 0.4)) == pytest.approx((0.6, np.sqrt(0.125)))
+
+
+@pytest.mark.parametrize(
+    ("probability", "expected"),
+    [(UNKNOWN, 0.0), (WALKING, 0.0), (RUNNING, 1.0), ((0.6, 0.3, 0.1), 0.4), ((0.0, 0.6, 0.4000001), 1.0)],
+)
+def test_jogging_counts_as_running(probability: tuple[float, float, float], expected: float) -> None:
+    assert probability_of_running(in_gait(with_vertical(PLATEAUS), probability)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("model", LENGTH_MODELS)
+def test_personal_constants_multiply_every_model(model: str) -> None:
+    person = replace(MAN, length_scale=1.1, range_exponent=0.5, reference_range_mps2=4.0)
+    (usual,), (own,) = (pushed(with_vertical(PLATEAUS), walker=walker, model=model) for walker in (MAN, person))
+    assert own.length_m == pytest.approx(1.1 * 2.0 * usual.length_m)  # the range of the step is 16 m/s^2
+    assert own.sigma_length_m == pytest.approx(1.1 * 2.0 * usual.sigma_length_m)
+
+
+def test_the_personal_range_is_the_geometric_mean_of_three_steps() -> None:
+    person = replace(MAN, range_exponent=1.0, reference_range_mps2=1.0)
+    steps = [replace(with_vertical(np.array([0.0, range_mps2]))) for range_mps2 in (2.0, 4.0, 8.0, 16.0)]
+    found = pushed(*steps, walker=person, model="static")
+    assert [item.length_m / 0.747 for item in found] == pytest.approx([2.0, np.sqrt(8.0), 4.0, 8.0])
