@@ -82,8 +82,14 @@ def load_config(path: str | Path) -> Config:
 
     Raises ConfigError that names the file and the key, for damaged YAML, unknown keys and values out of range.
     """
+    data = load_yaml(path)
+    return config_from_dict({} if data is None else data, str(path))
+
+
+def load_yaml(path: str | Path) -> Any:
+    """What a YAML file holds. Raises ConfigError that names the file, also for a key that stands twice."""
     try:
-        data = yaml.load(Path(path).read_text(encoding="utf-8-sig"), Loader=_StrictLoader)
+        return yaml.load(Path(path).read_text(encoding="utf-8-sig"), Loader=_StrictLoader)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}): check the path") from error
     except UnicodeDecodeError as error:
@@ -93,7 +99,6 @@ def load_config(path: str | Path) -> Config:
         raise ConfigError(f"{path}{line}: is not valid YAML ({error.problem}): correct it") from error
     except (yaml.YAMLError, RecursionError) as error:
         raise ConfigError(f"{path}: is not valid YAML ({' '.join(str(error).split())}): correct it") from error
-    return config_from_dict({} if data is None else data, str(path))
 
 
 def config_from_dict(data: Any, place: str) -> Config:

@@ -23,9 +23,11 @@ ORDER: list[set[str]] = [
     {"front_end.odometry"},
     {"estimators"},
     {"config"},
-    {"pipeline"},
+    {"profile", "pipeline"},
+    {"calibrate"},
     {"simulate", "evaluate"},
     {"report"},
+    {"training"},
     {"experiment", "benchmark"},
     {"cli"},
 ]
@@ -35,7 +37,7 @@ STRANGERS = (("front_end", "estimators"), ("estimators", "front_end"), ("estimat
 LIBRARIES = {
     "gtsam": ("estimators.factor_graph", "estimators.fixed_lag"),
     "filterpy": ("estimators.ekf", "estimators.alignment"),
-    "sklearn": ("front_end.gait",),
+    "sklearn": ("front_end.gait.training",),
     "vqf": ("front_end.attitude",),
     "polars": ("io",),
     "matplotlib": ("report",),

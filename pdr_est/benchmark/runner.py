@@ -14,7 +14,8 @@ from functools import partial
 from pathlib import Path
 
 from pdr_est import __version__, pipeline
-from pdr_est.benchmark.files import suite_folder
+from pdr_est.benchmark.calibrated import CalibrationCase, calibrated_metrics
+from pdr_est.benchmark.files import in_words, suite_folder
 from pdr_est.benchmark.result import BenchmarkResult, SkippedWalk, WalkRow
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile
 from pdr_est.benchmark.suites import suite_named
@@ -50,14 +51,17 @@ def run_benchmark(
         raise ConfigError(f"jobs = {jobs}, limit = {limit}: each must be at least 1")
     walks = chosen.find(suite_folder(data, chosen.folder))[:limit]
     if not walks:
-        raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {chosen.folder}/")
-    outcomes = []
+        raise RecordingError(
+            f"{data}: no walk of the suite {suite}: give the folder that holds {in_words(chosen.folder)}"
+        )
+    outcomes: list[Outcome] = []
     work = partial(run_walk, suite, variants=comparison.variants)
     with_graph = any(variant.config.estimator.name == "factor-graph" for variant in comparison.variants)
     for outcome in _map(work, walks, min(jobs, len(walks)), with_graph):
         outcomes.append(outcome)
         if on_progress is not None:
             on_progress(len(outcomes), len(walks))
+    rows, too_few = _calibrated(chosen, outcomes)
     return BenchmarkResult(
         suite=suite,
         version=__version__,
@@ -65,17 +69,19 @@ def run_benchmark(
         names=comparison.names,
         settings=comparison.main.settings(),
         metrics=chosen.metrics,
-        rows=tuple(row for outcome in outcomes for row in outcome.rows),
-        skipped=tuple(walk for outcome in outcomes for walk in outcome.skipped),
+        pool=chosen.pool,
+        rows=rows,
+        skipped=(*(walk for outcome in outcomes for walk in outcome.skipped), *too_few),
     )
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of one walk: a row for each variant and track, and what could not be told."""
+    """Of one walk: a row for each variant and track, what each tells about its walker, and what could not be told."""
 
     rows: tuple[WalkRow, ...] = ()
     skipped: tuple[SkippedWalk, ...] = ()
+    cases: tuple[CalibrationCase | None, ...] = ()
 
 
 def run_walk(suite: str, file: WalkFile, variants: Sequence[Variant]) -> Outcome:
@@ -92,6 +98,7 @@ def run_walk(suite: str, file: WalkFile, variants: Sequence[Variant]) -> Outcome
 def _run_walk(suite: Suite, file: WalkFile, variants: Sequence[Variant]) -> Outcome:
     recording = _with_truth(suite.prepare(read(file.path)), file.truth)
     rows: list[WalkRow] = []
+    cases: list[CalibrationCase | None] = []
     reasons: list[str] = []
     for variant, devices, seconds in _analysed(recording, variants):
         walk = Walked(recording, devices, variant.config, seconds)
@@ -101,9 +108,35 @@ def _run_walk(suite: Suite, file: WalkFile, variants: Sequence[Variant]) -> Outc
             reasons.append(f"{variant.name}: {error}")
             continue
         rows += [_row(suite, file, variant, of_track, walk.seconds) for of_track in scores]
+        cases += [of_track.calibration for of_track in scores]
         reasons += [reason for of_track in scores for reason in _missing(suite, of_track)]
     # A reason that does not depend on the variant or the track is given once.
-    return Outcome(tuple(rows), tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons)))
+    skipped = tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons))
+    return Outcome(tuple(rows), skipped, tuple(cases))
+
+
+def _calibrated(suite: Suite, outcomes: Sequence[Outcome]) -> tuple[tuple[WalkRow, ...], tuple[SkippedWalk, ...]]:
+    """All rows, with the metrics after a calibration on other walks of the same variant, and what lacks them."""
+    rows = [row for outcome in outcomes for row in outcome.rows]
+    if not suite.calibrated_on:
+        return tuple(rows), ()
+    cases = [case for outcome in outcomes for case in outcome.cases]
+    skipped: dict[SkippedWalk, None] = {}
+    for i, (row, case) in enumerate(zip(rows, cases, strict=True)):
+        if case is None:
+            continue  # its own reason has been told
+        others = [
+            other
+            for other_row, other in zip(rows, cases, strict=True)
+            if other is not None and other_row.walk != row.walk and other_row.settings == row.settings
+        ]
+        if len(others) < suite.calibrated_on:
+            reason = f"{', '.join(suite.calibrated)}: fewer than {suite.calibrated_on} other walks to calibrate on"
+            skipped[SkippedWalk(row.walk, reason)] = None
+            continue
+        found = calibrated_metrics(case, others, suite.calibrated_on)
+        rows[i] = replace(row, metrics={**row.metrics, **found})
+    return tuple(rows), tuple(skipped)
 
 
 def _with_truth(recording: Recording, told: Truth) -> Recording:
@@ -136,6 +169,7 @@ def _row(suite: Suite, file: WalkFile, variant: Variant, scores: Scores, seconds
         seconds=seconds,
         labels=file.labels,
         counts=scores.counts,
+        predicted=scores.predicted,
         group=file.group,
         headline=file.headline,
     )

@@ -2,6 +2,7 @@
 
 from pdr_est.benchmark.suite import Suite
 from pdr_est.benchmark.suites import (
+    gait,
     ilc20,
     ipin2023,
     known_distance,
@@ -9,6 +10,7 @@ from pdr_est.benchmark.suites import (
     oxford_steps,
     oxiod,
     phone_gps,
+    stride_length,
     weallwalk,
 )
 from pdr_est.errors import ConfigError
@@ -20,8 +22,10 @@ SUITES: tuple[Suite, ...] = (
     oxford_steps.SUITE,
     weallwalk.SUITE,
     known_distance.SUITE,
+    stride_length.SUITE,
     phone_gps.SUITE,
     motionsense.SUITE,
+    gait.SUITE,
 )
 
 

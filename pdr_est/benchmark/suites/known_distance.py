@@ -1,18 +1,43 @@
-"""Held phones over a known distance, with the steps counted by hand; a table `truth.csv` gives both for each file."""
+"""Held phones over a known distance, with the steps counted by hand; a table `truth.csv` gives both for each file.
 
+`distance_error_calibrated` is `distance_error` after calibrating the walker (`calibrate.fit`) on two other walks of
+the set: the mean over all pairs of them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pdr_est.benchmark.devices import Part, device_scores
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.calibrate import Calibration, Observation, PacedSteps, observation
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.metrics import distance_error
 from pdr_est.evaluate.steps import count_error
+from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io.known_truth import KnownWalk, read_truth_table
 from pdr_est.io.recording import Truth
 from pdr_est.pipeline import DeviceWalk
 
 _TRUTH = "truth"
+_CALIBRATED = "distance_error_calibrated"
+
+
+@dataclass(frozen=True)
+class DistanceCase:
+    """The steps of a walk of known length; at least one."""
+
+    steps: PacedSteps
+    distance_m: float
+
+    @property
+    def observation(self) -> Observation:
+        return observation([self.steps], self.distance_m / float(self.steps.length_m.sum()))
+
+    def errors(self, calibration: Calibration) -> Mapping[str, float]:
+        steps = self.steps.personal(calibration.walker(WalkerParams()))
+        return {_CALIBRATED: distance_error(float(steps.length_m.sum()), self.distance_m)}
 
 
 def find(folder: Path) -> list[WalkFile]:
@@ -30,22 +55,26 @@ def score(walk: Walked) -> list[Scores]:
 
     Raises RecordingError for a file that truth.csv does not name.
     """
-    return [device_scores(walk, device, _part(walk, device)) for device in walk.devices]
+    return [_scores(walk, device) for device in walk.devices]
 
 
-def _part(walk: Walked, device: DeviceWalk) -> Part:
+def _scores(walk: Walked, device: DeviceWalk) -> Scores:
     truth = walk.recording.truth
     if truth.distance_m is None or truth.step_count is None:
         raise RecordingError(
             f"{walk.recording.name}: not in {_TRUTH}.csv: no distance and step count to compare with"
         )
-    return Part(
+    part = Part(
         {
             "distance_error": distance_error(sum(step.length_m for step in device.steps), truth.distance_m),
             "count_error": count_error(len(device.steps), truth.step_count),
         },
         {"true_steps": truth.step_count, "detected_steps": len(device.steps)},
     )
+    if not device.steps:
+        return device_scores(walk, device, part, Part(missing={_CALIBRATED: "no step found"}))
+    case = DistanceCase(PacedSteps.of(device.steps), truth.distance_m)
+    return replace(device_scores(walk, device, part), calibration=case)
 
 
 def _truth(known: KnownWalk | None) -> Truth:
@@ -55,8 +84,10 @@ def _truth(known: KnownWalk | None) -> Truth:
 SUITE = Suite(
     name="known-distance",
     folder="known-distance",
-    metrics=("distance_error", "count_error"),
+    metrics=("distance_error", _CALIBRATED, "count_error"),
     find=find,
     prepare=as_recorded,
     score=score,
+    calibrated_on=2,
+    calibrated=(_CALIBRATED,),
 )

@@ -1,0 +1,193 @@
+"""A person's own step length from walks of known length, or with fixes: Bayesian linear regression.
+
+Of a walk is observed y = ln(true length / the model's length). The model of it is y = s + e (x - x_ref) + noise,
+where x is the mean over the walk of the logarithm of the acceleration's range, weighted by step length: to first
+order how the walk's length follows the exponent of `WalkerParams`. Beforehand, scale s and exponent e are normally
+distributed about 0. The exponent is learnt only from walks of different speeds: those of one speed tell the scale
+alone.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pdr_est.config import Config
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.front_end.step_length import WalkerParams
+from pdr_est.front_end.step_length.pace import PaceMeter
+from pdr_est.pipeline import DeviceWalk, estimate
+from pdr_est.records import PositionFix, Step
+
+SIGMA_LOG_SCALE = 0.11  # of people, each over the model
+SIGMA_EXPONENT = 0.1
+SIGMA_WALK = 0.05  # of one person's walks, in the logarithm of their length
+LEAST_SPEED_RATIO = 1.2  # of the fastest to the slowest walk, to learn the exponent
+SCALE_RANGE = (0.5, 2.0)  # nobody's steps differ more from the model's; beyond lie other units
+_SIGMA_SCALE_UNKNOWN = 0.5  # of the scale that fixes are to tell
+_LARGEST_SIGMA_OF_FIXES = 0.2
+
+
+@dataclass(frozen=True)
+class PacedSteps:
+    """The steps of a device for a calibration. start_s, end_s: (n,) of their movement; length_m: (n,) by the
+    model; log_range: (n,) logarithm of the range of the vertical acceleration in m/s^2 (`Pace.range_mps2`)."""
+
+    start_s: Array
+    end_s: Array
+    length_m: Array
+    log_range: Array
+
+    @classmethod
+    def of(cls, steps: Sequence[Step]) -> "PacedSteps":
+        meter = PaceMeter()
+        return cls(
+            start_s=np.array([step.start_s for step in steps]),
+            end_s=np.array([step.event.time_s for step in steps]),
+            length_m=np.array([step.length_m for step in steps]),
+            log_range=np.array([math.log(meter.at(step).range_mps2) for step in steps]),
+        )
+
+    def personal(self, walker: WalkerParams) -> "PacedSteps":
+        """The same steps with their lengths corrected by personal constants."""
+        factor = np.array([walker.personal_factor(value) for value in np.exp(self.log_range)])
+        return replace(self, length_m=self.length_m * factor)
+
+    def weighted(self, weight: Array) -> "PacedSteps":
+        """The same steps, each only for a share (n,) of its length and time."""
+        return replace(
+            self, start_s=self.end_s - weight * (self.end_s - self.start_s), length_m=weight * self.length_m
+        )
+
+
+@dataclass(frozen=True)
+class Observation:
+    """Of one walk. log_ratio: ln(true length / the model's length), with sigma as far as it is not known exactly.
+    log_range: mean ln of the range of the vertical acceleration in m/s^2, by length of step. speed_mps: true."""
+
+    log_ratio: float
+    sigma: float
+    log_range: float
+    speed_mps: float
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Posterior of a walker's constants. mean: (2,) of ln scale and exponent; covariance: (2, 2).
+    reference_range_mps2: where the exponent changes nothing. sigma_next: of the logarithm of the length of the next
+    walk, at the speeds of those observed. With an exponent that was not learnt its mean and variance are 0."""
+
+    mean: Array
+    covariance: Array
+    reference_range_mps2: float
+    sigma_next: float
+
+    def walker(self, body: WalkerParams) -> WalkerParams:
+        """The body's height and gender with these constants."""
+        return replace(
+            body,
+            length_scale=math.exp(self.mean[0]),
+            range_exponent=float(self.mean[1]),
+            reference_range_mps2=self.reference_range_mps2,
+        )
+
+
+def observe_distance(steps: Sequence[PacedSteps], distance_m: float, place: str) -> Observation:
+    """A walk of known length, m, from the steps of each of its devices, whose lengths are averaged.
+
+    place: what to call the walk. Raises RecordingError without a step, for a distance that is not above 0, and for
+    one that is too far from the model's to be in metres.
+    """
+    if not (math.isfinite(distance_m) and distance_m > 0.0):
+        raise RecordingError(f"{place}: a distance of {distance_m:g} m: give the length of the way in metres")
+    length_m = _mean_length_m(steps, place)
+    _refuse_scale(distance_m / length_m, place, f"{length_m:.1f} m by its steps and {distance_m:g} m as given")
+    return observation(steps, distance_m / length_m)
+
+
+def observe_fixes(
+    walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix], place: str
+) -> Observation:
+    """A walk with position fixes: the smoother tells the scale, hardly held by what is expected of people.
+
+    Raises RecordingError without a step, when the fixes hardly tell the scale, and when it is out of range;
+    what `estimate` raises.
+    """
+    steps = [PacedSteps.of(walk.steps) for walk in walks]
+    _mean_length_m(steps, place)
+    wide = replace(config, odometry=replace(config.odometry, sigma_length_scale=_SIGMA_SCALE_UNKNOWN))
+    found = [_scale_alone(walk, wide, fixes, place) for walk in walks]
+    scale = float(np.mean([value for value, _ in found]))
+    _refuse_scale(scale, place, f"the fixes make the steps {scale:.2f} times as long")
+    # The devices are carried along one way past the same fixes: together they know little more than one.
+    return observation(steps, scale, max(sigma for _, sigma in found) / scale)
+
+
+def observation(steps: Sequence[PacedSteps], scale: float, sigma: float = 0.0) -> Observation:
+    """What a walk with at least one step, seen by one device or several, tells of its walker.
+
+    scale: true length / the model's; sigma: how uncertain it is, over the scale.
+    """
+    length_m = np.concatenate([device.length_m for device in steps])
+    log_range = np.concatenate([device.log_range for device in steps])
+    duration_s = sum(float((device.end_s - device.start_s).sum()) for device in steps)
+    return Observation(
+        log_ratio=math.log(scale),
+        sigma=sigma,
+        log_range=float(np.average(log_range, weights=length_m)),
+        speed_mps=scale * float(length_m.sum()) / duration_s,
+    )
+
+
+def fit(observations: Sequence[Observation]) -> Calibration:
+    """The posterior of a walker's constants, from at least one walk."""
+    log_range = np.array([seen.log_range for seen in observations])
+    speed = np.array([seen.speed_mps for seen in observations])
+    reference = float(log_range.mean())
+    away = log_range - reference
+    design = np.column_stack([np.ones(len(away)), away])
+    learns = 2 if speed.max() >= LEAST_SPEED_RATIO * speed.min() else 1
+    weight = 1.0 / (SIGMA_WALK**2 + np.array([seen.sigma for seen in observations]) ** 2)
+    used = design[:, :learns]
+    information = np.diag([SIGMA_LOG_SCALE**-2, SIGMA_EXPONENT**-2])[:learns, :learns] + used.T * weight @ used
+    mean, covariance = np.zeros(2), np.zeros((2, 2))
+    covariance[:learns, :learns] = np.linalg.inv(information)
+    log_ratio = np.array([seen.log_ratio for seen in observations])
+    mean[:learns] = covariance[:learns, :learns] @ used.T @ (weight * log_ratio)
+    return Calibration(
+        mean=mean,
+        covariance=covariance,
+        reference_range_mps2=math.exp(reference),
+        sigma_next=math.sqrt(SIGMA_WALK**2 + covariance[0, 0] + covariance[1, 1] * float(np.mean(away**2))),
+    )
+
+
+def _mean_length_m(steps: Sequence[PacedSteps], place: str) -> float:
+    lengths_m = [float(device.length_m.sum()) for device in steps]
+    if not lengths_m or min(lengths_m) <= 0.0:
+        raise RecordingError(f"{place}: no step found: nothing to calibrate with; leave this walk out")
+    return float(np.mean(lengths_m))
+
+
+def _refuse_scale(scale: float, place: str, words: str) -> None:
+    least, most = SCALE_RANGE
+    if not least <= scale <= most:
+        raise RecordingError(
+            f"{place}: {words}, a scale of {scale:.2f} that is not between {least:g} and {most:g}: give metres, and "
+            "the whole way of this recording"
+        )
+
+
+def _scale_alone(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], place: str) -> tuple[float, float]:
+    """What the fixes say of the scale, with its sigma: the smoother's answer without its wide prior."""
+    track = estimate([walk], config, fixes)
+    prior = config.odometry.sigma_length_scale**-2
+    both = track.sigma_length_scale**-2
+    sigma = math.inf if both <= prior else (both - prior) ** -0.5
+    if sigma > _LARGEST_SIGMA_OF_FIXES:
+        raise RecordingError(
+            f"{place}: its fixes hardly tell how long the steps are: give some farther apart, or the distance"
+        )
+    return (both * track.length_scale - prior) / (both - prior), sigma
