@@ -22,6 +22,7 @@ class Part:
     values: Mapping[str, float] = field(default_factory=dict)
     counts: Mapping[str, int] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
+    predicted: Mapping[str, int] = field(default_factory=dict)
 
 
 def device_scores(walk: Walked, device: DeviceWalk, *parts: Part) -> Scores:
@@ -32,6 +33,7 @@ def device_scores(walk: Walked, device: DeviceWalk, *parts: Part) -> Scores:
         values={name: value for part in parts for name, value in part.values.items()},
         counts={name: count for part in parts for name, count in part.counts.items()},
         missing={name: reason for part in parts for name, reason in part.missing.items()},
+        predicted={label: steps for part in parts for label, steps in part.predicted.items()},
     )
 
 

@@ -12,9 +12,14 @@ def suite_folder(data: Path, folder: str) -> Path:
     Raises RecordingError when `data` is no folder.
     """
     if not data.is_dir():
-        raise RecordingError(f"{data}: no such folder: give the folder that holds {folder}/")
+        raise RecordingError(f"{data}: no such folder: give the folder that holds {in_words(folder)}")
     inside = data / folder
     return inside if inside.is_dir() else data
+
+
+def in_words(folder: str) -> str:
+    """What the data folder must hold for a suite of that folder; "." is a suite of several data sets."""
+    return "its data sets" if folder == "." else f"{folder}/"
 
 
 def recordings(folder: Path, pattern: str) -> list[tuple[str, Path]]:

@@ -1,11 +1,13 @@
 """The outcome of a benchmark: a row for each scored track, and the averages over them."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
+from pdr_est.benchmark.confusion import Confusion
 
 Json = dict[str, Any]
 
@@ -15,7 +17,7 @@ class WalkRow:
     """One scored track. metrics: name -> value, None when it cannot be told. seconds: CPU time of the chain.
 
     settings: value on each axis that benchmarks compare, by the axis' word. labels, group, headline: of the
-    `suite.WalkFile`. counts: how many points stand behind the metrics.
+    `suite.WalkFile`. counts: how many points stand behind the metrics. predicted: how many steps got each label.
     """
 
     walk: str
@@ -28,6 +30,7 @@ class WalkRow:
     counts: Mapping[str, int] = field(default_factory=dict)
     group: str | None = None
     headline: bool = True
+    predicted: Mapping[str, int] = field(default_factory=dict)
 
     def to_dict(self) -> Json:
         """The row as it stands in the JSON document."""
@@ -39,8 +42,18 @@ class WalkRow:
             **self.labels,
             **self.metrics,
             **self.counts,
+            **({"predicted": dict(self.predicted)} if self.predicted else {}),
             "seconds": self.seconds,
         }
+
+
+Pool = Callable[[Sequence[WalkRow]], Mapping[str, Confusion]]
+"""From the rows of one variant: confusions by what they are of."""
+
+
+def no_confusion(_rows: Sequence[WalkRow]) -> Mapping[str, Confusion]:
+    """`Pool` of a suite without labels."""
+    return {}
 
 
 @dataclass(frozen=True)
@@ -77,7 +90,7 @@ Summary = dict[str, Average]
 @dataclass(frozen=True)
 class BenchmarkResult:
     """All rows of a suite. axis: word of the setting that was compared. names: its values that were run.
-    settings: the value on each axis that the plain summary is of, by the axis' word."""
+    settings: the value on each axis that the plain summary is of, by the axis' word. pool: of the `suite.Suite`."""
 
     suite: str
     version: str
@@ -87,6 +100,7 @@ class BenchmarkResult:
     metrics: tuple[str, ...]
     rows: tuple[WalkRow, ...]
     skipped: tuple[SkippedWalk, ...]
+    pool: Pool = no_confusion
 
     def summary(self, name: str) -> Summary:
         """Averages over the headline walks of a variant, by metric."""
@@ -98,9 +112,14 @@ class BenchmarkResult:
         groups = sorted({row.group for row in rows if row.group is not None})
         return {group: self._averages(row for row in rows if row.group == group) for group in groups}
 
+    def confusions(self, name: str) -> Mapping[str, Confusion]:
+        """Which class of step a variant took for which, by what it is of; empty for a suite without classes."""
+        return self.pool(self._rows_of(name))
+
     def to_dict(self) -> Json:
         """The JSON document. With several variants the axis' value is "all", `summary` and `groups` are of the
-        configured one, and, on the axis "estimator", `estimators` and `estimator_groups` hold those of each.
+        configured one, and, on the axis "estimator", `estimators` and `estimator_groups` hold those of each. A suite
+        with classes has `confusion` beside `groups`, and so for each variant.
         """
         main = self.settings[self.axis]
         document: Json = {
@@ -114,9 +133,21 @@ class BenchmarkResult:
             document[self.axis] = "all"
             document[f"{self.axis}s"] = {name: _plain(self.summary(name)) for name in self.names}
             document[f"{self.axis}_groups"] = {name: _plain_groups(self.groups(name)) for name in self.names}
+        document |= self._confusion_documents()
         document["walks"] = [row.to_dict() for row in self.rows]
         document["skipped"] = [{"walk": walk.walk, "reason": walk.reason} for walk in self.skipped]
         return document
+
+    def _confusion_documents(self) -> Json:
+        by_name = {
+            name: {of: confusion.to_dict() for of, confusion in self.confusions(name).items()} for name in self.names
+        }
+        if not any(by_name.values()):
+            return {}
+        documents: Json = {"confusion": by_name[self.settings[self.axis]]}
+        if len(self.names) > 1:
+            documents[f"{self.axis}_confusion"] = by_name
+        return documents
 
     def _rows_of(self, name: str) -> list[WalkRow]:
         return [row for row in self.rows if row.settings[self.axis] == name]

@@ -51,9 +51,8 @@ def run_benchmark(
         raise ConfigError(f"jobs = {jobs}, limit = {limit}: each must be at least 1")
     walks = chosen.find(suite_folder(data, chosen.folder))[:limit]
     if not walks:
-        raise RecordingError(
-            f"{data}: no walk of the suite {suite}: give the folder that holds {in_words(chosen.folder)}"
-        )
+        wanted = in_words(chosen.folder)
+        raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {wanted}")
     outcomes: list[Outcome] = []
     work = partial(run_walk, suite, variants=comparison.variants)
     with_graph = any(variant.config.estimator.name == "factor-graph" for variant in comparison.variants)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pdr_est import pipeline
 from pdr_est.benchmark.calibrated import CalibrationCase
+from pdr_est.benchmark.result import Pool, no_confusion
 from pdr_est.config import Config
 from pdr_est.io.recording import Recording, Truth
 from pdr_est.pipeline import DeviceWalk
@@ -38,8 +39,8 @@ class Scores:
     track: the device's name, "device" where there is one only, or "fused". mode: recognised for most of the walking
     time. values: metrics by name; what is not finite counts as missing. counts: how many points stand behind them.
     missing: metric -> why it cannot be told for this walk. A metric of the suite that stands in neither, such as the
-    false steps of somebody who walks, does not apply to this walk. calibration: for the metrics after a calibration
-    on other walks.
+    false steps of somebody who walks, does not apply to this walk. predicted: how many steps got each label, where
+    the suite sorts steps. calibration: for the metrics after a calibration on other walks.
     """
 
     track: str
@@ -47,6 +48,7 @@ class Scores:
     values: Mapping[str, float]
     counts: Mapping[str, int] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
+    predicted: Mapping[str, int] = field(default_factory=dict)
     calibration: CalibrationCase | None = None
 
 
@@ -59,12 +61,12 @@ class Walked:
         self.recording = recording
         self.devices = tuple(devices)
         self.seconds = front_end_seconds
-        self._config = config
+        self.config = config
 
     def track(self, fixes: Sequence[PositionFix] = ()) -> Track:
         """The estimator's track, given the sensors and these fixes only."""
         started = time.process_time()
-        track = pipeline.estimate(self.devices, self._config, fixes)
+        track = pipeline.estimate(self.devices, self.config, fixes)
         self.seconds += time.process_time() - started
         return track
 
@@ -73,10 +75,11 @@ class Walked:
 class Suite:
     """A benchmark suite, made of functions at module level so that it can be used in other processes.
 
-    folder: name of its folder of walks. metrics: names, in the order of the table. find: the walks in that folder.
-    prepare: what has to be changed in a recording before any stage sees it. score: a walk's scores, one for each
-    track. calibrated_on: how many other walks a walk with a `CalibrationCase` is calibrated on for `calibrated`, the
-    metrics among those that come from there.
+    folder: name of its folder of walks, "." for the data folder itself. metrics: names, in the order of the table.
+    find: the walks in that folder. prepare: what has to be changed in a recording before any stage sees it. score: a
+    walk's scores, one for each track. calibrated_on: how many other walks a walk with a `CalibrationCase` is
+    calibrated on for `calibrated`, the metrics among those that come from there. pool: the confusions of a suite that
+    sorts steps into classes.
     """
 
     name: str
@@ -87,6 +90,7 @@ class Suite:
     score: Callable[[Walked], list[Scores]]
     calibrated_on: int = 0
     calibrated: tuple[str, ...] = ()
+    pool: Pool = no_confusion
 
 
 def as_recorded(recording: Recording) -> Recording:

@@ -6,28 +6,34 @@ from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
 
+from pdr_est.benchmark.confusion import Confusion
 from pdr_est.benchmark.result import Average, BenchmarkResult, Summary
 
 _WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps the lines instead
 
 
 def print_table(result: BenchmarkResult, console: Console) -> None:
-    """Walk by walk, then the averages by group, those of the suite, and what was skipped with its reason."""
+    """Walk by walk, then the averages by group, those of the suite, which class of step was taken for which, and what
+    was skipped with its reason."""
     _print(console, _walks(result))
     if any(result.groups(name) for name in result.names):
         _print(console, _averages("groups", result, lambda name: result.groups(name)))
     title = f"{result.suite}, pdr-est {result.version}"
     _print(console, _averages(title, result, lambda name: {"": result.summary(name)}))
+    for name in result.names:
+        for of, confusion in result.confusions(name).items():
+            _print(console, _confusion(f"{of}, {name}", confusion))
     for walk in result.skipped:
         console.print(f"skipped {walk.walk}: {walk.reason}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _walks(result: BenchmarkResult) -> Table:
     labels = list(dict.fromkeys(label for row in result.rows for label in row.labels))
+    classes = list(dict.fromkeys(label for row in result.rows for label in row.predicted))
     table = Table(title="walks")
     for heading in ("walk", "track", result.axis, "mode", *labels):
         table.add_column(heading, no_wrap=True)
-    for heading in (*result.metrics, "seconds"):
+    for heading in (*result.metrics, *classes, "seconds"):
         table.add_column(heading, justify="right", no_wrap=True)
     for row in result.rows:
         table.add_row(
@@ -37,6 +43,7 @@ def _walks(result: BenchmarkResult) -> Table:
             row.mode,
             *(row.labels.get(label) or "-" for label in labels),
             *(_number(row.metrics[metric]) for metric in result.metrics),
+            *(str(row.predicted.get(label, "-")) for label in classes),
             _number(row.seconds),
         )
     return table
@@ -57,6 +64,21 @@ def _averages(title: str, result: BenchmarkResult, of: Callable[[str], dict[str,
             for name, summaries in by_variant.items():
                 if group in summaries:
                     table.add_row(*([group] if named else []), metric, name, *_cells(summaries[group][metric]))
+    return table
+
+
+def _confusion(title: str, confusion: Confusion) -> Table:
+    """Steps by true class and label, and below what follows from them."""
+    table = Table(title=f"steps taken for, {title}")
+    table.add_column("true class", no_wrap=True)
+    labels = list(dict.fromkeys(label for row in confusion.counts.values() for label in row))
+    for label in labels:
+        table.add_column(label, justify="right", no_wrap=True)
+    for true, row in confusion.counts.items():
+        table.add_row(true, *(str(row[label]) for label in labels))
+    table.add_section()
+    for name, share in confusion.shares.items():
+        table.add_row(name, f"{share:.4f}")
     return table
 
 

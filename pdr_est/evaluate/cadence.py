@@ -70,7 +70,7 @@ def cadence_hz(vertical_mps2: Array, rotation_rate_radps: Array, rate_hz: float)
     the frequency, is greatest. Either alone is mistaken at times: the leg that carries the phone shakes it harder
     than the other one does, and a belt turns with each step as well. Without rotation the acceleration alone tells.
     """
-    # Padded with zeros so that neighbouring bins are half a `_SPACING_HZ` apart: a cadence has an even bin and half of
+    # Padded with zeros so that bins are half a `_SPACING_HZ` apart: a cadence has an even bin and half of
     # the cadence has one as well.
     padded = round(2.0 * rate_hz / _SPACING_HZ)
     bin_hz = rate_hz / padded
