@@ -35,6 +35,27 @@ def test_table_6_of_three_people():
     assert table.as_document(scores, 3, [0])["methods"]["auto"]["true_changes"] == 18
 
 
+def test_table_7_of_two_people():
+    table = experiment("mmpdr_table7")
+    walks = table.walks_of(people=2, seed=0)
+    assert [(walk.walker.gender, walk.walker.height_m) for walk in walks] == [("male", 1.67)] * 3 + [
+        ("female", 1.56)
+    ] * 3
+    slow, moderate, fast = (len(walk.steps) for walk in walks[:3])
+    assert slow > moderate > fast
+    rows = table.measured(walks)
+    assert set(rows) == set(table.LENGTH_MODELS)
+    for model in ("auto", "weinberg", "mmpdr"):
+        assert rows[model].distance_m.mean() == pytest.approx(28.0)
+        assert 0.9 < rows[model].factor < 1.1
+        assert rows[model].numbers()[3] < 3.0
+    assert rows["static"].factor == 1.0
+    men = rows["mmpdr"].distance_m[:3]
+    assert men.mean() == pytest.approx(28.0)  # tuned for each gender
+    assert "22.19   36.31   26.92    3.58" in table.as_text(rows)
+    assert table.as_document(rows)["kim"]["paper"] is None
+
+
 def test_tables_8_and_9_of_one_walker():
     table = experiment("mmpdr_tables8_9")
     row = table.ROWS[0]
