@@ -2,7 +2,7 @@
 
     python experiments/mmpdr_table7.py [--people 10] [--seed 0]
 
-As in section IV-C, five men and five women of 1.56 to 1.83 m walk 28 m slowly, moderately and fast, holding the phone.
+As in section IV-C, five men and five women of 1.56 to 1.83 m walk 28 m slowly, moderately and fast with a held phone.
 Steps are found with the defaults, once for all models; height and gender are given to the models. The paper tunes
 the constant of every model but eq. 2's so that the mean of all distances is 28 m. So do we, by one factor for each
 model (eq. 9 has one for each gender), which the table shows: above 1, the default constants give too short a walk.
