@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import EstimatorName
 from pdr_est.front_end.attitude import AttitudeParams
+from pdr_est.front_end.gait import GaitParams, gait_model
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
@@ -60,6 +61,7 @@ class Config:
     attitude: AttitudeParams = AttitudeParams()
     mode: ModeParams = ModeParams()
     steps: StepsParams = StepsParams()
+    gait: GaitParams = GaitParams()
     walker: WalkerParams = WalkerParams()
     step_length: StepLengthParams = StepLengthParams()
     odometry: OdometryParams = OdometryParams()
@@ -169,6 +171,11 @@ def _refuse_contradictions(config: Config, place: str) -> None:
         step_detector(config.resample.rate_hz, config.steps)
     except ConfigError as error:
         raise ConfigError(f"{place}: steps.{config.steps.detector.replace('-', '_')}: {error}") from error
+    if config.gait.model is not None:
+        try:
+            gait_model(config.gait)
+        except ConfigError as error:
+            raise ConfigError(f"{place}: gait.model: {error}") from error
 
 
 def _explain(detail: ErrorDetails) -> str:

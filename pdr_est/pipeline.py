@@ -9,6 +9,7 @@ from pdr_est.config import Config, check
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_track
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
+from pdr_est.front_end.gait import gait_stage
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
@@ -139,11 +140,12 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
 
 
 def stepping(config: Config) -> Chain:
-    """Chain LevelBlock -> Step with length and heading."""
+    """Chain LevelBlock -> Step with gait, length and heading."""
     rate_hz = config.resample.rate_hz
     return Chain(
         [
             StepSegmentation(step_detector(rate_hz, config.steps), config.steps.segmentation),
+            gait_stage(config.gait),
             StepLength(rate_hz, config.walker, config.step_length),
             StepYaw(),
         ]

@@ -18,6 +18,7 @@ from partitions import Block, content, cut, in_time_order, interleave, messy_dev
 from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
+from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
@@ -72,6 +73,9 @@ CASES = {
     "MmpdrSteps": Case(mmpdr, "level"),
     "StepSegmentation-AutoSteps": Case(lambda: StepSegmentation(auto_steps(), SegmentationParams()), "level"),
     "StepSegmentation-MmpdrSteps": Case(lambda: StepSegmentation(mmpdr(), SegmentationParams()), "level"),
+    "GaitClassifier": Case(lambda: GaitClassifier(shipped_model("auto")), "steps"),
+    "GaitClassifier-uptime": Case(lambda: GaitClassifier(shipped_model("uptime")), "steps"),
+    "UnknownGait": Case(UnknownGait, "steps"),
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),

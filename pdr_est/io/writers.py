@@ -28,6 +28,8 @@ STEP_COLUMNS = (
     "segment",
     "mode",
     "mode_probability",
+    "gait",
+    "gait_probability",
     "frequency_hz",
     "length_m",
     "heading_rad",
@@ -186,7 +188,8 @@ def write_steps_csv(steps: Mapping[str, Sequence[Step]], path: str | Path) -> No
     """Write what the front end found of each step: a row a step, columns `STEP_COLUMNS`, device by device.
 
     steps: device name -> its steps. `heading_rad` is the mean device yaw over the step (arbitrary zero in each
-    segment) and not the heading of the track. A length or heading that was not determined is an empty cell.
+    segment) and not the heading of the track. `gait_probability` is that of the gait in the cell before. What was
+    not determined is an empty cell, an unknown mode or gait UNKNOWN.
     """
     with _open_output(Path(path)) as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -203,6 +206,8 @@ def _step_row(device: str, step: Step) -> tuple[str | int, ...]:
         step.event.segment,
         step.event.mode.name,
         _cell(step.event.mode_probability, 4),
+        step.gait.name,
+        _cell((math.nan, *step.gait_probability)[step.gait], 4),
         _cell(step.frequency_hz, 4),
         _cell(step.length_m, 4),
         _cell(step.heading_rad, 6),

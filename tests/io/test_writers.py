@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from pdr_est.errors import OutputError
 from pdr_est.io.recording import GeoOrigin
 from pdr_est.io.writers import STEP_COLUMNS, write_geojson, write_steps_csv, write_tum
-from pdr_est.records import CarryingMode, LevelBlock, PositionFix, Step, StepEvent
+from pdr_est.records import CarryingMode, Gait, LevelBlock, PositionFix, Step, StepEvent
 from pdr_est.track import Track
 
 
@@ -39,7 +40,8 @@ def make_step(index: int, length_m: float = 0.7, heading_rad: float = 1.5) -> St
     none, empty = np.zeros(0), np.zeros((0, 3))
     samples = LevelBlock(0, 0, none, empty, empty, none, none, empty, none, none.astype(np.int8), none)
     event = StepEvent(index, 1.25 + index, 2, CarryingMode.SWING, 0.875, 0.96875)
-    return Step(event, 1.0 + index, 1.8, samples, length_m, heading_rad)
+    step = Step(event, 1.0 + index, 1.8, samples, length_m, heading_rad)
+    return step if index else replace(step, gait=Gait.JOGGING, gait_probability=(0.125, 0.625, 0.25))
 
 
 def read_features(path: Path) -> tuple[dict, list[dict]]:
@@ -159,8 +161,9 @@ def test_steps_table_has_a_row_a_step_and_blanks_for_what_is_unknown(tmp_path: P
         rows = list(csv.reader(stream))
     assert rows[0] == list(STEP_COLUMNS)
     assert rows[1][:6] == ["1.250000", "left, “old”", "0", "2", "SWING", "0.9688"]
-    assert rows[1][6:] == ["1.8000", "0.7000", "1.500000", "0.8750"]
-    assert rows[2][7:9] == ["", ""]
+    assert rows[1][6:] == ["JOGGING", "0.6250", "1.8000", "0.7000", "1.500000", "0.8750"]
+    assert rows[2][6:8] == ["UNKNOWN", ""]
+    assert rows[2][9:11] == ["", ""]
     assert [row[1] for row in rows[1:]] == ["left, “old”", "left, “old”", "right"]
 
 

@@ -1,0 +1,76 @@
+"""The gait of each step: walking, jogging or running."""
+
+from pathlib import Path
+from typing import Literal
+
+from pdr_est.errors import ConfigError
+from pdr_est.front_end.gait.classifier import GaitClassifier, UnknownGait
+from pdr_est.front_end.gait.features import FeatureSet
+from pdr_est.front_end.gait.folds import GaitFolds, load_folds
+from pdr_est.front_end.gait.model import GaitModel, load_model
+from pdr_est.params import params
+from pdr_est.stage import Stage
+
+__all__ = [
+    "GaitClassifier",
+    "GaitFolds",
+    "GaitModel",
+    "GaitParams",
+    "UnknownGait",
+    "gait_model",
+    "gait_stage",
+    "shipped_folds",
+    "shipped_model",
+]
+
+
+@params
+class GaitParams:
+    """method: "auto" takes the features of a stride, "uptime" those of the paper, "none" leaves the gait unknown.
+
+    model: a file of `pdr-est train-gait` for the same method; null is the shipped one.
+    """
+
+    method: Literal["auto", "uptime", "none"] = "auto"
+    model: str | None = None
+
+
+def gait_stage(parameters: GaitParams) -> Stage:
+    """The configured stage Step -> Step. Raises ConfigError when the model cannot be used."""
+    model = gait_model(parameters)
+    return UnknownGait() if model is None else GaitClassifier(model)
+
+
+def gait_model(parameters: GaitParams) -> GaitModel | None:
+    """The configured model, None for the method "none".
+
+    Raises ConfigError when it cannot be loaded or is of another method.
+    """
+    if parameters.method == "none":
+        return None
+    if parameters.model is None:
+        return shipped_model(parameters.method)
+    model = load_model(Path(parameters.model).expanduser())
+    if model.features != parameters.method:
+        raise ConfigError(
+            f"gait.model = {parameters.model}: is a model of the method {model.features!r}: "
+            f"set gait.method = {model.features}, or leave gait.model out"
+        )
+    return model
+
+
+def shipped_model(method: FeatureSet) -> GaitModel:
+    """The model that comes with the package."""
+    return load_model(_shipped(f"gait-{method}.json"))
+
+
+def shipped_folds(method: FeatureSet) -> GaitFolds:
+    """The left-out models of the shipped one."""
+    return load_folds(_shipped(f"gait-{method}-folds.json"))
+
+
+def _shipped(name: str) -> Path:
+    """A file of the models: within an installed package, beside it in the repository."""
+    package = Path(__file__).resolve().parents[2]
+    installed = package / "models" / name
+    return installed if installed.is_file() else package.parent / "models" / name

@@ -1,0 +1,141 @@
+"""Features of a step that tell the gait: the six of UPTIME, and those of a stride, which people left out confirm.
+
+Both are the same for every orientation of the phone and need no gyroscope. One sample is enough for a step.
+"""
+
+from math import log
+from typing import Literal, Protocol
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.front_end.signal.magnitude import excess_magnitude
+from pdr_est.records import Step
+
+FeatureSet = Literal["auto", "uptime"]
+
+UPTIME_NAMES = ("duration_s", "variance", "peak", "range", "rms", "rms_duration")
+STRIDE_NAMES = (
+    "log_vertical_fundamental",
+    "log_magnitude_fundamental",
+    "log_period",
+    "log_horizontal_rms",
+    "lowest_vertical",
+    "up_share",
+)
+
+# Floors keep the logarithms of nothing finite; far below what any gait shows.
+_LEAST_POWER = 0.05**2  # (m/s^2)^2
+_LEAST_HORIZONTAL_POWER = 1e-3  # (m/s^2)^2
+_LEAST_PERIOD_S = 0.1
+
+
+class StepFeatures(Protocol):
+    """Gives the features of one step after the other, in time order; may remember the previous one."""
+
+    @property
+    def names(self) -> tuple[str, ...]: ...
+
+    def push(self, step: Step, /) -> Array:
+        """Features (k,) of this step, in the order of `names`."""
+        ...
+
+
+def step_features(name: FeatureSet) -> StepFeatures:
+    """The feature set of a name."""
+    return StrideFeatures() if name == "auto" else UptimeFeatures()
+
+
+def begins_walk(step: Step, previous: Step | None) -> bool:
+    """Whether a step says nothing about the one before: after a standstill, a gap, or at the very beginning."""
+    return previous is None or step.frequency_hz == 0.0 or step.event.segment != previous.event.segment
+
+
+class UptimeFeatures:
+    """UPTIME (Alzantot and Youssef 2012), section III-B: six features of the acceleration within the step.
+
+    m is the acceleration as its step detector takes it: length of the specific force less standard gravity, m/s^2.
+    In the paper's order: duration T of the step, variance of m, peak of m, maximum less minimum of m, root mean
+    square of m, root mean square times T.
+    """
+
+    names = UPTIME_NAMES
+
+    def push(self, step: Step, /) -> Array:
+        m = excess_magnitude(step.samples.up, step.samples.acceleration_mps2)
+        duration_s = step.event.time_s - step.start_s
+        mean = float(m.sum()) / len(m)
+        deviation = m - mean
+        variance = float((deviation * deviation).sum()) / len(m)
+        peak = float(m.max())
+        rms = (variance + mean * mean) ** 0.5
+        return np.array((duration_s, variance, peak, peak - float(m.min()), rms, rms * duration_s))
+
+
+class StrideFeatures:
+    """Six features of a stride: this step and the one before, or this step alone when it begins a walk.
+
+    With N samples, k periods (2 or 1), v the vertical acceleration, m the length of the specific force less gravity
+    and A(x) = 2/N |sum_n x_n exp(-2 pi i k n / N)|, the amplitude at the frequency of the steps:
+    log A(v), log A(m), log of the mean duration of the steps, log of the horizontal root mean square, least v, share
+    of samples with v > 0. A jolt spreads over all harmonics and hardly enters A; the difference between left and
+    right lies at half the frequency and cancels, which is why a stride tells more than a step.
+    """
+
+    names = STRIDE_NAMES
+
+    def __init__(self) -> None:
+        self._previous: Step | None = None
+        self._rows = np.empty((2, 0))  # v and m of the previous step
+        self._sums = (0.0, 0.0, 0.0, 0)  # its duration, horizontal power, least v, samples upwards
+        self._waves: dict[tuple[int, int], Array] = {}  # a stride has few lengths; each costs more than the rest
+
+    def push(self, step: Step, /) -> Array:
+        first = begins_walk(step, self._previous)
+        rows, sums = _of_step(step)
+        if first:
+            count = rows.shape[1]
+            spectrum = rows @ self._wave(count, 1)
+            period_s, horizontal, lowest, upwards = sums
+        else:
+            before = self._rows.shape[1]
+            count = before + rows.shape[1]
+            wave = self._wave(count, 2)
+            spectrum = self._rows @ wave[:before] + rows @ wave[before:]
+            old = self._sums
+            period_s = 0.5 * (sums[0] + old[0])
+            horizontal, lowest, upwards = sums[1] + old[1], min(sums[2], old[2]), sums[3] + old[3]
+        self._previous, self._rows, self._sums = step, rows, sums
+        (v_cos, v_sin), (m_cos, m_sin) = spectrum.tolist()
+        return np.array(
+            (
+                0.5 * log(max(v_cos * v_cos + v_sin * v_sin, _LEAST_POWER)),
+                0.5 * log(max(m_cos * m_cos + m_sin * m_sin, _LEAST_POWER)),
+                log(max(period_s, _LEAST_PERIOD_S)),
+                0.5 * log(max(horizontal / count, _LEAST_HORIZONTAL_POWER)),
+                lowest,
+                upwards / count,
+            )
+        )
+
+    def _wave(self, count: int, periods: int) -> Array:
+        """Cosine and sine (count, 2) that turn samples into amplitudes."""
+        wave = self._waves.get((count, periods))
+        if wave is None:
+            phase = (2.0 * np.pi * periods / count) * np.arange(count)
+            wave = 2.0 / count * np.stack([np.cos(phase), np.sin(phase)], axis=1)
+            self._waves[count, periods] = wave
+        return wave
+
+
+def _of_step(step: Step) -> tuple[Array, tuple[float, float, float, int]]:
+    """Rows (2, n) of vertical acceleration and excess magnitude; duration, horizontal power, least v, samples up."""
+    samples = step.samples
+    vertical = samples.vertical_mps2
+    rows = np.stack((vertical, excess_magnitude(samples.up, samples.acceleration_mps2)))
+    # Columns one by one: sums over an axis of three differ with how the samples lie in memory.
+    x, y, z = samples.acceleration_mps2.T
+    power = x * x + y * y + z * z
+    horizontal = max(float((power - vertical * vertical).sum()), 0.0)
+    duration_s = step.event.time_s - step.start_s
+    return rows, (duration_s, horizontal, float(vertical.min()), int(np.count_nonzero(vertical > 0.0)))

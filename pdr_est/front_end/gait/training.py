@@ -1,0 +1,204 @@
+"""Training of the gait model from labelled steps. The only place that knows scikit-learn; inference does without.
+
+People are never split: a fold leaves out whole people, and every figure is of people whom the model had not seen.
+The same steps give the same bytes: nothing is drawn at random, and numbers are rounded before and after the fit, so
+that the last bits of another processor do not show.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.linear_model import LogisticRegression
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC, LinearSVC
+
+from pdr_est.errors import ConfigError
+from pdr_est.frames import Array
+from pdr_est.front_end.gait.evaluation import gait_metrics, probabilities
+from pdr_est.front_end.gait.features import STRIDE_NAMES, UPTIME_NAMES, FeatureSet
+from pdr_est.front_end.gait.folds import GaitFolds
+from pdr_est.front_end.gait.labelled import LabelledSteps, StepTable, data_sets, step_table
+from pdr_est.front_end.gait.model import GaitModel, Machine
+from pdr_est.records import Gait
+
+MOST_FOLDS = 30
+"""Up to so many people, each is left out in turn; more are left out in groups."""
+
+_DIGITS = 9  # significant ones that a model keeps
+
+Mask = NDArray[np.bool_]
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What a feature set is trained with. faster, running: features of the two levels; gamma: of the first one's
+    kernel; faster_c, running_c: the cost of errors. most_steps: of one fit; more of the same people add support
+    vectors and hardly anything else."""
+
+    names: tuple[str, ...]
+    faster: tuple[str, ...]
+    running: tuple[str, ...]
+    gamma: float
+    faster_c: float
+    most_steps: int
+    running_c: float = 0.1
+
+    def columns(self, level: tuple[str, ...]) -> tuple[int, ...]:
+        """Where the features of a level stand."""
+        return tuple(self.names.index(name) for name in level)
+
+
+RECIPES: dict[FeatureSet, Recipe] = {
+    "auto": Recipe(STRIDE_NAMES, STRIDE_NAMES[:3], STRIDE_NAMES[2:], gamma=1.0, faster_c=3.0, most_steps=3000),
+    "uptime": Recipe(UPTIME_NAMES, UPTIME_NAMES, UPTIME_NAMES, gamma=0.25, faster_c=1.0, most_steps=1000),
+}
+
+
+@dataclass(frozen=True)
+class TrainedGait:
+    """A model of all people, with the metrics of the folds, and the folds."""
+
+    model: GaitModel
+    folds: GaitFolds
+
+
+def train(walks: Sequence[LabelledSteps], features: FeatureSet, folds: int = MOST_FOLDS) -> TrainedGait:
+    """Train the two levels on all people, and once a fold without the people of the fold.
+
+    walks: features of the named set; their order matters only within a person. The second level learns from people
+    who were recorded jogging and running: the border between them is relative to the person, and somebody's jogging
+    alone does not tell where it lies. Raises ConfigError when there are too few people for the folds.
+    """
+    table = step_table(walks)
+    recipe = RECIPES[features]
+    fold_of = _deal(table, folds)
+    fold = np.array([fold_of[person] for person in table.person.tolist()])
+    numbers = range(max(fold_of.values()) + 1)
+    fits = [_fit(table, fold != number, recipe) for number in numbers]
+    scores = np.empty((len(table), 2))
+    for number in numbers:
+        scores[fold == number] = fits[number].scores(table.features[fold == number])
+    pooled = table.pooled(scores)
+    left_out = [fits[number].model(features, table, fold != number, pooled) for number in numbers]
+    probability = np.empty((len(table), 3))
+    for number in numbers:
+        probability[fold == number] = probabilities(left_out[number], pooled[fold == number])
+    everybody = fold >= 0
+    model = _fit(table, everybody, recipe).model(features, table, everybody, pooled)
+    return TrainedGait(
+        model=replace(model, metrics=gait_metrics(table, probability)),
+        folds=GaitFolds(models=tuple(left_out), fold_of=fold_of),
+    )
+
+
+@dataclass(frozen=True)
+class _Level:
+    """One fitted machine of scikit-learn on some columns."""
+
+    columns: tuple[int, ...]
+    scaler: StandardScaler
+    machine: SVC | LinearSVC
+
+    def scores(self, features: Array) -> Array:
+        found: Array = self.machine.decision_function(self.scaler.transform(features[:, self.columns]))
+        return found
+
+    def numbers(self, sigmoid: tuple[float, float]) -> Machine:
+        """The machine as plain numbers."""
+        linear = isinstance(self.machine, LinearSVC)
+        return Machine(
+            columns=self.columns,
+            mean=_short(self.scaler.mean_),
+            scale=_short(self.scaler.scale_),
+            kernel="linear" if linear else "rbf",
+            gamma=0.0 if linear else float(self.machine.gamma),
+            support=tuple(_short(row) for row in (self.machine.coef_ if linear else self.machine.support_vectors_)),
+            dual=(1.0,) if linear else _short(self.machine.dual_coef_[0]),
+            intercept=_short(self.machine.intercept_)[0],
+            sigmoid=sigmoid,
+        )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Both levels."""
+
+    faster: _Level
+    running: _Level
+
+    def scores(self, features: Array) -> Array:
+        """(n, 2), of each step alone."""
+        return np.stack([self.faster.scores(features), self.running.scores(features)], axis=1)
+
+    def model(self, features: FeatureSet, table: StepTable, seen: Mask, pooled: Array) -> GaitModel:
+        """The model of the people that were seen, sigmoids fitted to their scores (n, 2) when they were left out."""
+        upper = table.gait == Gait.RUNNING
+        told = seen & table.told_apart & table.faster
+        return GaitModel(
+            features=features,
+            faster=self.faster.numbers(_platt(pooled[seen, 0], table.faster[seen], table.person[seen])),
+            running=self.running.numbers(_platt(pooled[told, 1], upper[told], table.person[told])),
+            people=tuple(sorted(set(table.person[seen].tolist()))),
+            data=data_sets(table, seen),
+        )
+
+
+def _deal(table: StepTable, folds: int) -> dict[str, int]:
+    """Fold of each person: those who teach the second level are dealt out first, so that every fold has some."""
+    told = set(table.person[table.told_apart].tolist())
+    people = sorted(set(table.person.tolist()), key=lambda person: (person not in told, person))
+    return {person: i % folds for i, person in enumerate(people)}
+
+
+def _fit(table: StepTable, seen: Mask, recipe: Recipe) -> _Fit:
+    told = seen & table.told_apart & table.faster
+    faster = SVC(C=recipe.faster_c, kernel="rbf", gamma=recipe.gamma)
+    running = LinearSVC(C=recipe.running_c, random_state=0)
+    return _Fit(
+        _fit_level(table, _thin(seen, recipe), table.faster, recipe.columns(recipe.faster), faster),
+        _fit_level(table, _thin(told, recipe), table.gait == Gait.RUNNING, recipe.columns(recipe.running), running),
+    )
+
+
+def _thin(chosen: Mask, recipe: Recipe) -> Index:
+    """Numbers of the chosen steps, evenly thinned."""
+    index = np.flatnonzero(chosen)
+    return index[:: max(-(-len(index) // recipe.most_steps), 1)]
+
+
+def _fit_level(
+    table: StepTable, index: Index, upper: Mask, columns: tuple[int, ...], machine: SVC | LinearSVC
+) -> _Level:
+    """Fit a machine to tell those steps of the index that are on the upper side."""
+    if len(np.unique(upper[index])) < 2:
+        raise ConfigError(
+            "too few people to leave some out: record at least two who walk, and two who jog and run, or add the "
+            "folders motionsense/ and sisfall/"
+        )
+    x = table.features[index][:, columns]
+    scaler = StandardScaler().fit(x)
+    machine.fit(scaler.transform(x), upper[index], sample_weight=_weights(upper[index], table.person[index]))
+    return _Level(columns, scaler, machine)
+
+
+def _platt(scores: Array, upper: Mask, person: NDArray[np.str_]) -> tuple[float, float]:
+    """Slope and offset of the probability of the upper side for scores (n,) of people left out (Platt 1999)."""
+    logistic = LogisticRegression(C=1e6, solver="newton-cholesky", tol=1e-10)
+    logistic.fit(scores[:, None], upper, sample_weight=_weights(upper, person))
+    return _short(logistic.coef_[0])[0], _short(logistic.intercept_)[0]
+
+
+def _weights(upper: Mask, person: NDArray[np.str_]) -> Array:
+    """Weights (n,) of mean 1: both sides count alike, and within a side each person."""
+    weights = np.empty(len(upper))
+    for side in (False, True):
+        people, number, counts = np.unique(person[upper == side], return_inverse=True, return_counts=True)
+        weights[upper == side] = 0.5 * len(upper) / (len(people) * counts[number])
+    return weights
+
+
+def _short(numbers: Array) -> tuple[float, ...]:
+    return tuple(float(f"{number:.{_DIGITS}g}") for number in numbers)
