@@ -2,6 +2,7 @@
 
 from pdr_est.benchmark.suite import Suite
 from pdr_est.benchmark.suites import (
+    gait,
     ilc20,
     ipin2023,
     known_distance,
@@ -24,6 +25,7 @@ SUITES: tuple[Suite, ...] = (
     stride_length.SUITE,
     phone_gps.SUITE,
     motionsense.SUITE,
+    gait.SUITE,
 )
 
 

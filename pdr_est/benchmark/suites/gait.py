@@ -123,10 +123,13 @@ def _part(walk: Walked, device: DeviceWalk) -> Part:
         return Part(predicted=predicted)
     accuracies = gaits.accuracies(counts)
     plausibility = count_plausibility(device.level, np.array([step.event.time_s for step in device.steps]))
-    metrics = (gaits.GAIT_METRIC, gaits.WALKING_METRIC)
+    of_labels = {name: accuracies[name] for name in (gaits.GAIT_METRIC, gaits.WALKING_METRIC)}
     return Part(
-        {**{name: accuracies[name] for name in metrics}, PLAUSIBILITY_METRIC: plausibility.ratio},
-        missing={} if labels else dict.fromkeys(metrics, "no step found"),
+        {**of_labels, PLAUSIBILITY_METRIC: plausibility.ratio},
+        missing={
+            **({} if labels else dict.fromkeys(of_labels, "no step found")),
+            **({} if plausibility.expected else {PLAUSIBILITY_METRIC: "nobody moves enough for a step"}),
+        },
         predicted=predicted,
     )
 
