@@ -203,6 +203,13 @@ def test_running_goes_by_three_steps_since_the_last_standstill() -> None:
     assert [item.length_m for item in found] == pytest.approx([*expected, expected[0]])
 
 
+def test_doubts_about_a_gentle_walk_do_not_shorten_it() -> None:
+    a_step = with_vertical(0.2 * PLATEAUS)
+    (sure,), (doubted,) = (pushed(in_gait(a_step, probability)) for probability in (WALKING, (0.7, 0.2, 0.1)))
+    assert doubted.length_m == pytest.approx(sure.length_m)
+    assert doubted.sigma_length_m > sure.sigma_length_m
+
+
 def test_speed_of_running_grows_with_intensity_and_is_bounded_for_knocks() -> None:
     speeds = [
         pushed(*(run_step(range_mps2, 0.36, number) for number in range(3)))[-1].length_m / 0.36

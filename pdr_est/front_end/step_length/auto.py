@@ -1,6 +1,7 @@
 """Our own length model: walking by the range of the smoothed acceleration, running by intensity and cadence.
 
 Both are proportional to the height, and `stage.py` blends them by the probability of running (jogging counts as it).
+A running step is never shorter than a walking one with the same acceleration.
 
 Walking is `range-power`, MMPDR eq. 3 with a free exponent: across phones and people the range of the acceleration
 varies far more than the step, so that a smaller exponent than 1/4 carries over better. Compared with it on walks of
@@ -21,7 +22,7 @@ from pdr_est.front_end.step_length.pace import Pace
 from pdr_est.params import Positive, params
 
 _HEIGHT_M = 1.73  # of whom the constants are
-_LEAST_RANGE_MPS2, _MOST_RANGE_MPS2 = 9.0, 60.0  # of a runner's acceleration; beyond lie knocks on the phone
+_MOST_RANGE_MPS2 = 60.0  # of a runner's acceleration; beyond lie knocks on the phone
 
 
 @params
@@ -46,7 +47,7 @@ def walking_length_m(k: float, exponent: float, height_m: float, vertical_mps2: 
 def running_length_m(parameters: RunningParams, height_m: float, pace: Pace) -> float:
     """Length of a running step of someone of that height."""
     p = parameters
-    intensity_mps2 = min(max(pace.range_mps2, _LEAST_RANGE_MPS2), _MOST_RANGE_MPS2)
+    intensity_mps2 = min(pace.range_mps2, _MOST_RANGE_MPS2)
     by_cadence = (pace.cadence_hz / p.reference_cadence_hz) ** p.cadence_exponent
     by_intensity = (intensity_mps2 / p.reference_range_mps2) ** p.range_exponent
     return p.length_m * height_m / _HEIGHT_M * float(by_cadence * by_intensity)

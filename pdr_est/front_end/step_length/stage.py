@@ -81,7 +81,8 @@ class StepLength:
         walking_m = self._by_acceleration(
             step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
         )
-        return walking_m, running_length_m(p.running, height_m, pace)
+        # Doubts about a gentle walk must not shorten it: where the equation of runners gives less, it is not one's.
+        return walking_m, max(walking_m, running_length_m(p.running, height_m, pace))
 
     def _published_length_m(self, step: Step) -> float:
         p, walker = self._parameters, self._walker
