@@ -131,11 +131,11 @@ class StrideFeatures:
 def _of_step(step: Step) -> tuple[Array, tuple[float, float, float, int]]:
     """Rows (2, n) of vertical acceleration and excess magnitude; duration, horizontal power, least v, samples up."""
     samples = step.samples
-    vertical = samples.vertical_mps2
-    rows = np.stack((vertical, excess_magnitude(samples.up, samples.acceleration_mps2)))
-    # Columns one by one: sums over an axis of three differ with how the samples lie in memory.
-    x, y, z = samples.acceleration_mps2.T
-    power = x * x + y * y + z * z
-    horizontal = max(float((power - vertical * vertical).sum()), 0.0)
+    rows = np.empty((2, len(samples)))
+    rows[0] = samples.vertical_mps2
+    rows[1] = excess_magnitude(samples.up, samples.acceleration_mps2)
+    vertical = rows[0]
+    acceleration = samples.acceleration_mps2.ravel()  # in order of rows, however it lies in memory
+    horizontal = max(float(acceleration @ acceleration - vertical @ vertical), 0.0)
     duration_s = step.event.time_s - step.start_s
     return rows, (duration_s, horizontal, float(vertical.min()), int(np.count_nonzero(vertical > 0.0)))

@@ -1,5 +1,6 @@
 """The arithmetic of a gait model on the features of one step."""
 
+from collections.abc import Sequence
 from math import tanh
 
 import numpy as np
@@ -14,48 +15,59 @@ SCORE_LIMIT = 2.0
 Probabilities = tuple[float, float, float]
 
 
-class Scorer:
-    """The decision function of a machine, with what does not depend on the step worked out beforehand."""
+class LinearScorer:
+    """The decision function of a machine with the linear kernel: one product, the scaling worked in."""
 
     def __init__(self, machine: Machine) -> None:
-        self._columns = np.array(machine.columns)
-        self._mean, self._scale = np.array(machine.mean), np.array(machine.scale)
-        support, dual = np.array(machine.support), np.array(machine.dual)
-        self._intercept = machine.intercept
-        self._rbf = machine.kernel == "rbf"
-        if self._rbf:
-            # -gamma |s - z|^2 = 2 gamma s . z - gamma s . s - gamma z . z
-            self._gamma = machine.gamma
-            self._weights = 2.0 * machine.gamma * support
-            self._offset = -machine.gamma * (support * support).sum(axis=1)
-            self._dual = dual
-        else:
-            self._weights = dual @ support
+        slope = np.array(machine.dual) @ np.array(machine.support) / np.array(machine.scale)
+        self._intercept = machine.intercept - float(slope @ np.array(machine.mean))
+        self._terms = tuple(zip(machine.columns, slope.tolist(), strict=True))
 
-    def __call__(self, features: Array) -> float:
+    def __call__(self, features: Sequence[float]) -> float:
         """Score of one step's features (all of the set): above zero for the faster side."""
-        z = (features[self._columns] - self._mean) / self._scale
-        if not self._rbf:
-            return float(self._weights @ z) + self._intercept
-        exponent = self._weights @ z
-        exponent += self._offset - self._gamma * float(z @ z)
-        return float(self._dual @ np.exp(exponent)) + self._intercept
+        return sum([slope * features[column] for column, slope in self._terms], self._intercept)
+
+
+class RbfScorer:
+    """The decision function of a machine with the radial kernel, with what every step shares worked out beforehand."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._columns, self._mean, self._scale = machine.columns, machine.mean, machine.scale
+        self._intercept, self._dual = machine.intercept, np.array(machine.dual)
+        support = np.array(machine.support)
+        # -gamma |s - z|^2 = -gamma (-2 s . z + s . s + z . z), one product with (z, 1, z . z)
+        squares = (support * support).sum(axis=1)
+        self._weights = -machine.gamma * np.column_stack([-2.0 * support, squares, np.ones_like(squares)])
+
+    def __call__(self, features: Sequence[float]) -> float:
+        """Score of one step's features (all of the set): above zero for the faster side."""
+        # Plain numbers: an array operation costs more than these few.
+        z = [(features[c] - m) / s for c, m, s in zip(self._columns, self._mean, self._scale, strict=True)]
+        square = sum([number * number for number in z])
+        kernel = np.exp(self._weights @ np.array((*z, 1.0, square)))
+        return float(self._dual @ kernel) + self._intercept
+
+
+def scorer(machine: Machine) -> LinearScorer | RbfScorer:
+    """The decision function of a machine."""
+    return LinearScorer(machine) if machine.kernel == "linear" else RbfScorer(machine)
 
 
 class GaitScorer:
     """The two levels of a model. Scores and probabilities are of the faster side: not walking, and then running."""
 
     def __init__(self, model: GaitModel) -> None:
-        self._faster, self._running = Scorer(model.faster), Scorer(model.running)
+        self._faster, self._running = scorer(model.faster), scorer(model.running)
         self._sigmoids = model.faster.sigmoid, model.running.sigmoid
 
     def scores(self, features: Array) -> tuple[float, float]:
         """Scores of both levels, cut at the limit."""
-        return _cut(self._faster(features)), _cut(self._running(features))
+        numbers = features.tolist()
+        return _cut(self._faster(numbers)), _cut(self._running(numbers))
 
     def probabilities(self, scores: tuple[float, float]) -> Probabilities:
         """Of walking, jogging and running."""
-        faster, running = (_platt(score, sigmoid) for score, sigmoid in zip(scores, self._sigmoids, strict=True))
+        faster, running = _platt(scores[0], self._sigmoids[0]), _platt(scores[1], self._sigmoids[1])
         return 1.0 - faster, faster * (1.0 - running), faster * running
 
 
