@@ -1,0 +1,151 @@
+"""Table II of UPTIME (Alzantot and Youssef 2012) beside the lengths that our models give to real walking and jogging.
+
+    python experiments/uptime_table2.py --data DIR
+
+DIR holds `motionsense` (phone in the front trouser pocket) and `sisfall` (box at the belt). No length or speed is
+known there: the numbers show whether the models are plausible, not whether they are right. Everybody counts as 1.73 m
+tall. The gaits of the steps are those of the shipped model, which has seen these people. Prints the table and writes
+it to experiments/results/ and experiments/README.md.
+"""
+
+import argparse
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pdr_est import pipeline
+from pdr_est.benchmark.suites import gait
+from pdr_est.config import Config
+from pdr_est.frames import Array
+from pdr_est.front_end.step_length import LENGTH_MODELS, StepLength, StepLengthParams
+from pdr_est.io import read
+from pdr_est.records import Step
+
+RESULTS = Path(__file__).parent / "results"
+README = Path(__file__).parent / "README.md"
+MARK = "<!-- uptime table 2 -->"
+PAPER_M = {"walking": 0.74, "jogging": 1.01, "running": 1.70}
+MODELS = ("auto", "range-power", "gait-table")
+GROUPS = {  # activity of a file: what is walked, and the paper's gait
+    "wlk": ("pocket, walking", "walking"),
+    "jog": ("pocket, jogging", "jogging"),
+    "D01": ("belt, slow walk", "walking"),
+    "D02": ("belt, quick walk", "walking"),
+    "D03": ("belt, slow jog", "jogging"),
+    "D04": ("belt, quick jog", "running"),
+}
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Walk:
+    """Of one recording. activity: a key of `GROUPS`; duration_s: of all steps; length_m: by model, of each step."""
+
+    activity: str
+    duration_s: float
+    length_m: Mapping[str, Array]
+
+    def mean_m(self, model: str) -> float:
+        """Length of a step."""
+        return float(self.length_m[model].mean())
+
+    def speed_mps(self, model: str) -> float:
+        """While stepping."""
+        return float(self.length_m[model].sum()) / self.duration_s
+
+
+def main() -> None:
+    """Walk through the recordings, write results/uptime_table2.json and .txt and the README's table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, required=True)
+    document = as_document(list(measured(parser.parse_args().data)))
+    text = as_text(document)
+    (RESULTS / "uptime_table2.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
+    (RESULTS / "uptime_table2.txt").write_text(text, encoding="utf-8")
+    before, _, after = README.read_text(encoding="utf-8").split(MARK)
+    README.write_text(f"{before}{MARK}\n{as_markdown(document)}\n{MARK}{after}", encoding="utf-8")
+    print(text, end="")
+
+
+def measured(data: Path) -> Iterable[Walk]:
+    """Every recording of one of the `GROUPS`."""
+    for file in gait.find(data):
+        activity = file.labels["activity"]
+        if activity in GROUPS:
+            (device,) = pipeline.analyse(read(file.path), Config())
+            duration_s = sum(step.event.time_s - step.start_s for step in device.steps)
+            yield Walk(activity, duration_s, {model: lengths_m(device.steps, model) for model in MODELS})
+
+
+def lengths_m(steps: Sequence[Step], model: str) -> Array:
+    """(n,) of each step by a model with its default constants."""
+    (name,) = [known for known in LENGTH_MODELS if known == model]
+    config = Config()
+    stage = StepLength(config.resample.rate_hz, config.walker, StepLengthParams(model=name))
+    return np.array([sized.length_m for step in steps for sized in stage.push(step)])
+
+
+def as_document(walks: Sequence[Walk]) -> list[Row]:
+    """For each group the paper's length, and by model mean, least and greatest length and speed of the recordings."""
+    document: list[Row] = []
+    for activity, (words, paper) in GROUPS.items():
+        own = [walk for walk in walks if walk.activity == activity]
+        if not own:
+            continue
+        models = {
+            model: {
+                "length_m": spread([walk.mean_m(model) for walk in own]),
+                "speed_mps": spread([walk.speed_mps(model) for walk in own]),
+            }
+            for model in MODELS
+        }
+        document.append({"what": words, "recordings": len(own), "paper_m": PAPER_M[paper], "models": models})
+    return document
+
+
+def spread(values: Sequence[float]) -> list[float]:
+    """Mean, least and greatest."""
+    return [round(float(value), 3) for value in (np.mean(values), min(values), max(values))]
+
+
+def as_text(document: Sequence[Row]) -> str:
+    """One line a group."""
+    lines = [
+        "UPTIME Table II beside recordings without known lengths; per model the mean over the recordings, and from",
+        "the least to the greatest: length of a step in m, speed in m/s.",
+        "",
+        f"{'':18}{'walks':>6}{'paper':>7}" + "".join(f"{model:>34}" for model in MODELS),
+    ]
+    for row in document:
+        line = f"{row['what']:18}{row['recordings']:6d}{row['paper_m']:7.2f}"
+        for model in MODELS:
+            numbers = row["models"][model]
+            line += "".join(f"{cell(numbers[name]):>17}" for name in ("length_m", "speed_mps"))
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def as_markdown(document: Sequence[Row]) -> str:
+    """The README's table: lengths of the models, and the speed that `auto` makes of them."""
+    heads = " | ".join(f"`{model}` m" for model in MODELS)
+    lines = [f"| what | recordings | UPTIME m | {heads} | `auto` m/s |", "|---" * (4 + len(MODELS)) + "|"]
+    for row in document:
+        lengths = " | ".join(cell(row["models"][model]["length_m"]) for model in MODELS)
+        speed = cell(row["models"]["auto"]["speed_mps"])
+        lines.append(f"| {row['what']} | {row['recordings']} | {row['paper_m']:.2f} | {lengths} | {speed} |")
+    return "\n".join(lines)
+
+
+def cell(numbers: Sequence[float]) -> str:
+    """Mean, and least to greatest."""
+    mean, least, greatest = numbers
+    return f"{mean:.2f} ({least:.2f}–{greatest:.2f})"
+
+
+if __name__ == "__main__":
+    main()
