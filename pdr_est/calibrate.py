@@ -26,7 +26,6 @@ SIGMA_EXPONENT = 0.1
 SIGMA_WALK = 0.05  # of one person's walks, in the logarithm of their length
 LEAST_SPEED_RATIO = 1.2  # of the fastest to the slowest walk, to learn the exponent
 SCALE_RANGE = (0.5, 2.0)  # nobody's steps differ more from the model's; beyond lie other units
-_SIGMA_SCALE_UNKNOWN = 0.5  # of the scale that fixes are to tell
 _LARGEST_SIGMA_OF_FIXES = 0.2
 
 
@@ -110,15 +109,15 @@ def observe_distance(steps: Sequence[PacedSteps], distance_m: float, place: str)
 def observe_fixes(
     walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix], place: str
 ) -> Observation:
-    """A walk with position fixes: the smoother tells the scale, hardly held by what is expected of people.
+    """A walk with position fixes: what they alone tell of the scale, by the configured smoother.
 
     Raises RecordingError without a step, when the fixes hardly tell the scale, and when it is out of range;
     what `estimate` raises.
     """
     steps = [PacedSteps.of(walk.steps) for walk in walks]
     _mean_length_m(steps, place)
-    wide = replace(config, odometry=replace(config.odometry, sigma_length_scale=_SIGMA_SCALE_UNKNOWN))
-    found = [_scale_alone(walk, wide, fixes, place) for walk in walks]
+    usual = replace(config, odometry=replace(config.odometry, sigma_length_scale=SIGMA_LOG_SCALE))
+    found = [_scale_alone(walk, usual, fixes, place) for walk in walks]
     scale = float(np.mean([value for value, _ in found]))
     _refuse_scale(scale, place, f"the fixes make the steps {scale:.2f} times as long")
     # The devices are carried along one way past the same fixes: together they know little more than one.
@@ -181,7 +180,10 @@ def _refuse_scale(scale: float, place: str, words: str) -> None:
 
 
 def _scale_alone(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], place: str) -> tuple[float, float]:
-    """What the fixes say of the scale, with its sigma: the smoother's answer without its wide prior."""
+    """What the fixes say of the scale, with its sigma: the smoother's answer less its prior, which is normal about 1.
+
+    The prior comes again in `fit`, once for all walks.
+    """
     track = estimate([walk], config, fixes)
     prior = config.odometry.sigma_length_scale**-2
     both = track.sigma_length_scale**-2

@@ -11,7 +11,7 @@ import click
 from pdr_est import __version__
 from pdr_est.errors import PdrError
 
-COMMANDS = ("inspect", "steps", "smooth", "benchmark", "demo")
+COMMANDS = ("inspect", "steps", "smooth", "calibrate", "benchmark", "demo")
 """Each is a module of this package that holds the command under its own name."""
 
 

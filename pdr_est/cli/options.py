@@ -11,6 +11,7 @@ from pdr_est.config import Config, config_from_dict, config_to_dict, load_config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
+from pdr_est.profile import Profile, refuse_contradiction, with_profile
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -31,27 +32,38 @@ def detector_option(command: Command) -> Command:
     return option(command)
 
 
+def length_model_option(command: Command) -> Command:
+    """--length-model NAME"""
+    text = "Of the step length. Default: auto."
+    option = click.option("--length-model", type=click.Choice(LENGTH_MODELS), help=text)
+    return option(command)
+
+
+def body_options(command: Command) -> Command:
+    """--height M and --gender NAME"""
+    gender = click.option(
+        "--gender",
+        type=click.Choice(("male", "female"), case_sensitive=False),
+        help="Of the walker, for static and mmpdr.",
+    )
+    height = click.option(
+        "--height",
+        "height_m",
+        type=float,
+        metavar="M",
+        help="Height of the walker in metres, for the step-length models auto, static and mmpdr.",
+    )
+    return height(gender(command))
+
+
 def walker_options(command: Command) -> Command:
     """What is known of the walker and the start, and which estimator, detector, length model and attitude."""
     for option in reversed(
         (
             click.option("--estimator", type=click.Choice(ESTIMATORS), help="Default: factor-graph."),
             detector_option,
-            click.option(
-                "--length-model", type=click.Choice(LENGTH_MODELS), help="Of the step length. Default: auto."
-            ),
-            click.option(
-                "--height",
-                "height_m",
-                type=float,
-                metavar="M",
-                help="Height of the walker in metres, for the step-length models auto, static and mmpdr.",
-            ),
-            click.option(
-                "--gender",
-                type=click.Choice(("male", "female"), case_sensitive=False),
-                help="Of the walker, for static and mmpdr.",
-            ),
+            length_model_option,
+            body_options,
             click.option("--start", type=(float, float), metavar="X Y", help="Start in the map frame, metres."),
             click.option(
                 "--heading",
@@ -82,12 +94,15 @@ def resolve_config(
     start: tuple[float, float] | None = None,
     heading_deg: float | None = None,
     attitude: str | None = None,
+    profile: Profile | None = None,
 ) -> Config:
-    """The configuration of a command: defaults, then the file, then the options.
+    """The configuration of a command: defaults, then the file, then the walker's profile, then the options.
 
-    Raises ConfigError that names the file or the option.
+    Raises ConfigError that names the file or the option, also when they contradict the profile.
     """
     config = Config() if config_file is None else load_config(config_file)
+    if profile is not None:
+        config = with_profile(config, profile)
     x_m, y_m = (None, None) if start is None else start
     heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
     for option, section, values in (
@@ -105,4 +120,6 @@ def resolve_config(
             settings = config_to_dict(config)
             settings[section] |= given
             config = config_from_dict(settings, option)
+    if profile is not None:
+        refuse_contradiction(config, profile, "--profile")
     return config

@@ -11,16 +11,23 @@ from pdr_est.evaluate.open_loop import LEAST_POINTS, open_metrics
 from pdr_est.io.recording import Recording
 from pdr_est.io.writers import write_geojson, write_steps_csv, write_tum
 from pdr_est.pipeline import SmoothedWalk
+from pdr_est.profile import Profile
 from pdr_est.report.html import render_report
 from pdr_est.report.summary import Json, package_versions, summarise
 
 
 def write_results(
-    folder: Path, walk: SmoothedWalk, recording: Recording, config: Config, inputs: Mapping[str, str | None]
+    folder: Path,
+    walk: SmoothedWalk,
+    recording: Recording,
+    config: Config,
+    inputs: Mapping[str, str | None],
+    profile: Profile | None = None,
 ) -> Json:
     """Write track.csv, steps.csv, track.tum, track.geojson, summary.json and report.html; return the summary.
 
-    inputs: name of each input file -> its SHA-256, or None. Raises OutputError when a file cannot be written.
+    inputs: name of each input file -> its SHA-256, or None. profile: of the walker, if the configuration was made
+    with one. Raises OutputError when a file cannot be written.
     """
     start = config.start.pose()
     summary = summarise(
@@ -31,6 +38,7 @@ def write_results(
         package_versions(),
         start=start,
         errors=errors(walk, recording),
+        profile=profile,
     )
     origin = recording.origin if summary["frame"] == "map" else None
     walk.track.to_csv(folder / "track.csv")

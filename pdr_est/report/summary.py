@@ -5,7 +5,7 @@ import platform
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from enum import Enum
 from importlib import metadata
 from pathlib import PurePath
@@ -17,8 +17,10 @@ from pdr_est.evaluate.consistency import CHI2_95_2D
 from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording, Recording, Truth
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
+from pdr_est.profile import Profile
 from pdr_est.records import PositionFix, StartPose
 from pdr_est.report.mode_use import mode_use
+from pdr_est.report.scale_words import scale_in_words
 from pdr_est.track import Track
 
 PACKAGES = ("pdr-est", "numpy", "scipy", "gtsam", "filterpy", "vqf")
@@ -47,12 +49,14 @@ def summarise(
     *,
     start: StartPose | None = None,
     errors: Mapping[str, float] | None = None,
+    profile: Profile | None = None,
 ) -> Json:
     """What went in, what was done and what came out, JSON-serialisable, with None for a number that is not known.
 
     config_dict: the resolved configuration. inputs: name of each input file -> its SHA-256 or None.
     versions: see `package_versions`. start: the start pose that was asked for; it decides, with the fixes,
     whether the track lies in the map frame or in a frame of its own. errors: metrics against the truth by name.
+    profile: of the walker, None without a calibration.
     """
     track = walk.track
     summary = {
@@ -66,7 +70,12 @@ def summarise(
         "counts": _counts(walk.devices),
         "carrying_modes": [use for device in walk.devices for use in mode_use(device)],
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
-        "length_scale": {"value": track.length_scale, "sigma": track.sigma_length_scale},
+        "length_scale": {
+            "value": track.length_scale,
+            "sigma": track.sigma_length_scale,
+            "meaning": scale_in_words(track, bool(walk.fixes), profile is not None),
+        },
+        "profile": profile,
         "start": start,
         "fixes": _fixes(walk.fixes),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
@@ -96,6 +105,8 @@ def to_json(value: Any) -> Any:
         return {str(key): to_json(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
         return [to_json(item) for item in value]
+    if isinstance(value, date):
+        return value.isoformat()
     if isinstance(value, PurePath):
         return str(value)
     if value is None or isinstance(value, str | int):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from pdr_est.records import CarryingMode, Gap, StartPose
+from pdr_est.report.scale_words import scale_in_words
 from pdr_est.report.summary import package_versions, radius95_m, summarise, to_json
 
 CONFIG = {"estimator": {"name": "factor-graph"}, "resample": {"rate_hz": 50.0}}
@@ -39,7 +40,8 @@ def test_counts_distance_and_duration_of_two_devices(make_walk) -> None:
     ]
     assert summary["inputs"] == [{"name": "a.zip", "sha256": "ab" * 32}, {"name": "b", "sha256": None}]
     assert summary["config"] == CONFIG
-    assert summary["length_scale"] == {"value": 1.034, "sigma": 0.012}
+    assert summary["length_scale"]["value"] == 1.034
+    assert summary["length_scale"]["sigma"] == 0.012
     assert summary["fixes"] == {"used": 4, "sources": {"waypoint": 4}}
     assert summary["recording"]["time_zero"] == "2023-11-14T22:13:20.000+00:00"
 
@@ -111,3 +113,18 @@ def test_versions_name_the_libraries_that_shape_the_numbers() -> None:
     versions = package_versions()
     assert set(versions) == {"python", "pdr_est", "numpy", "scipy", "gtsam", "filterpy", "vqf"}
     assert versions["numpy"] == np.__version__
+
+
+@pytest.mark.parametrize(
+    ("scale", "sigma", "with_fixes", "with_profile", "words"),
+    [
+        (1.034, 0.012, True, False, "estimated from the fixes: steps 3.4 % longer than the length model's, ± 1.2 %"),
+        (0.95, 0.02, True, True, "estimated from the fixes: steps 5.0 % shorter than the profile's, ± 2.0 %"),
+        (1.0, 0.11, False, False, "not estimated, there being no fixes: the length model's steps, ± 11.0 %"),
+        (1.0, 0.06, False, True, "not estimated, there being no fixes: the profile's steps, ± 6.0 %"),
+        (1.0, math.nan, False, False, "not estimated, there being no fixes: the length model's steps, ± unknown"),
+    ],
+)
+def test_the_scale_in_words(make_walk, scale, sigma, with_fixes, with_profile, words) -> None:
+    track = replace(make_walk()[0].track, length_scale=scale, sigma_length_scale=sigma)
+    assert scale_in_words(track, with_fixes, with_profile) == words

@@ -1,0 +1,132 @@
+"""`pdr-est calibrate` and `smooth --profile`: a profile there and back, and what is refused before one is written."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli_recordings import Walk, columns_of, lines_of, save
+from cli_runs import refused, run, smoothed
+
+from pdr_est.profile import Profile, load_profile
+
+
+def profile_of(*arguments: object, out: Path) -> Profile:
+    result = run("calibrate", *arguments, "-o", out)
+    assert result.exit_code == 0, result.output
+    assert result.stdout.endswith(f"-> {out}\n")
+    return load_profile(out)
+
+
+def calibrate_refused(folder: Path, *arguments: object) -> str:
+    folder.mkdir()
+    line = refused("calibrate", *arguments, "-o", folder / "p.yaml")
+    assert list(folder.iterdir()) == []
+    return line
+
+
+def summary(out: Path) -> dict:
+    return json.loads((out / "summary.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def by_distance(good: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The profile of somebody whose 12 m of the tests are 15 m."""
+    path = tmp_path_factory.mktemp("profile") / "p.yaml"
+    profile_of(good, "--distance", 15.0, out=path)
+    return path
+
+
+def test_what_stands_in_the_profile(by_distance: Path) -> None:
+    profile = load_profile(by_distance)
+    assert (profile.note.length_model, profile.note.recordings, profile.note.distances_m) == ("auto", 1, (15.0,))
+    assert 1.05 < profile.walker.length_scale < 1.35
+    assert profile.walker.range_exponent == 0.0
+    assert 0.05 < profile.sigma_length_scale < 0.11
+
+
+def test_smooth_uses_the_profile_and_says_so(by_distance: Path, good: Path, tmp_path: Path) -> None:
+    profile = load_profile(by_distance)
+    smoothed(good, tmp_path / "plain")
+    smoothed(good, tmp_path / "own", "--profile", by_distance)
+    plain, own = summary(tmp_path / "plain"), summary(tmp_path / "own")
+    assert own["distance_m"] == pytest.approx(profile.walker.length_scale * plain["distance_m"], rel=1e-3)
+    assert own["length_scale"]["sigma"] == pytest.approx(profile.sigma_length_scale)
+    assert "the profile's steps" in own["length_scale"]["meaning"]
+    assert plain["profile"] is None
+    assert own["profile"]["walker"]["length_scale"] == profile.walker.length_scale
+    assert own["profile"]["note"]["date"] == profile.note.date.isoformat()
+    report = (tmp_path / "own" / "report.html").read_text(encoding="utf-8")
+    assert "profile of the walker" in report
+    assert f"calibrated on 1 recording, {profile.note.date}" in report
+    assert "profile of the walker" not in (tmp_path / "plain" / "report.html").read_text(encoding="utf-8")
+
+
+def test_calibration_forgets_an_earlier_one(by_distance: Path, good: Path, tmp_path: Path) -> None:
+    config = save(tmp_path / "config.yaml", ["walker:", "  length_scale: 1.5", "  range_exponent: 0.4"])
+    again = profile_of(good, "--distance", 15.0, "--config", config, out=tmp_path / "again.yaml")
+    assert again.walker == load_profile(by_distance).walker
+
+
+def test_more_walks_and_the_options_of_the_body(good: Path, tmp_path: Path) -> None:
+    options = ("--length-model", "static", "--height", 1.6, "--gender", "female")
+    out = tmp_path / "p.yaml"
+    profile = profile_of(good, good, "--distance", 14.0, "--distance", 14.0, *options, out=out)
+    assert (profile.walker.height_m, profile.walker.gender, profile.note.recordings) == (1.6, "female", 2)
+    assert profile.note.length_model == "static"
+    one = profile_of(good, "--distance", 14.0, *options, out=tmp_path / "one.yaml")
+    assert one.sigma_length_scale > profile.sigma_length_scale
+
+
+@pytest.mark.usefixtures("without_report")
+def test_fixes_give_the_scale_that_smoothing_with_them_finds(walk: Walk, good: Path, tmp_path: Path) -> None:
+    at = np.linspace(0, len(walk.true_time_s) - 1, 5).astype(int)
+    shift_s = walk.true_time_s[0]
+    rows = [f"{walk.true_time_s[i] - shift_s},{1.2 * walk.true_m[i, 0]},{walk.true_m[i, 1]},0.05" for i in at]
+    fixes = save(tmp_path / "fixes.csv", ["time_s,x_m,y_m,sigma_m", *rows])
+    profile = profile_of(good, "--fixes", fixes, out=tmp_path / "p.yaml")
+    assert profile.note.distances_m == ()
+    smoothed(good, tmp_path / "out", "--fixes", fixes)
+    scale = summary(tmp_path / "out")["length_scale"]
+    assert scale["value"] == pytest.approx(profile.walker.length_scale, abs=0.06)
+    assert scale["value"] > 1.05
+    assert re.fullmatch(
+        r"estimated from the fixes: steps \d+\.\d % longer than the length model's, ± \d\.\d %", scale["meaning"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ((), "give either --distance or --fixes; see pdr-est calibrate --help"),
+        (("--distance", 12, "--fixes", "recording"), "give either --distance or --fixes; see"),
+        (("--distance", 12, "--distance", 12), "number of --distance: 2, of recordings: 1: give one for each"),
+        (("--fixes", "a.csv", "--fixes", "b.csv"), "number of --fixes: 2, of recordings: 1"),
+        (("--distance", 0), "walk.csv: a distance of 0 m: give the length of the way in metres"),
+        (("--distance", 1200), "walk.csv: .* m by its steps and 1200 m as given, a scale of .* give metres"),
+        (("--fixes", "recording"), "walk.csv: .* holds no position fixes"),
+        (("--distance", "12 m"), "'12 m' is not a valid float"),
+        (("--distance", 12, "--height", 175), "--height: walker.height_m = 175.0: .* metres"),
+    ],
+    ids=str,
+)
+def test_what_is_refused(options: tuple[object, ...], message: str, good: Path, tmp_path: Path) -> None:
+    line = calibrate_refused(tmp_path / "out", good, *options)
+    assert re.search(message, line), line
+
+
+def test_somebody_who_stands_cannot_be_calibrated(walk: Walk, tmp_path: Path) -> None:
+    force = np.tile([0.0, 0.0, 9.81], (len(walk.force), 1))
+    still = save(tmp_path / "still.csv", lines_of(columns_of(walk, force=force, rate=np.zeros_like(force))))
+    line = calibrate_refused(tmp_path / "out", still, "--distance", 12)
+    assert line == f"{still}: no step found: nothing to calibrate with; leave this walk out"
+
+
+def test_smooth_refuses_what_contradicts_the_profile(by_distance: Path, good: Path, tmp_path: Path) -> None:
+    def line(*options: object) -> str:
+        return refused("smooth", good, "-o", tmp_path / "out", "--profile", *options)
+
+    assert "made for walker.height_m = 1.73, but 1.9 is set" in line(by_distance, "--height", 1.9)
+    assert "made for the length model auto, but kim is configured" in line(by_distance, "--length-model", "kim")
+    assert "cannot be read" in line(tmp_path / "missing.yaml")

@@ -1,0 +1,152 @@
+"""Calibration: the exact posterior, what is learnt from which walks, and what no walk can be."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from pdr_est import pipeline
+from pdr_est.calibrate import (
+    SIGMA_EXPONENT,
+    SIGMA_LOG_SCALE,
+    SIGMA_WALK,
+    Observation,
+    PacedSteps,
+    fit,
+    observe_distance,
+    observe_fixes,
+)
+from pdr_est.config import Config
+from pdr_est.errors import RecordingError
+from pdr_est.front_end.step_length import WalkerParams
+from pdr_est.records import PositionFix
+from pdr_est.simulate import Scenario, simulate_walk
+from pdr_est.simulate.path import PathParams
+
+
+def paced(length_m: float = 0.7, n: int = 10, log_range: float = 2.0, step_s: float = 0.5) -> PacedSteps:
+    end_s = step_s * np.arange(1, n + 1)
+    return PacedSteps(end_s - step_s, end_s, np.full(n, length_m), np.full(n, log_range))
+
+
+# --- the posterior -----------------------------------------------------------------------------------------------
+
+
+def test_the_posterior_is_that_of_least_squares_with_the_prior_as_rows() -> None:
+    rng = np.random.default_rng(5)
+    y, sigma, x = rng.normal(0.1, 0.1, 6), rng.uniform(0.0, 0.1, 6), rng.uniform(1.0, 3.0, 6)
+    speeds = np.linspace(0.8, 1.6, 6)
+    found = fit([Observation(*row) for row in zip(y, sigma, x, speeds, strict=True)])
+    noise = np.hypot(SIGMA_WALK, sigma)
+    rows = np.column_stack([1.0 / noise, (x - x.mean()) / noise])
+    rows = np.vstack([rows, [1.0 / SIGMA_LOG_SCALE, 0.0], [0.0, 1.0 / SIGMA_EXPONENT]])
+    answer = np.linalg.lstsq(rows, np.concatenate([y / noise, [0.0, 0.0]]), rcond=None)[0]
+    covariance = np.linalg.inv(rows.T @ rows)
+    assert_allclose(found.mean, answer, rtol=1e-10)
+    assert_allclose(found.covariance, covariance, rtol=1e-10)
+    assert found.reference_range_mps2 == pytest.approx(math.exp(x.mean()))
+    spread = covariance[0, 0] + covariance[1, 1] * x.var() + SIGMA_WALK**2
+    assert found.sigma_next == pytest.approx(math.sqrt(spread))
+
+
+def test_walks_of_one_speed_tell_the_scale_alone() -> None:
+    walks = [Observation(0.1, 0.0, 1.0, 1.30), Observation(-0.1, 0.0, 3.0, 1.55)]
+    alone = fit(walks)
+    assert alone.mean[1] == 0.0
+    assert_allclose(alone.covariance, [[1.0 / (SIGMA_LOG_SCALE**-2 + 2.0 * SIGMA_WALK**-2), 0.0], [0.0, 0.0]])
+    learnt = fit([walks[0], Observation(-0.1, 0.0, 3.0, 1.57)])  # a fifth faster
+    assert learnt.mean[1] < -0.01
+
+
+def test_more_walks_tell_more_and_uncertain_ones_less() -> None:
+    sure, unsure = Observation(0.1, 0.0, 2.0, 1.3), Observation(0.1, 0.2, 2.0, 1.3)
+    assert fit([sure] * 5).sigma_next < fit([sure]).sigma_next < fit([unsure]).sigma_next
+    assert fit([unsure]).sigma_next < math.hypot(SIGMA_LOG_SCALE, SIGMA_WALK)
+    assert fit([sure] * 1000).sigma_next == pytest.approx(SIGMA_WALK, rel=1e-3)
+    assert 0.0 < fit([unsure]).mean[0] < fit([sure]).mean[0] < fit([sure] * 5).mean[0] < 0.1
+
+
+def test_a_person_is_found_again() -> None:
+    """Many walks of somebody whose steps follow the intensity in another way than the model says."""
+    truth = WalkerParams(length_scale=1.2, range_exponent=0.3, reference_range_mps2=8.0)
+    ranges = np.tile([4.0, 8.0, 16.0], 400)
+    walks = []
+    for value in ranges:
+        steps = paced(log_range=math.log(value), step_s=4.0 / value)
+        walks.append(observe_distance([steps], float(steps.personal(truth).length_m.sum()), "walk"))
+    walker = fit(walks).walker(WalkerParams(height_m=1.9, gender="female"))
+    assert (walker.height_m, walker.gender) == (1.9, "female")
+    for value in (4.0, 8.0, 16.0):
+        assert walker.personal_factor(value) == pytest.approx(truth.personal_factor(value), rel=0.005)
+
+
+# --- observations ------------------------------------------------------------------------------------------------
+
+
+def test_what_a_known_distance_tells() -> None:
+    seen = observe_distance([paced()], 8.4, "walk")
+    assert (seen.log_ratio, seen.sigma, seen.log_range) == pytest.approx((math.log(1.2), 0.0, 2.0))
+    assert seen.speed_mps == pytest.approx(8.4 / 5.0)
+
+
+def test_the_devices_of_one_walk_are_averaged() -> None:
+    seen = observe_distance([paced(0.6, log_range=1.0), paced(0.8, log_range=2.0)], 7.7, "walk")
+    assert seen.log_ratio == pytest.approx(math.log(1.1))
+    assert seen.log_range == pytest.approx((0.6 + 2.0 * 0.8) / 1.4)
+    assert seen.speed_mps == pytest.approx(7.7 / 5.0)
+
+
+@pytest.mark.parametrize(
+    ("steps", "distance_m", "message"),
+    [
+        (paced(), 0.0, "walk: a distance of 0 m: give the length of the way in metres"),
+        (paced(), -5.0, "walk: a distance of -5 m: give"),
+        (paced(), math.nan, "walk: a distance of nan m: give"),
+        (paced(n=0), 7.0, "walk: no step found"),
+        (paced(), 7.0 * 3.2808, r"walk: 7\.0 m by its steps and 22\.9656 m as given, a scale of 3\.28 .* metres"),
+        (paced(), 3.4, r"a scale of 0\.49 that is not between 0\.5 and 2"),
+    ],
+)
+def test_what_cannot_be_is_refused(steps: PacedSteps, distance_m: float, message: str) -> None:
+    with pytest.raises(RecordingError, match=message):
+        observe_distance([steps], distance_m, "walk")
+
+
+def test_a_part_of_a_step_counts_for_its_part() -> None:
+    part = paced(n=2).weighted(np.array([0.5, 0.0]))
+    assert_allclose(part.length_m, [0.35, 0.0])
+    assert_allclose(part.end_s - part.start_s, [0.25, 0.0])
+
+
+# --- fixes -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    """A walk on three sides of a rectangle, its front end's findings, and its true positions as fixes."""
+    scenario = Scenario(path=PathParams(vertices_m=((0.0, 0.0), (25.0, 0.0), (25.0, 15.0), (0.0, 15.0))))
+    recording = simulate_walk(scenario).recording
+    truth = recording.truth.positions
+    assert truth is not None
+    fixes = [
+        PositionFix(float(truth.time_s[i]), truth.position_m[i], np.eye(2) * 0.1**2)
+        for i in np.linspace(0, len(truth.time_s) - 1, 8).astype(int)
+    ]
+    length_m = float(np.linalg.norm(np.diff(truth.position_m, axis=0), axis=1).sum())
+    return pipeline.analyse(recording, Config()), fixes, length_m
+
+
+def test_fixes_tell_the_scale_that_the_length_of_the_way_tells(simulated) -> None:
+    walks, fixes, length_m = simulated
+    by_length = observe_distance([PacedSteps.of(walk.steps) for walk in walks], length_m, "walk")
+    by_fixes = observe_fixes(walks, Config(), fixes, "walk")
+    assert 0.0 < by_fixes.sigma < 0.05
+    assert by_fixes.log_ratio == pytest.approx(by_length.log_ratio, abs=0.03)
+    assert by_fixes.log_range == by_length.log_range
+
+
+def test_fixes_that_tell_nothing_are_refused(simulated) -> None:
+    walks, fixes, _ = simulated
+    with pytest.raises(RecordingError, match="walk: its fixes hardly tell how long the steps are"):
+        observe_fixes(walks, Config(), fixes[:1], "walk")

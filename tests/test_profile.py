@@ -1,0 +1,90 @@
+"""A walker's profile: there and back, what a file must hold, and which configurations it fits."""
+
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from pdr_est.config import Config, config_to_dict
+from pdr_est.errors import ConfigError
+from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
+from pdr_est.profile import Profile, ProfileNote, load_profile, profile_to_yaml, refuse_contradiction, with_profile
+
+PROFILE = Profile(
+    note=ProfileNote(length_model="weinberg", recordings=2, date=date(2024, 2, 29), distances_m=(31.91, 100.0)),
+    walker=WalkerParams(
+        height_m=1.6, gender="female", length_scale=1.0791, range_exponent=-0.05, reference_range_mps2=3.7
+    ),
+    sigma_length_scale=0.0636,
+)
+CONFIG = Config(step_length=StepLengthParams(model="weinberg"))
+
+
+def saved(folder: Path, text: str) -> Path:
+    path = folder / "profile.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("profile", [PROFILE, replace(PROFILE, note=replace(PROFILE.note, distances_m=()))])
+def test_there_and_back(profile: Profile, tmp_path: Path) -> None:
+    text = profile_to_yaml(profile)
+    assert text.startswith("# A walker's own step length")
+    assert load_profile(saved(tmp_path, text)) == profile
+
+
+def test_it_sets_the_walker_and_the_uncertainty_and_nothing_else() -> None:
+    config = with_profile(CONFIG, PROFILE)
+    assert config.walker == PROFILE.walker
+    assert config.odometry.sigma_length_scale == 0.0636
+    back = replace(
+        config,
+        walker=CONFIG.walker,
+        odometry=replace(config.odometry, sigma_length_scale=CONFIG.odometry.sigma_length_scale),
+    )
+    assert config_to_dict(back) == config_to_dict(CONFIG)
+
+
+def test_a_configuration_must_be_the_one_of_the_calibration() -> None:
+    refuse_contradiction(with_profile(CONFIG, PROFILE), PROFILE, "p.yaml")
+    other_model = replace(with_profile(CONFIG, PROFILE), step_length=StepLengthParams(model="static"))
+    with pytest.raises(ConfigError, match=r"p\.yaml: made for the length model weinberg, but static is configured"):
+        refuse_contradiction(other_model, PROFILE, "p.yaml")
+    other_body = replace(with_profile(CONFIG, PROFILE), walker=replace(PROFILE.walker, height_m=1.9))
+    with pytest.raises(ConfigError, match=r"p\.yaml: made for walker\.height_m = 1\.6, but 1\.9 is set"):
+        refuse_contradiction(other_body, PROFILE, "p.yaml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("walker:", "runner:", "is no profile: it must hold profile, walker, odometry"),
+        ("length_model: weinberg", "length_model: telepathy", "profile.length_model: Input should be 'auto'"),
+        ("recordings: 2", "recordings: 0", "profile.recordings: Input should be greater than or equal to 1"),
+        ("date: 2024-02-29", "date: yesterday", "profile.date: "),
+        ("- 31.91", "- -1.0", "profile.distances_m.0: Input should be greater than 0"),
+        ("height_m: 1.6", "height_m: 160", "walker.height_m = 160: .* the unit is metres"),
+        ("length_scale: 1.0791", "length_scal: 1.0791", "unknown key 'walker.length_scal': did you mean"),
+        ("sigma_length_scale: 0.0636", "sigma_length_scale: 0.0", "sigma_length_scale = 0: .* calibrate again"),
+        ("sigma_length_scale: 0.0636", "sigma_heading_rad_per_sqrt_s: 0.1", "odometry must hold sigma_length_scale"),
+        ("odometry:\n  sigma_length_scale: 0.0636", "odometry: 0.1", "odometry"),
+        ("profile:", "profile: [", "is not valid YAML"),
+    ],
+)
+def test_a_damaged_file_is_refused_in_one_line(old: str, new: str, message: str, tmp_path: Path) -> None:
+    text = profile_to_yaml(PROFILE)
+    assert old in text
+    path = saved(tmp_path, text.replace(old, new))
+    with pytest.raises(ConfigError, match=message) as caught:
+        load_profile(path)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "walker: {height_m: 1.7}"])
+def test_other_files_are_no_profiles(text: str, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="is no profile"):
+        load_profile(saved(tmp_path, text))
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_profile(tmp_path / "missing.yaml")
