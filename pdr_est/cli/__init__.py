@@ -11,8 +11,8 @@ import click
 from pdr_est import __version__
 from pdr_est.errors import PdrError
 
-COMMANDS = ("inspect", "steps", "smooth", "calibrate", "benchmark", "demo")
-"""Each is a module of this package that holds the command under its own name."""
+COMMANDS = ("inspect", "steps", "smooth", "calibrate", "benchmark", "train-gait", "demo")
+"""Each is a module of this package that holds the command under its own name, with _ for -."""
 
 
 class BadInput(click.ClickException):
@@ -38,7 +38,8 @@ class _Group(click.Group):
             near = get_close_matches(cmd_name, COMMANDS, n=1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
             raise click.UsageError(f"No such command {cmd_name!r}: {hint}", ctx)
-        command: click.Command = getattr(import_module(f"pdr_est.cli.{cmd_name}"), cmd_name)
+        name = cmd_name.replace("-", "_")
+        command: click.Command = getattr(import_module(f"pdr_est.cli.{name}"), name)
         return command
 
     def invoke(self, ctx: click.Context) -> object:

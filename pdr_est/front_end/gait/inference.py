@@ -29,7 +29,7 @@ class LinearScorer:
 
 
 class RbfScorer:
-    """The decision function of a machine with the radial kernel, with what every step shares worked out beforehand."""
+    """The decision function of a machine with the radial kernel; what all steps share is worked out beforehand."""
 
     def __init__(self, machine: Machine) -> None:
         self._columns, self._mean, self._scale = machine.columns, machine.mean, machine.scale

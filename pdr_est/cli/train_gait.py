@@ -1,0 +1,58 @@
+"""`pdr-est train-gait`: the shipped gait model from its data sets, or one from recordings of one's own."""
+
+from datetime import date, datetime
+from pathlib import Path
+
+import click
+
+from pdr_est.cli.options import PATH
+from pdr_est.cli.progress import progress_bar
+from pdr_est.front_end.gait.features import FeatureSet
+from pdr_est.io.output import staged_folder
+
+
+@click.command("train-gait")
+@click.option("--data", type=PATH, required=True, metavar="DIR", help="Folder with the recordings.")
+@click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="Folder for the model and its card.")
+@click.option(
+    "--features",
+    type=click.Choice(("auto", "uptime")),
+    default="auto",
+    show_default=True,
+    help="Of a stride, or the paper's of a step.",
+)
+@click.option(
+    "--date",
+    "trained_on",
+    type=click.DateTime(["%Y-%m-%d"]),
+    help="For the card. Default: today. The model has no date: the same recordings give the same bytes.",
+)
+@click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress bar.")
+def train_gait(
+    data: Path, output: Path, features: FeatureSet, trained_on: datetime | None, overwrite: bool, quiet: bool
+) -> None:
+    """Train the classifier of walking, jogging and running on the recordings in DIR.
+
+    \b
+    DIR holds any of these, files plain or gzipped:
+      motionsense/{wlk,jog}_N/sub_PERSON.csv
+      sisfall/PERSON/D0{1,2,3,4}_PERSON_R01.txt
+      {walking,jogging,running}/PERSON/RECORDING...
+    The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least two people must
+    walk, and two must jog and run. Use the model with gait.model in a configuration file.
+    """
+    from pdr_est.training.gait_training import train_gait as train  # scikit-learn loads slowly
+    from pdr_est.training.gait_training import write_trained
+
+    with staged_folder(output, overwrite) as folder:
+        with progress_bar("gait", total=None, quiet=quiet) as bar:
+            trained = train(data, features, on_progress=bar.at)
+        write_trained(trained, folder, date.today() if trained_on is None else trained_on.date())
+    metrics = trained.model.metrics
+    if metrics is not None:
+        click.echo(
+            f"{output}: {len(trained.model.people)} people; left out in turn, "
+            f"{100.0 * metrics.faster_accuracy['all']:.2f} % of steps right as walking or faster, "
+            f"{100.0 * metrics.balanced_accuracy['all']:.2f} % of three gaits (balanced)"
+        )

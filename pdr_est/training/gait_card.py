@@ -1,0 +1,80 @@
+"""The card of a gait model: what it is, whom it was trained on, how good it is and where it ends, in Markdown."""
+
+from collections.abc import Iterator
+from datetime import date
+from importlib.metadata import version
+
+from pdr_est.front_end.gait.evaluation import ALL
+from pdr_est.front_end.gait.folds import GaitFolds
+from pdr_est.front_end.gait.model import GaitModel, Metrics, model_digest
+from pdr_est.front_end.gait.training import TrainedGait
+
+_NAMES = ("walking", "jogging", "running")
+
+_LIMITS = """\
+* Walking against faster is what the labels agree on. **Jogging against running is relative to the person**: SisFall
+  asked people to jog slowly (D03) and quickly (D04), and these stand in for jogging and running. One person's slow
+  is as intense as another's quick.
+* MotionSense has jogging only, most of it more intense than SisFall's quick jogging: nearly all of it is called
+  running here. The second level therefore learns only from people who were recorded in both gaits. Read its answer
+  as "below or above the usual effort", and use the probabilities rather than the class where lengths depend on it.
+* Every step has the gait of its file. Slow steps at starts, turns and stops of a jog count as errors, and are none.
+* Trained with phones in the front trouser pocket and a box at the belt, on adults on level ground, with a gyroscope.
+  Running with the phone in the hand, older people, children and treadmills were not seen. Stairs were not trained.
+* Without gyroscope the vertical acceleration is taken from the magnitude, and more steps of joggers are missed.
+* Very quick walkers (above 2.2 steps a second) are the hardest to tell from joggers.
+"""
+
+
+def model_card(trained: TrainedGait, trained_on: date) -> str:
+    """The card as text. It depends on nothing but the model, the date and the version of scikit-learn."""
+    model = trained.model
+    parts = [
+        f"# Gait model `{model.features}`",
+        "Tells walking, jogging and running of each step: two support-vector machines in a row (UPTIME, figure 5), "
+        "walking or faster, then jogging or running. Plain numbers in JSON; reading it executes nothing.",
+        f"* SHA-256 inside the file: `{model_digest(model)}`\n"
+        f"* Trained {trained_on.isoformat()} with scikit-learn {version('scikit-learn')}. The date stands here and "
+        "not in the model, so that the same recordings give the same bytes.\n"
+        f"* Made by `pdr-est train-gait --data DIR --features {model.features} -o OUT`",
+        "## Data\n\n" + "\n".join(_data(model)),
+        "## People left out\n\n" + "\n".join(_figures(model, trained.folds)),
+        "## Limits\n\n" + _LIMITS.rstrip(),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _data(model: GaitModel) -> Iterator[str]:
+    yield "| data set | people | recordings | steps walking | jogging | running |"
+    yield "|---|---|---|---|---|---|"
+    for data in model.data:
+        yield f"| {data.name} | {data.people} | {data.recordings} | {' | '.join(map(str, data.steps))} |"
+    yield f"\nPeople: {', '.join(model.people)}."
+
+
+def _figures(model: GaitModel, folds: GaitFolds) -> Iterator[str]:
+    yield (
+        f"Every figure is per step and of people whom the model had not seen: {len(folds.models)} models, trained in "
+        "the same way, each without the people it is judged on. No person is in both parts. The features and the "
+        "costs of errors were chosen on these same people, so expect a little less on new ones.\n"
+    )
+    metrics = model.metrics
+    if metrics is None:
+        return
+    yield "| data set | walking against faster | three gaits, balanced |"
+    yield "|---|---|---|"
+    for name, accuracy in metrics.faster_accuracy.items():
+        yield f"| {name} | {100.0 * accuracy:.2f} % | {100.0 * metrics.balanced_accuracy[name]:.2f} % |"
+    first, second = metrics.brier
+    yield f"\nBrier score of the probabilities: {first:.4f} of walking or faster, {second:.4f} of jogging or running."
+    for name in metrics.confusion:
+        yield from _confusion(metrics, name)
+
+
+def _confusion(metrics: Metrics, name: str) -> Iterator[str]:
+    yield f"\nSteps of {'all data sets' if name == ALL else name}, true gait by row, found by column:\n"
+    yield f"| | {' | '.join(_NAMES)} |"
+    yield "|---|---|---|---|"
+    for gait, row in zip(_NAMES, metrics.confusion[name], strict=True):
+        if sum(row):
+            yield f"| {gait} | {' | '.join(map(str, row))} |"

@@ -1,0 +1,57 @@
+"""From a folder of recordings to a gait model with its card."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+from pdr_est import pipeline
+from pdr_est.config import Config
+from pdr_est.front_end.gait import GaitParams
+from pdr_est.front_end.gait.features import FeatureSet
+from pdr_est.front_end.gait.folds import save_folds
+from pdr_est.front_end.gait.labelled import LabelledSteps, labelled_steps
+from pdr_est.front_end.gait.model import save_model
+from pdr_est.front_end.gait.training import TrainedGait, train
+from pdr_est.io import read
+from pdr_est.training.gait_card import model_card
+from pdr_est.training.gait_files import LabelledFile, labelled_files
+
+Progress = Callable[[int, int], None]
+
+
+def train_gait(data: Path, features: FeatureSet, on_progress: Progress = lambda done, total: None) -> TrainedGait:
+    """Train on every recording of a known gait in a folder; steps are those of the default configuration.
+
+    on_progress: told how many recordings of how many are done. Raises RecordingError for recordings that cannot be
+    used, ConfigError when there are too few people.
+    """
+    files = labelled_files(data)
+    walks: list[LabelledSteps] = []
+    for done, file in enumerate(files):
+        on_progress(done, len(files))
+        walks += _steps_of(file, features)
+    on_progress(len(files), len(files))
+    return train(walks, features)
+
+
+def write_trained(trained: TrainedGait, folder: Path, trained_on: date) -> None:
+    """Write the model, its folds and its card. trained_on stands in the card only: the same data give the same model.
+
+    Raises OutputError.
+    """
+    name = f"gait-{trained.model.features}"
+    save_model(trained.model, folder / f"{name}.json")
+    save_folds(trained.folds, folder / f"{name}-folds.json")
+    (folder / f"{name}.md").write_text(model_card(trained, trained_on), encoding="utf-8", newline="\n")
+
+
+def _steps_of(file: LabelledFile, features: FeatureSet) -> Sequence[LabelledSteps]:
+    """The steps of each device of a recording."""
+    recording = read(file.path)
+    gait = file.gait_of(recording)
+    config = replace(Config(), gait=GaitParams(method="none"))
+    return [
+        labelled_steps(walk.steps, features, person=file.person, data_set=file.data_set, gait=gait)
+        for walk in pipeline.analyse(recording, config)
+    ]
