@@ -8,6 +8,7 @@ from signals import RATE_HZ, run, step
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import LENGTH_MODELS, StepLength, StepLengthParams, WalkerParams
+from pdr_est.front_end.step_length.auto import share_of_running
 from pdr_est.front_end.step_length.equations import (
     gait_table_length_m,
     kim_length_m,
@@ -17,7 +18,8 @@ from pdr_est.front_end.step_length.equations import (
     static_length_m,
     weinberg_length_m,
 )
-from pdr_est.front_end.step_length.stage import mixture, probability_of_running, running_mean
+from pdr_est.front_end.step_length.pace import Pace
+from pdr_est.front_end.step_length.stage import mixture, running_mean
 from pdr_est.records import Gait, Step
 
 MAN, WOMAN = WalkerParams(height_m=1.80, gender="male"), WalkerParams(height_m=1.60, gender="female")
@@ -30,8 +32,8 @@ def length_of(a_step: Step, walker: WalkerParams = MAN, **parameters: object) ->
     return found.length_m
 
 
-def with_vertical(vertical_mps2: Array, frequency_hz: float = 1.96) -> Step:
-    return step(1.0, 0.4, frequency_hz=frequency_hz, vertical_mps2=vertical_mps2, length_m=float("nan"))
+def with_vertical(vertical_mps2: Array, frequency_hz: float = 1.96, start_s: float = 0.4) -> Step:
+    return step(1.0, start_s, frequency_hz=frequency_hz, vertical_mps2=vertical_mps2, length_m=float("nan"))
 
 
 def test_equation_2_is_a_share_of_the_height() -> None:
@@ -194,8 +196,8 @@ def test_running_by_hand() -> None:
 
 
 def test_running_goes_by_three_steps_since_the_last_standstill() -> None:
-    steps = [run_step(27.0, 0.5, 0), run_step(27.0, 0.4, 1), run_step(54.0, 0.3, 2), run_step(13.5, 0.3, 3)]
-    cadence_hz = np.array([2.0, 1.0 / 0.45, 2.5, 1.0 / 0.3])
+    steps = [run_step(27.0, 0.42, 0), run_step(27.0, 0.4, 1), run_step(54.0, 0.3, 2), run_step(13.5, 0.3, 3)]
+    cadence_hz = np.array([1.0 / 0.42, 1.0 / 0.41, 2.5, 1.0 / 0.3])
     intensity = 27.0 * 2.0 ** np.array([0.0, 0.0, 1.0 / 3.0, 0.0])
     expected = np.sqrt(cadence_hz / 2.6) * (intensity / 27.0) ** 0.6
     walker = WalkerParams(height_m=1.73)
@@ -204,7 +206,7 @@ def test_running_goes_by_three_steps_since_the_last_standstill() -> None:
 
 
 def test_doubts_about_a_gentle_walk_do_not_shorten_it() -> None:
-    a_step = with_vertical(0.2 * PLATEAUS)
+    a_step = with_vertical(0.2 * PLATEAUS, start_s=0.6)
     (sure,), (doubted,) = (pushed(in_gait(a_step, probability)) for probability in (WALKING, (0.7, 0.2, 0.1)))
     assert doubted.length_m == pytest.approx(sure.length_m)
     assert doubted.sigma_length_m > sure.sigma_length_m
@@ -222,7 +224,7 @@ def test_speed_of_running_grows_with_intensity_and_is_bounded_for_knocks() -> No
 
 
 def test_length_and_sigma_are_continuous_in_the_gait_probability() -> None:
-    a_step = with_vertical(3.0 * PLATEAUS)
+    a_step = with_vertical(3.0 * PLATEAUS, start_s=0.6)
     shares = np.linspace(0.0, 1.0, 201)
     found = [pushed(in_gait(a_step, (1.0 - share, share / 2.0, share / 2.0)))[0] for share in shares]
     length, sigma = (np.array([getattr(item, name) for item in found]) for name in ("length_m", "sigma_length_m"))
@@ -246,7 +248,14 @@ def test_a_mixture_by_hand() -> None:
     [(UNKNOWN, 0.0), (WALKING, 0.0), (RUNNING, 1.0), ((0.6, 0.3, 0.1), 0.4), ((0.0, 0.6, 0.4000001), 1.0)],
 )
 def test_jogging_counts_as_running(probability: tuple[float, float, float], expected: float) -> None:
-    assert probability_of_running(in_gait(with_vertical(PLATEAUS), probability)) == pytest.approx(expected)
+    share = share_of_running(in_gait(with_vertical(PLATEAUS), probability), Pace(cadence_hz=2.6, range_mps2=27.0))
+    assert share == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("cadence_hz", "expected"), [(1.5, 0.0), (2.0, 0.0), (2.125, 0.5), (2.25, 1.0), (3.2, 1.0)])
+def test_nobody_runs_at_the_cadence_of_a_walk(cadence_hz: float, expected: float) -> None:
+    running = in_gait(with_vertical(PLATEAUS), RUNNING)
+    assert share_of_running(running, Pace(cadence_hz=cadence_hz, range_mps2=27.0)) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("model", LENGTH_MODELS)

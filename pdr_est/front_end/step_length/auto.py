@@ -1,6 +1,6 @@
 """Our own length model: walking by the range of the smoothed acceleration, running by intensity and cadence.
 
-Both are proportional to the height, and `stage.py` blends them by the probability of running (jogging counts as it).
+Both are proportional to the height, and `stage.py` blends them by the share of running (jogging counts as it).
 A running step is never shorter than a walking one with the same acceleration.
 
 Walking is `range-power`, MMPDR eq. 3 with a free exponent: across phones and people the range of the acceleration
@@ -12,17 +12,21 @@ IPIN 2023 from 5 to 9 %, and fitted without ILC 2.0 it spreads more there (0.31)
 long intervals as several steps was tried as well: errors rose on most sets, for such steps are hesitant ones.
 """
 
+import math
 from typing import Annotated
 
+import numpy as np
 from annotated_types import Ge, Gt, Le
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length.equations import range_power_length_m
 from pdr_est.front_end.step_length.pace import Pace
 from pdr_est.params import Positive, params
+from pdr_est.records import Step
 
 _HEIGHT_M = 1.73  # of whom the constants are
 _MOST_RANGE_MPS2 = 60.0  # of a runner's acceleration; beyond lie knocks on the phone
+_SLOWEST_RUN_HZ = (2.0, 2.25)  # steps a second: below the first nobody runs or jogs, above the second one may
 
 
 @params
@@ -37,6 +41,19 @@ class RunningParams:
     reference_range_mps2: Positive = 27.0
     cadence_exponent: Annotated[float, Ge(0.0), Le(2.0)] = 0.5
     range_exponent: Annotated[float, Gt(0.0), Le(2.0)] = 0.6
+
+
+def share_of_running(step: Step, pace: Pace) -> float:
+    """How far to take a step for a running one: the classifier's probability of jogging or running, where the cadence
+    allows for it; 0 where the gait is unknown.
+
+    The classifier learnt from phones in pockets and on belts. Of the steps of ILC 2.0, walked with the phone held, it
+    takes 9 % for running ones, most of them below 2.1 steps a second; 99 % of the joggers' steps in MotionSense and
+    SisFall are above 2.2."""
+    _, jogging, running = step.gait_probability
+    if math.isnan(jogging + running):
+        return 0.0
+    return min(jogging + running, 1.0) * float(np.interp(pace.cadence_hz, _SLOWEST_RUN_HZ, (0.0, 1.0)))
 
 
 def walking_length_m(k: float, exponent: float, height_m: float, vertical_mps2: Array) -> float:

@@ -11,7 +11,7 @@ from annotated_types import Gt, Le
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import equations
-from pdr_est.front_end.step_length.auto import RunningParams, running_length_m, walking_length_m
+from pdr_est.front_end.step_length.auto import RunningParams, running_length_m, share_of_running, walking_length_m
 from pdr_est.front_end.step_length.pace import Pace, PaceMeter
 from pdr_est.front_end.step_length.walker import WalkerParams
 from pdr_est.params import Positive, params
@@ -46,8 +46,8 @@ class StepLengthParams:
 class StepLength:
     """Stage Step -> Step that fills in the length and its standard deviation.
 
-    Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier; a step
-    whose gait is unknown is a walking one. In all models but `auto` the two have the same length.
+    Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier, as far
+    as the cadence allows for running (`share_of_running`). In all models but `auto` the two have the same length.
     """
 
     latency_s = 0.0
@@ -62,7 +62,7 @@ class StepLength:
         pace = self._pace.at(item)
         walking_m, running_m = self._lengths_m(item, pace)
         mean_m, sigma_m = mixture(
-            probability_of_running(item),
+            share_of_running(item, pace),
             (walking_m, self._parameters.sigma_walking * walking_m),
             (running_m, self._parameters.sigma_running * running_m),
         )
@@ -110,12 +110,6 @@ class StepLength:
         if len(step.samples) < self._window + _LEAST_MEANS:
             return self._static_length_m()
         return model(running_mean(step.samples.vertical_mps2, self._window))
-
-
-def probability_of_running(step: Step) -> float:
-    """Of jogging or running; 0 where the gait is unknown."""
-    _, jogging, running = step.gait_probability
-    return 0.0 if math.isnan(jogging + running) else min(jogging + running, 1.0)
 
 
 def mixture(share: float, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float]:
