@@ -20,7 +20,8 @@ from pdr_est.config import Config
 RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parents[1] / "README.md"
 MARK = "<!-- benchmark -->"
-DETECTOR_SUITES = ("oxford-steps", "weallwalk", "known-distance", "motionsense")  # the others compare estimators
+# The others compare estimators.
+DETECTOR_SUITES = ("oxford-steps", "weallwalk", "known-distance", "motionsense", "gait")
 ROWS = (
     ("ilc20", None, "Indoor Location Competition 2.0, malls, held"),
     ("ipin2023", None, "IPIN 2023, held"),

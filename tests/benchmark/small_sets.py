@@ -90,3 +90,12 @@ def motionsense_table(path: Path, bounce_mps2: float = 3.0) -> None:
     for i, up in enumerate(bouncing(bounce_mps2=bounce_mps2)[1]):
         rows.append(f"{i},0,0,0,0,0,-1,0,0,0,0,0,{1.0 - up / STANDARD_GRAVITY_MPS2:.6f}")
     write(path, rows)
+
+
+def sisfall_table(path: Path, bounce_mps2: float = 3.0) -> None:
+    """A box at the belt that hangs upside down: gravity and bounce along -y, 256 bits a g."""
+    rows = []
+    for up in bouncing(200.0, bounce_mps2)[1]:
+        bits = round(-256.0 * up / STANDARD_GRAVITY_MPS2)
+        rows.append(f"{0:4d},{bits:4d},{0:4d}" + ",   0" * 6 + ";")
+    write(path, rows)
