@@ -22,7 +22,8 @@ _LIMITS = """\
 * Trained with phones in the front trouser pocket and a box at the belt, on adults on level ground, with a gyroscope.
   Running with the phone in the hand, older people, children and treadmills were not seen. Stairs were not trained.
 * Without gyroscope the vertical acceleration is taken from the magnitude, and more steps of joggers are missed.
-* Very quick walkers (above 2.2 steps a second) are the hardest to tell from joggers.
+* Very quick walkers (above 2.2 steps a second) are the hardest to tell from joggers. With the phone held in front,
+  which was not trained, brisk walkers with a bouncing hand are taken for joggers now and then.
 """
 
 
