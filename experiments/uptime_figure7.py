@@ -1,0 +1,215 @@
+"""Distance error along a trip, fixed against variable step length: figure 7 of UPTIME (Alzantot and Youssef 2012).
+
+    python experiments/uptime_figure7.py --data DIR
+
+Three trips, each joined from walks of different speeds: one of a simulated person, the walks of the public set
+known-distance, and those of stride-length. The steps are the same for every length model. The true distance is known
+in the simulation at every second, in known-distance at the end of each walk, and in stride-length at the end of each
+measured stride; there, only the strides that the benchmark scores are part of the trip.
+
+`static` is the fixed length (a share of the height), `gait-table` UPTIME's length for each gait, `auto` ours. Each is
+shown as it is, and scaled so that the trip's first walk is right, which takes the person's usual length out.
+
+Nobody runs in these trips: the simulator only walks, and no set with running tells the distance. So `gait-table` is
+nearly as fixed as `static`, and speeds of walking tell fixed from variable here, not gaits as in the paper.
+
+Writes experiments/results/uptime_figure7.png, .json and .txt.
+"""
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.benchmark.files import recordings
+from pdr_est.config import Config
+from pdr_est.evaluate.strides import lengths_by_time, scored_strides, shares
+from pdr_est.front_end.step_length import LengthModel, StepLength, StepLengthParams, WalkerParams
+from pdr_est.io import read
+from pdr_est.io.known_truth import read_truth_table
+from pdr_est.io.recording import Recording, TrueStrides
+from pdr_est.pipeline import analyse
+from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
+
+Array = NDArray[np.float64]
+
+RESULTS = Path(__file__).parent / "results"
+MODELS: tuple[LengthModel, ...] = ("static", "gait-table", "auto")
+COLOURS = {"static": "#b3462b", "gait-table": "#c9962f", "auto": "#1f6f8b"}
+PACES = (1.0, 0.7, 1.22, 0.85, 1.1)  # of the usual cadence, in the order of the simulated trip
+WALK_M = 94.0  # times five makes the paper's 470 m
+
+
+@dataclass(frozen=True)
+class Walk:
+    """Between places of known distance. true_m: (n,) way from each to the next; model_m: the same by each model."""
+
+    true_m: Array
+    model_m: Mapping[LengthModel, Array]
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Along a trip, in metres. along_m: (n,) true distance so far; error_m: (n,) distance by the model less that."""
+
+    along_m: Array
+    error_m: Array
+
+    def numbers(self) -> dict[str, float]:
+        """Distance, error at the end, mean and largest error without sign, rounded."""
+        size = np.abs(self.error_m)
+        found = {
+            "distance_m": self.along_m[-1],
+            "final_m": self.error_m[-1],
+            "final_percent": 100.0 * self.error_m[-1] / self.along_m[-1],
+            "mean_m": size.mean(),
+            "largest_m": size.max(),
+        }
+        return {name: round(float(value), 2) for name, value in found.items()}
+
+
+def main() -> None:
+    """Measure, print, draw and write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    trips = {
+        "simulated": simulated_trip(options.seed),
+        "known-distance": known_distance_trip(options.data / "known-distance"),
+        "stride-length": stride_length_trip(options.data / "stride-length"),
+    }
+    text = as_text(trips)
+    (RESULTS / "uptime_figure7.json").write_text(json.dumps(as_document(trips), indent=2) + "\n", encoding="utf-8")
+    (RESULTS / "uptime_figure7.txt").write_text(text, encoding="utf-8")
+    draw(trips, RESULTS / "uptime_figure7.png")
+    print(text, end="")
+
+
+def simulated_trip(seed: int, paces: Sequence[float] = PACES) -> list[Walk]:
+    """One person's walks along a straight way, each at another pace."""
+    rng = np.random.default_rng([seed, 7])
+    person = sample_person(rng)
+    walks = []
+    for pace in paces:
+        scenario = Scenario(
+            path=PathParams(vertices_m=((0.0, 0.0), (WALK_M, 0.0))),
+            gait=replace(person.gait, cadence_hz=pace * person.gait.cadence_hz),
+            body=person.body,
+            devices=(DeviceParams(carry=person.held),),
+            seed=int(rng.integers(2**31)),
+        )
+        walk = simulate_walk(scenario)
+        truth = walk.recording.truth.positions
+        assert truth is not None
+        time_s = np.append(np.arange(truth.time_s[0], truth.time_s[-1], 1.0), truth.time_s[-1])
+        true_m = np.linalg.norm(np.diff(walk.position_at(time_s), axis=0), axis=1)
+        body = WalkerParams(height_m=person.gait.height_m, gender=person.gait.gender)
+        walks.append(measured(walk.recording, TrueStrides(time_s[:-1], time_s[1:], true_m), body))
+    return walks
+
+
+def known_distance_trip(folder: Path) -> list[Walk]:
+    """The walks of the set, each from its beginning to its end."""
+    known = read_truth_table(next(folder.glob("truth.csv*")))
+    always = np.array([-np.inf]), np.array([np.inf])
+    return [
+        measured(read(path), TrueStrides(*always, np.array([known[name].distance_m])))
+        for name, path in recordings(folder, "*.csv")
+        if name in known
+    ]
+
+
+def stride_length_trip(folder: Path) -> list[Walk]:
+    """The scored strides of every walk of the set, the walks in order of name."""
+    walks = []
+    for _, path in recordings(folder, "PDR_Raw_*.txt"):
+        recording = read(path)
+        if recording.truth.strides is not None:
+            walks.append(measured(recording, scored_strides(recording.truth.strides)))
+    return walks
+
+
+def measured(recording: Recording, truth: TrueStrides, walker: WalkerParams | None = None) -> Walk:
+    """A walk's pieces of known length beside what each model makes of its steps."""
+    config = Config()
+    (device,) = analyse(recording, config)
+    start_s = np.array([step.start_s for step in device.steps])
+    end_s = np.array([step.event.time_s for step in device.steps])
+    share = shares(start_s, end_s, truth)
+    model_m = {}
+    for model in MODELS:
+        stage = StepLength(config.resample.rate_hz, walker or WalkerParams(), StepLengthParams(model=model))
+        lengths_m = np.array([found.length_m for step in device.steps for found in stage.push(step)])
+        model_m[model] = lengths_by_time(share, lengths_m)
+    return Walk(truth.length_m, model_m)
+
+
+def errors(trip: Sequence[Walk], model: LengthModel, scaled: bool) -> Errors:
+    """Along the trip by a model, as it is or scaled to the length of the first walk."""
+    first = trip[0]
+    scale = float(first.true_m.sum() / first.model_m[model].sum()) if scaled else 1.0
+    along_m = np.cumsum(np.concatenate([walk.true_m for walk in trip]))
+    return Errors(along_m, scale * np.cumsum(np.concatenate([walk.model_m[model] for walk in trip])) - along_m)
+
+
+def as_document(trips: Mapping[str, Sequence[Walk]]) -> dict[str, dict[str, dict[str, dict[str, float]]]]:
+    """Trip, then "as_it_is" or "scaled", then model."""
+    return {
+        name: {
+            way: {model: errors(trip, model, scaled).numbers() for model in MODELS}
+            for way, scaled in (("as_it_is", False), ("scaled", True))
+        }
+        for name, trip in trips.items()
+    }
+
+
+def as_text(trips: Mapping[str, Sequence[Walk]]) -> str:
+    """A line for each trip, way and model."""
+    lines = [
+        "Error of the distance walked so far, fixed and variable step length (UPTIME, figure 7)",
+        "scaled: so that the first walk of the trip is right",
+        "",
+        f"{'trip':16}{'way':10}{'model':12}{'m':>8}{'at the end m':>14}{'%':>8}{'mean m':>9}{'largest m':>11}",
+    ]
+    for name, ways in as_document(trips).items():
+        for way, models in ways.items():
+            for model, found in models.items():
+                lines.append(
+                    f"{name:16}{way.replace('_', ' '):10}{model:12}{found['distance_m']:8.1f}"
+                    f"{found['final_m']:+14.2f}{found['final_percent']:+8.1f}{found['mean_m']:9.2f}"
+                    f"{found['largest_m']:11.2f}"
+                )
+    return "\n".join(lines) + "\n"
+
+
+def draw(trips: Mapping[str, Sequence[Walk]], path: Path) -> None:
+    """A row a trip; left as it is, right scaled to the first walk."""
+    figure, axes = plt.subplots(len(trips), 2, figsize=(10, 3 * len(trips)), squeeze=False, layout="constrained")
+    for row, (name, trip) in zip(axes, trips.items(), strict=True):
+        for axis, scaled in zip(row, (False, True), strict=True):
+            for model in MODELS:
+                found = errors(trip, model, scaled)
+                along_m, error_m = np.append(0.0, found.along_m), np.append(0.0, found.error_m)
+                axis.plot(along_m, error_m, label=model, color=COLOURS[model])
+            for end_m in np.cumsum([walk.true_m.sum() for walk in trip]):
+                axis.axvline(end_m, color="#dddddd", linewidth=0.8, zorder=0)
+            axis.axhline(0.0, color="#888888", linewidth=0.8)
+            axis.set_title(f"{name}, {'scaled to the first walk' if scaled else 'as it is'}", fontsize=10)
+            axis.set_xlabel("walked (m)")
+            axis.set_ylabel("error of distance (m)")
+    axes[0, 0].legend()
+    figure.savefig(path, dpi=80)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    main()
