@@ -1,11 +1,13 @@
 """Metrics of a walk whose walker was calibrated on other walks of the same set."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 from typing import Protocol
 
 import numpy as np
 
+from pdr_est.benchmark.result import SkippedWalk, WalkRow
 from pdr_est.calibrate import Calibration, Observation, fit
 
 
@@ -18,6 +20,31 @@ class CalibrationCase(Protocol):
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
         """Metrics by name, of this walk with a walker's constants."""
+
+
+def with_calibrated(
+    rows: Sequence[WalkRow], cases: Sequence[CalibrationCase | None], number: int, metrics: Sequence[str]
+) -> tuple[tuple[WalkRow, ...], tuple[SkippedWalk, ...]]:
+    """The rows with their metrics after a calibration on other walks of the same variant, and what lacks them.
+
+    cases: of each row, None where it has none, of which the suite has told the reason. number: of walks to calibrate
+    on, 0 for suites that do not. metrics: names of those that are calibrated.
+    """
+    completed, skipped = list(rows), {}
+    for i, (row, case) in enumerate(zip(rows, cases, strict=True)):
+        if case is None:
+            continue
+        others = [
+            other
+            for of, other in zip(rows, cases, strict=True)
+            if other is not None and of.walk != row.walk and of.settings == row.settings
+        ]
+        if len(others) < number:
+            reason = f"{', '.join(metrics)}: fewer than {number} other walks to calibrate on"
+            skipped[row.walk] = SkippedWalk(row.walk, reason)  # once, whatever the number of variants
+            continue
+        completed[i] = replace(row, metrics={**row.metrics, **calibrated_metrics(case, others, number)})
+    return tuple(completed), tuple(skipped.values())
 
 
 def calibrated_metrics(case: CalibrationCase, others: Sequence[CalibrationCase], number: int) -> dict[str, float]:

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 
 from pdr_est import __version__, pipeline
-from pdr_est.benchmark.calibrated import CalibrationCase, calibrated_metrics
+from pdr_est.benchmark.calibrated import CalibrationCase, with_calibrated
 from pdr_est.benchmark.files import in_words, suite_folder
 from pdr_est.benchmark.result import BenchmarkResult, SkippedWalk, WalkRow
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile
@@ -60,7 +60,12 @@ def run_benchmark(
         outcomes.append(outcome)
         if on_progress is not None:
             on_progress(len(outcomes), len(walks))
-    rows, too_few = _calibrated(chosen, outcomes)
+    rows, too_few = with_calibrated(
+        [row for outcome in outcomes for row in outcome.rows],
+        [case for outcome in outcomes for case in outcome.cases],
+        chosen.calibrated_on,
+        chosen.calibrated,
+    )
     return BenchmarkResult(
         suite=suite,
         version=__version__,
@@ -112,30 +117,6 @@ def _run_walk(suite: Suite, file: WalkFile, variants: Sequence[Variant]) -> Outc
     # A reason that does not depend on the variant or the track is given once.
     skipped = tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons))
     return Outcome(tuple(rows), skipped, tuple(cases))
-
-
-def _calibrated(suite: Suite, outcomes: Sequence[Outcome]) -> tuple[tuple[WalkRow, ...], tuple[SkippedWalk, ...]]:
-    """All rows, with the metrics after a calibration on other walks of the same variant, and what lacks them."""
-    rows = [row for outcome in outcomes for row in outcome.rows]
-    if not suite.calibrated_on:
-        return tuple(rows), ()
-    cases = [case for outcome in outcomes for case in outcome.cases]
-    skipped: dict[SkippedWalk, None] = {}
-    for i, (row, case) in enumerate(zip(rows, cases, strict=True)):
-        if case is None:
-            continue  # its own reason has been told
-        others = [
-            other
-            for other_row, other in zip(rows, cases, strict=True)
-            if other is not None and other_row.walk != row.walk and other_row.settings == row.settings
-        ]
-        if len(others) < suite.calibrated_on:
-            reason = f"{', '.join(suite.calibrated)}: fewer than {suite.calibrated_on} other walks to calibrate on"
-            skipped[SkippedWalk(row.walk, reason)] = None
-            continue
-        found = calibrated_metrics(case, others, suite.calibrated_on)
-        rows[i] = replace(row, metrics={**row.metrics, **found})
-    return tuple(rows), tuple(skipped)
 
 
 def _with_truth(recording: Recording, told: Truth) -> Recording:
