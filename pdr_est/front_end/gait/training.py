@@ -52,7 +52,7 @@ class Recipe:
 
 
 RECIPES: dict[FeatureSet, Recipe] = {
-    "auto": Recipe(STRIDE_NAMES, STRIDE_NAMES[:3], STRIDE_NAMES[2:], gamma=0.25, faster_c=10.0, most_steps=3000),
+    "auto": Recipe(STRIDE_NAMES, STRIDE_NAMES[:3], STRIDE_NAMES[2:], gamma=0.25, faster_c=10.0, most_steps=4500),
     "uptime": Recipe(UPTIME_NAMES, UPTIME_NAMES, UPTIME_NAMES, gamma=0.25, faster_c=1.0, most_steps=1000),
 }
 
