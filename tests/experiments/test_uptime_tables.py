@@ -97,4 +97,4 @@ def test_table_4_as_recorded():
         *((method, place) for method in ("uptime", "auto") for place in ("pocket", "belt", "both")),
     ]
     assert table[-1].percent()["walking_accuracy"] >= 99.0
-    assert table[-2].percent()["balanced_accuracy"] >= 90.0
+    assert table[-2].percent()["balanced_accuracy"] >= 89.0
