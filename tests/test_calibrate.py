@@ -1,6 +1,7 @@
 """Calibration: the exact posterior, what is learnt from which walks, and what no walk can be."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -144,6 +145,20 @@ def test_fixes_tell_the_scale_that_the_length_of_the_way_tells(simulated) -> Non
     assert 0.0 < by_fixes.sigma < 0.05
     assert by_fixes.log_ratio == pytest.approx(by_length.log_ratio, abs=0.03)
     assert by_fixes.log_range == by_length.log_range
+
+
+def test_what_is_expected_of_people_does_not_count_twice(simulated) -> None:
+    """Vague fixes of somebody with longer steps: the prior pulls the smoother's scale, but not the observation."""
+    walks, fixes, _ = simulated
+    vague = [replace(fix, position_m=1.25 * fix.position_m, covariance_m2=np.eye(2) * 2.0**2) for fix in fixes]
+
+    def smoother(sigma: float) -> float:
+        config = Config(odometry=replace(Config().odometry, sigma_length_scale=sigma))
+        return pipeline.estimate(walks, config, vague).length_scale
+
+    scale = math.exp(observe_fixes(walks, Config(), vague, "walk").log_ratio)
+    assert scale - smoother(SIGMA_LOG_SCALE) > 0.02
+    assert scale == pytest.approx(smoother(10.0 * SIGMA_LOG_SCALE), abs=0.01)
 
 
 def test_fixes_that_tell_nothing_are_refused(simulated) -> None:

@@ -75,6 +75,15 @@ def test_calibration_is_on_each_other_walk_in_turn(tmp_path):
     assert third["distance_error_calibrated"] == pytest.approx(1.2**SHRINKAGE / 0.9 - 1.0, abs=0.01)
 
 
+def test_variants_are_calibrated_on_walks_of_their_own_kind(tmp_path):
+    stride_set(tmp_path, 1.2, 1.1)
+    both = run_benchmark("stride-length", tmp_path, compare(CONFIG, "length-model", ["static", "auto"])).to_dict()
+    of_static = [walk for walk in both["walks"] if walk["length-model"] == "static"]
+    alone = run("stride-length", tmp_path)["walks"]
+    for name in ("distance_error", "distance_error_calibrated", "stride_error_calibrated"):
+        assert [walk[name] for walk in of_static] == [walk[name] for walk in alone]
+
+
 def test_the_same_in_several_processes(tmp_path):
     stride_set(tmp_path, 1.1, 1.2, 0.9)
     one, two = (run("stride-length", tmp_path, jobs=jobs)["summary"] for jobs in (1, 2))
