@@ -86,7 +86,7 @@ class StrideFeatures:
 
     def __init__(self) -> None:
         self._previous: Step | None = None
-        self._rows = np.empty((2, 0))  # v and m of the previous step
+        self._rows = np.empty((2, 0))  # of the previous step
         self._sums = (0.0, 0.0, 0.0, 0)  # its duration, horizontal power, least v, samples upwards
         self._waves: dict[tuple[int, int], Array] = {}  # a stride has few lengths; each costs more than the rest
 
@@ -98,10 +98,9 @@ class StrideFeatures:
             spectrum = rows @ self._wave(count, 1)
             period_s, horizontal, lowest, upwards = sums
         else:
-            before = self._rows.shape[1]
-            count = before + rows.shape[1]
-            wave = self._wave(count, 2)
-            spectrum = self._rows @ wave[:before] + rows @ wave[before:]
+            stride = np.concatenate((self._rows, rows), axis=1)
+            count = stride.shape[1]
+            spectrum = stride @ self._wave(count, 2)
             old = self._sums
             period_s = 0.5 * (sums[0] + old[0])
             horizontal, lowest, upwards = sums[1] + old[1], min(sums[2], old[2]), sums[3] + old[3]
@@ -129,12 +128,12 @@ class StrideFeatures:
 
 
 def _of_step(step: Step) -> tuple[Array, tuple[float, float, float, int]]:
-    """Rows (2, n) of vertical acceleration and excess magnitude; duration, horizontal power, least v, samples up."""
+    """Rows (2, n) of v and m; duration, horizontal power, least v, samples with v > 0."""
     samples = step.samples
     rows = np.empty((2, len(samples)))
-    rows[0] = samples.vertical_mps2
-    rows[1] = excess_magnitude(samples.up, samples.acceleration_mps2)
     vertical = rows[0]
+    vertical[:] = samples.vertical_mps2
+    rows[1] = excess_magnitude(samples.up, samples.acceleration_mps2)
     acceleration = samples.acceleration_mps2.ravel()  # in order of rows, however it lies in memory
     horizontal = max(float(acceleration @ acceleration - vertical @ vertical), 0.0)
     duration_s = step.event.time_s - step.start_s

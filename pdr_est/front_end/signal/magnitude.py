@@ -18,6 +18,7 @@ def excess_magnitude(up: Array, acceleration_mps2: Array) -> Array:
 
     Sums are written out: batched products differ with the size of a block.
     """
-    x, y, z = specific_force(up, acceleration_mps2).T
-    magnitude: Array = np.sqrt(x * x + y * y + z * z) - STANDARD_GRAVITY_MPS2
+    force = specific_force(up, acceleration_mps2)
+    xx, yy, zz = (force * force).T
+    magnitude: Array = np.sqrt(xx + yy + zz) - STANDARD_GRAVITY_MPS2
     return magnitude
