@@ -45,8 +45,8 @@ def test_each_fold_has_not_seen_its_people(trained: TrainedGait) -> None:
     assert trained.folds.model_for("somebody else") is None
 
 
-def test_a_person_left_out_has_no_influence_on_the_fold(trained: TrainedGait) -> None:
-    """Neither on the machines nor on the sigmoids, which scores of people left out are fitted to."""
+def test_a_person_left_out_has_no_influence_on_the_machines_of_the_fold(trained: TrainedGait) -> None:
+    """On its machines; its sigmoids rest on scores of the others, by models that knew the person."""
     walks = [
         replace(walk, features=walk.features + 0.3) if walk.person == "both/1" else walk
         for walk in walks_of(people=4, joggers_only=2)
