@@ -5,6 +5,10 @@ PoseRotationPrior2D, robust ones under a Huber or Cauchy kernel. The walker's le
 every step and make the system dense, so it stays outside: the graph is solved at one scale, two linear systems at
 neighbouring scales tell where the best scale is, its sigma, and how each pose moves with it, and the scale's share is
 added to the marginals. For a linear walk that is the same as a variable in the graph.
+
+Sigmas reach from the least one to the reach of a gap of hours. Their squares are further apart than a number has
+digits, so systems are eliminated by QR and not by Cholesky, and from the end of the walk to its start, where there
+always is a prior: no elimination then depends on what rounding left of nothing.
 """
 
 from collections.abc import Callable
@@ -164,8 +168,18 @@ def _prior_noise(prior: HeadingPrior) -> gtsam.noiseModel.Base:
     return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_CAUCHY), base)
 
 
+def _end_to_start(values: gtsam.Values) -> gtsam.Ordering:
+    """The order in which poses are eliminated."""
+    ordering = gtsam.Ordering()
+    for i in reversed(range(values.size())):
+        ordering.push_back(i)
+    return ordering
+
+
 def _optimise(graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> gtsam.Values:
     params = gtsam.LevenbergMarquardtParams()
+    params.setLinearSolverType("MULTIFRONTAL_QR")
+    params.setOrdering(_end_to_start(values))
     params.setRelativeErrorTol(1e-6)
     params.setAbsoluteErrorTol(1e-6)
     return gtsam.LevenbergMarquardtOptimizer(graph, values, params).optimize()
@@ -192,7 +206,7 @@ def _improve_scale(
 def _least_error(graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> tuple[float, gtsam.VectorValues]:
     """Least error of the graph linearised at `values`, and the change of the poses that leads there."""
     linear = graph.linearize(values)
-    change = linear.optimize()
+    change = linear.optimize(_end_to_start(values), gtsam.EliminateQR)
     return linear.error(change), change
 
 
@@ -214,9 +228,20 @@ def _to_map(heading_rad: Array) -> Array:
 
 
 def _marginals(graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> tuple[Array, Array]:
-    """Poses (n, 3) and their marginal covariances (n, 3, 3) in the map frame."""
-    marginals = gtsam.Marginals(graph, values)
+    """Poses (n, 3) and their marginal covariances (n, 3, 3) in the map frame.
+
+    Eliminated from the end, a pose is R^-1 (white noise - S (pose before)): the covariances follow one another from
+    the start on, by sums alone.
+    """
     pose: Array = gtsam.utilities.extractPose2(values)
-    body = np.array([marginals.marginalCovariance(i) for i in range(len(pose))])
+    eliminated = graph.linearize(values).eliminateSequential(_end_to_start(values), gtsam.EliminateQR)
+    body = np.empty((len(pose), 3, 3))
+    for i in range(len(pose)):
+        conditional = eliminated.at(len(pose) - 1 - i)
+        inverse = np.linalg.inv(conditional.R())
+        body[i] = inverse @ inverse.T
+        if i:
+            carried = inverse @ conditional.S()
+            body[i] += carried @ body[i - 1] @ carried.T
     rotation = _to_map(pose[:, 2])
     return pose, rotation @ body @ rotation.transpose(0, 2, 1)

@@ -49,6 +49,33 @@ def test_no_step_and_fixes_is_their_mean(name: EstimatorName) -> None:
     assert track.covariance_m2[0] == pytest.approx(0.08 * np.eye(2), rel=1e-3, abs=1e-6)
 
 
+def around_a_gap(gap_m: float, sigma_turn_rad: float) -> list[Measurement]:
+    """Ten steps, a gap with this reach, and forty steps more."""
+    bridge = step(11, 0.0, covariance=np.diag([gap_m, gap_m, sigma_turn_rad]) ** 2, observed=False)
+    return [*straight(10), bridge, *(step(k) for k in range(12, 52))]
+
+
+@pytest.mark.parametrize("gap_m", [600.0, 3600.0, 86400.0])
+def test_a_gap_of_hours_in_the_graph_is_as_in_the_filter(gap_m: float) -> None:
+    """The square of a walker's reach in a gap is further from that of a step's noise than Cholesky can bear."""
+    walk = around_a_gap(gap_m, sigma_turn_rad=1.8)
+    graph, filtered = (run(name, walk, StartPose()) for name in ("factor-graph", "ekf"))
+    check_sound(graph, 52)
+    assert graph.position_m == pytest.approx(filtered.position_m, abs=1e-6)
+    assert graph.covariance_m2 == pytest.approx(filtered.covariance_m2, rel=1e-5, abs=1e-5)
+
+
+@pytest.mark.parametrize("gap_m", [600.0, 3600.0, 86400.0])
+def test_fixes_behind_a_gap_of_hours(gap_m: float) -> None:
+    fixes = [fix(k, 0.7 * k, 4e-5 * gap_m) for k in range(15, 50, 5)]
+    walk = [*around_a_gap(gap_m, sigma_turn_rad=0.02), *fixes]
+    graph, filtered = (run(name, walk, StartPose((0.0, 0.0), 0.0, 0.1, 0.02)) for name in ("factor-graph", "ekf"))
+    check_sound(graph, 52)
+    # The filter's last pose has seen what every pose of the graph has.
+    assert graph.position_m[-1] == pytest.approx(filtered.position_m[-1], abs=0.05)
+    assert graph.covariance_m2[-1] == pytest.approx(filtered.covariance_m2[-1], rel=0.05, abs=0.01)
+
+
 @every_estimator
 @every_start
 def test_steps_of_no_length(name: EstimatorName, start: StartPose) -> None:
