@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from pdr_est import pipeline
 from pdr_est.calibrate import (
+    MEAN_EXPONENT,
     SIGMA_EXPONENT,
     SIGMA_LOG_SCALE,
     SIGMA_WALK,
@@ -26,9 +27,10 @@ from pdr_est.simulate import Scenario, simulate_walk
 from pdr_est.simulate.path import PathParams
 
 
-def paced(length_m: float = 0.7, n: int = 10, log_range: float = 2.0, step_s: float = 0.5) -> PacedSteps:
-    end_s = step_s * np.arange(1, n + 1)
-    return PacedSteps(end_s - step_s, end_s, np.full(n, length_m), np.full(n, log_range))
+def paced(length_m: float = 0.7, n: int = 10, cadence_hz: float = 2.0) -> PacedSteps:
+    end_s = np.arange(1, n + 1) / cadence_hz
+    log_cadence = np.full(n, math.log(cadence_hz))
+    return PacedSteps(end_s - 1.0 / cadence_hz, end_s, np.full(n, length_m), log_cadence)
 
 
 # --- the posterior -----------------------------------------------------------------------------------------------
@@ -36,32 +38,42 @@ def paced(length_m: float = 0.7, n: int = 10, log_range: float = 2.0, step_s: fl
 
 def test_the_posterior_is_that_of_least_squares_with_the_prior_as_rows() -> None:
     rng = np.random.default_rng(5)
-    y, sigma, x = rng.normal(0.1, 0.1, 6), rng.uniform(0.0, 0.1, 6), rng.uniform(1.0, 3.0, 6)
-    speeds = np.linspace(0.8, 1.6, 6)
-    found = fit([Observation(*row) for row in zip(y, sigma, x, speeds, strict=True)])
+    y, sigma, x = rng.normal(0.1, 0.1, 6), rng.uniform(0.0, 0.1, 6), rng.uniform(0.0, 0.9, 6)
+    found = fit([Observation(*row) for row in zip(y, sigma, x, strict=True)])
     noise = np.hypot(SIGMA_WALK, sigma)
     rows = np.column_stack([1.0 / noise, (x - x.mean()) / noise])
     rows = np.vstack([rows, [1.0 / SIGMA_LOG_SCALE, 0.0], [0.0, 1.0 / SIGMA_EXPONENT]])
-    answer = np.linalg.lstsq(rows, np.concatenate([y / noise, [0.0, 0.0]]), rcond=None)[0]
+    answer = np.linalg.lstsq(rows, np.concatenate([y / noise, [0.0, MEAN_EXPONENT / SIGMA_EXPONENT]]), rcond=None)[0]
     covariance = np.linalg.inv(rows.T @ rows)
     assert_allclose(found.mean, answer, rtol=1e-10)
     assert_allclose(found.covariance, covariance, rtol=1e-10)
-    assert found.reference_range_mps2 == pytest.approx(math.exp(x.mean()))
+    assert found.reference_cadence_hz == pytest.approx(math.exp(x.mean()))
     spread = covariance[0, 0] + covariance[1, 1] * x.var() + SIGMA_WALK**2
     assert found.sigma_next == pytest.approx(math.sqrt(spread))
 
 
-def test_walks_of_one_speed_tell_the_scale_alone() -> None:
-    walks = [Observation(0.1, 0.0, 1.0, 1.30), Observation(-0.1, 0.0, 3.0, 1.55)]
-    alone = fit(walks)
-    assert alone.mean[1] == 0.0
-    assert_allclose(alone.covariance, [[1.0 / (SIGMA_LOG_SCALE**-2 + 2.0 * SIGMA_WALK**-2), 0.0], [0.0, 0.0]])
-    learnt = fit([walks[0], Observation(-0.1, 0.0, 3.0, 1.57)])  # a fifth faster
-    assert learnt.mean[1] < -0.01
+def test_walks_of_one_cadence_tell_the_scale_alone() -> None:
+    alone = fit([Observation(0.1, 0.0, 0.6), Observation(0.2, 0.0, 0.6)])
+    variance = 1.0 / (SIGMA_LOG_SCALE**-2 + 2.0 * SIGMA_WALK**-2)
+    assert_allclose(alone.mean, [variance * 0.3 / SIGMA_WALK**2, MEAN_EXPONENT])
+    assert_allclose(alone.covariance, np.diag([variance, SIGMA_EXPONENT**2]), atol=1e-15)
+    learnt = fit([Observation(0.1, 0.0, 0.2), Observation(0.2, 0.0, 0.3)])  # an exponent of 1
+    assert MEAN_EXPONENT < learnt.mean[1] < 1.0
+
+
+def test_a_walk_is_reproduced_whatever_its_cadence() -> None:
+    """As far as it is believed against what is expected of people: the exponent changes nothing where it was seen."""
+    for cadence_hz in (1.1, 2.2):
+        steps = paced(cadence_hz=cadence_hz)
+        found = fit([observe_distance([steps], 8.4, "walk")])
+        believed = SIGMA_LOG_SCALE**2 / (SIGMA_LOG_SCALE**2 + SIGMA_WALK**2)
+        own = steps.personal(found.walker(WalkerParams()))
+        assert own.length_m.sum() == pytest.approx(7.0 * 1.2**believed)
+        assert found.walker(WalkerParams()).reference_cadence_hz == pytest.approx(cadence_hz)
 
 
 def test_more_walks_tell_more_and_uncertain_ones_less() -> None:
-    sure, unsure = Observation(0.1, 0.0, 2.0, 1.3), Observation(0.1, 0.2, 2.0, 1.3)
+    sure, unsure = Observation(0.1, 0.0, 0.6), Observation(0.1, 0.2, 0.6)
     assert fit([sure] * 5).sigma_next < fit([sure]).sigma_next < fit([unsure]).sigma_next
     assert fit([unsure]).sigma_next < math.hypot(SIGMA_LOG_SCALE, SIGMA_WALK)
     assert fit([sure] * 1000).sigma_next == pytest.approx(SIGMA_WALK, rel=1e-3)
@@ -69,16 +81,16 @@ def test_more_walks_tell_more_and_uncertain_ones_less() -> None:
 
 
 def test_a_person_is_found_again() -> None:
-    """Many walks of somebody whose steps follow the intensity in another way than the model says."""
-    truth = WalkerParams(length_scale=1.2, range_exponent=0.3, reference_range_mps2=8.0)
-    ranges = np.tile([4.0, 8.0, 16.0], 400)
+    """Many walks of somebody whose steps lengthen with the cadence more than is expected."""
+    truth = WalkerParams(length_scale=1.2, cadence_exponent=0.8, reference_cadence_hz=1.6)
+    cadences_hz = (1.2, 1.6, 2.2)
     walks = []
-    for value in ranges:
-        steps = paced(log_range=math.log(value), step_s=4.0 / value)
+    for value in cadences_hz * 400:
+        steps = paced(cadence_hz=value)
         walks.append(observe_distance([steps], float(steps.personal(truth).length_m.sum()), "walk"))
     walker = fit(walks).walker(WalkerParams(height_m=1.9, gender="female"))
     assert (walker.height_m, walker.gender) == (1.9, "female")
-    for value in (4.0, 8.0, 16.0):
+    for value in cadences_hz:
         assert walker.personal_factor(value) == pytest.approx(truth.personal_factor(value), rel=0.005)
 
 
@@ -87,15 +99,13 @@ def test_a_person_is_found_again() -> None:
 
 def test_what_a_known_distance_tells() -> None:
     seen = observe_distance([paced()], 8.4, "walk")
-    assert (seen.log_ratio, seen.sigma, seen.log_range) == pytest.approx((math.log(1.2), 0.0, 2.0))
-    assert seen.speed_mps == pytest.approx(8.4 / 5.0)
+    assert (seen.log_ratio, seen.sigma, seen.log_cadence) == pytest.approx((math.log(1.2), 0.0, math.log(2.0)))
 
 
 def test_the_devices_of_one_walk_are_averaged() -> None:
-    seen = observe_distance([paced(0.6, log_range=1.0), paced(0.8, log_range=2.0)], 7.7, "walk")
+    seen = observe_distance([paced(0.6, cadence_hz=1.5), paced(0.8, cadence_hz=2.0)], 7.7, "walk")
     assert seen.log_ratio == pytest.approx(math.log(1.1))
-    assert seen.log_range == pytest.approx((0.6 + 2.0 * 0.8) / 1.4)
-    assert seen.speed_mps == pytest.approx(7.7 / 5.0)
+    assert seen.log_cadence == pytest.approx((0.6 * math.log(1.5) + 0.8 * math.log(2.0)) / 1.4)
 
 
 @pytest.mark.parametrize(
@@ -144,7 +154,7 @@ def test_fixes_tell_the_scale_that_the_length_of_the_way_tells(simulated) -> Non
     by_fixes = observe_fixes(walks, Config(), fixes, "walk")
     assert 0.0 < by_fixes.sigma < 0.05
     assert by_fixes.log_ratio == pytest.approx(by_length.log_ratio, abs=0.03)
-    assert by_fixes.log_range == by_length.log_range
+    assert by_fixes.log_cadence == by_length.log_cadence
 
 
 def test_what_is_expected_of_people_does_not_count_twice(simulated) -> None:

@@ -14,7 +14,7 @@ from pdr_est.profile import Profile, ProfileNote, load_profile, profile_to_yaml,
 PROFILE = Profile(
     note=ProfileNote(length_model="weinberg", recordings=2, date=date(2024, 2, 29), distances_m=(31.91, 100.0)),
     walker=WalkerParams(
-        height_m=1.6, gender="female", length_scale=1.0791, range_exponent=-0.05, reference_range_mps2=3.7
+        height_m=1.6, gender="female", length_scale=1.0791, cadence_exponent=-0.05, reference_cadence_hz=1.47
     ),
     sigma_length_scale=0.0636,
 )

@@ -108,6 +108,5 @@ def _profile(found: Calibration, config: Config, distances_m: Sequence[float], r
 def _in_words(found: Calibration, seen: Sequence[Observation]) -> str:
     walker = found.walker(WalkerParams())
     words = f"length scale {walker.length_scale:.3f} from {len(seen)} walk{'s' if len(seen) > 1 else ''}"
-    if walker.range_exponent != 0.0:
-        words += f", range exponent {walker.range_exponent:+.3f}"
+    words += f" at {walker.reference_cadence_hz:.2f} steps/s, cadence exponent {walker.cadence_exponent:+.2f}"
     return f"{words}; the next walk's length is known to {100.0 * found.sigma_next:.1f} %"

@@ -133,8 +133,8 @@ def test_known_distance_is_calibrated_on_every_pair_of_others(tmp_path):
     for a, b in combinations((1.2, 0.9, 1.0), 2):
         fitted = math.exp(shrinkage * 0.5 * (math.log(a / counted) + math.log(b / counted)))
         errors.append(abs(fitted * counted / 1.2 - 1.0))
-    # The walks differ in speed by truth, not in the range of acceleration, so the exponent stays what it was: 0.
-    assert walk["distance_error_calibrated"] == pytest.approx(np.mean(errors), abs=1e-6)
+    # One cadence: the exponent is not learnt, and evens out within each walk but for its square.
+    assert walk["distance_error_calibrated"] == pytest.approx(np.mean(errors), abs=5e-4)
 
 
 # --- what a calibration may see ----------------------------------------------------------------------------------
@@ -148,7 +148,7 @@ class Case:
 
     @property
     def observation(self) -> Observation:
-        return Observation(math.log(self.scale), 0.0, 2.0, 1.3)
+        return Observation(math.log(self.scale), 0.0, 0.6)
 
     def errors(self, calibration: Calibration) -> dict[str, float]:
         return {"scale": float(calibration.mean[0])}

@@ -9,6 +9,7 @@ import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import refused, run, smoothed
 
+from pdr_est.calibrate import MEAN_EXPONENT
 from pdr_est.profile import Profile, load_profile
 
 
@@ -42,7 +43,8 @@ def test_what_stands_in_the_profile(by_distance: Path) -> None:
     profile = load_profile(by_distance)
     assert (profile.note.length_model, profile.note.recordings, profile.note.distances_m) == ("auto", 1, (15.0,))
     assert 1.05 < profile.walker.length_scale < 1.35
-    assert profile.walker.range_exponent == 0.0
+    assert profile.walker.cadence_exponent == pytest.approx(MEAN_EXPONENT)  # one walk does not tell it
+    assert 1.0 < profile.walker.reference_cadence_hz < 2.5
     assert 0.05 < profile.sigma_length_scale < 0.11
 
 
@@ -64,7 +66,7 @@ def test_smooth_uses_the_profile_and_says_so(by_distance: Path, good: Path, tmp_
 
 
 def test_calibration_forgets_an_earlier_one(by_distance: Path, good: Path, tmp_path: Path) -> None:
-    config = save(tmp_path / "config.yaml", ["walker:", "  length_scale: 1.5", "  range_exponent: 0.4"])
+    config = save(tmp_path / "config.yaml", ["walker:", "  length_scale: 1.5", "  cadence_exponent: 0.7"])
     again = profile_of(good, "--distance", 15.0, "--config", config, out=tmp_path / "again.yaml")
     assert again.walker == load_profile(by_distance).walker
 

@@ -259,15 +259,25 @@ def test_nobody_runs_at_the_cadence_of_a_walk(cadence_hz: float, expected: float
 
 
 @pytest.mark.parametrize("model", LENGTH_MODELS)
-def test_personal_constants_multiply_every_model(model: str) -> None:
-    person = replace(MAN, length_scale=1.1, range_exponent=0.5, reference_range_mps2=4.0)
-    (usual,), (own,) = (pushed(with_vertical(PLATEAUS), walker=walker, model=model) for walker in (MAN, person))
-    assert own.length_m == pytest.approx(1.1 * 2.0 * usual.length_m)  # the range of the step is 16 m/s^2
-    assert own.sigma_length_m == pytest.approx(1.1 * 2.0 * usual.sigma_length_m)
+@pytest.mark.parametrize("probability", [UNKNOWN, WALKING, (0.5, 0.25, 0.25)])
+def test_personal_constants_multiply_every_model(model: str, probability: tuple[float, float, float]) -> None:
+    person = replace(MAN, length_scale=1.1, cadence_exponent=0.5, reference_cadence_hz=1.6)
+    a_step = in_gait(with_vertical(PLATEAUS, start_s=1.0 - 1.0 / 2.2), probability)  # 2.2 steps a second
+    (usual,), (own,) = (pushed(a_step, walker=walker, model=model) for walker in (MAN, person))
+    factor = 1.1 * np.sqrt(2.2 / 1.6)
+    assert own.length_m == pytest.approx(factor * usual.length_m)
+    assert own.sigma_length_m == pytest.approx(factor * usual.sigma_length_m)
 
 
-def test_the_personal_range_is_the_geometric_mean_of_three_steps() -> None:
-    person = replace(MAN, range_exponent=1.0, reference_range_mps2=1.0)
-    steps = [replace(with_vertical(np.array([0.0, range_mps2]))) for range_mps2 in (2.0, 4.0, 8.0, 16.0)]
+def test_the_personal_cadence_is_that_of_the_last_three_steps() -> None:
+    person = replace(MAN, cadence_exponent=1.0, reference_cadence_hz=1.0)
+    intervals_s = (0.5, 0.8, 0.5, 0.8, 0.8)
+    steps = [with_vertical(PLATEAUS, start_s=1.0 - interval_s) for interval_s in intervals_s]
     found = pushed(*steps, walker=person, model="static")
-    assert [item.length_m / 0.747 for item in found] == pytest.approx([2.0, np.sqrt(8.0), 4.0, 8.0])
+    assert [0.747 / item.length_m for item in found] == pytest.approx([0.5, 0.65, 0.5, 0.8, 0.8])
+
+
+def test_beyond_the_cadences_of_walking_the_personal_factor_stays() -> None:
+    person = replace(MAN, length_scale=1.1, cadence_exponent=1.0, reference_cadence_hz=1.75)
+    found = [person.personal_factor(cadence_hz) for cadence_hz in (0.1, 0.7, 1.75, 2.5, 9.0)]
+    assert found == pytest.approx([0.44, 0.44, 1.1, 1.1 * 2.5 / 1.75, 1.1 * 2.5 / 1.75])

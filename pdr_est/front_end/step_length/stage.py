@@ -66,7 +66,7 @@ class StepLength:
             (walking_m, self._parameters.sigma_walking * walking_m),
             (running_m, self._parameters.sigma_running * running_m),
         )
-        factor = self._walker.personal_factor(pace.range_mps2)
+        factor = self._walker.personal_factor(pace.cadence_hz)
         return [replace(item, length_m=factor * mean_m, sigma_length_m=factor * sigma_m)]
 
     def flush(self) -> list[Step]:

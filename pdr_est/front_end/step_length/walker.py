@@ -8,23 +8,37 @@ from pdr_est.params import Positive, params
 
 Gender = Literal["male", "female"]
 Height = Annotated[float, Ge(0.5), Le(2.6)]  # of a small child and of the tallest; refuses centimetres and feet
+_CADENCE_HZ = (0.7, 2.5)  # of walkers, from strolling to the quickest
 
 
 @params
 class WalkerParams:
     """Who walks. Height and gender default to those of MMPDR's application.
 
-    length_scale, range_exponent, reference_range_mps2: personal constants. The length of every model is multiplied
-    by length_scale * (range / reference_range_mps2) ** range_exponent, where range is that of the vertical
-    acceleration over the last steps (`Pace.range_mps2`). How uncertain the scale is: `odometry.sigma_length_scale`.
+    length_scale, cadence_exponent, reference_cadence_hz: personal constants. The length of every model, of walking
+    and of running steps, is multiplied by length_scale * (cadence / reference_cadence_hz) ** cadence_exponent, where
+    cadence is that of the last steps (`Pace.cadence_hz`), as far as somebody walks with it (`walking_cadence_hz`).
+    How uncertain the scale is: `odometry.sigma_length_scale`.
     """
 
     height_m: Height = 1.73
     gender: Gender = "male"
     length_scale: Positive = 1.0
-    range_exponent: Annotated[float, Ge(-1.0), Le(1.0)] = 0.0
-    reference_range_mps2: Positive = 8.0
+    cadence_exponent: Annotated[float, Ge(-1.0), Le(2.0)] = 0.0
+    reference_cadence_hz: Positive = 1.8
 
-    def personal_factor(self, range_mps2: float) -> float:
-        """What to multiply a model's length by."""
-        return float(self.length_scale * (range_mps2 / self.reference_range_mps2) ** self.range_exponent)
+    def personal_factor(self, cadence_hz: float) -> float:
+        """What to multiply a model's length by, at that many steps a second."""
+        pace = walking_cadence_hz(cadence_hz) / self.reference_cadence_hz
+        return float(self.length_scale * pace**self.cadence_exponent)
+
+
+def walking_cadence_hz(cadence_hz: float) -> float:
+    """The nearest cadence of a walk.
+
+    Slower is a pause within a step or a step that was missed, quicker a runner or a step cut in two. The exponent is
+    learnt from walks and must not make such steps arbitrarily short or long. A runner's steps are corrected as those
+    of a very quick walk: nothing is known of how they differ from the model's.
+    """
+    slowest, quickest = _CADENCE_HZ
+    return min(max(cadence_hz, slowest), quickest)
