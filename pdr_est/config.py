@@ -171,6 +171,12 @@ def _refuse_contradictions(config: Config, place: str) -> None:
         step_detector(config.resample.rate_hz, config.steps)
     except ConfigError as error:
         raise ConfigError(f"{place}: steps.{config.steps.detector.replace('-', '_')}: {error}") from error
+    watched_s, compensated_s = config.mode.mmpdr.window_s, config.steps.mmpdr.transition_s
+    if config.mode.method == config.steps.detector == "mmpdr" and watched_s != compensated_s:
+        raise ConfigError(
+            f"{place}: mode.mmpdr.window_s = {watched_s:g} and steps.mmpdr.transition_s = {compensated_s:g} are both "
+            "the length of a transition: give them one value"
+        )
     if config.gait.model is not None:
         try:
             gait_model(config.gait)

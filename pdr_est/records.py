@@ -109,7 +109,8 @@ class LevelBlock:
 class StepEvent:
     """A detected step: when the detector's feature happened, not when it was recognised.
 
-    mode_probability: how sure the recogniser was of the mode at the step.
+    mode_probability: how sure the recogniser was of the mode at the step. compensated: nobody saw the step; its time
+    is made up from the rhythm before it.
     """
 
     index: int
@@ -118,6 +119,7 @@ class StepEvent:
     mode: CarryingMode
     confidence: float = 1.0
     mode_probability: float = 1.0
+    compensated: bool = False
 
 
 @dataclass(frozen=True)

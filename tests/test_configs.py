@@ -79,3 +79,11 @@ def test_a_configuration_made_in_python_is_checked_before_use() -> None:
     walk = simulate_walk(Scenario(path=PathParams(vertices_m=((0.0, 0.0), (5.0, 0.0)))))
     with pytest.raises(ConfigError, match=r"step_length\.model"):
         pipeline.smooth(walk.recording, config)
+
+
+def test_a_transition_has_one_length() -> None:
+    sections = {"mode": {"method": "mmpdr", "mmpdr": {"window_s": 1.5}}, "steps": {"detector": "mmpdr"}}
+    with pytest.raises(ConfigError, match=r"window_s = 1.5 and steps.mmpdr.transition_s = 2 .* give them one value"):
+        config_from_dict(sections, "here")
+    config_from_dict({**sections, "steps": {"detector": "auto"}}, "here")
+    config_from_dict({**sections, "steps": {"detector": "mmpdr", "mmpdr": {"transition_s": 1.5}}}, "here")

@@ -45,6 +45,10 @@ def auto_steps() -> Stage:
     return AutoSteps(WORKING_HZ, AutoStepParams())
 
 
+def short_sighted(spoilt_hops: int, ahead_hops: int) -> Stage:
+    return AutoMode(WORKING_HZ, AutoModeParams(spoilt_hops=spoilt_hops, ahead_hops=ahead_hops))
+
+
 def mmpdr() -> Stage:
     return MmpdrSteps(WORKING_HZ, MmpdrStepParams())
 
@@ -64,6 +68,9 @@ CASES = {
     "AccelerometerTilt": Case(lambda: AccelerometerTilt(WORKING_HZ, AttitudeParams()), "imu"),
     "FixedMode": Case(lambda: FixedMode(CarryingMode.HOLDING), "level"),
     "AutoMode": Case(lambda: AutoMode(WORKING_HZ, AutoModeParams()), "level"),
+    "AutoMode-0-0": Case(lambda: short_sighted(0, 0), "level"),
+    "AutoMode-0-3": Case(lambda: short_sighted(0, 3), "level"),
+    "AutoMode-3-0": Case(lambda: short_sighted(3, 0), "level"),
     "MmpdrMode": Case(lambda: MmpdrMode(WORKING_HZ, MmpdrModeParams()), "level"),
     "LocalVariance": Case(lambda: LocalVariance(WORKING_HZ, LocalVarianceParams()), "level"),
     "RelativeThreshold": Case(lambda: RelativeThreshold(WORKING_HZ, RelativeThresholdParams()), "level"),

@@ -12,7 +12,7 @@ from vqf import VQF
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, twist_about_vertical, up_in_device
 from pdr_est.front_end.signal.filters import CausalLowPass
-from pdr_est.front_end.signal.magnitude import excess_magnitude
+from pdr_est.front_end.signal.vectors import dot, norm
 from pdr_est.params import Positive, params
 from pdr_est.records import CarryingMode, ImuBlock, LevelBlock
 
@@ -90,29 +90,27 @@ class AccelerometerTilt:
     latency_s = 0.0
 
     def __init__(self, rate_hz: float, parameters: AttitudeParams) -> None:
-        self._filters = tuple(CausalLowPass(parameters.tilt_cutoff_hz, rate_hz) for _ in range(3))
+        self._low_pass = CausalLowPass(parameters.tilt_cutoff_hz, rate_hz)
         self._segment: int | None = None
 
     def push(self, item: ImuBlock, /) -> list[LevelBlock]:
         if not len(item.time_s):
             return []
         if item.segment != self._segment:
-            for axis in self._filters:
-                axis.reset()
+            self._low_pass.reset()
             self._segment = item.segment
         force = item.specific_force_mps2
-        slow = np.stack([axis.push(force[:, k]) for k, axis in enumerate(self._filters)], axis=1)
-        up = slow / np.maximum(np.sqrt(_dot(slow, slow)), _LEAST_FORCE_MPS2)[:, None]
+        slow = self._low_pass.push(force)
+        up = slow / np.maximum(norm(slow), _LEAST_FORCE_MPS2)[:, None]
         unknown = np.full(force.shape, np.nan)
-        acceleration = force - STANDARD_GRAVITY_MPS2 * up
         return [
             LevelBlock(
                 first_index=item.first_index,
                 segment=item.segment,
                 time_s=item.time_s,
                 up=up,
-                acceleration_mps2=acceleration,
-                vertical_mps2=excess_magnitude(up, acceleration),
+                acceleration_mps2=force - STANDARD_GRAVITY_MPS2 * up,
+                vertical_mps2=norm(force) - STANDARD_GRAVITY_MPS2,
                 yaw_rad=unknown[:, 0],
                 rotation_rate_radps=unknown,
                 turn_rate_radps=unknown[:, 1],
@@ -132,7 +130,7 @@ def _rotation_rate(block: ImuBlock) -> Array:
 
 
 def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> LevelBlock:
-    """Combine samples and attitude. Sums are written out: batched products differ with the size of a block."""
+    """Combine samples and attitude."""
     up = up_in_device(quaternion)
     acceleration = block.specific_force_mps2 - STANDARD_GRAVITY_MPS2 * up
     return LevelBlock(
@@ -141,15 +139,10 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         time_s=block.time_s,
         up=up,
         acceleration_mps2=acceleration,
-        vertical_mps2=_dot(acceleration, up),
+        vertical_mps2=dot(acceleration, up),
         yaw_rad=twist_about_vertical(quaternion),
         rotation_rate_radps=rotation_rate_radps,
-        turn_rate_radps=_dot(rotation_rate_radps, up),
+        turn_rate_radps=dot(rotation_rate_radps, up),
         mode=np.full(len(block.time_s), CarryingMode.UNKNOWN, dtype=np.int8),
         mode_probability=np.zeros(len(block.time_s)),
     )
-
-
-def _dot(a: Array, b: Array) -> Array:
-    product: Array = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
-    return product

@@ -7,7 +7,7 @@ import pytest
 from signals import RATE_HZ, level, levels_of, run
 
 from pdr_est.frames import Array
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps, horizontal_rate
+from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps, _Rhythm, horizontal_rate
 from pdr_est.records import CarryingMode, LevelBlock, StepEvent
 from pdr_est.simulate import mmpdr_indoor, simulate_walk
 
@@ -76,6 +76,32 @@ def test_who_stands_while_the_mode_changes_takes_no_hidden_step() -> None:
     at_s = np.concatenate([np.arange(2.0, 9.6, 0.6), np.arange(11.3, 20.0, 0.6)])  # a pause of nearly three steps
     block = with_modes(level(humps(at_s, 22.0, 4.0)), CarryingMode.HOLDING, CarryingMode.POCKET)
     assert len(events(block)) == len(at_s)
+
+
+def rhythm(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
+    """What the rhythm makes of steps at some times in some modes."""
+    found = _Rhythm(memory=0.8, standstill_s=2.0)
+    return [
+        event
+        for time_s, mode in steps
+        for event in found.completed(StepEvent(round(time_s * RATE_HZ), time_s, 0, mode))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("pause_s", "before", "after", "count"),
+    [
+        (1.9, CarryingMode.HOLDING, CarryingMode.POCKET, 5),
+        (1.9, CarryingMode.UNKNOWN, CarryingMode.HOLDING, 4),
+        (1.9, CarryingMode.HOLDING, CarryingMode.UNKNOWN, 4),
+        (1.9, CarryingMode.HOLDING, CarryingMode.HOLDING, 4),
+        (2.1, CarryingMode.HOLDING, CarryingMode.POCKET, 4),
+    ],
+)
+def test_a_step_is_hidden_by_a_change_of_place_but_not_by_a_standstill(
+    pause_s: float, before: CarryingMode, after: CarryingMode, count: int
+) -> None:
+    assert len(rhythm((0.0, before), (1.0, before), (2.0, before), (2.0 + pause_s, after))) == count
 
 
 def test_a_runner_takes_steps_that_would_be_too_fast_for_a_walker() -> None:

@@ -130,8 +130,8 @@ def times_in(mode: CarryingMode, changes: dict[str, float] | None = None, **axes
     return [event.time_s for event in events]
 
 
-def crest(time_s: float, height: float = 3.0) -> Array:
-    return zigzag((time_s - 0.2, 0.0), (time_s, height), (time_s + 0.2, 0.0))
+def crest(time_s: float, height: float = 3.0, half_s: float = 0.2) -> Array:
+    return zigzag((time_s - half_s, 0.0), (time_s, height), (time_s + half_s, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -185,8 +185,8 @@ def test_a_negative_peak_of_a_swing_is_refused_by_a_positive_one_at_once() -> No
 @pytest.mark.parametrize(("mode", "axis"), [(HOLDING, "z"), (SWING, "y"), (POCKET, "z")])
 def test_criterion_1_in_each_mode(mode: CarryingMode, axis: str) -> None:
     sign = -1.0 if mode is SWING else 1.0
-    for apart_s, count in ((0.18, 1), (0.22, 2)):
-        wave = crest(1.0, 20.0) + sign * np.roll(crest(1.0, 40.0), round(apart_s * RATE_HZ))
+    for apart_s, count in ((0.16, 1), (0.22, 2)):
+        wave = crest(1.0, 20.0, 0.1) + sign * np.roll(crest(1.0, 40.0, 0.1), round(apart_s * RATE_HZ))
         assert len(
             times_in(mode, {"false_peak_window_s": 0.0, "pocket_false_peak_window_s": 0.0}, **{axis: wave})
         ) == (count)

@@ -22,14 +22,17 @@ class Script:
     plan: list[tuple[float, int]]
     latency_s: float = DELAY_S
     transitions_s: tuple[float, ...] = ()  # the times at which the mode is TRANS
+    compensates: bool = True  # whether steps in TRANS are made up
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         due = [entry for entry in self.plan if item.time_s[-1] >= entry[0] + DELAY_S]
         self.plan = self.plan[len(due) :]
-        return [StepEvent(round(time_s * RATE_HZ), time_s, segment, self._mode(time_s)) for time_s, segment in due]
+        return [self._event(time_s, segment) for time_s, segment in due]
 
-    def _mode(self, time_s: float) -> CarryingMode:
-        return CarryingMode.TRANS if time_s in self.transitions_s else CarryingMode.HOLDING
+    def _event(self, time_s: float, segment: int) -> StepEvent:
+        moving = time_s in self.transitions_s
+        mode = CarryingMode.TRANS if moving else CarryingMode.HOLDING
+        return StepEvent(round(time_s * RATE_HZ), time_s, segment, mode, compensated=moving and self.compensates)
 
     def flush(self) -> list[StepEvent]:
         return []
@@ -72,6 +75,12 @@ def test_the_steps_of_a_transition_keep_the_frequency_before_it() -> None:
     steps = run(StepSegmentation(detector, SegmentationParams()), [level(np.zeros(300))])
     assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 2.0, 2.0, 2.0, 2.0, 1.6])
     assert [step.start_s for step in steps][2:5] == pytest.approx([1.5, 1.8, 2.4])
+
+
+def test_steps_that_were_seen_in_a_transition_have_their_own_frequency() -> None:
+    detector = Script([(1.0, 0), (1.5, 0), (1.75, 0), (2.15, 0)], transitions_s=(1.75, 2.15), compensates=False)
+    steps = run(StepSegmentation(detector, SegmentationParams()), [level(np.zeros(200))])
+    assert [step.frequency_hz for step in steps] == pytest.approx([0.0, 2.0, 4.0, 2.5])
 
 
 def test_without_a_frequency_before_it_a_transition_has_its_own() -> None:
@@ -140,7 +149,14 @@ def test_memory_stays_bounded_while_the_walker_stands() -> None:
     stage = StepSegmentation(Script([]), SegmentationParams())
     for i in range(200):
         stage.push(level(np.zeros(50), first_index=50 * i))
-    assert len(stage.__dict__["_samples"]) < 500
+    assert sum(map(len, stage.__dict__["_samples"])) < 500
+
+
+def test_memory_stays_bounded_while_the_walker_walks_on() -> None:
+    stage = StepSegmentation(Script([(0.5 + 0.5 * k, 0) for k in range(400)]), SegmentationParams())
+    for i in range(200):
+        stage.push(level(np.zeros(50), first_index=50 * i))
+    assert sum(map(len, stage.__dict__["_samples"])) < 500
 
 
 def test_a_crest_held_back_at_a_gap_does_not_reach_the_next_segment() -> None:

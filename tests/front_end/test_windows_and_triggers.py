@@ -83,6 +83,16 @@ def test_cuts_do_not_matter_to_a_trigger(seed: int) -> None:
     assert found == expected.tolist()
 
 
+@pytest.mark.parametrize("offset_s", [0.0, 0.013, 12.34, 4321.0987, 1.7e9 + 0.21])
+def test_exactly_the_refractory_time_later_is_late_enough(offset_s: float) -> None:
+    """Ten samples at 50 Hz are 0.2 s, wherever the clock stands and whatever rounding makes of the difference."""
+    times_s = offset_s + np.arange(60) / 50.0
+    for first in range(40):
+        refractory = Refractory(0.2)
+        found = [refractory.accepts(float(times_s[first + k])) for k in (0, 9, 10)]
+        assert found == [True, False, True]
+
+
 def test_a_refractory_time_begins_with_what_was_accepted() -> None:
     refractory = Refractory(0.3)
     assert [refractory.accepts(time_s) for time_s in (-5.0, -4.8, -4.69, -4.4, -4.38)] == [

@@ -32,13 +32,16 @@ class MmpdrModeParams:
 
 
 class MmpdrMode:
-    """Stage LevelBlock -> LevelBlock with the mode of every sample; samples of a transition are TRANS."""
+    """Stage LevelBlock -> LevelBlock with the mode of every sample; samples of a transition are TRANS.
 
-    latency_s = 0.0
+    Every sample is labelled at once. The latency is that of a change: the new mode is decided a window after the
+    phone began to move.
+    """
 
     def __init__(self, rate_hz: float, parameters: MmpdrModeParams) -> None:
         self._parameters = parameters
         self._window = max(round(parameters.window_s * rate_hz), 1)
+        self.latency_s = self._window / rate_hz
         self._segment: int | None = None
         self._begin(None)
 

@@ -2,20 +2,35 @@
 
 from collections.abc import Sequence
 from dataclasses import fields
+from operator import attrgetter
 
 import numpy as np
 
 from pdr_est.records import LevelBlock
 
 _COLUMNS = tuple(field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment"))
+_columns_of = attrgetter(*_COLUMNS)
 
 
 def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
     """Consecutive blocks of one segment as one block."""
     if len(blocks) == 1:
         return blocks[0]
-    columns = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in _COLUMNS}
-    return LevelBlock(first_index=blocks[0].first_index, segment=blocks[0].segment, **columns)
+    columns = map(np.concatenate, zip(*map(_columns_of, blocks), strict=True))
+    return LevelBlock(blocks[0].first_index, blocks[0].segment, **dict(zip(_COLUMNS, columns, strict=True)))
+
+
+def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
+    """Take the first `count` samples, at least one, off a list of consecutive blocks of one segment."""
+    taken: list[LevelBlock] = []
+    while count > 0:
+        block = blocks.pop(0)
+        if len(block) > count:
+            blocks.insert(0, part(block, count, len(block)))
+            block = part(block, 0, count)
+        taken.append(block)
+        count -= len(block)
+    return join(taken)
 
 
 def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:

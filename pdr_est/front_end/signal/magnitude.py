@@ -1,8 +1,7 @@
 """What an accelerometer felt, put together again from acceleration and direction of gravity."""
 
-import numpy as np
-
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+from pdr_est.front_end.signal.vectors import norm
 
 
 def specific_force(up: Array, acceleration_mps2: Array) -> Array:
@@ -14,11 +13,5 @@ def specific_force(up: Array, acceleration_mps2: Array) -> Array:
 
 
 def excess_magnitude(up: Array, acceleration_mps2: Array) -> Array:
-    """Length of the specific force less standard gravity (n,), m/s^2: the same for every orientation of the phone.
-
-    Sums are written out: batched products differ with the size of a block.
-    """
-    force = specific_force(up, acceleration_mps2)
-    xx, yy, zz = (force * force).T
-    magnitude: Array = np.sqrt(xx + yy + zz) - STANDARD_GRAVITY_MPS2
-    return magnitude
+    """Length of the specific force less standard gravity (n,), m/s^2: the same for every orientation of the phone."""
+    return norm(specific_force(up, acceleration_mps2)) - STANDARD_GRAVITY_MPS2

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Flags = NDArray[np.bool_]
+_ROUNDING_S = 1e-6  # of the difference of two times, also where a clock counts from 1970
 
 
 class Trigger:
@@ -30,6 +31,11 @@ class Trigger:
         return marks[armed & ~arming]
 
 
+def far_enough(elapsed_s: float, interval_s: float) -> bool:
+    """Whether a difference of sample times is at least interval_s; exactly as many samples are, however rounded."""
+    return elapsed_s >= interval_s - _ROUNDING_S
+
+
 class Refractory:
     """Refuses what comes sooner than interval_s after what it accepted last."""
 
@@ -39,7 +45,7 @@ class Refractory:
 
     def accepts(self, time_s: float) -> bool:
         """Whether something at this time is accepted; times come in order."""
-        if time_s - self._last_s < self._interval_s:
+        if not far_enough(time_s - self._last_s, self._interval_s):
             return False
         self._last_s = time_s
         return True

@@ -10,7 +10,7 @@ takes the place of the acceleration. It is smallest at the ends of the arc, near
 strength or the phone's orientation.
 
 Where the mode changes, arm and trunk may hide a step from each other. A pause of two steps between two steps in
-different modes is filled with the one in between.
+different known modes is filled with the one in between, unless it is long enough for a standstill.
 """
 
 from dataclasses import replace
@@ -20,6 +20,8 @@ import numpy as np
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.filters import CausalBandPass
 from pdr_est.front_end.signal.peaks import local_maxima
+from pdr_est.front_end.signal.trigger import far_enough
+from pdr_est.front_end.signal.vectors import dot
 from pdr_est.front_end.steps.undecided import UndecidedSamples
 from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.records import CarryingMode, LevelBlock, StepEvent
@@ -54,6 +56,9 @@ class AutoStepParams:
     swing_gain_mps: Positive = 2.0
 
 
+_SWING = np.int8(CarryingMode.SWING)
+
+
 class AutoSteps:
     """Stage LevelBlock -> StepEvent.
 
@@ -67,7 +72,8 @@ class AutoSteps:
         delay_s = self._filter.delay_s + parameters.strike_lead_s
         self._samples = UndecidedSamples(rate_hz, delay_s)
         self._begin_walk()
-        self.latency_s = delay_s + parameters.first_interval_s + 1.0 / rate_hz
+        # The first step of a walk waits for the second one, a hidden one for the next.
+        self.latency_s = delay_s + max(parameters.first_interval_s, 0.5 * parameters.standstill_s) + 1.0 / rate_hz
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         if item.segment != self._samples.segment:
@@ -88,11 +94,11 @@ class AutoSteps:
 
     def _humps(self, block: LevelBlock) -> Array:
         """The signal with one hump a step, (n,)."""
-        columns = np.stack([block.vertical_mps2, horizontal_rate(block)], axis=1)
+        columns = np.empty((len(block), 2))
+        columns[:, 0] = block.vertical_mps2
+        columns[:, 1] = horizontal_rate(block)
         vertical, rotation = self._filter.push(columns).T
-        humps: Array = np.where(
-            block.mode == CarryingMode.SWING, -self._parameters.swing_gain_mps * rotation, vertical
-        )
+        humps: Array = np.where(block.mode == _SWING, -self._parameters.swing_gain_mps * rotation, vertical)
         return humps
 
     def _decide(self) -> list[StepEvent]:
@@ -109,18 +115,17 @@ class AutoSteps:
         """The steps that crest i makes certain: its own, and with the second of a walk also the first."""
         p, time_s, height = self._parameters, self._samples.time_s(i), float(self._samples.signal[i])
         elapsed = time_s - self._last_crest_s
-        if elapsed < self._min_interval_s():
+        if not far_enough(elapsed, self._min_interval_s()):
             return []
         if elapsed > p.standstill_s:
             self._recent_height, self._first = 0.0, None
-        event = self._samples.event(i)
-        held = event.mode is CarryingMode.HOLDING
+        held = int(self._samples.mode[i]) == CarryingMode.HOLDING
         share = p.relative_threshold_holding if held else p.relative_threshold
         threshold = max(p.threshold_mps2, share * self._recent_height)
         if height < threshold:
             return []
         self._last_crest_s = time_s
-        event = replace(event, confidence=1.0 - (threshold / height) ** 2)
+        event = self._samples.event(i, confidence=1.0 - (threshold / height) ** 2)
         if self._recent_height > 0.0:
             self._recent_height = p.memory * self._recent_height + (1.0 - p.memory) * height
             return [event]
@@ -153,12 +158,14 @@ class _Rhythm:
         if previous is None:
             return [event]
         elapsed_s = event.time_s - previous.time_s
-        if event.mode is not previous.mode and 1.5 < elapsed_s / self.interval_s < 2.5:
-            middle = previous.index + (event.index - previous.index) // 2
-            return [replace(event, index=middle, time_s=event.time_s - 0.5 * elapsed_s, confidence=0.0), event]
         if elapsed_s > self._standstill_s:
             self.interval_s = np.inf
-        elif self.interval_s == np.inf:
+            return [event]
+        changed = event.mode is not previous.mode and CarryingMode.UNKNOWN not in (event.mode, previous.mode)
+        if changed and 1.5 < elapsed_s / self.interval_s < 2.5:
+            middle = previous.index + (event.index - previous.index) // 2
+            return [replace(event, index=middle, time_s=event.time_s - 0.5 * elapsed_s, confidence=0.0), event]
+        if self.interval_s == np.inf:
             self.interval_s = elapsed_s
         else:
             self.interval_s = self._memory * self.interval_s + (1.0 - self._memory) * elapsed_s
@@ -166,10 +173,7 @@ class _Rhythm:
 
 
 def horizontal_rate(block: LevelBlock) -> Array:
-    """Rate of rotation about the horizontal, (n,) rad/s: what a limb's swing makes of it, without the turns.
-
-    Sums are written out: batched products differ with the size of a block.
-    """
-    x, y, z = block.rotation_rate_radps.T
-    rate: Array = np.sqrt(np.maximum(x * x + y * y + z * z - block.turn_rate_radps**2, 0.0))
+    """Rate of rotation about the horizontal, (n,) rad/s: what a limb's swing makes of it, without the turns."""
+    rotation, turning = block.rotation_rate_radps, block.turn_rate_radps
+    rate: Array = np.sqrt(np.maximum(dot(rotation, rotation) - turning * turning, 0.0))
     return rate

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.peaks import local_maxima, local_minima
+from pdr_est.front_end.signal.runs import runs
 from pdr_est.front_end.signal.trigger import Refractory
 from pdr_est.front_end.steps.transition import StepFrequency, Transition
 from pdr_est.front_end.steps.undecided import UndecidedSamples
@@ -87,7 +88,7 @@ class MmpdrSteps:
         self._rules = _rules(rate_hz, parameters)
         self._look_ahead = max(rule.window for rule in self._rules.values()) + 1
         self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
-        self._samples = _AxisSamples(rate_hz, self._low_pass.delay_s)
+        self._samples = UndecidedSamples(rate_hz, self._low_pass.delay_s, columns=_COLUMNS)
         self._decided = 0  # samples at the front of the window that have been judged
         self.latency_s = self._low_pass.delay_s + parameters.transition_s + self._look_ahead / rate_hz
         self._begin_walk()
@@ -124,14 +125,15 @@ class MmpdrSteps:
             return []
         peaks = {mode: rule.peaks(samples.signal) for mode, rule in self._rules.items() if mode in samples.mode}
         events: list[StepEvent] = []
-        for start, end in _runs(samples.mode, self._decided, stop):
+        for first, last in runs(samples.mode[self._decided : stop]):
+            start, end = self._decided + first, self._decided + last
             mode = int(samples.mode[start])
             if mode == CarryingMode.TRANS:
                 events += self._transition.extend(samples, start, end)
             else:
-                first, last = np.searchsorted(peaks[mode], [start, end])
+                inside = slice(*np.searchsorted(peaks[mode], [start, end]))
                 events += self._transition.end()
-                events += self._steps(peaks[mode][first:last].tolist())
+                events += self._steps(peaks[mode][inside].tolist())
         samples.drop(stop - 1)
         self._decided = 1
         return events
@@ -146,19 +148,6 @@ class MmpdrSteps:
             self._frequency.step(event.time_s)
             events.append(event)
         return events
-
-
-class _AxisSamples(UndecidedSamples):
-    """A window whose signal has a column for each acceleration."""
-
-    def __init__(self, rate_hz: float, delay_s: float) -> None:
-        super().__init__(rate_hz, delay_s)
-        self.signal = np.empty((0, _COLUMNS))
-
-    @property
-    def mode(self) -> NDArray[np.int8]:
-        """The mode of each sample, (n,)."""
-        return self._mode
 
 
 _COLUMNS = 4
@@ -181,12 +170,6 @@ def _rules(rate_hz: float, p: MmpdrStepParams) -> dict[int, _Rule]:
         CarryingMode.OTHER: unnamed,
         CarryingMode.UNKNOWN: unnamed,
     }
-
-
-def _runs(mode: NDArray[np.int8], start: int, stop: int) -> list[tuple[int, int]]:
-    """(first, end) of each run of one mode among the positions start to stop (exclusive)."""
-    changes = (start + 1 + np.flatnonzero(np.diff(mode[start:stop]))).tolist()
-    return list(zip([start, *changes], [*changes, stop], strict=True))
 
 
 def valid_maxima(signal: Array, threshold: float, window: int) -> NDArray[np.intp]:

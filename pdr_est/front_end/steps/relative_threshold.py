@@ -22,11 +22,11 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.front_end.signal.magnitude import specific_force
 from pdr_est.front_end.signal.moving_average import MovingAverage
 from pdr_est.front_end.signal.peaks import local_maxima, local_minima
+from pdr_est.front_end.signal.trigger import far_enough
+from pdr_est.front_end.signal.vectors import dot
 from pdr_est.front_end.steps.undecided import UndecidedSamples
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import LevelBlock, StepEvent
-
-_ROUNDING_S = 1e-9  # times are rounded: extremes exactly min_interval_s apart are far enough apart
 
 
 @params
@@ -72,10 +72,9 @@ class RelativeThreshold:
         return []
 
     def _vertical(self, item: LevelBlock) -> Array:
-        """Projected and filtered vertical acceleration (n,). The sum is written out to be the same for all blocks."""
+        """Projected and filtered vertical acceleration (n,)."""
         force = self._before.push(specific_force(item.up, item.acceleration_mps2))
-        x, y, z = (force * item.up).T
-        return self._after.push(x + y + z - STANDARD_GRAVITY_MPS2)
+        return self._after.push(dot(force, item.up) - STANDARD_GRAVITY_MPS2)
 
     def _decide(self) -> list[StepEvent]:
         """Judge all samples that have both neighbours, then forget them."""
@@ -109,4 +108,4 @@ class RelativeThreshold:
         return ends
 
     def _far_enough(self, time_s: float, before_s: float) -> bool:
-        return time_s - before_s >= self._parameters.min_interval_s - _ROUNDING_S
+        return far_enough(time_s - before_s, self._parameters.min_interval_s)

@@ -1,10 +1,15 @@
-"""From step events to steps: each event with the samples of its movement."""
+"""From step events to steps: each event with the samples of its movement.
+
+Nobody saw when compensated steps were, so they and the first one after them keep the last frequency (MMPDR section
+III-D).
+"""
 
 import numpy as np
 
 from pdr_est.front_end.signal.blocks import join, part
+from pdr_est.front_end.steps.transition import StepFrequency
 from pdr_est.params import Positive, params
-from pdr_est.records import CarryingMode, LevelBlock, Step, StepEvent
+from pdr_est.records import LevelBlock, Step, StepEvent
 from pdr_est.stage import Stage
 
 
@@ -23,9 +28,9 @@ class StepSegmentation:
     def __init__(self, detector: Stage, parameters: SegmentationParams) -> None:
         self._detector = detector
         self._parameters = parameters
-        self._samples: LevelBlock | None = None
-        self._previous: StepEvent | None = None
-        self._frequency_hz = 0.0  # of the previous step
+        self._samples: list[LevelBlock] = []  # of one segment, joined when a step needs them
+        self._previous_s = -np.inf  # time of the previous step of the segment
+        self._frequency = StepFrequency(parameters.standstill_s)
 
     @property
     def latency_s(self) -> float:
@@ -37,11 +42,9 @@ class StepSegmentation:
         events: list[StepEvent] = self._detector.push(item)
         # The detector closes the old segment when it sees the new one; those steps need the old samples.
         steps = [self._step(event) for event in events if event.segment != item.segment]
-        if self._samples is None or item.segment != self._samples.segment:
-            self._samples = item
-            self._previous = None
-        else:
-            self._samples = join([self._samples, item])
+        if self._samples and item.segment != self._samples[-1].segment:
+            self._begin_segment()
+        self._samples.append(item)
         steps += [self._step(event) for event in events if event.segment == item.segment]
         self._forget()
         return steps
@@ -50,34 +53,45 @@ class StepSegmentation:
         return [self._step(event) for event in self._detector.flush()]
 
     def _step(self, event: StepEvent) -> Step:
-        samples = self._samples
-        if samples is None:
+        if not self._samples:
             raise ValueError("a step event came before any sample")
-        start, frequency = event.time_s - self._parameters.initial_step_s, 0.0
-        if self._previous is not None:
-            interval = event.time_s - self._previous.time_s
-            if interval <= self._parameters.standstill_s:
-                start, frequency = self._previous.time_s, 1.0 / interval
-                if self._frequency_hz and CarryingMode.TRANS in (event.mode, self._previous.mode):
-                    # MMPDR section III-D: nobody saw when a transition's steps were; they keep the last frequency.
-                    frequency = self._frequency_hz
-            else:
-                start = max(start, self._previous.time_s)
-        self._previous, self._frequency_hz = event, frequency
+        samples = join(self._samples)
+        self._samples = [samples]
+        start = max(event.time_s - self._parameters.initial_step_s, self._previous_s)
+        if event.time_s - self._previous_s <= self._parameters.standstill_s:
+            start = self._previous_s
+        self._previous_s = event.time_s
         stop = max(int(np.searchsorted(samples.time_s, event.time_s, side="right")), 1)
         first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
         return Step(
             event=event,
             start_s=min(max(start, float(samples.time_s[0])), event.time_s),
-            frequency_hz=frequency,
+            frequency_hz=self._frequency_at(event),
             samples=part(samples, first, stop),
         )
 
+    def _frequency_at(self, event: StepEvent) -> float:
+        """Steps a second, Hz, with this event; 0 for the first one after a standstill."""
+        if event.compensated and self._frequency.at(event.time_s):
+            self._frequency.bridge(event.time_s)
+        else:
+            self._frequency.step(event.time_s)
+        return self._frequency.at(event.time_s)
+
+    def _begin_segment(self) -> None:
+        self._samples.clear()
+        self._previous_s = -np.inf
+        self._frequency = StepFrequency(self._parameters.standstill_s)
+
     def _forget(self) -> None:
         """Drop samples that no later step can reach."""
-        if self._samples is None:
+        if not self._samples:
             return
         horizon_s = self._parameters.standstill_s + self._parameters.initial_step_s + self._detector.latency_s
-        excess = int(np.searchsorted(self._samples.time_s, self._samples.time_s[-1] - horizon_s))
-        if excess > len(self._samples) // 2:
-            self._samples = part(self._samples, excess, len(self._samples))
+        earliest_s = float(self._samples[-1].time_s[-1]) - horizon_s
+        while self._samples[0].time_s[-1] < earliest_s:
+            self._samples.pop(0)
+        oldest = self._samples[0]
+        excess = int(np.searchsorted(oldest.time_s, earliest_s))
+        if excess > len(oldest) // 2:
+            self._samples[0] = part(oldest, excess, len(oldest))

@@ -76,4 +76,7 @@ def compensated_steps(first: StepEvent, count: int, rate_hz: float, frequency_hz
     """
     number = min(int(count / rate_hz * frequency_hz + 0.5), count)
     places = [(2 * k + 1) * count // (2 * number) for k in range(number)]
-    return [replace(first, index=first.index + place, time_s=first.time_s + place / rate_hz) for place in places]
+    return [
+        replace(first, index=first.index + place, time_s=first.time_s + place / rate_hz, compensated=True)
+        for place in places
+    ]
