@@ -7,7 +7,7 @@ import numpy as np
 
 from pdr_est.benchmark.suite import Scores, Walked
 from pdr_est.evaluate import metrics
-from pdr_est.frames import Array
+from pdr_est.evaluate.walking import durations_s, mode_shares
 from pdr_est.io.recording import TrueModes, Truth
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import CarryingMode
@@ -29,7 +29,7 @@ def device_scores(walk: Walked, device: DeviceWalk, *parts: Part) -> Scores:
     """The scores of a device, from its parts."""
     return Scores(
         track=device.device if len(walk.devices) > 1 else "device",
-        mode=metrics.main_mode(*_walking(device)).name,
+        mode=next(iter(mode_shares(device.steps)), CarryingMode.UNKNOWN).name,
         values={name: value for part in parts for name, value in part.values.items()},
         counts={name: count for part in parts for name, count in part.counts.items()},
         missing={name: reason for part in parts for name, reason in part.missing.items()},
@@ -44,17 +44,11 @@ def mode_part(walk: Walked, device: DeviceWalk) -> Part:
         return Part(missing={MODE_METRIC: "the true mode is not known"})
     if not device.steps:
         return Part(missing={MODE_METRIC: "no step found"})
-    durations_s, labels = _walking(device)
+    labels = [step.event.mode for step in device.steps]
     true_modes = truth.at(np.array([step.event.time_s for step in device.steps]))
-    return Part({MODE_METRIC: metrics.mode_accuracy(durations_s, labels, true_modes)})
+    return Part({MODE_METRIC: metrics.mode_accuracy(durations_s(device.steps), labels, true_modes)})
 
 
 def carried(mode: CarryingMode) -> Truth:
     """What is known of a walk whose phone was carried in one mode all the time."""
     return Truth(modes=TrueModes(start_s=np.array([-np.inf]), mode=np.array([mode], dtype=np.int8)))
-
-
-def _walking(device: DeviceWalk) -> tuple[Array, list[CarryingMode]]:
-    """How long each step took, (n,) s, and the mode it was labelled with."""
-    durations_s = np.array([step.event.time_s - step.start_s for step in device.steps])
-    return durations_s, [step.event.mode for step in device.steps]

@@ -1,7 +1,7 @@
 """`pdr-est steps`: how many steps are in a recording, also in one without gyroscope."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from pdr_est import pipeline
 from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, config_option, detector_option, resolve_config
 from pdr_est.config import Config
+from pdr_est.evaluate.walking import mode_shares
 from pdr_est.io import read
 from pdr_est.io.output import staged_file
 from pdr_est.io.writers import write_steps_csv
@@ -75,7 +76,7 @@ def _document(path: Path, walk: DeviceWalk) -> Json:
         "steps": len(walk.steps),
         "duration_s": round(end_s - start_s, 3),
         "cadence_per_min": None if cadence_hz is None else round(60.0 * cadence_hz, 2),
-        "modes": {mode: round(share, 4) for mode, share in _modes(walk.steps)},
+        "modes": {mode.name: round(share, 4) for mode, share in mode_shares(walk.steps).items()},
     }
 
 
@@ -83,17 +84,6 @@ def _cadence_hz(found: Sequence[Step]) -> float | None:
     """Steps a second while walking: the first step after a standstill has no interval before it."""
     intervals_s = [1.0 / step.frequency_hz for step in found if step.frequency_hz > 0.0]
     return len(intervals_s) / sum(intervals_s) if intervals_s else None
-
-
-def _modes(found: Sequence[Step]) -> Iterator[tuple[str, float]]:
-    """Carrying modes with their share of the walking time, the longest first."""
-    walking_s: dict[str, float] = {}
-    for step in found:
-        mode = step.event.mode.name
-        walking_s[mode] = walking_s.get(mode, 0.0) + step.event.time_s - step.start_s
-    total_s = sum(walking_s.values())
-    for mode in sorted(walking_s, key=walking_s.__getitem__, reverse=True):
-        yield mode, walking_s[mode] / total_s
 
 
 def _line(document: Json) -> str:

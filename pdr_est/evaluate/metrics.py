@@ -102,13 +102,5 @@ def mode_accuracy(duration_s: Array, mode: Sequence[CarryingMode], true_mode: ND
     return float(np.sum(duration_s[right]) / total)
 
 
-def main_mode(duration_s: Array, mode: Sequence[CarryingMode]) -> CarryingMode:
-    """The mode of most of the walking time, the lower number of two with equal time; UNKNOWN without a step."""
-    if not len(mode):
-        return CarryingMode.UNKNOWN
-    time_s = np.bincount([int(label) for label in mode], weights=duration_s, minlength=len(CarryingMode))
-    return CarryingMode(int(np.argmax(time_s)))
-
-
 def _aligned_at_start(track_m: Array, truth_m: Array) -> Array:
     return start_alignment(track_m, truth_m).apply(track_m)

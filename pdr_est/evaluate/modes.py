@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
+from pdr_est.front_end.signal.runs import runs
 from pdr_est.io.recording import TrueModes
 from pdr_est.records import CarryingMode, LevelBlock
 
@@ -113,12 +114,8 @@ def _fired_changes(time_s: Array, label: NDArray[np.int8]) -> list[tuple[float, 
     """First and last time of each change that the labels tell of."""
     known = label != CarryingMode.UNKNOWN
     time_s, label = time_s[known], label[known]
-    borders = np.flatnonzero(np.diff(label)) + 1
-    starts, stops = np.concatenate([[0], borders]), np.concatenate([borders, [len(label)]])
     changes: list[tuple[float, float]] = []
-    for start, stop in zip(starts, stops, strict=True):
-        if start == stop:
-            continue
+    for start, stop in runs(label):
         if label[start] == CarryingMode.TRANS:
             changes.append((float(time_s[start]), float(time_s[stop - 1])))
         elif start > 0 and label[start - 1] != CarryingMode.TRANS:

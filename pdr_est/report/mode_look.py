@@ -13,6 +13,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from pdr_est.frames import Array
+from pdr_est.front_end.signal.runs import runs
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import CarryingMode
 from pdr_est.report import svg
@@ -59,14 +60,12 @@ def mode_runs(device: DeviceWalk) -> list[ModeRun]:
     time_s = np.concatenate([block.time_s for block in blocks])
     mode = np.concatenate([block.mode for block in blocks])
     segment = np.repeat([block.segment for block in blocks], [len(block) for block in blocks])
-    starts = [0, *(np.flatnonzero((np.diff(mode) != 0) | (np.diff(segment) != 0)) + 1)]
-    stops = [*starts[1:], len(time_s)]
-    # A run lasts until the next begins; before a gap and at the end it lasts until its own last sample.
-    lasts = [i if i < len(time_s) and segment[i] == segment[i - 1] else i - 1 for i in stops]
-    return [
-        ModeRun(float(time_s[start]), float(time_s[last]), CarryingMode(int(mode[start])))
-        for start, last in zip(starts, lasts, strict=True)
-    ]
+    found = []
+    for start, stop in runs(mode, segment):
+        # A run lasts until the next begins; before a gap and at the end it lasts until its own last sample.
+        last = stop if stop < len(time_s) and segment[stop] == segment[stop - 1] else stop - 1
+        found.append(ModeRun(float(time_s[start]), float(time_s[last]), CarryingMode(int(mode[start]))))
+    return found
 
 
 def mode_legend(sign: str, modes: Iterable[CarryingMode]) -> list[LegendEntry]:

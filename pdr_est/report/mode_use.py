@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdr_est.evaluate.walking import mode_shares
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import CarryingMode
 
@@ -23,16 +24,15 @@ class ModeUse:
 def mode_use(device: DeviceWalk) -> list[ModeUse]:
     """The modes that occur in the steps of a device, the most frequent first."""
     events = [step.event for step in device.steps]
-    duration_s = np.array([step.event.time_s - step.start_s for step in device.steps])
+    shares = mode_shares(device.steps)
     probability = np.array([event.mode_probability for event in events])
     mode = np.array([event.mode for event in events], dtype=np.int8)
-    total_s = float(duration_s.sum())
     found = [
         ModeUse(
             device.device,
             CarryingMode(int(value)),
             int(of_mode.sum()),
-            float(duration_s[of_mode].sum()) / total_s if total_s > 0.0 else float("nan"),
+            shares[CarryingMode(int(value))],
             float(probability[of_mode].mean()),
         )
         for value in np.unique(mode)

@@ -1,11 +1,10 @@
 """The line of a device on the map: coloured by its carrying modes, with arrow heads."""
 
-from itertools import pairwise
-
 import numpy as np
 from matplotlib.axes import Axes
 
 from pdr_est.frames import Array
+from pdr_est.front_end.signal.runs import runs
 from pdr_est.records import CarryingMode
 from pdr_est.report import svg
 from pdr_est.report.mode_look import DASHES
@@ -22,12 +21,10 @@ def mode_legs(track: Track) -> dict[CarryingMode, Array]:
     A leg has the mode of the step that ends it.
     """
     mode = track.mode[1:]
-    edges = [0, *(np.flatnonzero(np.diff(mode)) + 1), len(mode)]
     pieces: dict[CarryingMode, list[Array]] = {}
-    for start, stop in pairwise(edges):
-        if start < stop:
-            legs = pieces.setdefault(CarryingMode(int(mode[start])), [])
-            legs += [track.position_m[start : stop + 1], np.full((1, 2), np.nan)]
+    for start, stop in runs(mode):
+        legs = pieces.setdefault(CarryingMode(int(mode[start])), [])
+        legs += [track.position_m[start : stop + 1], np.full((1, 2), np.nan)]
     return {value: np.concatenate(legs[:-1]) for value, legs in sorted(pieces.items())}
 
 

@@ -126,8 +126,3 @@ def test_each_step_is_compared_with_the_mode_of_its_own_time():
 
 def test_mode_accuracy_without_steps_is_not_known():
     assert math.isnan(metrics.mode_accuracy(np.array([]), [], modes()))
-
-
-def test_main_mode_is_the_one_of_most_time():
-    assert metrics.main_mode(np.array([0.5, 1.5, 0.5]), [HOLDING, SWING, HOLDING]) is SWING
-    assert metrics.main_mode(np.array([]), []) is CarryingMode.UNKNOWN
