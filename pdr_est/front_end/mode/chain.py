@@ -27,9 +27,9 @@ class ModeBelief:
         belief = self._belief
         moved = _moved(change, len(belief)).tolist()
         for m, row in zip(moved, likelihood.T.tolist(), strict=True):
-            belief = [(b + m) * x for b, x in zip(belief, row, strict=True)]
-            total = sum(belief)
-            belief = [b / total for b in belief]
+            seen = [(b + m) * x for b, x in zip(belief, row, strict=True)]
+            scale = 1.0 / sum(seen)
+            belief = [scale * b for b in seen]
             beliefs.append(belief)
         self._belief = belief
         return np.array(beliefs).reshape(-1, len(belief)).T

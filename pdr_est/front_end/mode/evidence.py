@@ -72,7 +72,7 @@ def hop_means(samples: Array, hop: int, rate_hz: float, before: Array) -> Array:
     """
     count = len(samples) // hop
     means = np.empty((count, COLUMNS))
-    means[:, :SAMPLE_COLUMNS] = samples.reshape(count, hop, SAMPLE_COLUMNS).sum(axis=1) / hop
+    means[:, :SAMPLE_COLUMNS] = np.add.reduceat(samples, np.arange(0, len(samples), hop)) / hop
     vertical = samples[:, _VERTICAL].reshape(count, hop)
     lag = min(max(round(_JERK_LAG_S * rate_hz), 1), hop - 1)
     jerk = (vertical[:, lag:] - vertical[:, :-lag]) * (rate_hz / lag)
