@@ -42,7 +42,7 @@ _JERK_LAG_S = 0.04  # the vertical acceleration's change is taken over this time
 _SCREEN_UP = 0.35  # least part of gravity along the screen's normal of a phone that is looked at
 _SCREEN_SPREAD = 0.1
 # How sure it is that no phone in the other modes shows its screen.
-_SCREEN_WEIGHT = np.array([[0.95], [0.998], [0.98]])
+_SCREEN_WEIGHT = np.array([[0.95], [0.98], [0.98]])
 _LEAST_LIKELIHOOD = 1e-3  # no single window is proof
 _LEAST_DENSITY = 1e-30  # for damaged samples of which no mode knows anything
 SAMPLE_COLUMNS = 10
