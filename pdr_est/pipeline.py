@@ -16,8 +16,9 @@ from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
 from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
+from pdr_est.io.doubts import doubts
 from pdr_est.io.recording import DeviceRecording, Recording
-from pdr_est.io.requirements import doubts, has_gyroscope, needed_channels, refuse_without_track, why_nothing
+from pdr_est.io.requirements import has_gyroscope, needed_channels, refuse_without_track, why_nothing
 from pdr_est.io.resample import Resampler
 from pdr_est.records import Channel, Gap, LevelBlock, PositionFix, Step, StepOdometry
 from pdr_est.stage import Chain, Stage
@@ -114,17 +115,31 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
 
 
 def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str, ...]:
-    """What makes the walks of a recording's devices doubtful, in words."""
+    """What makes the walks of a recording's devices doubtful, in words: what the reader saw comes first."""
     found = []
     for device, walk in zip(recording.devices, walks, strict=True):
-        words = list(doubts(device))
+        words = [*device.warnings, *doubts(device)]
         if walk.gaps:
-            total_s = sum(gap.end_s - gap.start_s for gap in walk.gaps)
-            words.append(f"{len(walk.gaps)} gaps or clock jumps, {total_s:.1f} s in all, listed by `pdr-est inspect`")
+            words.append(f"{_gaps_in_words(walk.gaps)}, listed by `pdr-est inspect`")
         if not walk.steps:
             words.append("no step found")
         found += [f"{walk.device}: {text}" for text in words]
     return tuple(found)
+
+
+def _gaps_in_words(gaps: Sequence[Gap]) -> str:
+    """Their number and length; gaps of several channels that overlap are one."""
+    ends: list[float] = []
+    total_s = 0.0
+    for gap in sorted(gaps, key=lambda gap: gap.start_s):
+        latest_s = ends[-1] if ends else gap.start_s
+        total_s += max(gap.end_s - max(gap.start_s, latest_s), 0.0)
+        if ends and gap.start_s < latest_s:
+            ends[-1] = max(latest_s, gap.end_s)
+        else:
+            ends.append(gap.end_s)
+    what = "1 gap or clock jump" if len(ends) == 1 else f"{len(ends)} gaps or clock jumps"
+    return f"{what}, {total_s:.1f} s in all"
 
 
 def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resampler, Chain]:
@@ -133,8 +148,10 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
     channels = needed_channels(device, place, with_attitude=config.attitude.source == "device")
     resampler = Resampler(channels, config.resample)
     if Channel.ROTATION_RATE not in channels:
-        # Modes are told apart by rotation: without it they stay unknown.
-        return resampler, Chain([resampler, AccelerometerTilt(rate_hz, config.attitude)])
+        tilt = AccelerometerTilt(rate_hz, config.attitude)
+        # Modes are told apart by rotation: without it they stay unknown unless one is given.
+        given = [mode_stage(rate_hz, config.mode)] if config.mode.method == "fixed" else []
+        return resampler, Chain([resampler, tilt, *given])
     attitude: Stage = VqfAttitude(rate_hz, config.attitude) if config.attitude.source == "vqf" else DeviceAttitude()
     return resampler, Chain([resampler, attitude, mode_stage(rate_hz, config.mode)])
 

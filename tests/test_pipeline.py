@@ -15,10 +15,11 @@ from pdr_est.errors import EstimationError, RecordingError
 from pdr_est.estimators import EstimatorName
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.attitude import AttitudeParams
+from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
 from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.pipeline import SmoothedWalk
-from pdr_est.records import CarryingMode
+from pdr_est.records import CarryingMode, Gap
 from pdr_est.simulate import DeviceParams, SensorParams, SimulatedWalk, preset, simulate_walk
 
 DEAD_RECKONING = Config(estimator=EstimatorParams(name="dead-reckoning"))
@@ -219,6 +220,48 @@ def test_an_accelerometer_alone_gives_steps_with_length_and_without_heading(miss
     length_m, expected_m = (sum(step.length_m for step in walk.steps) for walk in (part, full))
     assert length_m == pytest.approx(expected_m, rel=0.05)
     assert pipeline.warnings_of(simulated().recording, [part]) == ()
+
+
+def test_a_given_mode_is_used_without_gyroscope_too() -> None:
+    given = replace(Config(), mode=ModeParams(method="fixed", fixed="SWING"))
+    (walk,) = pipeline.analyse(without_gyroscope(), given)
+    assert {step.event.mode for step in walk.steps} == {CarryingMode.SWING}
+    assert len(walk.steps) == pytest.approx(simulated().step_count, abs=2)
+    (walk,) = pipeline.analyse(without_gyroscope(), replace(Config(), mode=ModeParams(method="mmpdr")))
+    assert {step.event.mode for step in walk.steps} == {CarryingMode.UNKNOWN}
+
+
+def test_a_gap_of_both_sensors_is_one_and_as_long_as_it_is() -> None:
+    def with_hours(signal: Signal) -> Signal:
+        return Signal(np.where(signal.time_s < 20.0, signal.time_s, signal.time_s + 3600.0), signal.values)
+
+    recording = some(with_hours)
+    walks = pipeline.analyse(recording, Config())
+    assert len(walks[0].gaps) == 2
+    (words,) = pipeline.warnings_of(recording, walks)
+    assert words.startswith("device: 1 gap or clock jump, 3600.0 s in all")
+    later = Gap("rotation_rate", 4000.0, 4001.0, "gap")
+    (words,) = pipeline.warnings_of(recording, [replace(walks[0], gaps=(*walks[0].gaps, later))])
+    assert words.startswith("device: 2 gaps or clock jumps, 3601.0 s in all")
+
+
+def test_what_the_reader_doubts_is_a_warning_of_the_walk_too() -> None:
+    recording = simulated().recording
+    doubtful = replace(recording, devices=(replace(recording.devices[0], warnings=("the unit is a guess",)),))
+    assert pipeline.smooth(doubtful, DEAD_RECKONING).warnings == ("device: the unit is a guess",)
+
+
+@pytest.mark.parametrize(("channel", "value"), [("specific_force", 1e30), ("rotation_rate", -1e6)])
+def test_one_impossible_sample_changes_next_to_nothing(channel: str, value: float) -> None:
+    (device,) = simulated().recording.devices
+    signal = getattr(device, channel)
+    values = signal.values.copy()
+    values[len(values) // 2, 1] = value
+    damaged = with_device(**{channel: Signal(signal.time_s, values)})
+    walk, usual = (pipeline.smooth(recording, DEAD_RECKONING) for recording in (damaged, simulated().recording))
+    assert shown(walk) == pytest.approx(shown(usual), abs=0.02)
+    assert walk.devices[0].dropped_samples == {f"{channel}: impossible": 1}
+    assert walk.warnings[0].startswith("device: 1 of ")
 
 
 def test_one_device_without_gyroscope_leaves_the_other_as_it_is() -> None:

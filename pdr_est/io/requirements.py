@@ -5,10 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from pdr_est.errors import RecordingError
+from pdr_est.io.limits import LIMITS, impossible
 from pdr_est.io.recording import DeviceRecording, Signal
 from pdr_est.records import Channel
 
 _LONGEST_WALK_S = 366 * 86400.0  # what lies further apart is a wrong time stamp
+_MOST_IMPOSSIBLE = 0.5  # of the samples: more are no damage, their unit is another one
+_MANY_SAMPLES = 5  # of which some share a second
 _WORDS = {
     Channel.SPECIFIC_FORCE: "accelerometer",
     Channel.ROTATION_RATE: "gyroscope",
@@ -61,6 +64,12 @@ def why_nothing(device: DeviceRecording, place: str, longest_pause_s: float) -> 
         signal = _signal(device, channel)
         if signal is None or len(signal) < 2:
             continue
+        limit = LIMITS.get(channel)
+        if limit is not None and impossible(channel, signal.values).mean() > _MOST_IMPOSSIBLE:
+            return RecordingError(
+                f"{place}: the values of the {words} reach {np.abs(signal.values).max():.3g} {limit.unit}, more than "
+                f"{limit.largest:g}, which no phone can measure: write their unit into the header"
+            )
         pause_s = float(np.median(np.diff(signal.time_s)))
         if pause_s < 0.0:
             return RecordingError(f"{place}: the time stamps of the {words} run backwards: sort its rows by time")
@@ -69,15 +78,17 @@ def why_nothing(device: DeviceRecording, place: str, longest_pause_s: float) -> 
                 f"{place}: the samples of the {words} lie {pause_s:.6g} s apart, more than resample.max_gap_s = "
                 f"{longest_pause_s:g}: give the time in seconds, or record at a higher rate"
             )
+        if len(signal) >= _MANY_SAMPLES and _whole_seconds(signal):
+            return RecordingError(
+                f"{place}: the time stamps of the {words} are whole seconds, {len(signal)} samples on "
+                f"{len(np.unique(signal.time_s))} of them: give seconds with their fractions"
+            )
     return RecordingError(f"{place}: too few samples for a single point of the working grid: record for longer")
 
 
-def doubts(device: DeviceRecording) -> tuple[str, ...]:
-    """What makes a track of this device doubtful although it can be computed, in words."""
-    rate = device.rotation_rate
-    if rate is not None and len(rate) and not rate.values.any():
-        return ("all values of the gyroscope are zero, the sensor is absent or fake: no turn can be seen",)
-    return ()
+def _whole_seconds(signal: Signal) -> bool:
+    since_s = signal.time_s - signal.time_s[0]
+    return bool((since_s == np.round(since_s)).all()) and len(np.unique(since_s)) < len(since_s)
 
 
 def _needed_signals(device: DeviceRecording, place: str, with_attitude: bool) -> Mapping[Channel, Signal]:

@@ -11,6 +11,7 @@ from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
+from pdr_est.io.limits import impossible
 from pdr_est.params import Positive, params
 from pdr_est.records import Channel, Gap, ImuBlock, SensorBlock
 
@@ -30,7 +31,8 @@ class ResampleParams:
 class Resampler:
     """Several channels of one device onto one grid; the specific force must be among them.
 
-    Samples with duplicate or slightly backward time stamps are dropped and counted in `dropped`. A clock that
+    Samples with values that are not finite or that no phone can measure (`limits`), and those with duplicate or
+    slightly backward time stamps, are dropped and counted in `dropped`. A clock that
     jumps back by more than `max_gap_s` was restarted: the samples after it are kept, as a new segment that begins
     two `max_gap_s` later. Gaps and restarts are collected in `gaps`, and at `flush` what a channel missed because it
     began later or ended earlier than the others.
@@ -176,12 +178,14 @@ class _ChannelIntegral:
         self._values: Array = np.empty((0, 0))
         self._integral: Array = np.empty((0, 0))
         self.gaps: list[Gap] = []
-        self.dropped = {"not finite": 0, "duplicate time": 0, "backward time": 0}
+        self.dropped = {"not finite": 0, "impossible": 0, "duplicate time": 0, "backward time": 0}
 
     def append(self, time_s: Array, values: Array) -> None:
         finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
+        possible = finite & ~impossible(self._channel, values)
         self.dropped["not finite"] += int(len(time_s) - finite.sum())
-        time, values = time_s[finite], values[finite]
+        self.dropped["impossible"] += int(finite.sum() - possible.sum())
+        time, values = time_s[possible], values[possible]
         if not len(time):
             return
         time, values = self._increasing(self._continuous(time), values)

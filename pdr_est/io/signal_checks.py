@@ -20,6 +20,7 @@ _LINEAR_TOLERANCE = 1e-6
 _PLATEAUS = 2  # separate times at the same extreme for two samples or more
 _CLIPPED_SAMPLES = 5
 _MOVING_SHARE = 0.2  # of the signal's usual variation
+_LEAST_VARIATION = 1e-9  # in the unit of the signal; a constant one has what rounding leaves
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ def _moves(signal: Signal, stretch: Interval) -> bool:
     if inside.sum() < 2:
         return False
     usual = float(signal.values.std(axis=0).max())
-    return usual > 0.0 and float(signal.values[inside].std(axis=0).max()) > _MOVING_SHARE * usual
+    return usual > _LEAST_VARIATION and float(signal.values[inside].std(axis=0).max()) > _MOVING_SHARE * usual
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

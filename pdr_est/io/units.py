@@ -18,6 +18,7 @@ _GRAVITY_SHARE = 0.65
 _PARTS = 10
 _FULL_SCALE_RADPS = 40.0  # phones' gyroscopes end at 2000 deg/s = 34.9 rad/s
 _WALKING_RADPS = (0.3, 12.0)  # 95th percentile of the norm, from a phone held calmly to one in a runner's pocket
+_PEAK_PERCENTILE = 99.9
 _CALMEST_WALK_DEGPS = 15.0
 _VERTICAL_COSINE = 0.6  # median over the walk; 0.85 for a swung phone, whose acceleration is far from gravity
 _CLEARLY_BETTER = 0.1
@@ -72,7 +73,8 @@ def rotation_unit(values: Array) -> Finding:
     A component above 40 would exceed any phone's full scale in rad/s. Otherwise the 95th percentile of the norm
     is 0.3 to 12 rad/s in every way of carrying, while even a calmly held phone exceeds 15 deg/s in 5 % of the time.
     """
-    peak = float(np.abs(values).max())
+    # A single damaged number must not decide, however large it is.
+    peak = float(np.percentile(np.abs(values).max(axis=1), _PEAK_PERCENTILE, method="lower"))
     high = float(np.percentile(np.linalg.norm(values, axis=1), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
     if peak > _FULL_SCALE_RADPS or high > _CALMEST_WALK_DEGPS:

@@ -81,7 +81,7 @@ def summarise(
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
-        "warnings": list(dict.fromkeys([*walk.warnings, *_reader_warnings(recording)])),
+        "warnings": list(dict.fromkeys(walk.warnings)),
         "config": config_dict,
         "versions": versions,
     }
@@ -206,7 +206,3 @@ def radius95_m(covariance_m2: Array) -> Array:
 
 def _fixes(fixes: Sequence[PositionFix]) -> Json:
     return {"used": len(fixes), "sources": dict(Counter(fix.source for fix in fixes))}
-
-
-def _reader_warnings(recording: Recording) -> list[str]:
-    return [f"{device.name}: {warning}" for device in recording.devices for warning in device.warnings]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli_recordings import ACC, Walk, columns_of, lines_of, save
+from cli_recordings import ACC, Walk, columns_of, lines_of, save, with_cell
 from cli_runs import refused, run, smooth_refused, smoothed
 
 from pdr_est.front_end.steps import DETECTORS
@@ -121,4 +121,15 @@ def test_what_makes_steps_doubtful_is_a_warning(walk: Walk, tmp_path: Path) -> N
     path = save(tmp_path / "walk.csv", lines)
     result = run("steps", path)
     assert result.exit_code == 0
-    assert result.stderr.startswith(f"warning: {path}: device: 2 gaps or clock jumps")
+    assert result.stderr.startswith(f"warning: {path}: device: 1 gap or clock jump, 2.0 s in all")
+
+
+def test_what_the_reader_and_the_gyroscope_leave_open_is_a_warning(walk: Walk, tmp_path: Path) -> None:
+    lines = with_cell(lines_of(columns_of(walk)), 7, 1, "nan")
+    half = len(lines) // 2
+    lines[half:] = [",".join([*line.split(",")[:4], "nan", "nan", "nan"]) for line in lines[half:]]
+    result = run("steps", save(tmp_path / "walk.csv", lines))
+    assert result.exit_code == 0
+    assert "1 of" in result.stderr
+    assert "rows dropped because they hold NaN" in result.stderr
+    assert "the gyroscope covers only" in result.stderr

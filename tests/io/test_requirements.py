@@ -1,5 +1,6 @@
 """What steps need of a device and what a track needs: which channels are taken, and the words of a refusal."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.io.requirements import doubts, has_gyroscope, needed_channels, refuse_without_track
+from pdr_est.io.requirements import has_gyroscope, needed_channels, refuse_without_track, why_nothing
 from pdr_est.records import Channel
 
 TIME_S = np.arange(100) / 50.0
@@ -28,12 +29,10 @@ def test_the_channels_that_are_taken() -> None:
     assert needed_channels(replace(BARE, rotation_rate=NOTHING), "walk", with_attitude=False) == (force,)
 
 
-def test_a_gyroscope_of_zeros_is_one_with_a_doubt() -> None:
+def test_a_gyroscope_of_zeros_is_one() -> None:
     fake = replace(FULL, rotation_rate=Signal(TIME_S, np.zeros((100, 3))))
     assert has_gyroscope(fake)
     refuse_without_track(fake, "walk")
-    assert "all values of the gyroscope are zero" in doubts(fake)[0]
-    assert doubts(BARE) == doubts(FULL) == ()
 
 
 def test_a_track_needs_both_and_says_what_remains() -> None:
@@ -63,3 +62,15 @@ def test_a_gyroscope_that_cannot_be_used_is_not_passed_over() -> None:
 def test_the_devices_attitude_is_used_with_a_gyroscope_only(attitude: Signal | None) -> None:
     with pytest.raises(RecordingError, match=r"^walk: no gyroscope .*with --attitude vqf steps are found"):
         needed_channels(replace(BARE, attitude=attitude), "walk", with_attitude=True)
+
+
+def test_why_nothing_came_out_of_whole_seconds_or_another_unit() -> None:
+    rounded = DeviceRecording(specific_force=Signal(np.floor(TIME_S), FORCE.values))
+    assert re.search(
+        r"^walk: the time stamps of the accelerometer are whole seconds, 100 samples on 2 of them: give seconds with",
+        str(why_nothing(rounded, "walk", 0.5)),
+    )
+    milli_g = DeviceRecording(specific_force=Signal(TIME_S, 1e3 * FORCE.values))
+    assert "accelerometer reach 9.8e+03 m/s^2, more than 1000" in str(why_nothing(milli_g, "walk", 0.5))
+    short = DeviceRecording(specific_force=Signal(TIME_S[:2], FORCE.values[:2]))
+    assert "record for longer" in str(why_nothing(short, "walk", 0.5))

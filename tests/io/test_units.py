@@ -64,6 +64,13 @@ def test_the_unit_of_rotation_is_found_for_a_walk(walk: Walk) -> None:
     assert degrees.warning == ""
 
 
+@pytest.mark.parametrize("spike", [1e6, -500.0])
+def test_a_single_damaged_number_does_not_decide_the_unit_of_rotation(walk: Walk, spike: float) -> None:
+    damaged = walk.rate.copy()
+    damaged[3, 1] = spike
+    assert rotation_unit(damaged).factor == 1.0
+
+
 def test_a_phone_that_hardly_turns_leaves_the_unit_of_rotation_open() -> None:
     finding = rotation_unit(np.full((100, 3), 0.01))
     assert finding.factor == 1.0

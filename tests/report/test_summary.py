@@ -62,12 +62,10 @@ def test_track_is_in_the_map_frame_only_when_something_ties_it(make_walk, start,
     assert summarise(walk, recording, {}, {}, {}, start=start)["frame"] == frame
 
 
-def test_warnings_come_once_from_the_pipeline_and_from_the_reader(make_walk) -> None:
+def test_warnings_are_those_of_the_walk_and_each_comes_once(make_walk) -> None:
     walk, recording = make_walk(steps=3)
-    device = replace(recording.devices[0], warnings=("clipped at 20 m/s^2", "stuck"))
-    walk = replace(walk, warnings=("late fix", "phone: stuck"))
-    summary = summarise(walk, replace(recording, devices=(device,)), {}, {}, {})
-    assert summary["warnings"] == ["late fix", "phone: stuck", "phone: clipped at 20 m/s^2"]
+    walk = replace(walk, warnings=("late fix", "phone: stuck", "late fix"))
+    assert summarise(walk, recording, {}, {}, {})["warnings"] == ["late fix", "phone: stuck"]
 
 
 def test_unknown_numbers_are_none(make_walk) -> None:

@@ -98,7 +98,9 @@ class AutoSteps:
         columns[:, 0] = block.vertical_mps2
         columns[:, 1] = horizontal_rate(block)
         vertical, rotation = self._filter.push(columns).T
-        humps: Array = np.where(block.mode == _SWING, -self._parameters.swing_gain_mps * rotation, vertical)
+        # A given mode may be SWING without a gyroscope.
+        seen_swinging = (block.mode == _SWING) & np.isfinite(rotation)
+        humps: Array = np.where(seen_swinging, -self._parameters.swing_gain_mps * rotation, vertical)
         return humps
 
     def _decide(self) -> list[StepEvent]:

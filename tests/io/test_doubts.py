@@ -1,0 +1,73 @@
+"""What makes steps and a track doubtful: a gyroscope that is absent for a while, stands still or gives nonsense."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pdr_est.frames import Array
+from pdr_est.io.doubts import doubts
+from pdr_est.io.recording import DeviceRecording, Signal
+
+TIME_S = np.arange(3001) / 50.0
+NOISE = np.random.default_rng(3).normal(size=(2, 3001, 3))
+FORCE = Signal(TIME_S, np.array([0.0, 0.0, 9.8]) + NOISE[0])
+RATE = Signal(TIME_S, NOISE[1])
+FULL = DeviceRecording(specific_force=FORCE, rotation_rate=RATE)
+
+
+def with_values(signal: Signal, rows: slice, value: float) -> Signal:
+    values: Array = signal.values.copy()
+    values[rows] = value
+    return Signal(signal.time_s, values)
+
+
+def first(signal: Signal, seconds: float) -> Signal:
+    rows = signal.time_s <= seconds
+    return Signal(signal.time_s[rows], signal.values[rows])
+
+
+def test_nothing_is_doubtful_of_a_sound_recording() -> None:
+    assert doubts(FULL) == ()
+    assert doubts(replace(FULL, rotation_rate=None)) == ()
+    assert doubts(replace(FULL, rotation_rate=Signal(np.empty(0), np.empty((0, 3))))) == ()
+    # Sensors start and stop one after the other, and a gap in both costs nothing twice.
+    assert doubts(replace(FULL, rotation_rate=first(RATE, 59.5))) == ()
+    holed = np.r_[0:1000, 2000:3001]
+    force, rate = (Signal(signal.time_s[holed], signal.values[holed]) for signal in (FORCE, RATE))
+    assert doubts(DeviceRecording(specific_force=force, rotation_rate=rate)) == ()
+
+
+def test_a_gyroscope_of_zeros_is_told_once() -> None:
+    (words,) = doubts(replace(FULL, rotation_rate=with_values(RATE, slice(None), 0.0)))
+    assert words.startswith("all values of the gyroscope are zero")
+
+
+@pytest.mark.parametrize(("value", "name"), [(0.0, "gyroscope"), (0.3, "gyroscope"), (9.0, "accelerometer")])
+def test_a_sensor_that_stands_still_for_half_of_the_walk(value: float, name: str) -> None:
+    half = slice(1500, None)
+    stuck = {
+        "gyroscope": replace(FULL, rotation_rate=with_values(RATE, half, value)),
+        "accelerometer": replace(FULL, specific_force=with_values(FORCE, half, value)),
+    }[name]
+    (words,) = doubts(stuck)
+    assert words.startswith(f"the {name} is stuck from 30.00 s on, for 30.0 s in all: no ")
+
+
+def test_a_gyroscope_that_covers_a_part() -> None:
+    (most,) = doubts(replace(FULL, rotation_rate=first(RATE, 45.0)))
+    assert most == "the gyroscope covers only 45.0 of 60.0 s of the accelerometer: nothing outside is used"
+    (few,) = doubts(replace(FULL, rotation_rate=first(RATE, 0.4)))
+    assert few.startswith("the gyroscope covers only 0.4 of 60.0 s of the accelerometer: nothing outside is used; ")
+    assert "without the gyroscope" in few
+    holed = np.r_[0:1000, 2000:3001]
+    (gap,) = doubts(replace(FULL, rotation_rate=Signal(TIME_S[holed], RATE.values[holed])))
+    assert gap.startswith("the gyroscope covers only 40.0 of 60.0 s")
+
+
+def test_what_no_phone_can_measure_is_counted() -> None:
+    assert doubts(replace(FULL, specific_force=with_values(FORCE, slice(5, 7), 1e30))) == (
+        "2 of 3001 samples of the accelerometer are beyond 1000 m/s^2, which no phone can measure, and are left out",
+    )
+    (words,) = doubts(replace(FULL, rotation_rate=with_values(RATE, slice(5, 6), -1e6)))
+    assert words.startswith("1 of 3001 samples of the gyroscope are beyond 200 rad/s")
