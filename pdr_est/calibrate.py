@@ -26,15 +26,17 @@ import numpy as np
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.pace import PaceMeter
 from pdr_est.front_end.step_length.walker import walking_cadence_hz
 from pdr_est.pipeline import DeviceWalk, estimate
 from pdr_est.records import PositionFix, Step
 
-SIGMA_LOG_SCALE = 0.11  # of people, each over the model
+SIGMA_LOG_SCALE = OdometryParams().sigma_length_scale  # of people, each over the model
 MEAN_EXPONENT, SIGMA_EXPONENT = 0.3, 0.2  # of people's length over the model, by cadence
 SIGMA_WALK = 0.05  # of one person's walks, in the logarithm of their length
+SIGMA_LOG_CADENCE = 0.15  # of one person's ordinary walks, in the logarithm of their cadence
 SCALE_RANGE = (0.5, 2.0)  # nobody's steps differ more from the model's; beyond lie other units
 _LARGEST_SIGMA_OF_FIXES = 0.2
 
@@ -85,7 +87,7 @@ class Observation:
 class Calibration:
     """Posterior of a walker's constants. mean: (2,) of ln scale and exponent; covariance: (2, 2).
     reference_cadence_hz: where the exponent changes nothing. sigma_next: of the logarithm of the length of the next
-    walk, at the cadences of those observed."""
+    walk, whose cadence is as uncertain as those of the walks observed and of people's ordinary walks."""
 
     mean: Array
     covariance: Array
@@ -159,11 +161,12 @@ def fit(observations: Sequence[Observation]) -> Calibration:
     covariance = np.asarray(np.linalg.inv(prior + design.T * weight @ design), dtype=np.float64)
     log_ratio = np.array([seen.log_ratio for seen in observations])
     mean = covariance @ (prior @ prior_mean + design.T @ (weight * log_ratio))
+    next_away = SIGMA_LOG_CADENCE**2 + float(np.mean(away**2))
     return Calibration(
         mean=mean,
         covariance=covariance,
         reference_cadence_hz=math.exp(reference),
-        sigma_next=math.sqrt(SIGMA_WALK**2 + covariance[0, 0] + covariance[1, 1] * float(np.mean(away**2))),
+        sigma_next=math.sqrt(SIGMA_WALK**2 + covariance[0, 0] + covariance[1, 1] * next_away),
     )
 
 

@@ -11,6 +11,7 @@ from pdr_est import pipeline
 from pdr_est.calibrate import (
     MEAN_EXPONENT,
     SIGMA_EXPONENT,
+    SIGMA_LOG_CADENCE,
     SIGMA_LOG_SCALE,
     SIGMA_WALK,
     Observation,
@@ -48,7 +49,7 @@ def test_the_posterior_is_that_of_least_squares_with_the_prior_as_rows() -> None
     assert_allclose(found.mean, answer, rtol=1e-10)
     assert_allclose(found.covariance, covariance, rtol=1e-10)
     assert found.reference_cadence_hz == pytest.approx(math.exp(x.mean()))
-    spread = covariance[0, 0] + covariance[1, 1] * x.var() + SIGMA_WALK**2
+    spread = covariance[0, 0] + covariance[1, 1] * (x.var() + SIGMA_LOG_CADENCE**2) + SIGMA_WALK**2
     assert found.sigma_next == pytest.approx(math.sqrt(spread))
 
 
@@ -76,7 +77,9 @@ def test_more_walks_tell_more_and_uncertain_ones_less() -> None:
     sure, unsure = Observation(0.1, 0.0, 0.6), Observation(0.1, 0.2, 0.6)
     assert fit([sure] * 5).sigma_next < fit([sure]).sigma_next < fit([unsure]).sigma_next
     assert fit([unsure]).sigma_next < math.hypot(SIGMA_LOG_SCALE, SIGMA_WALK)
-    assert fit([sure] * 1000).sigma_next == pytest.approx(SIGMA_WALK, rel=1e-3)
+    # Walks of one cadence never tell how those of others are.
+    unknown = math.hypot(SIGMA_WALK, SIGMA_EXPONENT * SIGMA_LOG_CADENCE)
+    assert fit([sure] * 1000).sigma_next == pytest.approx(unknown, rel=1e-3)
     assert 0.0 < fit([unsure]).mean[0] < fit([sure]).mean[0] < fit([sure] * 5).mean[0] < 0.1
 
 
@@ -92,6 +95,21 @@ def test_a_person_is_found_again() -> None:
     assert (walker.height_m, walker.gender) == (1.9, "female")
     for value in cadences_hz:
         assert walker.personal_factor(value) == pytest.approx(truth.personal_factor(value), rel=0.005)
+
+
+def test_the_stated_uncertainty_is_that_of_walks_at_other_cadences() -> None:
+    """People drawn from what is expected of them, calibrated on one walk: two thirds of their next walks, at another
+    cadence, are right within the stated sigma."""
+    rng = np.random.default_rng(11)
+    within = []
+    for _ in range(4000):
+        scale, exponent = rng.normal(0.0, SIGMA_LOG_SCALE), rng.normal(MEAN_EXPONENT, SIGMA_EXPONENT)
+        first, second = rng.normal(0.6, SIGMA_LOG_CADENCE / math.sqrt(2.0), 2)  # apart by SIGMA_LOG_CADENCE
+        y, true = (scale + exponent * (x - first) + rng.normal(0.0, SIGMA_WALK) for x in (first, second))
+        found = fit([Observation(y, 0.0, first)])
+        error = found.mean[0] + found.mean[1] * (second - first) - true
+        within.append(abs(error) <= found.sigma_next)
+    assert np.mean(within) == pytest.approx(0.683, abs=0.02)
 
 
 # --- observations ------------------------------------------------------------------------------------------------

@@ -78,6 +78,15 @@ def distance_error(total_m: float, true_m: float) -> float:
     return abs(total_m - true_m) / true_m
 
 
+def within_sigma(total_m: float, true_m: float, sigma_log: float) -> float:
+    """`scale_coverage68` of one walk: 1 if the logarithm of its length is off by at most sigma_log, and else 0.
+
+    Over many walks the mean is 0.68 when the stated sigma_log is right; more is as wrong as less. true_m is positive;
+    a walk of no length is never within.
+    """
+    return float(total_m > 0.0 and abs(np.log(total_m / true_m)) <= sigma_log)
+
+
 def thinned(points_m: Array, least_leg_m: float) -> NDArray[np.intp]:
     """Indices of the first of the points (n, 2) and of each next one at least least_leg_m from the last one kept."""
     if least_leg_m <= 0.0:

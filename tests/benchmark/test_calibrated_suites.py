@@ -1,7 +1,7 @@
 """The suites with known lengths: what is scored, and calibration on other walks only, on tiny made-up walks."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 
@@ -108,6 +108,17 @@ def test_somebody_without_steps_is_scored_and_takes_no_part(tmp_path):
     )
 
 
+def test_the_stated_uncertainty_of_the_scale_is_measured(tmp_path):
+    stride_set(tmp_path, 1.05, 1.05, 1.3)
+    first, second, third = run("stride-length", tmp_path)["walks"]
+    assert [walk["scale_coverage68"] for walk in (first, second, third)] == [1.0, 1.0, 0.0]  # within 11 %
+    # On each other, the first two are right; on the third one they are far too long, and it is too short on them.
+    assert [walk["scale_coverage68_calibrated"] for walk in (first, second, third)] == [0.5, 0.5, 0.0]
+    vague = replace(CONFIG, odometry=replace(CONFIG.odometry, sigma_length_scale=0.3))
+    document = run_benchmark("stride-length", tmp_path, compare(vague)).to_dict()
+    assert document["summary"]["scale_coverage68"]["mean"] == 1.0
+
+
 # --- known-distance ----------------------------------------------------------------------------------------------
 
 
@@ -135,6 +146,10 @@ def test_known_distance_is_calibrated_on_every_pair_of_others(tmp_path):
         errors.append(abs(fitted * counted / 1.2 - 1.0))
     # One cadence: the exponent is not learnt, and evens out within each walk but for its square.
     assert walk["distance_error_calibrated"] == pytest.approx(np.mean(errors), abs=5e-4)
+    # The model is off by 20, 20, 10 and 0 %. Only D lies between pairs of the others: two of three, A or B with C.
+    assert [walk["scale_coverage68"] for walk in document["walks"]] == [0.0, 0.0, 1.0, 1.0]
+    covered = [walk["scale_coverage68_calibrated"] for walk in document["walks"]]
+    assert covered == pytest.approx([0.0, 0.0, 0.0, 2.0 / 3.0])
 
 
 # --- what a calibration may see ----------------------------------------------------------------------------------

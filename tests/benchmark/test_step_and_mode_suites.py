@@ -131,7 +131,8 @@ def test_known_distance_compares_all_steps_with_the_table(tmp_path):
     skipped = {walk["walk"]: walk["reason"] for walk in document["skipped"]}
     assert set(skipped) == {"A", "B", "C"}
     assert "not in truth.csv" in skipped["C"]
-    assert skipped["A"] == "distance_error_calibrated: fewer than 2 other walks to calibrate on"
+    lacking = "distance_error_calibrated, scale_coverage68_calibrated"
+    assert skipped["A"] == f"{lacking}: fewer than 2 other walks to calibrate on"
 
 
 def test_known_distance_without_its_table_has_no_walk(tmp_path):

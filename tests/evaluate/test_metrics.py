@@ -126,3 +126,10 @@ def test_each_step_is_compared_with_the_mode_of_its_own_time():
 
 def test_mode_accuracy_without_steps_is_not_known():
     assert math.isnan(metrics.mode_accuracy(np.array([]), [], modes()))
+
+
+@pytest.mark.parametrize(
+    ("total_m", "covered"), [(100.0, 1.0), (110.5, 1.0), (110.6, 0.0), (90.5, 1.0), (90.4, 0.0), (0.0, 0.0)]
+)
+def test_a_length_is_within_its_sigma_by_the_logarithm(total_m, covered):
+    assert metrics.within_sigma(total_m, 100.0, 0.1) == covered

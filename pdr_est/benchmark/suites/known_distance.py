@@ -1,7 +1,11 @@
 """Held phones over a known distance, with the steps counted by hand; a table `truth.csv` gives both for each file.
 
+`scale_coverage68` is the share of the walks whose length is right within the standard deviation that the
+configuration states for the scale of their steps (`odometry.sigma_length_scale`).
+
 `distance_error_calibrated` is `distance_error` after calibrating the walker (`calibrate.fit`) on two other walks of
-the set: the mean over all pairs of them.
+the set: the mean over all pairs of them. So is `scale_coverage68_calibrated`, with the standard deviation that the
+calibration states (`Calibration.sigma_next`).
 """
 
 from collections.abc import Mapping
@@ -13,7 +17,7 @@ from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.calibrate import Calibration, Observation, PacedSteps, observation
 from pdr_est.errors import RecordingError
-from pdr_est.evaluate.metrics import distance_error
+from pdr_est.evaluate.metrics import distance_error, within_sigma
 from pdr_est.evaluate.steps import count_error
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io.known_truth import KnownWalk, read_truth_table
@@ -21,7 +25,7 @@ from pdr_est.io.recording import Truth
 from pdr_est.pipeline import DeviceWalk
 
 _TRUTH = "truth"
-_CALIBRATED = "distance_error_calibrated"
+_CALIBRATED = ("distance_error_calibrated", "scale_coverage68_calibrated")
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,13 @@ class DistanceCase:
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
         steps = self.steps.personal(calibration.walker(WalkerParams()))
-        return {_CALIBRATED: distance_error(float(steps.length_m.sum()), self.distance_m)}
+        return dict(zip(_CALIBRATED, _distance_metrics(steps, self.distance_m, calibration.sigma_next), strict=True))
+
+
+def _distance_metrics(steps: PacedSteps, distance_m: float, sigma_log: float) -> tuple[float, float]:
+    """How far the length is off, and whether that is within its sigma."""
+    length_m = float(steps.length_m.sum())
+    return distance_error(length_m, distance_m), within_sigma(length_m, distance_m, sigma_log)
 
 
 def find(folder: Path) -> list[WalkFile]:
@@ -64,17 +74,19 @@ def _scores(walk: Walked, device: DeviceWalk) -> Scores:
         raise RecordingError(
             f"{walk.recording.name}: not in {_TRUTH}.csv: no distance and step count to compare with"
         )
+    steps = PacedSteps.of(device.steps)
+    error, covered = _distance_metrics(steps, truth.distance_m, walk.config.odometry.sigma_length_scale)
     part = Part(
         {
-            "distance_error": distance_error(sum(step.length_m for step in device.steps), truth.distance_m),
+            "distance_error": error,
+            "scale_coverage68": covered,
             "count_error": count_error(len(device.steps), truth.step_count),
         },
         {"true_steps": truth.step_count, "detected_steps": len(device.steps)},
     )
     if not device.steps:
-        return device_scores(walk, device, part, Part(missing={_CALIBRATED: "no step found"}))
-    case = DistanceCase(PacedSteps.of(device.steps), truth.distance_m)
-    return replace(device_scores(walk, device, part), calibration=case)
+        return device_scores(walk, device, part, Part(missing=dict.fromkeys(_CALIBRATED, "no step found")))
+    return replace(device_scores(walk, device, part), calibration=DistanceCase(steps, truth.distance_m))
 
 
 def _truth(known: KnownWalk | None) -> Truth:
@@ -84,10 +96,10 @@ def _truth(known: KnownWalk | None) -> Truth:
 SUITE = Suite(
     name="known-distance",
     folder="known-distance",
-    metrics=("distance_error", _CALIBRATED, "count_error"),
+    metrics=("distance_error", "scale_coverage68", *_CALIBRATED, "count_error"),
     find=find,
     prepare=as_recorded,
     score=score,
     calibrated_on=2,
-    calibrated=(_CALIBRATED,),
+    calibrated=_CALIBRATED,
 )

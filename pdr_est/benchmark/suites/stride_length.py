@@ -8,6 +8,8 @@ The first and the last stride of a walk and strides above 3 m are not scored (`e
 * `stride_error_by_time`: the same strides with the way between their beginnings and ends (`lengths_by_time`). The
   times of the sensor at the foot scatter, so that even steps at the true speed are several percent off.
 * `distance_error`: the way during all scored strides, by time, against the sum of their lengths.
+* `scale_coverage68`: the share of the walks for which that way is right within the standard deviation that is stated
+  for the scale of their steps: `odometry.sigma_length_scale`, after a calibration `Calibration.sigma_next`.
 * `…_calibrated`: the same after calibrating the walker on one other walk of the set, the mean over all other walks.
   What is fitted is the ratio of true to modelled length of that walk's scored strides (`calibrate.fit`).
 
@@ -24,7 +26,7 @@ from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.calibrate import Calibration, Observation, PacedSteps, observation
 from pdr_est.errors import RecordingError
-from pdr_est.evaluate.metrics import distance_error
+from pdr_est.evaluate.metrics import distance_error, within_sigma
 from pdr_est.evaluate.strides import (
     lengths_by_time,
     lengths_by_two_steps,
@@ -37,7 +39,7 @@ from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io.recording import TrueStrides
 from pdr_est.pipeline import DeviceWalk
 
-_METRICS = ("stride_error", "stride_error_by_time", "distance_error")
+_METRICS = ("stride_error", "stride_error_by_time", "distance_error", "scale_coverage68")
 _CALIBRATED = tuple(f"{name}_calibrated" for name in _METRICS)
 
 
@@ -60,19 +62,21 @@ class StrideCase:
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
         steps = self.steps.personal(calibration.walker(WalkerParams()))
-        return dict(zip(_CALIBRATED, self._errors(steps), strict=True))
+        return dict(zip(_CALIBRATED, self._errors(steps, calibration.sigma_next), strict=True))
 
-    def errors_uncalibrated(self) -> Mapping[str, float]:
-        """Of the lengths as the front end gave them."""
-        return dict(zip(_METRICS, self._errors(self.steps), strict=True))
+    def errors_uncalibrated(self, sigma_length_scale: float) -> Mapping[str, float]:
+        """Of the lengths as the front end gave them, with the sigma that is stated for their scale."""
+        return dict(zip(_METRICS, self._errors(self.steps, sigma_length_scale), strict=True))
 
-    def _errors(self, steps: PacedSteps) -> tuple[float, float, float]:
+    def _errors(self, steps: PacedSteps, sigma_log: float) -> tuple[float, float, float, float]:
         share, true_m = self._shares(), self.strides.length_m
         by_time_m = lengths_by_time(share, steps.length_m)
+        way_m, true_way_m = float(by_time_m.sum()), float(true_m.sum())
         return (
             stride_error(lengths_by_two_steps(share, steps.length_m), true_m),
             stride_error(by_time_m, true_m),
-            distance_error(float(by_time_m.sum()), float(true_m.sum())),
+            distance_error(way_m, true_way_m),
+            within_sigma(way_m, true_way_m, sigma_log),
         )
 
     def _shares(self) -> Array:
@@ -96,7 +100,7 @@ def _scores(walk: Walked, device: DeviceWalk) -> Scores:
         raise RecordingError(f"{walk.recording.name}: no measured stride that can be scored: nothing to compare with")
     case = StrideCase(PacedSteps.of(device.steps), strides)
     counts = {"true_strides": len(strides.length_m), "detected_steps": case.steps_within}
-    part = Part(case.errors_uncalibrated(), counts)
+    part = Part(case.errors_uncalibrated(walk.config.odometry.sigma_length_scale), counts)
     if case.steps_within:
         return replace(device_scores(walk, device, part), calibration=case)
     return device_scores(walk, device, part, Part(missing=dict.fromkeys(_CALIBRATED, "no step found")))
