@@ -29,7 +29,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.pace import PaceMeter
-from pdr_est.front_end.step_length.walker import walking_cadence_hz
+from pdr_est.front_end.step_length.walker import LEAST_SCALE, MOST_SCALE, walking_cadence_hz
 from pdr_est.pipeline import DeviceWalk, estimate
 from pdr_est.records import PositionFix, Step
 
@@ -37,7 +37,6 @@ SIGMA_LOG_SCALE = OdometryParams().sigma_length_scale  # of people, each over th
 MEAN_EXPONENT, SIGMA_EXPONENT = 0.3, 0.2  # of people's length over the model, by cadence
 SIGMA_WALK = 0.05  # of one person's walks, in the logarithm of their length
 SIGMA_LOG_CADENCE = 0.15  # of one person's ordinary walks, in the logarithm of their cadence
-SCALE_RANGE = (0.5, 2.0)  # nobody's steps differ more from the model's; beyond lie other units
 _LARGEST_SIGMA_OF_FIXES = 0.2
 
 
@@ -165,7 +164,7 @@ def fit(observations: Sequence[Observation]) -> Calibration:
     return Calibration(
         mean=mean,
         covariance=covariance,
-        reference_cadence_hz=math.exp(reference),
+        reference_cadence_hz=walking_cadence_hz(math.exp(reference)),  # rounded, not beyond the bounds
         sigma_next=math.sqrt(SIGMA_WALK**2 + covariance[0, 0] + covariance[1, 1] * next_away),
     )
 
@@ -178,11 +177,10 @@ def _mean_length_m(steps: Sequence[PacedSteps], place: str) -> float:
 
 
 def _refuse_scale(scale: float, place: str, words: str) -> None:
-    least, most = SCALE_RANGE
-    if not least <= scale <= most:
+    if not LEAST_SCALE <= scale <= MOST_SCALE:
         raise RecordingError(
-            f"{place}: {words}, a scale of {scale:.2f} that is not between {least:g} and {most:g}: give metres, and "
-            "the whole way of this recording"
+            f"{place}: {words}, a scale of {scale:.2f} that is not between {LEAST_SCALE:g} and "
+            f"{MOST_SCALE:g}: give metres, and the whole way of this recording"
         )
 
 

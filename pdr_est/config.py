@@ -79,13 +79,16 @@ _LONGEST_VALUE = 60  # characters of a value in a message
 _UNIT_WORDS = {"_m": "metres", "_s": "seconds", "_hz": "hertz", "_rad": "radians", "_mps": "m/s", "_mps2": "m/s^2"}
 
 
-def load_config(path: str | Path) -> Config:
-    """Configuration from a YAML file; what the file leaves out keeps its default.
+def load_config(path: str | Path, base: Config | None = None) -> Config:
+    """Configuration from a YAML file; what the file leaves out is that of `base`, or keeps its default.
 
     Raises ConfigError that names the file and the key, for damaged YAML, unknown keys and values out of range.
     """
     data = load_yaml(path)
-    return config_from_dict({} if data is None else data, str(path))
+    config = config_from_dict({} if data is None else data, str(path))
+    if base is None or data is None:
+        return config if base is None else base
+    return config_from_dict(_merged(config_to_dict(base), data), str(path))
 
 
 def load_yaml(path: str | Path) -> Any:
@@ -149,6 +152,14 @@ class _StrictLoader(yaml.SafeLoader):
                 raise yaml.constructor.ConstructorError(None, None, f"{key.value!r} stands twice", key.start_mark)
             seen.add(key.value)
         return super().construct_mapping(node, deep)
+
+
+def _merged(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+    """The base with what stands in `over`, section by section."""
+    merged = dict(base)
+    for key, value in over.items():
+        merged[key] = _merged(base[key], value) if isinstance(base.get(key), dict) else value
+    return merged
 
 
 def _refuse_booleans(data: Any, defaults: Any, place: str, section: str = "") -> None:

@@ -12,7 +12,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.config import Config, config_from_dict, config_to_dict, load_yaml
 from pdr_est.errors import ConfigError
-from pdr_est.front_end.step_length import LengthModel, WalkerParams
+from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
+from pdr_est.front_end.steps import DetectorName
 from pdr_est.params import Positive, params
 
 _HEADER = "# A walker's own step length, made by `pdr-est calibrate`. To use it: pdr-est smooth --profile FILE\n"
@@ -21,10 +22,11 @@ _SECTIONS = ("profile", "walker", "odometry")
 
 @params
 class ProfileNote:
-    """Where a profile comes from. length_model: the model that the constants belong to. recordings: how many walks.
-    distances_m: their true lengths; empty when fixes told the scale."""
+    """Where a profile comes from. step_length, detector: of the configuration whose steps the constants correct.
+    recordings: how many walks. distances_m: their true lengths; empty when fixes told the scale."""
 
-    length_model: LengthModel
+    step_length: StepLengthParams
+    detector: DetectorName
     recordings: Annotated[int, Ge(1)]
     date: Date
     distances_m: tuple[Positive, ...] = ()
@@ -49,8 +51,7 @@ def profile_to_yaml(profile: Profile) -> str:
     note = asdict(profile.note)
     document = {
         "profile": note | {"distances_m": list(note["distances_m"])},
-        "walker": asdict(profile.walker),
-        "odometry": {"sigma_length_scale": profile.sigma_length_scale},
+        **_settings(profile),
     }
     return _HEADER + str(yaml.safe_dump(document, sort_keys=False))
 
@@ -83,20 +84,25 @@ def with_profile(config: Config, profile: Profile) -> Config:
 
 
 def refuse_contradiction(config: Config, profile: Profile, place: str) -> None:
-    """Raise ConfigError when a configuration is not the one that a profile was made for: its constants are
-    corrections of one length model for one height and gender. place: what to call the profile."""
-    chosen = config.step_length.model
-    if chosen != profile.note.length_model:
-        raise ConfigError(
-            f"{place}: made for the length model {profile.note.length_model}, but {chosen} is configured: set "
-            f"step_length.model, or calibrate with {chosen}"
-        )
-    for key, value in config_to_dict(config)["walker"].items():
-        expected = getattr(profile.walker, key)
-        if value != expected:
-            raise ConfigError(
-                f"{place}: made for walker.{key} = {expected}, but {value} is set: leave it out, or calibrate again"
-            )
+    """Raise ConfigError when a configuration is not the one that a profile was made for, or not the one it makes.
+
+    Its constants correct the steps of one detector and the lengths of one model with its constants, for one height
+    and gender. place: what to call the profile.
+    """
+    settings = config_to_dict(config)
+    made_for = {"step_length": asdict(profile.note.step_length), "steps": {"detector": profile.note.detector}}
+    for section, expected in {**made_for, **_settings(profile)}.items():
+        for key, value in expected.items():
+            if settings[section][key] != value:
+                raise ConfigError(
+                    f"{place}: made for {section}.{key} = {value}, but {settings[section][key]} is set: set it like "
+                    "that or leave it out, or calibrate again"
+                )
+
+
+def _settings(profile: Profile) -> dict[str, dict[str, Any]]:
+    """What a profile sets: a fragment of a configuration."""
+    return {"walker": asdict(profile.walker), "odometry": {"sigma_length_scale": profile.sigma_length_scale}}
 
 
 def _note(data: Any, path: str | Path) -> ProfileNote:

@@ -20,9 +20,10 @@ from pdr_est.calibrate import (
     observe_distance,
     observe_fixes,
 )
-from pdr_est.config import Config
+from pdr_est.config import Config, check
 from pdr_est.errors import RecordingError
 from pdr_est.front_end.step_length import WalkerParams
+from pdr_est.front_end.step_length.walker import walking_cadence_hz
 from pdr_est.records import PositionFix
 from pdr_est.simulate import Scenario, simulate_walk
 from pdr_est.simulate.path import PathParams
@@ -110,6 +111,13 @@ def test_the_stated_uncertainty_is_that_of_walks_at_other_cadences() -> None:
         error = found.mean[0] + found.mean[1] * (second - first) - true
         within.append(abs(error) <= found.sigma_next)
     assert np.mean(within) == pytest.approx(0.683, abs=0.02)
+
+
+def test_the_slowest_and_the_quickest_walk_make_constants_that_a_profile_may_hold() -> None:
+    for cadence_hz in (0.2, 0.7, 2.5, 5.0):
+        cadence = math.log(walking_cadence_hz(cadence_hz))
+        walker = fit([Observation(0.1, 0.0, cadence)] * 3).walker(WalkerParams())
+        check(Config(walker=walker))
 
 
 # --- observations ------------------------------------------------------------------------------------------------

@@ -52,6 +52,10 @@ def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
         ({"walker": {"gender": "m"}}, "walker.gender"),
         ({"start": {"x_m": 1.0}}, "x_m and y_m belong together"),
         ({"odometry": {"sigma_length_scale": float("nan")}}, "odometry.sigma_length_scale"),
+        ({"walker": {"length_scale": 2.1}}, "walker.length_scale = 2.1"),
+        ({"walker": {"length_scale": 0.45}}, "walker.length_scale = 0.45"),
+        ({"walker": {"reference_cadence_hz": 0.5}}, "walker.reference_cadence_hz = 0.5"),
+        ({"walker": {"reference_cadence_hz": 100.0}}, "walker.reference_cadence_hz = 100.0: .* hertz"),
         (
             {"steps": {"auto": {"high_hz": 25.0}}},
             "steps.auto: high_hz = 25 is not below half of resample.rate_hz = 50",

@@ -9,16 +9,23 @@ import pytest
 from pdr_est.config import Config, config_to_dict
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
+from pdr_est.front_end.steps import StepsParams
 from pdr_est.profile import Profile, ProfileNote, load_profile, profile_to_yaml, refuse_contradiction, with_profile
 
 PROFILE = Profile(
-    note=ProfileNote(length_model="weinberg", recordings=2, date=date(2024, 2, 29), distances_m=(31.91, 100.0)),
+    note=ProfileNote(
+        step_length=StepLengthParams(model="weinberg", weinberg_k2=0.5),
+        detector="local-variance",
+        recordings=2,
+        date=date(2024, 2, 29),
+        distances_m=(31.91, 100.0),
+    ),
     walker=WalkerParams(
         height_m=1.6, gender="female", length_scale=1.0791, cadence_exponent=-0.05, reference_cadence_hz=1.47
     ),
     sigma_length_scale=0.0636,
 )
-CONFIG = Config(step_length=StepLengthParams(model="weinberg"))
+CONFIG = Config(step_length=PROFILE.note.step_length, steps=StepsParams(detector="local-variance"))
 
 
 def saved(folder: Path, text: str) -> Path:
@@ -46,21 +53,30 @@ def test_it_sets_the_walker_and_the_uncertainty_and_nothing_else() -> None:
     assert config_to_dict(back) == config_to_dict(CONFIG)
 
 
-def test_a_configuration_must_be_the_one_of_the_calibration() -> None:
-    refuse_contradiction(with_profile(CONFIG, PROFILE), PROFILE, "p.yaml")
-    other_model = replace(with_profile(CONFIG, PROFILE), step_length=StepLengthParams(model="static"))
-    with pytest.raises(ConfigError, match=r"p\.yaml: made for the length model weinberg, but static is configured"):
-        refuse_contradiction(other_model, PROFILE, "p.yaml")
-    other_body = replace(with_profile(CONFIG, PROFILE), walker=replace(PROFILE.walker, height_m=1.9))
-    with pytest.raises(ConfigError, match=r"p\.yaml: made for walker\.height_m = 1\.6, but 1\.9 is set"):
-        refuse_contradiction(other_body, PROFILE, "p.yaml")
+@pytest.mark.parametrize(
+    ("section", "key", "value", "message"),
+    [
+        ("step_length", "model", "static", "made for step_length.model = weinberg, but static is set"),
+        ("step_length", "weinberg_k2", 0.48, "made for step_length.weinberg_k2 = 0.5, but 0.48 is set"),
+        ("steps", "detector", "auto", "made for steps.detector = local-variance, but auto is set"),
+        ("walker", "height_m", 1.9, "made for walker.height_m = 1.6, but 1.9 is set"),
+        ("walker", "length_scale", 1.0, "made for walker.length_scale = 1.0791, but 1.0 is set"),
+        ("odometry", "sigma_length_scale", 0.11, "made for odometry.sigma_length_scale = 0.0636, but 0.11 is set"),
+    ],
+)
+def test_a_configuration_must_be_the_one_of_the_calibration(section, key, value, message) -> None:
+    config = with_profile(CONFIG, PROFILE)
+    refuse_contradiction(config, PROFILE, "p.yaml")
+    other = replace(config, **{section: replace(getattr(config, section), **{key: value})})
+    with pytest.raises(ConfigError, match=rf"p\.yaml: {message}: set it like that"):
+        refuse_contradiction(other, PROFILE, "p.yaml")
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         ("walker:", "runner:", "is no profile: it must hold profile, walker, odometry"),
-        ("length_model: weinberg", "length_model: telepathy", "profile.length_model: Input should be 'auto'"),
+        ("model: weinberg", "model: telepathy", "profile.step_length.model: Input should be 'auto'"),
         ("recordings: 2", "recordings: 0", "profile.recordings: Input should be greater than or equal to 1"),
         ("date: 2024-02-29", "date: yesterday", "profile.date: "),
         ("- 31.91", "- -1.0", "profile.distances_m.0: Input should be greater than 0"),

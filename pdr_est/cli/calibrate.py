@@ -97,7 +97,8 @@ def _by_fixes(path: Path, choice: str, config: Config) -> Observation:
 
 def _profile(found: Calibration, config: Config, distances_m: Sequence[float], recordings: int) -> Profile:
     note = ProfileNote(
-        length_model=config.step_length.model,
+        step_length=config.step_length,
+        detector=config.steps.detector,
         recordings=recordings,
         date=datetime.now(UTC).date(),
         distances_m=tuple(distances_m),

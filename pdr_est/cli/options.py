@@ -96,13 +96,13 @@ def resolve_config(
     attitude: str | None = None,
     profile: Profile | None = None,
 ) -> Config:
-    """The configuration of a command: defaults, then the file, then the walker's profile, then the options.
+    """The configuration of a command: defaults, then the walker's profile, then the file, then the options.
 
     Raises ConfigError that names the file or the option, also when they contradict the profile.
     """
-    config = Config() if config_file is None else load_config(config_file)
-    if profile is not None:
-        config = with_profile(config, profile)
+    config = Config() if profile is None else with_profile(Config(), profile)
+    if config_file is not None:
+        config = load_config(config_file, base=config)
     x_m, y_m = (None, None) if start is None else start
     heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
     for option, section, values in (

@@ -10,6 +10,7 @@ from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import refused, run, smoothed
 
 from pdr_est.calibrate import MEAN_EXPONENT
+from pdr_est.config import Config
 from pdr_est.profile import Profile, load_profile
 
 
@@ -41,7 +42,8 @@ def by_distance(good: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_what_stands_in_the_profile(by_distance: Path) -> None:
     profile = load_profile(by_distance)
-    assert (profile.note.length_model, profile.note.recordings, profile.note.distances_m) == ("auto", 1, (15.0,))
+    assert (profile.note.recordings, profile.note.distances_m) == (1, (15.0,))
+    assert (profile.note.step_length, profile.note.detector) == (Config().step_length, "auto")
     assert 1.05 < profile.walker.length_scale < 1.35
     assert profile.walker.cadence_exponent == pytest.approx(MEAN_EXPONENT)  # one walk does not tell it
     assert 1.0 < profile.walker.reference_cadence_hz < 2.5
@@ -76,7 +78,7 @@ def test_more_walks_and_the_options_of_the_body(good: Path, tmp_path: Path) -> N
     out = tmp_path / "p.yaml"
     profile = profile_of(good, good, "--distance", 14.0, "--distance", 14.0, *options, out=out)
     assert (profile.walker.height_m, profile.walker.gender, profile.note.recordings) == (1.6, "female", 2)
-    assert profile.note.length_model == "static"
+    assert profile.note.step_length.model == "static"
     one = profile_of(good, "--distance", 14.0, *options, out=tmp_path / "one.yaml")
     assert one.sigma_length_scale > profile.sigma_length_scale
 
@@ -130,5 +132,38 @@ def test_smooth_refuses_what_contradicts_the_profile(by_distance: Path, good: Pa
         return refused("smooth", good, "-o", tmp_path / "out", "--profile", *options)
 
     assert "made for walker.height_m = 1.73, but 1.9 is set" in line(by_distance, "--height", 1.9)
-    assert "made for the length model auto, but kim is configured" in line(by_distance, "--length-model", "kim")
+    assert "made for step_length.model = auto, but kim is set" in line(by_distance, "--length-model", "kim")
+    assert "made for steps.detector = auto, but zero-crossing is set" in line(
+        by_distance, "--detector", "zero-crossing"
+    )
     assert "cannot be read" in line(tmp_path / "missing.yaml")
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (["walker:", "  height_m: 1.95"], "--profile: made for walker.height_m = 1.73, but 1.95 is set"),
+        (["walker:", "  gender: female"], "made for walker.gender = male, but female is set"),
+        (["step_length:", "  range_power_k: 0.6"], "made for step_length.range_power_k = 0.55, but 0.6 is set"),
+        (["odometry:", "  sigma_length_scale: 0.3"], "but 0.3 is set"),
+    ],
+    ids=str,
+)
+def test_a_file_of_settings_may_not_contradict_the_profile(
+    settings: list[str], message: str, by_distance: Path, good: Path, tmp_path: Path
+) -> None:
+    config = save(tmp_path / "config.yaml", settings)
+    line = refused("smooth", good, "-o", tmp_path / "out", "--profile", by_distance, "--config", config)
+    assert message in line
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.usefixtures("without_report")
+def test_a_file_of_other_settings_goes_with_the_profile(by_distance: Path, good: Path, tmp_path: Path) -> None:
+    lines = ["walker:", "  height_m: 1.73", "odometry:", "  gap_speed_mps: 1.25", "estimator:", "  name: ekf"]
+    config = save(tmp_path / "config.yaml", lines)
+    smoothed(good, tmp_path / "own", "--profile", by_distance, "--config", config)
+    used, profile = summary(tmp_path / "own")["config"], load_profile(by_distance)
+    assert used["walker"]["length_scale"] == profile.walker.length_scale
+    assert used["odometry"]["sigma_length_scale"] == profile.sigma_length_scale
+    assert (used["odometry"]["gap_speed_mps"], used["estimator"]["name"]) == (1.25, "ekf")

@@ -4,11 +4,12 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
 
-from pdr_est.params import Positive, params
+from pdr_est.params import params
 
 Gender = Literal["male", "female"]
 Height = Annotated[float, Ge(0.5), Le(2.6)]  # of a small child and of the tallest; refuses centimetres and feet
-_CADENCE_HZ = (0.7, 2.5)  # of walkers, from strolling to the quickest
+LEAST_SCALE, MOST_SCALE = 0.5, 2.0  # nobody's steps differ more from the model's; beyond lie other units
+_SLOWEST_HZ, _QUICKEST_HZ = 0.7, 2.5  # steps a second of walkers, from strolling to the quickest
 
 
 @params
@@ -23,9 +24,9 @@ class WalkerParams:
 
     height_m: Height = 1.73
     gender: Gender = "male"
-    length_scale: Positive = 1.0
+    length_scale: Annotated[float, Ge(LEAST_SCALE), Le(MOST_SCALE)] = 1.0
     cadence_exponent: Annotated[float, Ge(-1.0), Le(2.0)] = 0.0
-    reference_cadence_hz: Positive = 1.8
+    reference_cadence_hz: Annotated[float, Ge(_SLOWEST_HZ), Le(_QUICKEST_HZ)] = 1.8
 
     def personal_factor(self, cadence_hz: float) -> float:
         """What to multiply a model's length by, at that many steps a second."""
@@ -40,5 +41,4 @@ def walking_cadence_hz(cadence_hz: float) -> float:
     learnt from walks and must not make such steps arbitrarily short or long. A runner's steps are corrected as those
     of a very quick walk: nothing is known of how they differ from the model's.
     """
-    slowest, quickest = _CADENCE_HZ
-    return min(max(cadence_hz, slowest), quickest)
+    return min(max(cadence_hz, _SLOWEST_HZ), _QUICKEST_HZ)
