@@ -291,14 +291,17 @@ def test_a_track_is_refused_before_any_work_is_done(monkeypatch: pytest.MonkeyPa
 def test_the_devices_own_attitude_needs_its_gyroscope_too() -> None:
     walk = simulated(DeviceParams(sensors=SensorParams(record_attitude=True))).recording
     bare = replace(walk, devices=(replace(walk.devices[0], rotation_rate=None),))
-    with pytest.raises(RecordingError, match=r"^l_shape \(device\): no gyroscope, .*: with --attitude vqf steps are"):
+    with pytest.raises(
+        RecordingError, match=r"^l_shape \(device\): no gyroscope, .*: with attitude.source: vqf in the "
+    ):
         pipeline.analyse(bare, replace(Config(), attitude=AttitudeParams(source="device")))
 
 
 def test_a_missing_attitude_of_the_device_names_the_other_source() -> None:
     config = replace(Config(), attitude=AttitudeParams(source="device"))
     with pytest.raises(
-        RecordingError, match=r"^l_shape \(device\): the device recorded no attitude: use --attitude vqf$"
+        RecordingError,
+        match=r"^l_shape \(device\): the device recorded no attitude: set attitude.source: vqf in the ",
     ):
         pipeline.smooth(simulated().recording, config)
 

@@ -43,8 +43,9 @@ def run_benchmark(
     first so many walks. on_progress: called with the number of finished walks and of all walks. The walks come in
     order of name, whatever the number of jobs.
 
-    Raises ConfigError for an unknown suite or a number out of range, RecordingError when the folder holds no walk,
-    EstimationError when a process dies. What goes wrong with a single walk is told in the result's `skipped`.
+    Raises ConfigError for an unknown suite, a number out of range or settings that cannot be used, RecordingError
+    when the folder holds no walk, EstimationError when a process dies. What goes wrong with a single walk is told in
+    the result's `skipped`.
     """
     chosen = suite_named(suite)
     if jobs < 1 or (limit is not None and limit < 1):
@@ -89,11 +90,16 @@ class Outcome:
 
 
 def run_walk(suite: str, file: WalkFile, variants: Sequence[Variant]) -> Outcome:
-    """Read, analyse, estimate and score one walk; a PdrError becomes a skipped walk, other errors get its name."""
+    """Read, analyse, estimate and score one walk; what is wrong with it makes it a skipped walk.
+
+    Raises ConfigError, which is no fault of the walk. Errors that are none of this package's get its name.
+    """
     try:
         return _run_walk(suite_named(suite), file, variants)
+    except ConfigError:
+        raise
     except PdrError as error:
-        return Outcome(skipped=(SkippedWalk(file.name, str(error)),))
+        return Outcome(skipped=(SkippedWalk(file.name, _without_name(str(error), file)),))
     except Exception as error:
         error.add_note(f"in the walk {file.name}")
         raise
@@ -117,6 +123,13 @@ def _run_walk(suite: Suite, file: WalkFile, variants: Sequence[Variant]) -> Outc
     # A reason that does not depend on the variant or the track is given once.
     skipped = tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons))
     return Outcome(tuple(rows), skipped, tuple(cases))
+
+
+def _without_name(reason: str, file: WalkFile) -> str:
+    """A reason without the name of the walk or its recording, which stands before it anyway."""
+    for name in (file.name, file.name.rpartition("/")[2]):
+        reason = reason.removeprefix(f"{name}: ")
+    return reason
 
 
 def _with_truth(recording: Recording, told: Truth) -> Recording:

@@ -1,20 +1,25 @@
 """`pdr-est benchmark`: errors on public data sets, of one variant or of several side by side."""
 
 import json
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 
 import click
 from rich.console import Console
 
+from pdr_est.benchmark.result import BenchmarkResult
 from pdr_est.benchmark.runner import run_benchmark
 from pdr_est.benchmark.suites import SUITES
 from pdr_est.benchmark.table import print_table
 from pdr_est.benchmark.variant import AXES, EVERY, comparison_of_choices
-from pdr_est.cli.options import PATH, Command, config_option, resolve_config
+from pdr_est.cli.naming import naming
+from pdr_est.cli.options import PATH, Command, config_option, given, resolve_config
 from pdr_est.cli.progress import progress_bar
 from pdr_est.config import Config
+from pdr_est.errors import OutputError, RecordingError
 from pdr_est.io.output import staged_file
+
+_REASONS = 3  # told at once
 
 
 def _axis_options(command: Command) -> Command:
@@ -46,11 +51,39 @@ def benchmark(
 ) -> None:
     """Score the walks of SUITE in DIR and print a table of its metrics."""
     choices = {name.replace("_", "-"): value for name, value in options_of_axes.items()}
-    comparison = comparison_of_choices(resolve_config(config_file), choices)
+    config = resolve_config(config_file)
+    with nullcontext() if config_file is None else naming(config_file):
+        comparison = comparison_of_choices(config, choices)
     with ExitStack() as stack:
-        document = None if json_file is None else stack.enter_context(staged_file(json_file))
+        document = None if json_file is None else stack.enter_context(_staged_result(json_file, data, config_file))
         bar = stack.enter_context(progress_bar(suite, total=None, quiet=quiet))
         result = run_benchmark(suite, data, comparison, jobs, limit, on_progress=bar.at)
+        _refuse_empty(result, data)
         if document is not None:
             document.write_text(json.dumps(result.to_dict(), indent=2) + "\n", encoding="utf-8")
     print_table(result, Console())
+
+
+def _staged_result(json_file: Path, data: Path, config_file: Path | None) -> AbstractContextManager[Path]:
+    """The place of the JSON document, which may replace an earlier one. Raises OutputError for any other file."""
+    if json_file.is_file() and not _is_result(json_file):
+        raise OutputError(f"{json_file}: is no result of an earlier benchmark: name another file")
+    return staged_file(json_file, overwrite=True, inputs=given(data, config_file))
+
+
+def _is_result(path: Path) -> bool:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(document, dict) and {"suite", "version", "walks"} <= document.keys()
+
+
+def _refuse_empty(result: BenchmarkResult, data: Path) -> None:
+    """Raises RecordingError, with the first reasons, when no walk could be scored."""
+    if result.rows:
+        return
+    reasons = [f"{walk.walk}: {walk.reason}" for walk in result.skipped[:_REASONS]]
+    more = len(result.skipped) - len(reasons)
+    words = "; ".join([*reasons, *([f"and {more} more"] if more else [])])
+    raise RecordingError(f"{data}: no walk of the suite {result.suite} could be scored: {words}")

@@ -12,7 +12,15 @@ from pdr_est import pipeline
 from pdr_est.calibrate import Calibration, Observation, PacedSteps, fit, observe_distance, observe_fixes
 from pdr_est.cli.fixes import RECORDED, chosen_fixes
 from pdr_est.cli.naming import naming
-from pdr_est.cli.options import PATH, body_options, config_option, length_model_option, resolve_config
+from pdr_est.cli.options import (
+    PATH,
+    body_options,
+    config_option,
+    given,
+    length_model_option,
+    overwrite_option,
+    resolve_config,
+)
 from pdr_est.config import Config
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io import read
@@ -37,6 +45,7 @@ from pdr_est.profile import Profile, ProfileNote, profile_to_yaml
     help="Or known positions: once for each RECORDING, or once `recording` for all.",
 )
 @click.option("-o", "--output", type=PATH, required=True, metavar="FILE.yaml", help="The profile.")
+@overwrite_option
 @length_model_option
 @body_options
 @config_option
@@ -45,6 +54,8 @@ def calibrate(
     distances_m: tuple[float, ...],
     fixes: tuple[str, ...],
     output: Path,
+    overwrite: bool,
+    config_file: Path | None,
     **settings: Any,
 ) -> None:
     """Fit a person's own step length to each RECORDING, and write it as a profile for `smooth --profile`.
@@ -54,8 +65,9 @@ def calibrate(
     """
     if bool(distances_m) == bool(fixes):
         raise click.UsageError("give either --distance or --fixes")
-    config = _impersonal(resolve_config(**settings))
-    with staged_file(output) as file:
+    config = _impersonal(resolve_config(config_file, **settings))
+    tables = [Path(choice) for choice in fixes if choice != RECORDED]
+    with staged_file(output, overwrite, [*given(*recordings, config_file), *tables]) as file:
         if distances_m:
             _refuse_number("--distance", len(distances_m), len(recordings))
             seen = [_by_distance(*pair, config) for pair in zip(recordings, distances_m, strict=True)]

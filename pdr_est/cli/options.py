@@ -26,6 +26,17 @@ def config_option(command: Command) -> Command:
     return option(command)
 
 
+def overwrite_option(command: Command) -> Command:
+    """--overwrite"""
+    option = click.option("--overwrite", is_flag=True, help="Replace the output FILE if it exists.")
+    return option(command)
+
+
+def given(*paths: Path | None) -> list[Path]:
+    """Those of some optional paths that were given."""
+    return [path for path in paths if path is not None]
+
+
 def detector_option(command: Command) -> Command:
     """--detector NAME"""
     option = click.option("--detector", type=click.Choice(DETECTORS), help="Of steps. Default: auto.")

@@ -10,7 +10,7 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.cli.naming import naming
-from pdr_est.cli.options import PATH, config_option, detector_option, resolve_config
+from pdr_est.cli.options import PATH, config_option, detector_option, given, overwrite_option, resolve_config
 from pdr_est.config import Config
 from pdr_est.evaluate.walking import mode_shares
 from pdr_est.io import read
@@ -29,10 +29,12 @@ Json = dict[str, Any]
 @click.option(
     "-o", "--output", type=PATH, metavar="FILE.csv", help="Write the table of steps there, of one RECORDING."
 )
+@overwrite_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list with one object a device.")
 def steps(
     recordings: tuple[Path, ...],
     output: Path | None,
+    overwrite: bool,
     as_json: bool,
     detector: str | None,
     config_file: Path | None,
@@ -45,7 +47,8 @@ def steps(
         raise click.UsageError(f"-o takes the steps of one RECORDING, not of {len(recordings)}: run once for each")
     config = resolve_config(config_file, detector=detector)
     with ExitStack() as stack:
-        table = None if output is None else stack.enter_context(staged_file(output))
+        inputs = given(*recordings, config_file)
+        table = None if output is None else stack.enter_context(staged_file(output, overwrite, inputs))
         found = [(path, walk) for path in recordings for walk in _walks(path, config)]
         if table is not None:
             write_steps_csv({walk.device: walk.steps for _, walk in found}, table)

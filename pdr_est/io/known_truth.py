@@ -30,7 +30,9 @@ def read_truth_table(path: str | Path) -> Mapping[str, KnownWalk]:
     source = Source.open(path)
     (member,) = _only_member(source)
     place = source.place(member)
-    table = read_table(source.read(member), place, columns=("file", "distance_m", "steps"), text_columns=("file",))
+    content = source.read(member)
+    _refuse_separator(content, place)
+    table = read_table(content, place, columns=("file", "distance_m", "steps"), text_columns=("file",))
     distance_m, steps = table.numbers("distance_m"), table.numbers("steps")
     walks: dict[str, KnownWalk] = {}
     for row, file in enumerate(table.texts("file")):
@@ -46,6 +48,13 @@ def read_truth_table(path: str | Path) -> Mapping[str, KnownWalk]:
             raise RecordingError(f"{line}: steps = {steps[row]:g} is not a number of steps; count them again")
         walks[name] = KnownWalk(float(distance_m[row]), int(steps[row]))
     return walks
+
+
+def _refuse_separator(content: bytes, place: str) -> None:
+    header = content.partition(b"\n")[0]
+    for name, separator in (("semicolons", b";"), ("tabs", b"\t")):
+        if separator in header and b"," not in header:
+            raise RecordingError(f"{place}: its columns are separated by {name}; save it with commas")
 
 
 def _only_member(source: Source) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ import errno
 import json
 import shutil
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -47,15 +47,22 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
 
 
 @contextmanager
-def staged_file(target: Path) -> Iterator[Path]:
+def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> Iterator[Path]:
     """Give an empty file beside `target` that takes its place when the block ends well.
 
-    Raises OutputError, before the block runs, when the target is a folder or a device, or when no file can be
-    made beside it.
+    overwrite: whether an existing file may be replaced. inputs: files and folders that are read.
+
+    Raises OutputError, before the block runs, when the target is a folder or a device, is one of the inputs or lies
+    inside one, exists and may not be replaced, or when no file can be made beside it.
     """
     resolved = _resolved(Path(target).expanduser())
     if resolved.exists() and not resolved.is_file():
         raise OutputError(f"{target}: is no plain file: name another one")
+    for source in inputs:
+        if resolved.is_relative_to(_resolved(source)) or (resolved.exists() and _same_file(resolved, source)):
+            raise OutputError(f"{target}: is the input {source} or lies inside it: name a file elsewhere")
+    if resolved.exists() and not overwrite:
+        raise OutputError(f"{target}: exists already: allow overwriting (--overwrite) or name another file")
     staging = _sibling(resolved, "partial")
     try:
         try:
@@ -66,6 +73,11 @@ def staged_file(target: Path) -> Iterator[Path]:
         staging.replace(resolved)
     finally:
         staging.unlink(missing_ok=True)
+
+
+def _same_file(a: Path, b: Path) -> bool:
+    """Whether two names, perhaps hard links, are of one file."""
+    return b.exists() and a.samefile(b)
 
 
 def _resolved(target: Path) -> Path:

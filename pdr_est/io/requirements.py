@@ -100,11 +100,14 @@ def _needed_signals(device: DeviceRecording, place: str, with_attitude: bool) ->
         if rate is None:
             raise RecordingError(
                 f"{place}: no gyroscope{_reasons(device)}, which the device's own attitude is used together with: "
-                "with --attitude vqf steps are found by the accelerometer alone"
+                "with attitude.source: vqf in the configuration steps are found by the accelerometer alone"
             )
         attitude = _signal(device, Channel.ATTITUDE)
         if attitude is None:
-            raise RecordingError(f"{place}: the device recorded no attitude{_reasons(device)}: use --attitude vqf")
+            raise RecordingError(
+                f"{place}: the device recorded no attitude{_reasons(device)}: "
+                "set attitude.source: vqf in the configuration"
+            )
         signals[Channel.ATTITUDE] = attitude
     return signals
 

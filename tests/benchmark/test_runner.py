@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,8 +8,10 @@ from pdr_est import pipeline
 from pdr_est.benchmark import SUITES, compare, run_benchmark, runner
 from pdr_est.benchmark.suite import Scores, Walked
 from pdr_est.benchmark.suites import ilc20, ipin2023
+from pdr_est.benchmark.variant import Comparison, Variant
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
 from pdr_est.records import PositionFix
@@ -216,3 +219,27 @@ def test_missing_value_that_no_reason_explains_is_told():
 def test_a_metric_that_does_not_apply_needs_no_reason():
     scores = Scores("device", "HOLDING", {"nees_mean": 1.0}, missing={"coverage95": "too dark"})
     assert runner._missing(ilc20.SUITE, scores) == ["coverage95: too dark"]
+
+
+def test_settings_that_no_walk_can_use_end_the_run(data, tmp_path):
+    # As when the file vanishes after the configuration was read.
+    gone = replace(HELD.with_estimator("ekf"), gait=GaitParams(model=str(tmp_path / "gone.json")))
+    variant = Variant("ekf", gone)
+    with pytest.raises(ConfigError, match=r"gone\.json"):
+        run_benchmark("ilc20", data, Comparison("estimator", (variant,), variant))
+
+
+def test_a_missing_table_of_a_walk_is_named(tmp_path):
+    walk = tmp_path / "phone_person_floor_hand_1"
+    walk.mkdir()
+    (walk / "stepcounter.csv").write_text("1,0,0\n")
+    with pytest.raises(RecordingError, match=r"hand_1: no accelerometer\.csv beside stepcounter\.csv"):
+        run_benchmark("oxford-steps", tmp_path, EKF)
+
+
+def test_the_name_of_a_skipped_walk_is_said_once(data, monkeypatch):
+    def refuse(recording, config):
+        raise RecordingError(f"{recording.name}: too dull")
+
+    monkeypatch.setattr(pipeline, "analyse", refuse)
+    assert {skipped.reason for skipped in run_benchmark("ilc20", data, EKF).skipped} == {"too dull"}

@@ -137,7 +137,7 @@ def test_known_distance_compares_all_steps_with_the_table(tmp_path):
 
 def test_known_distance_without_its_table_has_no_walk(tmp_path):
     plain_table(tmp_path / "known-distance/A.csv")
-    with pytest.raises(RecordingError, match="no walk of the suite known-distance"):
+    with pytest.raises(RecordingError, match=r"no truth\.csv beside the recordings"):
         run("known-distance", tmp_path)
 
 

@@ -213,7 +213,7 @@ def test_no_accelerometer(walk: Walk, tmp_path: Path, outs: Path) -> None:
 
 def test_no_attitude_of_the_device(tmp_path: Path, outs: Path, lines: list[str]) -> None:
     path = save(tmp_path / "walk.csv", lines)
-    pattern = "the device recorded no attitude: use --attitude vqf"
+    pattern = "the device recorded no attitude: set attitude.source: vqf in the configuration"
     only_inspected(path, outs, pattern, "--attitude", "device")
 
 

@@ -200,3 +200,35 @@ def test_a_failed_benchmark_keeps_the_earlier_document(data: Path, tmp_path: Pat
     refused("benchmark", "oxiod", "--data", data, "--json", path)
     assert path.read_text() == "earlier"
     assert [entry.name for entry in tmp_path.iterdir()] == ["result.json"]
+
+
+def test_json_replaces_an_earlier_result_and_nothing_else(data: Path, tmp_path: Path) -> None:
+    options = ("ilc20", "--data", data, "--limit", 1, "--estimator", "ekf")
+    scored(tmp_path, *options)
+    scored(tmp_path, *options)
+    other = tmp_path / "result.json"
+    for text in ('{"mine": 1}', "[]", "no JSON"):
+        other.write_text(text)
+        assert "is no result of an earlier benchmark" in refused("benchmark", *options, "--json", other)
+        assert other.read_text() == text
+    line = refused("benchmark", *options, "--json", data / "ilc20" / "new.json")
+    assert "lies inside it: name a file elsewhere" in line
+    assert not (data / "ilc20" / "new.json").exists()
+
+
+def test_nothing_scored_is_refused_with_the_first_reasons(tmp_path: Path) -> None:
+    floor = tmp_path / "data" / "ilc20" / "site1" / "F1"
+    floor.mkdir(parents=True)
+    for name in "abcde":
+        (floor / f"{name}.txt").write_text("hello\n", encoding="utf-8")
+    line = refused("benchmark", "ilc20", "--data", tmp_path / "data", "--json", tmp_path / "result.json")
+    assert "no walk of the suite ilc20 could be scored: site1/F1/a: " in line
+    assert line.endswith("; and 2 more")
+    assert [path.name for path in tmp_path.iterdir()] == ["data"]
+
+
+def test_settings_that_contradict_a_choice_are_told_with_their_file(data: Path, tmp_path: Path) -> None:
+    config = tmp_path / "bad.yaml"
+    config.write_text("resample: {rate_hz: 10.0}\nsteps: {mmpdr: {cutoff_hz: 20.0}}\n", encoding="utf-8")
+    line = refused("benchmark", "ilc20", "--data", data, "--detector", "all", "--config", config)
+    assert line.startswith(f"{config}: --detector: steps.")

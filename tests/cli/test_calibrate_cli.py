@@ -167,3 +167,16 @@ def test_a_file_of_other_settings_goes_with_the_profile(by_distance: Path, good:
     assert used["walker"]["length_scale"] == profile.walker.length_scale
     assert used["odometry"]["sigma_length_scale"] == profile.sigma_length_scale
     assert (used["odometry"]["gap_speed_mps"], used["estimator"]["name"]) == (1.25, "ekf")
+
+
+def test_a_profile_replaces_nothing_unasked_and_never_an_input(good: Path, tmp_path: Path) -> None:
+    profile = tmp_path / "me.yaml"
+    profile.write_text("mine")
+    options = (good, "--distance", 12, "-o")
+    assert "exists already: allow overwriting (--overwrite)" in refused("calibrate", *options, profile)
+    assert profile.read_text() == "mine"
+    assert run("calibrate", *options, profile, "--overwrite").exit_code == 0
+    assert profile.read_text() != "mine"
+    before = good.read_bytes()
+    assert "is the input" in refused("calibrate", *options, good, "--overwrite")
+    assert good.read_bytes() == before

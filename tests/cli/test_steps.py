@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -133,3 +134,21 @@ def test_what_the_reader_and_the_gyroscope_leave_open_is_a_warning(walk: Walk, t
     assert "1 of" in result.stderr
     assert "rows dropped because they hold NaN" in result.stderr
     assert "the gyroscope covers only" in result.stderr
+
+
+def test_a_table_of_steps_replaces_nothing_unasked_and_never_an_input(
+    good: Path, lines: list[str], tmp_path: Path
+) -> None:
+    recording, table = save(tmp_path / "walk.csv", lines), tmp_path / "steps.csv"
+    table.write_text("mine")
+    config = tmp_path / "config.yaml"
+    config.write_text("{}")
+    (tmp_path / "hard.csv").hardlink_to(recording)
+    assert "exists already: allow overwriting (--overwrite)" in refused("steps", recording, "-o", table)
+    for target in (recording, config, tmp_path / "hard.csv"):
+        line = refused("steps", recording, "--config", config, "-o", target, "--overwrite")
+        assert re.search(r"is the input .* or lies inside it: name a file elsewhere", line)
+    assert (table.read_text(), config.read_text()) == ("mine", "{}")
+    assert recording.read_text().splitlines() == lines
+    assert run("steps", good, "-o", table, "--overwrite").exit_code == 0
+    assert tuple(rows_of(table)[0]) == STEP_COLUMNS

@@ -58,3 +58,12 @@ def test_every_walk_of_the_real_table_is_read(shared_data: Path) -> None:
         assert device.rotation_rate is not None
         duration_s = float(device.specific_force.time_s[-1])
         assert 0.5 < known.distance_m / duration_s < 1.6
+
+
+@pytest.mark.parametrize(("separator", "name"), [(";", "semicolons"), ("\t", "tabs")])
+def test_another_separator_is_named(tmp_path: Path, separator: str, name: str) -> None:
+    (tmp_path / "truth.csv").write_text(f"{HEADER}A.csv,31.91,42\n".replace(",", separator))
+    with pytest.raises(
+        RecordingError, match=rf"truth\.csv: its columns are separated by {name}; save it with commas"
+    ):
+        read_truth_table(tmp_path / "truth.csv")

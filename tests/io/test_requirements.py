@@ -60,7 +60,9 @@ def test_a_gyroscope_that_cannot_be_used_is_not_passed_over() -> None:
 
 @pytest.mark.parametrize("attitude", [ATTITUDE, None])
 def test_the_devices_attitude_is_used_with_a_gyroscope_only(attitude: Signal | None) -> None:
-    with pytest.raises(RecordingError, match=r"^walk: no gyroscope .*with --attitude vqf steps are found"):
+    with pytest.raises(
+        RecordingError, match=r"^walk: no gyroscope .*with attitude.source: vqf in the configuration steps are found"
+    ):
         needed_channels(replace(BARE, attitude=attitude), "walk", with_attitude=True)
 
 

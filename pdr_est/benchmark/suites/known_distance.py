@@ -51,9 +51,15 @@ def _distance_metrics(steps: PacedSteps, distance_m: float, sigma_log: float) ->
 
 
 def find(folder: Path) -> list[WalkFile]:
-    """The tables `*.csv` beside a truth.csv in the suite's folder. Raises RecordingError when that is damaged."""
+    """The tables `*.csv` beside a truth.csv in the suite's folder. Raises RecordingError when that is missing or
+    damaged.
+    """
     tables = [(name, path) for name, path in recordings(folder, "*.csv") if path.parent == folder]
     truth_path = dict(tables).get(_TRUTH)
+    if truth_path is None and tables:
+        raise RecordingError(
+            f"{folder}: no {_TRUTH}.csv beside the recordings: put the table with file,distance_m,steps there"
+        )
     if truth_path is None:
         return []
     known = read_truth_table(truth_path)

@@ -9,16 +9,22 @@ from pdr_est.benchmark.annotated_steps import step_part
 from pdr_est.benchmark.devices import device_scores
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.errors import RecordingError
 from pdr_est.evaluate.steps import STEP_METRICS
 
+_SAMPLES, _STEPS = "accelerometer.csv", "stepcounter.csv"
 _LABELS = ("phone", "person", "floor", "position")
 
 
 def find(folder: Path) -> list[WalkFile]:
-    """The folders that hold an accelerometer.csv."""
-    return [
-        _walk(Path(name).parent.as_posix(), path.parent) for name, path in recordings(folder, "accelerometer.csv")
-    ]
+    """The folders that hold an accelerometer.csv. Raises RecordingError when none does but there are true steps."""
+    walks = [_walk(Path(name).parent.as_posix(), path.parent) for name, path in recordings(folder, _SAMPLES)]
+    steps = recordings(folder, _STEPS)
+    if steps and not walks:
+        raise RecordingError(
+            f"{steps[0][1].parent}: no {_SAMPLES} beside {_STEPS}: put the samples of the walk there"
+        )
+    return walks
 
 
 def score(walk: Walked) -> list[Scores]:
