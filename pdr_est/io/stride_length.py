@@ -24,6 +24,7 @@ _RATE = ("gyr_x", "gyr_y", "gyr_z")
 _FIELD = ("mag_x", "mag_y", "mag_z")
 _COLUMNS = (*_FORCE, *_RATE, *_FIELD, "time", "length", "number", "distance")
 _TICKS_PER_S = 1e3
+_LONGEST_M = 10.0  # of two steps, and of a sensor that missed a stride or two; beyond lie damaged numbers
 _NUMBER = rb"-?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 _ROW = re.compile(rb"[A-Za-z]\S* (?:" + _NUMBER + rb" ){9}\d{13} " + _NUMBER + rb" \d+ " + _NUMBER + rb"\s*")
 _TAG = re.compile(rb"^[A-Za-z]\S* ", re.MULTILINE)
@@ -86,10 +87,11 @@ def _strides(table: Table, time_s: Array) -> tuple[TrueStrides, int]:
     following = np.flatnonzero(number[ends[1:]] == number[ends[1:] - 1] + 1.0) + 1
     end, start = ends[following], ends[following - 1]
     length_m = table.numbers("length")[end]
-    wrong = np.flatnonzero(~(np.isfinite(length_m) & (length_m > 0.0)))
+    wrong = np.flatnonzero(~((length_m > 0.0) & (length_m <= _LONGEST_M)))
     if len(wrong):
         raise RecordingError(
-            f"{table.place}, line {end[wrong[0]] + 1}: a stride of length {length_m[wrong[0]]:g} m; restore the file"
+            f"{table.place}, line {end[wrong[0]] + 1}: a stride of length {length_m[wrong[0]]:g} m, which is not "
+            f"above 0 and at most {_LONGEST_M:g} m; restore the file"
         )
     return TrueStrides(time_s[start], time_s[end], length_m), len(ends) - len(following)
 

@@ -10,7 +10,8 @@ import pytest
 from small_sets import N_STEPS, bouncing, crests_s, plain_table, write
 
 from pdr_est.benchmark import compare, run_benchmark
-from pdr_est.benchmark.calibrated import calibrated_metrics
+from pdr_est.benchmark.calibrated import with_calibrated
+from pdr_est.benchmark.result import SkippedWalk, WalkRow
 from pdr_est.calibrate import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, Observation
 from pdr_est.config import Config
 from pdr_est.front_end.mode import ModeParams
@@ -119,6 +120,18 @@ def test_the_stated_uncertainty_of_the_scale_is_measured(tmp_path):
     assert document["summary"]["scale_coverage68"]["mean"] == 1.0
 
 
+def test_why_no_stride_can_be_scored(tmp_path):
+    rows = [
+        f"test 0 0 9.8 0 0 0 20 0 -40 {1_540_000_000_000 + 10 * i} {4.0 * (i >= 100)} {i // 100} {4.0 * (i // 100)}"
+        for i in range(400)
+    ]
+    write(tmp_path / "stride-length/PDR_Raw_0.txt", rows)
+    (skipped,) = run("stride-length", tmp_path)["skipped"]
+    assert skipped["reason"] == (
+        "PDR_Raw_0: no stride to compare with: 2 measured from beginning to end, left out 1 above 3 m and the last"
+    )
+
+
 # --- known-distance ----------------------------------------------------------------------------------------------
 
 
@@ -169,9 +182,27 @@ class Case:
         return {"scale": float(calibration.mean[0])}
 
 
-def test_a_walk_never_sees_itself():
-    others = [Case(1.1), Case(1.2), Case(0.9)]
-    found = calibrated_metrics(Case(1.9), others, 1)
-    expected = SHRINKAGE * np.mean([math.log(other.scale) for other in others])
-    assert found == {"scale": pytest.approx(expected)}
-    assert calibrated_metrics(Case(0.1), others, 1) == found
+def row(walk: str, track: str, variant: str) -> WalkRow:
+    return WalkRow(walk, track, {"length-model": variant}, "HOLDING", {"error": 1.0}, 0.0)
+
+
+def test_a_walk_never_sees_itself_nor_another_variant():
+    """Two phones on each of three walks, with two models: of 12 rows, each learns from the four of other walks."""
+    keys = [(walk, track, variant) for variant in "XY" for walk in "abc" for track in ("left", "right")]
+    scales = dict(zip(keys, np.linspace(0.7, 1.4, len(keys)), strict=True))
+    rows, skipped = with_calibrated([row(*key) for key in keys], [Case(scales[key]) for key in keys], 1, ("scale",))
+    assert skipped == ()
+    for key, completed in zip(keys, rows, strict=True):
+        others = [math.log(scales[of]) for of in keys if of[0] != key[0] and of[2] == key[2]]
+        assert len(others) == 4
+        assert completed == replace(
+            row(*key), metrics={"error": 1.0, "scale": pytest.approx(SHRINKAGE * np.mean(others))}
+        )
+
+
+def test_the_other_phone_of_a_walk_is_not_another_walk():
+    rows = [row("a", "left", "X"), row("a", "right", "X"), row("a", "left", "Y"), row("b", "left", "Y")]
+    cases = [Case(1.1), Case(1.2), Case(1.1), None]
+    completed, skipped = with_calibrated(rows, cases, 1, ("scale",))
+    assert completed == tuple(rows)
+    assert skipped == (SkippedWalk("a", "scale: fewer than 1 other walks to calibrate on"),)

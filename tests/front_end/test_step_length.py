@@ -18,7 +18,7 @@ from pdr_est.front_end.step_length.equations import (
     static_length_m,
     weinberg_length_m,
 )
-from pdr_est.front_end.step_length.pace import Pace
+from pdr_est.front_end.step_length.pace import Pace, PaceMeter
 from pdr_est.front_end.step_length.stage import mixture, running_mean
 from pdr_est.records import Gait, Step
 
@@ -197,7 +197,7 @@ def test_running_by_hand() -> None:
 
 def test_running_goes_by_three_steps_since_the_last_standstill() -> None:
     steps = [run_step(27.0, 0.42, 0), run_step(27.0, 0.4, 1), run_step(54.0, 0.3, 2), run_step(13.5, 0.3, 3)]
-    cadence_hz = np.array([1.0 / 0.42, 1.0 / 0.41, 2.5, 1.0 / 0.3])
+    cadence_hz = np.array([1.0 / 0.42, 2.5, 1.0 / 0.35, 1.0 / 0.3])  # the first is assumed
     intensity = 27.0 * 2.0 ** np.array([0.0, 0.0, 1.0 / 3.0, 0.0])
     expected = np.sqrt(cadence_hz / 2.6) * (intensity / 27.0) ** 0.6
     walker = WalkerParams(height_m=1.73)
@@ -234,6 +234,24 @@ def test_length_and_sigma_are_continuous_in_the_gait_probability() -> None:
     assert np.abs(np.diff(sigma)).max() < 0.03
     assert (sigma[0], sigma[-1]) == (pytest.approx(0.07 * length[0]), pytest.approx(0.20 * length[-1]))
     assert sigma[100] > 0.45 * (length[-1] - length[0])  # which of the two it is, nobody knows
+
+
+def test_the_sigma_of_a_walk_by_its_steps_is_that_of_independent_steps() -> None:
+    """And of those alone: what is common to all steps must come from the uncertainty of the walker's scale."""
+    rng = np.random.default_rng(3)
+    steps, walks = 50, 4000
+    walking, running = (0.7, 0.05), (1.0, 0.2)
+    mean_m, sigma_m = mixture(0.3, walking, running)
+
+    def lengths_m(runs: Array) -> Array:
+        return np.where(runs, rng.normal(*running, (walks, steps)), rng.normal(*walking, (walks, steps))).sum(axis=1)
+
+    independent = lengths_m(rng.random((walks, steps)) < 0.3)
+    assert independent.mean() == pytest.approx(steps * mean_m, rel=0.002)
+    assert independent.std() == pytest.approx(np.sqrt(steps) * sigma_m, rel=0.05)
+    all_or_none = lengths_m(np.repeat(rng.random((walks, 1)) < 0.3, steps, axis=1))
+    assert all_or_none.mean() == pytest.approx(steps * mean_m, rel=0.03)
+    assert all_or_none.std() > 4.0 * np.sqrt(steps) * sigma_m
 
 
 def test_a_mixture_by_hand() -> None:
@@ -274,7 +292,24 @@ def test_the_personal_cadence_is_that_of_the_last_three_steps() -> None:
     intervals_s = (0.5, 0.8, 0.5, 0.8, 0.8)
     steps = [with_vertical(PLATEAUS, start_s=1.0 - interval_s) for interval_s in intervals_s]
     found = pushed(*steps, walker=person, model="static")
-    assert [0.747 / item.length_m for item in found] == pytest.approx([0.5, 0.65, 0.5, 0.8, 0.8])
+    # The first interval, which is an assumed one, does not count any more.
+    assert [0.747 / item.length_m for item in found] == pytest.approx([0.5, 0.8, 0.65, 0.8, 0.8])
+
+
+@pytest.mark.parametrize("begins", ["standstill", "gap"])
+def test_a_walk_begins_with_a_new_cadence(begins: str) -> None:
+    """The first interval is the assumed one: it stands for that step alone."""
+    meter = PaceMeter()
+    for _ in range(4):
+        meter.at(with_vertical(PLATEAUS, start_s=0.3))
+    first = with_vertical(PLATEAUS, start_s=0.4, frequency_hz=0.0 if begins == "standstill" else 1.96)
+    second, third = with_vertical(2.0 * PLATEAUS, start_s=0.5), with_vertical(PLATEAUS, start_s=0.55)
+    walk = [first, second, third]
+    if begins == "gap":
+        walk = [replace(item, event=replace(item.event, segment=item.event.segment + 1)) for item in walk]
+    found = [meter.at(item) for item in walk]
+    assert [pace.cadence_hz for pace in found] == pytest.approx([1.0 / 0.6, 2.0, 1.0 / 0.475])
+    assert [pace.range_mps2 for pace in found[:2]] == pytest.approx([16.0, 16.0 * np.sqrt(2.0)])
 
 
 def test_beyond_the_cadences_of_walking_the_personal_factor_stays() -> None:

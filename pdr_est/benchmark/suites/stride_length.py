@@ -28,6 +28,7 @@ from pdr_est.calibrate import Calibration, Observation, PacedSteps, observation
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.metrics import distance_error, within_sigma
 from pdr_est.evaluate.strides import (
+    LONGEST_STRIDE_M,
     lengths_by_time,
     lengths_by_two_steps,
     scored_strides,
@@ -95,9 +96,15 @@ def score(walk: Walked) -> list[Scores]:
 
 def _scores(walk: Walked, device: DeviceWalk) -> Scores:
     truth = walk.recording.truth.strides
-    strides = None if truth is None else scored_strides(truth)
-    if strides is None or not len(strides.length_m):
-        raise RecordingError(f"{walk.recording.name}: no measured stride that can be scored: nothing to compare with")
+    if truth is None or not len(truth.length_m):
+        raise RecordingError(f"{walk.recording.name}: no stride to compare with: none measured from beginning to end")
+    strides = scored_strides(truth)
+    if not len(strides.length_m):
+        too_long = int((truth.length_m[:-1] > LONGEST_STRIDE_M).sum())
+        raise RecordingError(
+            f"{walk.recording.name}: no stride to compare with: {len(truth.length_m)} measured from beginning to "
+            f"end, left out {too_long} above {LONGEST_STRIDE_M:g} m and the last"
+        )
     case = StrideCase(PacedSteps.of(device.steps), strides)
     counts = {"true_strides": len(strides.length_m), "detected_steps": case.steps_within}
     part = Part(case.errors_uncalibrated(walk.config.odometry.sigma_length_scale), counts)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdr_est.front_end.gait.features import begins_walk
 from pdr_est.records import Step
 
 _STEPS = 3
@@ -22,20 +23,28 @@ class Pace:
 
 
 class PaceMeter:
-    """The pace at each step in turn; the first one after a standstill or a gap begins anew."""
+    """The pace at each step in turn; the first one after a standstill or a gap begins anew.
+
+    How long that first step took is assumed and not measured, so its cadence is given but not remembered.
+    """
 
     def __init__(self) -> None:
+        self._previous: Step | None = None
         self._interval_s: deque[float] = deque(maxlen=_STEPS)
         self._log_range: deque[float] = deque(maxlen=_STEPS)
 
     def at(self, step: Step) -> Pace:
         """The pace at the next step."""
-        if step.frequency_hz == 0.0:
+        interval_s = max(step.event.time_s - step.start_s, _LEAST_INTERVAL_S)
+        begins = begins_walk(step, self._previous)
+        self._previous = step
+        if begins:
             self._interval_s.clear()
             self._log_range.clear()
-        self._interval_s.append(max(step.event.time_s - step.start_s, _LEAST_INTERVAL_S))
+        else:
+            self._interval_s.append(interval_s)
         self._log_range.append(float(np.log(max(np.ptp(step.samples.vertical_mps2), _LEAST_RANGE_MPS2))))
         return Pace(
-            cadence_hz=1.0 / float(np.median(self._interval_s)),
+            cadence_hz=1.0 / (interval_s if begins else float(np.median(self._interval_s))),
             range_mps2=float(np.exp(np.mean(self._log_range))),
         )

@@ -29,7 +29,7 @@ class StepLengthParams:
     paper gives no value; in m / (m/s^2)^(1/4) and m / (m/s^2)^(1/3), as kim_k. range_power_k, range_power_exponent:
     of `range-power` and of walking in `auto`. smoothing_s: running mean before the extremes and the mean are taken.
     running: steps of runners in `auto`. sigma_walking, sigma_running: standard deviation of a step over its length,
-    independent from step to step."""
+    taken for independent from step to step."""
 
     model: LengthModel = "auto"
     weinberg_k2: Positive = 0.48
@@ -48,6 +48,11 @@ class StepLength:
 
     Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier, as far
     as the cadence allows for running (`share_of_running`). In all models but `auto` the two have the same length.
+
+    The standard deviation is that of one step by itself, and users take the steps of a walk for independent. Of an
+    error that all of them share, this gives too little: constants that do not fit the walker, or somebody who is in
+    doubt between walking and running all along. `odometry.sigma_length_scale` stands for that, as found on walkers.
+    A runner's scale is less certain than it says, by nobody knows how much: there is no recording of one.
     """
 
     latency_s = 0.0
