@@ -24,6 +24,7 @@ def _zero_or_not_tiny(value: float) -> float:
 Positive = Annotated[float, Gt(0.0), Le(_LARGEST), AfterValidator(_zero_or_not_tiny)]
 NonNegative = Annotated[float, Ge(0.0), Le(_LARGEST), AfterValidator(_zero_or_not_tiny)]
 Fraction = Annotated[float, Ge(0.0), Le(1.0)]
+Window = Annotated[Positive, Le(60.0)]  # seconds of signal that are looked at together
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

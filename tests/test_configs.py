@@ -1,6 +1,7 @@
 """Every configuration in configs/ loads and gives a track; the default one says what the code says."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -91,3 +92,18 @@ def test_a_transition_has_one_length() -> None:
         config_from_dict(sections, "here")
     config_from_dict({**sections, "steps": {"detector": "auto"}}, "here")
     config_from_dict({**sections, "steps": {"detector": "mmpdr", "mmpdr": {"transition_s": 1.5}}}, "here")
+
+
+@pytest.mark.parametrize(
+    ("section", "values"),
+    [
+        ("steps", {"relative_threshold": {"pre_window_s": 61.0}}),
+        ("steps", {"zero_crossing": {"mean_window_s": 1e6}}),
+        ("mode", {"auto": {"hop_s": 10.0}}),
+        ("mode", {"auto": {"moving_deg": 360.0}}),
+    ],
+)
+def test_windows_of_minutes_are_refused(section: str, values: dict[str, Any]) -> None:
+    """They would ask for gigabytes, or leave every recording too short to tell anything."""
+    with pytest.raises(ConfigError, match="less than or equal to"):
+        config_from_dict({section: values}, "here")

@@ -41,10 +41,10 @@ class AutoModeParams:
     windows overlap. ahead_hops: how many windows after a hop count. memory_s: what was known before a gap fades in
     such a time."""
 
-    hop_s: Positive = 0.25
+    hop_s: Annotated[Positive, Le(2.0)] = 0.25
     half_hops: _Few = 4
     walking_mps2: Positive = 0.4
-    moving_deg: Positive = 25.0
+    moving_deg: Annotated[Positive, Le(180.0)] = 25.0
     spoilt_hops: _FewOrNone = 3
     change: _SmallProbability = 0.002
     change_turned: _SmallProbability = 0.3

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.params import Positive, params
+from pdr_est.params import Positive, Window, params
 from pdr_est.records import CarryingMode, LevelBlock
 
 
@@ -28,7 +28,7 @@ class MmpdrModeParams:
     holding_gravity: Positive = 0.65
     swing_gravity_x: Positive = 0.9
     swing_gravity_z: Positive = 0.4
-    window_s: Positive = 2.0
+    window_s: Window = 2.0
 
 
 class MmpdrMode:

@@ -20,7 +20,7 @@ from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.signal.moving_average import MovingAverage
 from pdr_est.front_end.steps.triggered import TriggeredSteps
-from pdr_est.params import NonNegative, Positive, params
+from pdr_est.params import NonNegative, Positive, Window, params
 from pdr_est.records import LevelBlock, StepEvent
 
 
@@ -30,7 +30,7 @@ class LocalVarianceParams:
     stance_mps2: below which it stands, at most as large. min_interval_s: between steps."""
 
     cutoff_hz: Positive = 3.0
-    window_s: Positive = 0.12
+    window_s: Window = 0.12
     swing_mps2: NonNegative = 0.6
     stance_mps2: NonNegative = 0.6
     min_interval_s: NonNegative = 0.35

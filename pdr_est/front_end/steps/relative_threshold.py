@@ -25,7 +25,7 @@ from pdr_est.front_end.signal.peaks import local_maxima, local_minima
 from pdr_est.front_end.signal.trigger import far_enough
 from pdr_est.front_end.signal.vectors import dot
 from pdr_est.front_end.steps.undecided import UndecidedSamples
-from pdr_est.params import NonNegative, Positive, params
+from pdr_est.params import NonNegative, Window, params
 from pdr_est.records import LevelBlock, StepEvent
 
 
@@ -34,8 +34,8 @@ class RelativeThresholdParams:
     """pre_window_s, post_window_s: averages before and after the projection. threshold_mps2: least difference between
     extremes that follow each other. min_interval_s: least time between them."""
 
-    pre_window_s: Positive = 0.2
-    post_window_s: Positive = 0.2
+    pre_window_s: Window = 0.2
+    post_window_s: Window = 0.2
     threshold_mps2: NonNegative = 0.6
     min_interval_s: NonNegative = 0.15
 

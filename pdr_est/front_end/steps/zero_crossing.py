@@ -14,7 +14,7 @@ from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.signal.moving_average import MovingAverage
 from pdr_est.front_end.steps.triggered import TriggeredSteps
-from pdr_est.params import NonNegative, Positive, params
+from pdr_est.params import NonNegative, Positive, Window, params
 from pdr_est.records import LevelBlock, StepEvent
 
 
@@ -24,7 +24,7 @@ class ZeroCrossingParams:
     signal must have been. min_interval_s: between steps."""
 
     cutoff_hz: Positive = 2.5
-    mean_window_s: Positive = 2.0
+    mean_window_s: Window = 2.0
     dead_band_mps2: NonNegative = 0.4
     min_interval_s: NonNegative = 0.3
 
