@@ -1,4 +1,5 @@
-"""Runs the benchmark suites with all estimators or detectors; writes experiments/results/ and the README's table.
+"""Runs the benchmark suites with all estimators, detectors or length models; writes experiments/results/ and the
+README's table.
 
     python experiments/benchmark_tables.py --data DIR [--jobs 2] [--suite NAME ...]
 
@@ -20,8 +21,15 @@ from pdr_est.config import Config
 RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parents[1] / "README.md"
 MARK = "<!-- benchmark -->"
-# The others compare estimators.
-DETECTOR_SUITES = ("oxford-steps", "weallwalk", "known-distance", "motionsense", "gait")
+# Suites without an estimator: what they compare, one document for each. The others compare estimators.
+COMPARED = {
+    "oxford-steps": ("detector",),
+    "weallwalk": ("detector",),
+    "known-distance": ("detector", "length-model"),
+    "stride-length": ("length-model",),
+    "motionsense": ("detector",),
+    "gait": ("detector",),
+}
 ROWS = (
     ("ilc20", None, "Indoor Location Competition 2.0, malls, held"),
     ("ipin2023", None, "IPIN 2023, held"),
@@ -32,7 +40,7 @@ ROWS = (
 
 
 def main() -> None:
-    """Write one JSON and one text table a suite."""
+    """Write one JSON and one text table for each suite and what it compares."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=1)
@@ -40,18 +48,21 @@ def main() -> None:
     parser.add_argument("--suite", action="append", choices=names)
     options = parser.parse_args()
     for name in options.suite or names:
-        record(name, options.data, options.jobs)
+        first, *further = COMPARED.get(name, ("estimator",))
+        record(name, first, options.data, options.jobs, name)
+        for axis in further:
+            record(name, axis, options.data, options.jobs, f"{name}-{axis}s")
     before, _, after = README.read_text(encoding="utf-8").split(MARK)
     README.write_text(f"{before}{MARK}\n{readme_table()}\n{MARK}{after}", encoding="utf-8")
 
 
-def record(suite: str, data: Path, jobs: int) -> None:
-    """Write the averages of a suite and its tables."""
-    axis = axis_named("detector" if suite in DETECTOR_SUITES else "estimator")
+def record(suite: str, compared: str, data: Path, jobs: int, stem: str) -> None:
+    """Write the averages of a suite with all values of an axis, and its tables, to files of that stem."""
+    axis = axis_named(compared)
     result = run_benchmark(suite, data, compare(Config(), axis.word, axis.names), jobs)
     summary = {key: value for key, value in result.to_dict().items() if key not in ("walks", "skipped")}
-    (RESULTS / f"{suite}.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-    with (RESULTS / f"{suite}.txt").open("w", encoding="utf-8") as stream:
+    (RESULTS / f"{stem}.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    with (RESULTS / f"{stem}.txt").open("w", encoding="utf-8") as stream:
         print_table(result, Console(file=stream, width=160))
 
 

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pdr_est.config import Config
-from pdr_est.errors import RecordingError
+from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.frames import Array
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import WalkerParams
@@ -121,9 +121,13 @@ def observe_fixes(
 ) -> Observation:
     """A walk with position fixes: what they alone tell of the scale, by the configured smoother.
 
-    Raises RecordingError without a step, when the fixes hardly tell the scale, and when it is out of range;
-    what `estimate` raises.
+    Raises ConfigError for an estimator that makes no use of fixes; RecordingError without a step, when the fixes hardly
+    tell the scale, and when it is out of range; what `estimate` raises.
     """
+    if config.estimator.name == "dead-reckoning":
+        raise ConfigError(
+            "estimator.name = dead-reckoning: makes no use of fixes: choose ekf or factor-graph, or give the distance"
+        )
     steps = [PacedSteps.of(walk.steps) for walk in walks]
     _mean_length_m(steps, place)
     usual = replace(config, odometry=replace(config.odometry, sigma_length_scale=SIGMA_LOG_SCALE))

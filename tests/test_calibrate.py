@@ -21,7 +21,7 @@ from pdr_est.calibrate import (
     observe_fixes,
 )
 from pdr_est.config import Config, check
-from pdr_est.errors import RecordingError
+from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.walker import walking_cadence_hz
 from pdr_est.records import PositionFix
@@ -195,6 +195,13 @@ def test_what_is_expected_of_people_does_not_count_twice(simulated) -> None:
     scale = math.exp(observe_fixes(walks, Config(), vague, "walk").log_ratio)
     assert scale - smoother(SIGMA_LOG_SCALE) > 0.02
     assert scale == pytest.approx(smoother(10.0 * SIGMA_LOG_SCALE), abs=0.01)
+
+
+def test_an_estimator_without_fixes_cannot_tell_the_scale(simulated) -> None:
+    walks, fixes, _ = simulated
+    with pytest.raises(ConfigError, match="estimator.name = dead-reckoning: makes no use of fixes: choose ekf"):
+        observe_fixes(walks, Config().with_estimator("dead-reckoning"), fixes, "walk")
+    assert observe_fixes(walks, Config().with_estimator("ekf"), fixes, "walk").sigma < 0.1
 
 
 def test_fixes_that_tell_nothing_are_refused(simulated) -> None:

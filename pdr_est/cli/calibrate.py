@@ -65,6 +65,7 @@ def calibrate(
     """
     if bool(distances_m) == bool(fixes):
         raise click.UsageError("give either --distance or --fixes")
+    _refuse_repetition(recordings)
     config = _impersonal(resolve_config(config_file, **settings))
     tables = [Path(choice) for choice in fixes if choice != RECORDED]
     with staged_file(output, overwrite, [*given(*recordings, config_file), *tables]) as file:
@@ -84,6 +85,13 @@ def _impersonal(config: Config) -> Config:
     """Without the constants of an earlier calibration."""
     body = WalkerParams(height_m=config.walker.height_m, gender=config.walker.gender)
     return replace(config, walker=body)
+
+
+def _refuse_repetition(recordings: Sequence[Path]) -> None:
+    """A walk tells what it tells once; given again it would feign certainty."""
+    for i, path in enumerate(recordings):
+        if path.resolve() in {earlier.resolve() for earlier in recordings[:i]}:
+            raise click.UsageError(f"{path}: the same RECORDING is given twice: give each walk once")
 
 
 def _refuse_number(option: str, given: int, recordings: int) -> None:

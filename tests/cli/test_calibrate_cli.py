@@ -76,7 +76,9 @@ def test_calibration_forgets_an_earlier_one(by_distance: Path, good: Path, tmp_p
 def test_more_walks_and_the_options_of_the_body(good: Path, tmp_path: Path) -> None:
     options = ("--length-model", "static", "--height", 1.6, "--gender", "female")
     out = tmp_path / "p.yaml"
-    profile = profile_of(good, good, "--distance", 14.0, "--distance", 14.0, *options, out=out)
+    again = tmp_path / "again.csv"
+    again.write_bytes(good.read_bytes())
+    profile = profile_of(good, again, "--distance", 14.0, "--distance", 14.0, *options, out=out)
     assert (profile.walker.height_m, profile.walker.gender, profile.note.recordings) == (1.6, "female", 2)
     assert profile.note.step_length.model == "static"
     one = profile_of(good, "--distance", 14.0, *options, out=tmp_path / "one.yaml")
@@ -118,6 +120,12 @@ def test_fixes_give_the_scale_that_smoothing_with_them_finds(walk: Walk, good: P
 def test_what_is_refused(options: tuple[object, ...], message: str, good: Path, tmp_path: Path) -> None:
     line = calibrate_refused(tmp_path / "out", good, *options)
     assert re.search(message, line), line
+
+
+def test_a_walk_counts_once(good: Path, tmp_path: Path) -> None:
+    detour = good.parent / ".." / good.parent.name / good.name
+    line = calibrate_refused(tmp_path / "out", good, detour, "--distance", 12, "--distance", 12)
+    assert line.startswith(f"{detour}: the same RECORDING is given twice: give each walk once")
 
 
 def test_somebody_who_stands_cannot_be_calibrated(walk: Walk, tmp_path: Path) -> None:
