@@ -9,10 +9,10 @@ the exponent then stays what it was, and changes nothing at that cadence.
 Why cadence, and why the exponent is not 0 beforehand: within a person, step length rises with cadence. Their ratio,
 the walk ratio, is nearly constant, and MMPDR eq. 9 has the square root. The default model follows acceleration and so
 cadence only in part: a constant ratio leaves it an exponent of about 0.8, eq. 9 one of about 0.3. Over the walks of
-the set known-distance it is 0.56, over those of stride-length 0.15.
+the set known-distance it is 0.59, over those of stride-length 0.15.
 
 The exponent expected beforehand is that of eq. 9; it lies between what the two sets show. Expecting 0.4 brings the
-mean error on known-distance from 5.4 to 4.1 %, but that on stride-length from 4.5 to 6.1 %. Calibrated metrics never
+mean error on known-distance from 5.4 to 4.2 %, but that on stride-length from 4.6 to 6.2 %. Calibrated metrics never
 see the walk that they score, but the numbers below were chosen with these two sets in view, which are therefore no
 independent evidence for them.
 """
@@ -121,8 +121,8 @@ def observe_fixes(
 ) -> Observation:
     """A walk with position fixes: what they alone tell of the scale, by the configured smoother.
 
-    Raises ConfigError for an estimator that makes no use of fixes; RecordingError without a step, when the fixes hardly
-    tell the scale, and when it is out of range; what `estimate` raises.
+    Raises ConfigError for an estimator that makes no use of fixes; RecordingError without a step, when the fixes
+    hardly tell the scale, and when it is out of range; what `estimate` raises.
     """
     if config.estimator.name == "dead-reckoning":
         raise ConfigError(

@@ -199,7 +199,7 @@ def test_what_is_expected_of_people_does_not_count_twice(simulated) -> None:
 
 def test_an_estimator_without_fixes_cannot_tell_the_scale(simulated) -> None:
     walks, fixes, _ = simulated
-    with pytest.raises(ConfigError, match="estimator.name = dead-reckoning: makes no use of fixes: choose ekf"):
+    with pytest.raises(ConfigError, match=r"estimator\.name = dead-reckoning: makes no use of fixes: choose ekf"):
         observe_fixes(walks, Config().with_estimator("dead-reckoning"), fixes, "walk")
     assert observe_fixes(walks, Config().with_estimator("ekf"), fixes, "walk").sigma < 0.1
 
