@@ -39,8 +39,8 @@ def train_gait(
       motionsense/{wlk,jog}_N/sub_PERSON.csv
       sisfall/PERSON/D0{1,2,3,4}_PERSON_R01.txt
       {walking,jogging,running}/PERSON/RECORDING...
-    The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least two people must
-    walk, and two must jog and run. Use the model with gait.model in a configuration file.
+    The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least three people must
+    walk, and three must jog and run. Use the model with gait.model in a configuration file.
     """
     from pdr_est.training.gait_training import train_gait as train  # scikit-learn loads slowly
     from pdr_est.training.gait_training import write_trained

@@ -113,6 +113,11 @@ def test_a_model_of_ones_own(tmp_path: Path) -> None:
         config_from_dict({"gait": {"method": "uptime", "model": str(path)}}, "test")
 
 
+def test_a_model_for_no_method_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r'test: gait\.model: .*the method "none" uses none'):
+        config_from_dict({"gait": {"method": "none", "model": "own.json"}}, "test")
+
+
 def test_a_missing_model_is_told_by_the_configuration() -> None:
     with pytest.raises(ConfigError, match=r"test: gait\.model: nowhere\.json: cannot be read"):
         config_from_dict({"gait": {"model": "nowhere.json"}}, "test")

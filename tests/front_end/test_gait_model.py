@@ -83,6 +83,11 @@ def test_a_changed_file_is_refused(
         (lambda c: c["faster"]["dual"].pop(), "faster: its arrays differ in length"),
         (lambda c: c["running"]["columns"].__setitem__(0, 6), "running: its arrays differ in length"),
         (lambda c: c["faster"]["support"][1].pop(), "faster: its arrays differ in length"),
+        (lambda c: c["faster"].update(gamma=-5.0), "faster.gamma = -5: is no width"),
+        (lambda c: c["faster"].update(sigmoid=[1e308, 0.0]), "faster.sigmoid.0 = 1e+308: is steeper than"),
+        (lambda c: c["running"].update(sigmoid=[1.0, -1e308]), "running.sigmoid.1 = -1e+308: is beyond"),
+        (lambda c: c["running"].update(intercept=1e300), "running.intercept = 1e+300: is beyond"),
+        (lambda c: c["running"].update(support=c["running"]["support"] * 2, dual=[1.0, 1.0]), "running.support = 2"),
     ],
 )
 def test_a_sealed_file_that_makes_no_sense_is_refused(

@@ -44,9 +44,13 @@ def gait_stage(parameters: GaitParams) -> Stage:
 def gait_model(parameters: GaitParams) -> GaitModel | None:
     """The configured model, None for the method "none".
 
-    Raises ConfigError when it cannot be loaded or is of another method.
+    Raises ConfigError when it cannot be loaded, is of another method, or is given for no method.
     """
     if parameters.method == "none":
+        if parameters.model is not None:
+            raise ConfigError(
+                f'gait.model = {parameters.model}: the method "none" uses none: set gait.method, or leave it out'
+            )
         return None
     if parameters.model is None:
         return shipped_model(parameters.method)

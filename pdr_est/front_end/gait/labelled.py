@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.front_end.gait.features import FeatureSet, begins_walk, step_features
-from pdr_est.front_end.gait.inference import SCORE_LIMIT
+from pdr_est.front_end.gait.inference import SCORE_LIMIT, changes_gait
 from pdr_est.front_end.gait.model import DataSet
 from pdr_est.records import Gait, Step
 
@@ -60,7 +60,9 @@ class StepTable:
         """Scores (n, 2) cut at the limit and averaged with those of the step before, as the classifier does."""
         cut = np.clip(scores, -SCORE_LIMIT, SCORE_LIMIT)
         before = np.concatenate([cut[:1], cut[:-1]])
-        return np.where(self.begins[:, None], cut, 0.5 * (cut + before))
+        level = zip(cut[:, 0].tolist(), before[:, 0].tolist(), strict=True)
+        alone = self.begins | np.array([changes_gait(score, earlier) for score, earlier in level], dtype=bool)
+        return np.where(alone[:, None], cut, 0.5 * (cut + before))
 
 
 def labelled_steps(

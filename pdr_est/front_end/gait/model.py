@@ -5,6 +5,7 @@ within. On the slower side stands walking alone, so there is one machine a level
 running. A model is a JSON file of numbers and words; reading it executes nothing.
 """
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
@@ -18,6 +19,10 @@ from pdr_est.params import Positive, params
 
 FORMAT, VERSION = "pdr_est-gait", 1
 REMEDY = "take the shipped model, or train one with `pdr-est train-gait`"
+
+# Far beyond what training gives, and far from where the arithmetic of a score would overflow.
+_STEEPEST = 1e4
+_LARGEST = 1e6
 
 Row = tuple[float, ...]
 Confusion = tuple[tuple[int, int, int], tuple[int, int, int], tuple[int, int, int]]
@@ -119,14 +124,32 @@ def model_from_dict(content: Any, place: str) -> GaitModel:
         key = ".".join(str(part) for part in first["loc"])
         raise ConfigError(f"{place}: {key}: {first['msg']}: {REMEDY}") from error
     known = len(step_features(model.features).names)
-    for level in ("faster", "running"):
-        if not _fits(getattr(model, level), known):
+    for level, machine in (("faster", model.faster), ("running", model.running)):
+        if not _fits(machine, known):
             raise ConfigError(f"{place}: {level}: its arrays differ in length: {REMEDY}")
+        for key, number, right in _oddities(machine):
+            raise ConfigError(f"{place}: {level}.{key} = {number:g}: {right}: {REMEDY}")
     return model
 
 
 def _document(model: GaitModel) -> dict[str, Any]:
     return {"format": FORMAT, "version": VERSION, **asdict(model)}
+
+
+def _oddities(machine: Machine) -> Iterator[tuple[str, float, str]]:
+    """Key and value of what no training gives, and what it has to be."""
+    if machine.kernel == "rbf" and not machine.gamma > 0.0:
+        yield "gamma", machine.gamma, "is no width of the kernel rbf, which is above 0"
+    if machine.kernel == "linear" and len(machine.support) != 1:
+        yield "support", len(machine.support), "vectors, where the kernel linear has one, its weights"
+    slope, offset = machine.sigmoid
+    if not abs(slope) <= _STEEPEST:
+        yield "sigmoid.0", slope, f"is steeper than {_STEEPEST:g}"
+    numbers = {"sigmoid.1": (offset,), "intercept": (machine.intercept,), "dual": machine.dual, "mean": machine.mean}
+    for key, values in (*numbers.items(), *(("support", row) for row in machine.support)):
+        for value in values:
+            if not abs(value) <= _LARGEST:
+                yield key, value, f"is beyond {_LARGEST:g}"
 
 
 def _fits(machine: Machine, features: int) -> bool:

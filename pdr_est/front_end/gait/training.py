@@ -1,11 +1,12 @@
 """Training of the gait model from labelled steps. The only place that knows scikit-learn; inference does without.
 
-People are never split: a fold leaves out whole people, and every figure is of people whom the model had not seen.
+People are never split: a fold leaves out whole people, and every figure is of people whom the model had not seen,
+neither its machines nor its sigmoids. These are fitted to scores of people left out once more, among those seen.
 The same steps give the same bytes: nothing is drawn at random, and numbers are rounded before and after the fit, so
 that the last bits of another processor do not show.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +26,8 @@ from pdr_est.records import Gait
 
 MOST_FOLDS = 30
 """Up to so many people, each is left out in turn; more are left out in groups."""
+
+_SIGMOID_FOLDS = 5  # groups of the people that a model has seen, whose scores by the others fit its sigmoids
 
 _DIGITS = 9  # significant ones that a model keeps
 
@@ -74,20 +77,18 @@ def train(walks: Sequence[LabelledSteps], features: FeatureSet, folds: int = MOS
     """
     table = step_table(walks)
     recipe = RECIPES[features]
-    fold_of = _deal(table, folds)
-    fold = np.array([fold_of[person] for person in table.person.tolist()])
-    numbers = range(max(fold_of.values()) + 1)
-    fits = [_fit(table, fold != number, recipe) for number in numbers]
-    scores = np.empty((len(table), 2))
-    for number in numbers:
-        scores[fold == number] = fits[number].scores(table.features[fold == number])
-    pooled = table.pooled(scores)
-    left_out = [fits[number].model(features, table, fold != number, pooled) for number in numbers]
+    everybody = np.ones(len(table), dtype=bool)
+    fold_of = _deal(table, everybody, folds)
+    left_out = []
     probability = np.empty((len(table), 3))
-    for number in numbers:
-        probability[fold == number] = probabilities(left_out[number], pooled[fold == number])
-    everybody = fold >= 0
-    model = _fit(table, everybody, recipe).model(features, table, everybody, pooled)
+    for away in _groups(table, fold_of):
+        fit = _fit(table, ~away, recipe)
+        left_out.append(fit.model(features, table, ~away, _scores_left_out(table, ~away, recipe)))
+        scores = np.zeros((len(table), 2))
+        scores[away] = fit.scores(table.features[away])
+        probability[away] = probabilities(left_out[-1], table.pooled(scores)[away])
+    fit = _fit(table, everybody, recipe)
+    model = fit.model(features, table, everybody, _scores_left_out(table, everybody, recipe))
     return TrainedGait(
         model=replace(model, metrics=gait_metrics(table, probability)),
         folds=GaitFolds(models=tuple(left_out), fold_of=fold_of),
@@ -146,11 +147,26 @@ class _Fit:
         )
 
 
-def _deal(table: StepTable, folds: int) -> dict[str, int]:
-    """Fold of each person: those who teach the second level are dealt out first, so that every fold has some."""
-    told = set(table.person[table.told_apart].tolist())
-    people = sorted(set(table.person.tolist()), key=lambda person: (person not in told, person))
+def _deal(table: StepTable, seen: Mask, folds: int) -> dict[str, int]:
+    """Fold of each person seen: those who teach the second level are dealt out first, so that every fold has some."""
+    told = set(table.person[seen & table.told_apart].tolist())
+    people = sorted(set(table.person[seen].tolist()), key=lambda person: (person not in told, person))
     return {person: i % folds for i, person in enumerate(people)}
+
+
+def _groups(table: StepTable, fold_of: Mapping[str, int]) -> Iterator[Mask]:
+    """The steps (n,) of the people of each fold."""
+    fold = np.array([fold_of.get(person, -1) for person in table.person.tolist()])
+    for number in range(max(fold_of.values(), default=-1) + 1):
+        yield fold == number
+
+
+def _scores_left_out(table: StepTable, seen: Mask, recipe: Recipe) -> Array:
+    """Pooled scores (n, 2) of the people seen, by fits on the others of them; zeros for those not seen."""
+    scores = np.zeros((len(table), 2))
+    for away in _groups(table, _deal(table, seen, _SIGMOID_FOLDS)):
+        scores[away] = _fit(table, seen & ~away, recipe).scores(table.features[away])
+    return table.pooled(scores)
 
 
 def _fit(table: StepTable, seen: Mask, recipe: Recipe) -> _Fit:
@@ -175,7 +191,7 @@ def _fit_level(
     """Fit a machine to tell those steps of the index that are on the upper side."""
     if len(np.unique(upper[index])) < 2:
         raise ConfigError(
-            "too few people to leave some out: record at least two who walk, and two who jog and run, or add the "
+            "too few people to leave some out: record at least three who walk, and three who jog and run, or add the "
             "folders motionsense/ and sisfall/"
         )
     x = table.features[index][:, columns]
@@ -185,9 +201,21 @@ def _fit_level(
 
 
 def _platt(scores: Array, upper: Mask, person: NDArray[np.str_]) -> tuple[float, float]:
-    """Slope and offset of the probability of the upper side for scores (n,) of people left out (Platt 1999)."""
+    """Slope and offset of the probability of the upper side for scores (n,) of people left out.
+
+    Platt 1999, section 2.2: with N steps on the upper side their target is (N + 1) / (N + 2) and not 1, and likewise
+    on the lower one, so that scores that part the sides without error leave a finite slope. Every step counts as a
+    step to its side with that weight, and to the other with the rest.
+    """
+    weights = _weights(upper, person)
+    above, below = int(upper.sum()), int((~upper).sum())
+    target = np.where(upper, (above + 1.0) / (above + 2.0), 1.0 / (below + 2.0))
     logistic = LogisticRegression(C=1e6, solver="newton-cholesky", tol=1e-10)
-    logistic.fit(scores[:, None], upper, sample_weight=_weights(upper, person))
+    logistic.fit(
+        np.concatenate([scores, scores])[:, None],
+        np.repeat([True, False], len(scores)),
+        sample_weight=np.concatenate([weights * target, weights * (1.0 - target)]),
+    )
     return _short(logistic.coef_[0])[0], _short(logistic.intercept_)[0]
 
 
