@@ -42,13 +42,15 @@ def train_gait(
     The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least three people must
     walk, and three must jog and run. Use the model with gait.model in a configuration file.
     """
+    from pdr_est.training.gait_files import recordings_digest
     from pdr_est.training.gait_training import train_gait as train  # scikit-learn loads slowly
     from pdr_est.training.gait_training import write_trained
 
     with staged_folder(output, overwrite) as folder:
         with progress_bar("gait", total=None, quiet=quiet) as bar:
             trained = train(data, features, on_progress=bar.at)
-        write_trained(trained, folder, date.today() if trained_on is None else trained_on.date())
+        day = date.today() if trained_on is None else trained_on.date()
+        write_trained(trained, folder, day, recordings_digest(data))
     metrics = trained.model.metrics
     if metrics is not None:
         click.echo(

@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 
+from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.io.choice import members_like, only_walk, stem
 from pdr_est.io.recording import DeviceRecording, Recording, Truth
@@ -19,6 +20,8 @@ _FORCE = ("ADXL345 x", "ADXL345 y", "ADXL345 z")
 _RATE = ("ITG3200 x", "ITG3200 y", "ITG3200 z")
 _SECOND_FORCE = ("MMA8451Q x", "MMA8451Q y", "MMA8451Q z")
 _COLUMNS = (*_FORCE, *_RATE, *_SECOND_FORCE)
+_BITS = ((_FORCE, 13), (_RATE, 16), (_SECOND_FORCE, 14))
+_CUT = "the last row has no ';': the file was cut there, and what followed is missing"
 _RATE_HZ = 200.0
 _FORCE_MPS2_PER_BIT = 2 * 16 / 2**13 * STANDARD_GRAVITY_MPS2  # +-16 g in 13 bits
 _RATE_RADPS_PER_BIT = np.deg2rad(2 * 2000 / 2**16)  # +-2000 deg/s in 16 bits
@@ -47,14 +50,17 @@ def read(source: Source) -> Recording:
     Slow and quick are what the person took them for: one person's running can be another's jogging. Stairs (D05, D06)
     are "stairs", falls (F01 to F15) "fall"; sitting, lying, bending and jumping have no word here.
 
-    Time is the row number at 200 Hz. Raises RecordingError when there are several recordings or the table is damaged.
+    Time is the row number at 200 Hz. Raises RecordingError when there are several recordings, the table is damaged or
+    a number is beyond the range of its sensor. A file that ends within a row's last number has a warning.
     """
     member = only_walk(source, members_like(source, _looks_right), NAME)
     # A blank and not nothing, so that a ";" within a row does not join two numbers into one.
     rows = source.read(member).replace(b";", b" ")
     table = read_table(rows, source.place(member), has_header=False, columns=_COLUMNS)
+    _refuse_impossible(table)
     name = stem(member)
-    return Recording(name=name, format=NAME, devices=(_device(table),), truth=Truth(activity=_activity(name)))
+    cut = () if source.read(member).rstrip().endswith(b";") else (_CUT,)
+    return Recording(name=name, format=NAME, devices=(_device(table, cut),), truth=Truth(activity=_activity(name)))
 
 
 def _looks_right(head: bytes) -> bool:
@@ -71,7 +77,20 @@ def _activity(name: str) -> str | None:
     return "fall" if code.startswith("F") else _ACTIVITIES.get(code)
 
 
-def _device(table: Table) -> DeviceRecording:
+def _refuse_impossible(table: Table) -> None:
+    for names, bits in _BITS:
+        for name in names:
+            numbers = table.numbers(name)
+            # NaN, of a blank line, is no number and compares as false.
+            wrong = np.flatnonzero((numbers < -(2 ** (bits - 1))) | (numbers >= 2 ** (bits - 1)))
+            if len(wrong):
+                raise RecordingError(
+                    f"{table.place}, line {wrong[0] + 1}, column {name!r}: {numbers[wrong[0]]:g} does not fit "
+                    f"into the {bits} bits of this sensor; restore the file"
+                )
+
+
+def _device(table: Table, cut: tuple[str, ...]) -> DeviceRecording:
     written = table.filled(_COLUMNS)  # a blank line is no sample and takes no time
     time_s = np.arange(int(written.sum())) / _RATE_HZ
     force_mps2 = _FORCE_MPS2_PER_BIT * table.stack(_FORCE)[written]
@@ -88,5 +107,5 @@ def _device(table: Table) -> DeviceRecording:
             "rotation rate from the ITG3200, 4000/65536 deg/s a bit",
             "the second accelerometer (MMA8451Q) is not used: it says the same in a smaller range",
         ),
-        warnings=(*force_warnings, *rate_warnings),
+        warnings=(*force_warnings, *rate_warnings, *cut),
     )

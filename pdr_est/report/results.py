@@ -8,6 +8,8 @@ from pdr_est.config import Config, config_to_dict
 from pdr_est.evaluate.association import associate
 from pdr_est.evaluate.metrics import point_errors
 from pdr_est.evaluate.open_loop import LEAST_POINTS, open_metrics
+from pdr_est.front_end.gait import gait_model
+from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.recording import Recording
 from pdr_est.io.writers import write_geojson, write_steps_csv, write_tum
 from pdr_est.pipeline import SmoothedWalk
@@ -29,7 +31,7 @@ def write_results(
     inputs: name of each input file -> its SHA-256, or None. profile: of the walker, if the configuration was made
     with one. Raises OutputError when a file cannot be written.
     """
-    start = config.start.pose()
+    start, gaits = config.start.pose(), gait_model(config.gait)
     summary = summarise(
         walk,
         recording,
@@ -39,6 +41,7 @@ def write_results(
         start=start,
         errors=errors(walk, recording),
         profile=profile,
+        gait_model_sha256=None if gaits is None else model_digest(gaits),
     )
     origin = recording.origin if summary["frame"] == "map" else None
     walk.track.to_csv(folder / "track.csv")

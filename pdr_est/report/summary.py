@@ -50,13 +50,14 @@ def summarise(
     start: StartPose | None = None,
     errors: Mapping[str, float] | None = None,
     profile: Profile | None = None,
+    gait_model_sha256: str | None = None,
 ) -> Json:
     """What went in, what was done and what came out, JSON-serialisable, with None for a number that is not known.
 
     config_dict: the resolved configuration. inputs: name of each input file -> its SHA-256 or None.
     versions: see `package_versions`. start: the start pose that was asked for; it decides, with the fixes,
     whether the track lies in the map frame or in a frame of its own. errors: metrics against the truth by name.
-    profile: of the walker, None without a calibration.
+    profile: of the walker, None without a calibration. gait_model_sha256: None where gaits are unknown.
     """
     track = walk.track
     summary = {
@@ -76,6 +77,7 @@ def summarise(
             "meaning": scale_in_words(track, bool(walk.fixes), profile is not None),
         },
         "profile": profile,
+        "gait_model_sha256": gait_model_sha256,
         "start": start,
         "fixes": _fixes(walk.fixes),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],

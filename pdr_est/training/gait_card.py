@@ -8,27 +8,47 @@ from pdr_est.front_end.gait.evaluation import ALL
 from pdr_est.front_end.gait.folds import GaitFolds
 from pdr_est.front_end.gait.model import GaitModel, Metrics, model_digest
 from pdr_est.front_end.gait.training import TrainedGait
+from pdr_est.training.gait_files import OWN
 
+_PUBLIC = ("motionsense", "sisfall")
+_CHOSEN = (
+    " The features and the costs of errors were chosen on the people of MotionSense and SisFall, so expect a little "
+    "less on new ones."
+)
 _NAMES = ("walking", "jogging", "running")
 
 _LIMITS = """\
-* Walking against faster is what the labels agree on. **Jogging against running is relative to the person**: SisFall
-  asked people to jog slowly (D03) and quickly (D04), and these stand in for jogging and running. One person's slow
-  is as intense as another's quick.
-* MotionSense has jogging only, most of it more intense than SisFall's quick jogging: nearly all of it is called
-  running here. The second level therefore learns only from people who were recorded in both gaits. Read its answer
-  as "below or above the usual effort", and use the probabilities rather than the class where lengths depend on it.
+* Walking against faster is what labels agree on. **Jogging against running is relative to the person**: one person's
+  slow is as intense as another's quick. The second level learns only from people who were recorded in both gaits.
+  Read its answer as "below or above the usual effort", and use the probabilities rather than the class where lengths
+  depend on it.
 * Every step has the gait of its file. Slow steps at starts, turns and stops of a jog count as errors, and are none.
-* Trained with phones in the front trouser pocket and a box at the belt, on adults on level ground, with a gyroscope.
-  Running with the phone in the hand, older people, children and treadmills were not seen. Stairs were not trained.
 * Without gyroscope the vertical acceleration is taken from the magnitude, and more steps of joggers are missed.
-* Very quick walkers (above 2.2 steps a second) are the hardest to tell from joggers. With the phone held in front,
-  which was not trained, brisk walkers with a bouncing hand are taken for joggers now and then.
+* Very quick walkers (above 2.2 steps a second) are the hardest to tell from joggers.
+"""
+
+_LIMITS_OF = {
+    "motionsense": """\
+* MotionSense: phones in the front trouser pocket of adults. It has jogging only, most of it more intense than
+  SisFall's quick jogging, so that a model of both calls nearly all of it running.
+""",
+    "sisfall": """\
+* SisFall: a box at the belt of adults on level ground, with a gyroscope. People were asked to jog slowly (D03) and
+  quickly (D04), and these stand in for jogging and running.
+""",
+    OWN: """\
+* Own recordings: nobody has checked their labels, nor where the phone was carried.
+""",
+}
+
+_UNSEEN_PUBLIC = """\
+* Running with the phone in the hand, older people, children and treadmills were not seen. Stairs were not trained.
+  With the phone held in front, brisk walkers with a bouncing hand are taken for joggers now and then.
 """
 
 
-def model_card(trained: TrainedGait, trained_on: date) -> str:
-    """The card as text. It depends on nothing but the model, the date and the version of scikit-learn."""
+def model_card(trained: TrainedGait, trained_on: date, recordings_sha256: str) -> str:
+    """The card as text. It depends on nothing but its arguments and the version of scikit-learn."""
     model = trained.model
     parts = [
         f"# Gait model `{model.features}`",
@@ -39,10 +59,18 @@ def model_card(trained: TrainedGait, trained_on: date) -> str:
         "not in the model, so that the same recordings give the same bytes.\n"
         f"* Made by `pdr-est train-gait --data DIR --features {model.features} -o OUT`",
         "## Data\n\n" + "\n".join(_data(model)),
+        f"SHA-256 over names and contents of the recordings: `{recordings_sha256}`",
         "## People left out\n\n" + "\n".join(_figures(model, trained.folds)),
-        "## Limits\n\n" + _LIMITS.rstrip(),
+        "## Limits\n\n" + _limits(model).rstrip(),
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def _limits(model: GaitModel) -> str:
+    """What holds for every model, and what its data sets add."""
+    names = [data.name for data in model.data]
+    unseen = "" if OWN in names else _UNSEEN_PUBLIC
+    return _LIMITS + "".join(text for name, text in _LIMITS_OF.items() if name in names) + unseen
 
 
 def _data(model: GaitModel) -> Iterator[str]:
@@ -56,8 +84,8 @@ def _data(model: GaitModel) -> Iterator[str]:
 def _figures(model: GaitModel, folds: GaitFolds) -> Iterator[str]:
     yield (
         f"Every figure is per step and of people whom the model had not seen: {len(folds.models)} models, trained in "
-        "the same way, each without the people it is judged on. No person is in both parts. The features and the "
-        "costs of errors were chosen on these same people, so expect a little less on new ones.\n"
+        "the same way, each without the people it is judged on: neither its machines nor its probabilities have seen "
+        f"them.{_CHOSEN if {data.name for data in model.data} & set(_PUBLIC) else ''}\n"
     )
     metrics = model.metrics
     if metrics is None:

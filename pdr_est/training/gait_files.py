@@ -4,14 +4,17 @@
     DIR/sisfall/PERSON/D0{1,2,3,4}_PERSON_R01.txt  SisFall, walking, jogging and running
     DIR/{walking,jogging,running}/PERSON/*         own recordings: files or folders of any known format
 
-Each part may be missing; files may be gzipped.
+Each part may be missing; files may be gzipped. Beside own recordings everything in the folder has to belong to one
+of these parts, so that no misplaced recording is left out unnoticed.
 """
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from pdr_est.errors import RecordingError
+from pdr_est.io.digest import file_digests
 from pdr_est.io.recording import Recording
 from pdr_est.records import Gait
 
@@ -20,6 +23,7 @@ OWN = "own"
 
 LAYOUT = "motionsense/, sisfall/, or {walking,jogging,running}/PERSON/RECORDING"
 
+_PUBLIC = ("motionsense", "sisfall")
 _GAITS = {gait.name.lower(): gait for gait in (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)}
 
 
@@ -53,6 +57,16 @@ def labelled_files(data: Path) -> list[LabelledFile]:
     return found
 
 
+def recordings_digest(data: Path) -> str:
+    """SHA-256 over names and contents of the recordings of `labelled_files`. Raises RecordingError."""
+    lines = [
+        f"{file.path.relative_to(data).as_posix()} {name} {content}\n"
+        for file in labelled_files(data)
+        for name, content in file_digests(file.path).items()
+    ]
+    return hashlib.sha256("".join(sorted(lines)).encode("utf-8", "surrogateescape")).hexdigest()
+
+
 def _motionsense(folder: Path) -> Iterator[LabelledFile]:
     for activity in ("wlk_*", "jog_*"):
         for path in _files(folder, f"{activity}/sub_*.csv"):
@@ -66,10 +80,30 @@ def _sisfall(folder: Path) -> Iterator[LabelledFile]:
 
 
 def _own(folder: Path) -> Iterator[LabelledFile]:
-    for name, gait in _GAITS.items():
-        for path in sorted((folder / name).glob("*/*")):
-            if not path.name.startswith("."):
-                yield LabelledFile(path, OWN, f"{OWN}/{path.parent.name}", gait)
+    """Own recordings. Raises RecordingError for what would be left out: misplaced, unknown or empty."""
+    given = [path for path in _visible(folder) if path.is_dir() and path.name not in _PUBLIC]
+    if not any(path.name in _GAITS for path in given):
+        return
+    for gait_folder in given:
+        if gait_folder.name not in _GAITS:
+            raise RecordingError(f"{gait_folder}: is none of {', '.join(_GAITS)}: rename it, or move it elsewhere")
+        for person in _filled(gait_folder):
+            if not person.is_dir():
+                raise RecordingError(f"{person}: has no folder of its person: put it into {gait_folder}/PERSON/")
+            for path in _filled(person):
+                yield LabelledFile(path, OWN, f"{OWN}/{person.name}", _GAITS[gait_folder.name])
+
+
+def _filled(folder: Path) -> list[Path]:
+    """What is in a folder. Raises RecordingError when that is nothing."""
+    found = _visible(folder)
+    if not found:
+        raise RecordingError(f"{folder}: holds no recording: remove the folder, or put the recordings into it")
+    return found
+
+
+def _visible(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if not path.name.startswith("."))
 
 
 def _files(folder: Path, pattern: str) -> list[Path]:

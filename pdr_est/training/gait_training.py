@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pdr_est import pipeline
 from pdr_est.config import Config
+from pdr_est.errors import RecordingError
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.gait.features import FeatureSet
 from pdr_est.front_end.gait.folds import save_folds
@@ -35,15 +36,18 @@ def train_gait(data: Path, features: FeatureSet, on_progress: Progress = lambda 
     return train(walks, features)
 
 
-def write_trained(trained: TrainedGait, folder: Path, trained_on: date) -> None:
-    """Write the model, its folds and its card. trained_on stands in the card only: the same data give the same model.
+def write_trained(trained: TrainedGait, folder: Path, trained_on: date, recordings_sha256: str) -> None:
+    """Write the model, its folds and its card. The last two arguments stand in the card only, so that the same steps
+    give the same model, however the recordings are packed.
 
     Raises OutputError.
     """
     name = f"gait-{trained.model.features}"
     save_model(trained.model, folder / f"{name}.json")
     save_folds(trained.folds, folder / f"{name}-folds.json")
-    (folder / f"{name}.md").write_text(model_card(trained, trained_on), encoding="utf-8", newline="\n")
+    (folder / f"{name}.md").write_text(
+        model_card(trained, trained_on, recordings_sha256), encoding="utf-8", newline="\n"
+    )
 
 
 def _steps_of(file: LabelledFile, features: FeatureSet) -> Sequence[LabelledSteps]:
@@ -51,7 +55,10 @@ def _steps_of(file: LabelledFile, features: FeatureSet) -> Sequence[LabelledStep
     recording = read(file.path)
     gait = file.gait_of(recording)
     config = replace(Config(), gait=GaitParams(method="none"))
+    walks = pipeline.analyse(recording, config)
+    for walk in walks:
+        if not walk.steps:
+            raise RecordingError(f"{file.path}: {walk.device}: no step found in {gait.name.lower()}: take it out")
     return [
-        labelled_steps(walk.steps, features, person=file.person, data_set=file.data_set, gait=gait)
-        for walk in pipeline.analyse(recording, config)
+        labelled_steps(walk.steps, features, person=file.person, data_set=file.data_set, gait=gait) for walk in walks
     ]

@@ -1,6 +1,7 @@
 """The suite `gait` on tiny made-up walks, with models that give every step the same label."""
 
 import io
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
@@ -155,6 +156,29 @@ def test_a_model_of_ones_own_labels_everybody(tmp_path):
     save_model(always(Gait.JOGGING), tmp_path / "own.json")
     rows = by_name(run(tmp_path / "data", GaitParams(model=str(tmp_path / "own.json"))))
     assert {predicted(row) for row in rows.values()} == {"jogging"}
+
+
+@pytest.mark.usefixtures("models")
+def test_the_shipped_model_by_its_path_is_left_out_like_the_shipped_one(tmp_path):
+    motionsense_table(tmp_path / "data/motionsense/wlk_7/sub_1.csv")
+    save_model(always(Gait.WALKING), tmp_path / "copy.json")
+    (row,) = by_name(run(tmp_path / "data", GaitParams(model=str(tmp_path / "copy.json")))).values()
+    assert predicted(row) == "running"
+
+
+@pytest.mark.usefixtures("models")
+def test_a_model_of_ones_own_does_not_label_those_whom_it_has_seen(tmp_path):
+    for person in (1, 2):
+        motionsense_table(tmp_path / f"data/motionsense/wlk_7/sub_{person}.csv")
+    save_model(replace(always(Gait.JOGGING), people=("motionsense/1",)), tmp_path / "own.json")
+    result = run(tmp_path / "data", GaitParams(model=str(tmp_path / "own.json")))
+    seen, unseen = by_name(result).values()
+    assert seen["gait_accuracy"] is None
+    assert "predicted" not in seen
+    assert predicted(unseen) == "jogging"
+    (skipped,) = result.skipped
+    assert skipped.walk == "motionsense/wlk_7/sub_1"
+    assert "was trained on this person" in skipped.reason
 
 
 def test_without_a_classifier_every_label_is_wrong(tmp_path):

@@ -11,7 +11,7 @@ from pdr_est.front_end.gait.folds import load_folds
 from pdr_est.front_end.gait.model import load_model
 from pdr_est.io.plain_csv_writer import write_plain_csv
 from pdr_est.io.recording import DeviceRecording, Recording, Signal
-from pdr_est.training.gait_files import labelled_files
+from pdr_est.training.gait_files import labelled_files, recordings_digest
 
 RATE_HZ, DURATION_S = 50.0, 20.0
 GAITS = {"walking": (1.8, 3.0), "jogging": (2.5, 9.0), "running": (2.8, 13.0)}  # steps a second, m/s^2
@@ -53,6 +53,9 @@ def test_own_recordings_give_a_model_with_its_card_the_same_every_time(data: Pat
     card = (tmp_path / "a" / "gait-auto.md").read_text(encoding="utf-8")
     assert "Trained 2024-02-29" in card
     assert (tmp_path / "a" / "gait-auto.json").read_text().split('"sha256": "')[1][:64] in card
+    assert recordings_digest(data) in card
+    assert "MotionSense" not in card
+    assert "nobody has checked their labels" in card
     (own,) = model.data
     assert f"| own | 3 | 9 | {own.steps[0]} | {own.steps[1]} | {own.steps[2]} |" in card
 
@@ -73,6 +76,34 @@ def test_folders_without_labelled_recordings_are_refused(data: Path, tmp_path: P
     assert not (tmp_path / "out").exists()
 
 
+def test_misplaced_recordings_are_refused_by_name(tmp_path: Path) -> None:
+    def given(*names: str) -> str:
+        folder = tmp_path / names[-1].replace("/", "_")
+        for name in ("walking/anna/walk.csv", *names):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            if name.endswith("/"):
+                (folder / name).mkdir(exist_ok=True)
+            else:
+                (folder / name).touch()
+        return refused("train-gait", "--data", folder, "-o", tmp_path / "out")
+
+    assert "jog: is none of walking, jogging, running" in given("jog/anna/a.csv")
+    assert "b.csv: has no folder of its person" in given("walking/b.csv")
+    assert "ben: holds no recording" in given("walking/ben/.hidden", "walking/ben/")
+    assert "running: holds no recording" in given("running/")
+
+
+def test_a_recording_without_a_step_is_named(data: Path, tmp_path: Path) -> None:
+    (tmp_path / "walking" / "anna").mkdir(parents=True)
+    path = tmp_path / "walking" / "anna" / "still.csv"
+    time_s = np.arange(0.0, DURATION_S, 1.0 / RATE_HZ)
+    force = np.tile([0.0, 0.0, STANDARD_GRAVITY_MPS2], (len(time_s), 1))
+    write_plain_csv(Recording("still", "plain", (DeviceRecording(specific_force=Signal(time_s, force)),)), path)
+    message = refused("train-gait", "--data", tmp_path, "-o", tmp_path / "out")
+    assert f"{path}: " in message
+    assert "no step found in walking" in message
+
+
 def one_person(data: Path, folder: Path) -> Path:
     for gait in GAITS:
         (folder / "one" / gait).mkdir(parents=True)
@@ -88,7 +119,6 @@ def test_the_public_data_sets_are_found_by_their_folders(tmp_path: Path) -> None
         "motionsense/std_6/sub_2.csv",
         "sisfall/SA03/D04_SA03_R01.txt.gz",
         "sisfall/SA03/D05_SA03_R01.txt",
-        "walking/anna/.hidden",
     )
     for name in names:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

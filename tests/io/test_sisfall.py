@@ -70,14 +70,41 @@ def test_blank_lines_and_rows_without_their_semicolon_are_harmless(tmp_path: Pat
     assert_allclose(force.values, whole.values)
 
 
+def test_the_ends_of_a_range_are_no_damage(tmp_path: Path) -> None:
+    edge = rows()
+    edge[300] = "4095,-4096,0,32767,-32768,0,8191,-8192,0;"
+    force = read(write(tmp_path / "a.txt", edge)).devices[0].specific_force
+    assert force is not None
+    assert_allclose(force.values[300], np.array([4095.0, -4096.0, 0.0]) / 256.0 * STANDARD_GRAVITY_MPS2)
+
+
+def test_a_file_that_ends_within_a_row_has_a_warning(tmp_path: Path) -> None:
+    cut = rows()
+    cut[-1] = cut[-1][:-2]
+    (warning,) = read(write(tmp_path / "a.txt", cut)).devices[0].warnings
+    assert "was cut there" in warning
+    cut[-1] = cut[-1][:20]
+    with pytest.raises(RecordingError, match=f"line {N}: . fields instead of 9"):
+        read(write(tmp_path / "b.txt", cut))
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
         (lambda row: row.replace("1024", "much"), r"line 301, column 'MMA8451Q y': 'much' is not a number"),
         (lambda row: row[:20], r"line 301: \d fields instead of 9"),
         (lambda row: row.replace(",  16", ";  16"), r"line 301: 8 fields instead of 9"),
+        (
+            lambda row: row.replace(" 256", "4096"),
+            r"line 301, column 'ADXL345 y': 4096 does not fit .* 13 bits",
+        ),
+        (lambda row: row.replace(" -32", "-32769"), r"line 301, column 'ITG3200 z': -32769 does not fit .* 16 bits"),
+        (
+            lambda row: row.replace("1024", "8192"),
+            r"line 301, column 'MMA8451Q y': 8192 does not fit .* 14 bits",
+        ),
     ],
-    ids=["text", "cut row", "semicolon within"],
+    ids=["text", "cut row", "semicolon within", "13 bits", "16 bits", "14 bits"],
 )
 def test_a_damaged_row_is_named(tmp_path: Path, damage: object, message: str) -> None:
     damaged = rows()

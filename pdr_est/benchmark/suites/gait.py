@@ -8,8 +8,8 @@
 
 Every step of a file has the gait of the file, also when people start, turn or stop. Stairs have no true class: their
 rows list what they were taken for. People whom the shipped model has seen are labelled by a model that was trained
-in the same way without them (`shipped_folds`), all others by the shipped one as it is. With a model of one's own, or
-without any, everybody has the labels of the configured stage.
+in the same way without them (`shipped_folds`), all others by the shipped one as it is. A model of one's own labels
+those whom it has not seen; the others have no accuracy. Without any model every gait is unknown.
 """
 
 import re
@@ -27,7 +27,7 @@ from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.evaluate import gait as gaits
 from pdr_est.evaluate.cadence import PLAUSIBILITY_METRIC, count_plausibility
 from pdr_est.evaluate.steps import FALSE_STEPS_METRIC, steps_per_minute
-from pdr_est.front_end.gait import GaitClassifier, shipped_folds
+from pdr_est.front_end.gait import GaitClassifier, gait_model, is_shipped, shipped_folds
 from pdr_est.io import sisfall
 from pdr_est.io.recording import Recording, Truth
 from pdr_est.pipeline import DeviceWalk
@@ -56,6 +56,7 @@ _ACTIVITIES = {
     "D06": "stairs",
 }
 _GAITS = {gait.name.lower(): gait for gait in gaits.KNOWN}
+_SEEN = "the model of gait.model was trained on this person: train one without the person"
 _RESTING = ("standing", "sitting")
 _LABELS = {gait.name.lower(): gait for gait in (*gaits.KNOWN, Gait.UNKNOWN)}
 
@@ -115,7 +116,10 @@ def _part(walk: Walked, device: DeviceWalk) -> Part:
     activity = walk.recording.truth.activity
     if activity in _RESTING:
         return Part({FALSE_STEPS_METRIC: steps_per_minute(len(device.steps), device.span_s)})
-    labels = [step.gait for step in _labelled(device.steps, walk)]
+    labelled = _labelled(device.steps, walk)
+    if labelled is None:
+        return Part(missing=dict.fromkeys((gaits.GAIT_METRIC, gaits.WALKING_METRIC), _SEEN))
+    labels = [step.gait for step in labelled]
     true = _GAITS.get(activity or "", Gait.UNKNOWN)
     counts = gaits.counts_of(true, labels)
     predicted = _by_label(counts[true])
@@ -134,12 +138,14 @@ def _part(walk: Walked, device: DeviceWalk) -> Part:
     )
 
 
-def _labelled(steps: Sequence[Step], walk: Walked) -> Sequence[Step]:
-    """The steps with gaits of a model that has not seen the person."""
-    parameters = walk.config.gait
-    if parameters.method == "none" or parameters.model is not None:
+def _labelled(steps: Sequence[Step], walk: Walked) -> Sequence[Step] | None:
+    """The steps with gaits of a model that has not seen the person; None when there is no such model."""
+    configured, person = gait_model(walk.config.gait), person_of(walk.recording)
+    if configured is None:
         return steps
-    model = shipped_folds(parameters.method).model_for(person_of(walk.recording))
+    if not is_shipped(configured):
+        return None if person in configured.people else steps
+    model = shipped_folds(configured.features).model_for(person)
     if model is None:
         return steps
     classifier = GaitClassifier(model)

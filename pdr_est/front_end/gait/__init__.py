@@ -7,7 +7,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait.classifier import GaitClassifier, UnknownGait
 from pdr_est.front_end.gait.features import FeatureSet
 from pdr_est.front_end.gait.folds import GaitFolds, load_folds
-from pdr_est.front_end.gait.model import GaitModel, load_model
+from pdr_est.front_end.gait.model import GaitModel, load_model, model_digest
 from pdr_est.params import params
 from pdr_est.stage import Stage
 
@@ -19,6 +19,7 @@ __all__ = [
     "UnknownGait",
     "gait_model",
     "gait_stage",
+    "is_shipped",
     "shipped_folds",
     "shipped_model",
 ]
@@ -61,6 +62,11 @@ def gait_model(parameters: GaitParams) -> GaitModel | None:
             f"set gait.method = {model.features}, or leave gait.model out"
         )
     return model
+
+
+def is_shipped(model: GaitModel) -> bool:
+    """Whether a model is the one that comes with the package, wherever its file lies."""
+    return model_digest(model) == model_digest(shipped_model(model.features))
 
 
 def shipped_model(method: FeatureSet) -> GaitModel:

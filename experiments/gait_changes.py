@@ -1,0 +1,103 @@
+"""How soon a change between walking and a faster gait is seen, on people left out.
+
+    python experiments/gait_changes.py --data DIR
+
+DIR holds `motionsense` and `sisfall`. No recording with a change exists, so the steps of two recordings of one person
+are joined: some of one gait, then some of the other. Nothing leads up to such a change. Writes
+results/gait_changes.txt and the table of experiments/README.md.
+"""
+
+import argparse
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pdr_est import pipeline
+from pdr_est.config import Config
+from pdr_est.front_end.gait import GaitClassifier, GaitFolds, GaitParams, shipped_folds
+from pdr_est.io import read
+from pdr_est.records import Gait, Step
+from pdr_est.training.gait_files import labelled_files
+
+RESULT = Path(__file__).parent / "results" / "gait_changes.txt"
+README = Path(__file__).parent / "README.md"
+MARK = "<!-- gait changes -->"
+STEPS = 12  # before a change, and after it
+FROM, EVERY = 40, 15  # steps of a recording; its beginning and end are no steady gait
+PLACES = {"motionsense": "pocket", "sisfall": "belt"}
+
+
+@dataclass(frozen=True)
+class Walk:
+    """The steps of one recording."""
+
+    person: str
+    data_set: str
+    gait: Gait
+    steps: Sequence[Step]
+
+    @property
+    def faster(self) -> bool:
+        return self.gait is not Gait.WALKING
+
+
+def main() -> None:
+    """Join the walks, classify, and write how many changes were seen at which step."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, required=True)
+    seen = seen_at(list(walks_of(parser.parse_args().data)))
+    rows = [row(f"{PLACES[place]}, {change}", steps) for (place, change), steps in sorted(seen.items())]
+    rows.append(row("all", [step for steps in seen.values() for step in steps]))
+    head = ("change", "joins", "1st step", "2nd", "3rd", "later")
+    RESULT.write_text("\n".join("".join(f"{cell:>28}" for cell in cells) for cells in (head, *rows)) + "\n", "utf-8")
+    table = "\n".join(f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows))
+    before, _, after = README.read_text(encoding="utf-8").split(MARK)
+    README.write_text(f"{before}{MARK}\n{table}\n{MARK}{after}", encoding="utf-8")
+    print(RESULT.read_text(encoding="utf-8"), end="")
+
+
+def walks_of(data: Path) -> Iterator[Walk]:
+    """The walks of both data sets, with default settings and no gaits yet."""
+    config = replace(Config(), gait=GaitParams(method="none"))
+    for file in labelled_files(data):
+        if file.data_set in PLACES:
+            recording = read(file.path)
+            for device in pipeline.analyse(recording, config):
+                yield Walk(file.person, file.data_set, file.gait_of(recording), device.steps)
+
+
+def seen_at(walks: Sequence[Walk]) -> dict[tuple[str, str], list[int]]:
+    """Number of the first step after each change with a label on the right side, by data set and direction."""
+    folds = shipped_folds("auto")
+    found: dict[tuple[str, str], list[int]] = {}
+    for first, second in itertools.permutations(walks, 2):
+        if first.person != second.person or first.faster is second.faster:
+            continue
+        change = "to faster" if second.faster else "to walking"
+        for at in range(FROM, min(len(first.steps), len(second.steps)) - FROM, EVERY):
+            joined = [*first.steps[at - STEPS : at], *second.steps[at : at + STEPS]]
+            number = first_right(folds, first.person, joined, second.faster)
+            found.setdefault((first.data_set, change), []).append(number)
+    return found
+
+
+def first_right(folds: GaitFolds, person: str, joined: Sequence[Step], faster: bool) -> int:
+    """1 for the first step after the change; one more than there are steps when none is right."""
+    model = folds.model_for(person)
+    if model is None:
+        raise SystemExit(f"{person}: not among the people of the shipped model; take its data")
+    stage = GaitClassifier(model)
+    labels = [found.gait for step in joined for found in stage.push(step)][STEPS:]
+    right = [number for number, gait in enumerate(labels, start=1) if (gait is not Gait.WALKING) is faster]
+    return right[0] if right else STEPS + 1
+
+
+def row(name: str, steps: Sequence[int]) -> tuple[str, ...]:
+    """A row of the table: shares in percent."""
+    shares = [sum(step == number for step in steps) for number in (1, 2, 3)]
+    return name, str(len(steps)), *(f"{100.0 * n / len(steps):.1f} %" for n in (*shares, len(steps) - sum(shares)))
+
+
+if __name__ == "__main__":
+    main()
