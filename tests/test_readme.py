@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from pdr_est.benchmark.suites import SUITES
+from pdr_est.benchmark.variant import AXES
 from pdr_est.cli import main
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
@@ -47,6 +49,12 @@ def test_python_block(block: str, demo_folder: Path, monkeypatch: pytest.MonkeyP
 def test_benchmark_table_is_that_of_the_recorded_results() -> None:
     script = runpy.run_path(str(Path(__file__).parents[1] / "experiments" / "benchmark_tables.py"))
     assert script["readme_table"]() in README
+
+
+def test_the_recorded_comparisons_are_of_known_suites_and_settings() -> None:
+    script = runpy.run_path(str(Path(__file__).parents[1] / "experiments" / "benchmark_tables.py"))
+    assert set(script["COMPARED"]) <= {suite.name for suite in SUITES}
+    assert {axis for axes in script["COMPARED"].values() for axis in axes} <= {axis.word for axis in AXES}
 
 
 def test_every_file_and_target_that_the_readme_names_exists() -> None:
