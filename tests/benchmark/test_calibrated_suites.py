@@ -128,7 +128,7 @@ def test_why_no_stride_can_be_scored(tmp_path):
     write(tmp_path / "stride-length/PDR_Raw_0.txt", rows)
     (skipped,) = run("stride-length", tmp_path)["skipped"]
     assert skipped["reason"] == (
-        "PDR_Raw_0: no stride to compare with: 2 measured from beginning to end, left out 1 above 3 m and the last"
+        "no stride to compare with: 2 measured from beginning to end, left out 1 above 3 m and the last"
     )
 
 
