@@ -13,6 +13,8 @@ import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import PROGRAM, RESULT_FILES, interrupt, refused, run, smoothed
 
+from pdr_est.front_end.gait import shipped_model
+from pdr_est.front_end.gait.model import model_digest
 from pdr_est.front_end.step_length.equations import MMPDR_K
 from pdr_est.track import COLUMNS
 
@@ -43,6 +45,14 @@ def plain(good: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 # --- the files -------------------------------------------------------------------------------------------------
+
+
+def test_the_summary_names_the_gait_model(plain: Path, good: Path, tmp_path: Path) -> None:
+    assert document(plain)["gait_model_sha256"] == model_digest(shipped_model("auto"))
+    config = tmp_path / "config.yaml"
+    config.write_text("gait: {method: none}\n", encoding="utf-8")
+    smoothed(good, tmp_path / "out", "--config", config)
+    assert document(tmp_path / "out")["gait_model_sha256"] is None
 
 
 def test_a_row_a_step_with_the_start_first(plain: Path) -> None:
