@@ -47,12 +47,8 @@ def plain(good: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 # --- the files -------------------------------------------------------------------------------------------------
 
 
-def test_the_summary_names_the_gait_model(plain: Path, good: Path, tmp_path: Path) -> None:
+def test_the_summary_names_the_gait_model(plain: Path) -> None:
     assert document(plain)["gait_model_sha256"] == model_digest(shipped_model("auto"))
-    config = tmp_path / "config.yaml"
-    config.write_text("gait: {method: none}\n", encoding="utf-8")
-    smoothed(good, tmp_path / "out", "--config", config)
-    assert document(tmp_path / "out")["gait_model_sha256"] is None
 
 
 def test_a_row_a_step_with_the_start_first(plain: Path) -> None:
