@@ -19,7 +19,7 @@ _RATE = ("rotationRate.x", "rotationRate.y", "rotationRate.z")
 _USER = ("userAcceleration.x", "userAcceleration.y", "userAcceleration.z")
 _COLUMNS = (*_ANGLES, *_GRAVITY, *_RATE, *_USER)
 _RATE_HZ = 50.0
-_ACTIVITIES = {
+ACTIVITIES = {
     "wlk": "walking",
     "jog": "jogging",
     "std": "standing",
@@ -59,7 +59,7 @@ def _looks_right(head: bytes) -> bool:
 
 def _activity(folder: str) -> str | None:
     match = re.fullmatch(r"([a-z]{3})_\d+", folder)
-    return _ACTIVITIES.get(match.group(1)) if match else None
+    return ACTIVITIES.get(match.group(1)) if match else None
 
 
 def _device(table: Table) -> DeviceRecording:

@@ -28,7 +28,7 @@ _RATE_RADPS_PER_BIT = np.deg2rad(2 * 2000 / 2**16)  # +-2000 deg/s in 16 bits
 _ROW = re.compile(rb"(?:\s*-?\d{1,5}\s*,){8}\s*-?\d{1,5}\s*;\s*")
 _FEWEST_ROWS = 2
 _FILE_NAME = re.compile(r"([DF]\d\d)_S[AE]\d\d_R\d\d")
-_ACTIVITIES = {
+ACTIVITIES = {
     "D01": "walking",
     "D02": "walking",
     "D03": "jogging",
@@ -74,7 +74,7 @@ def _activity(name: str) -> str | None:
     if match is None:
         return None
     code = match.group(1)
-    return "fall" if code.startswith("F") else _ACTIVITIES.get(code)
+    return "fall" if code.startswith("F") else ACTIVITIES.get(code)
 
 
 def _refuse_impossible(table: Table) -> None:

@@ -28,7 +28,7 @@ from pdr_est.evaluate import gait as gaits
 from pdr_est.evaluate.cadence import PLAUSIBILITY_METRIC, count_plausibility
 from pdr_est.evaluate.steps import FALSE_STEPS_METRIC, steps_per_minute
 from pdr_est.front_end.gait import GaitClassifier, gait_model, is_shipped, shipped_folds
-from pdr_est.io import sisfall
+from pdr_est.io import motionsense, sisfall
 from pdr_est.io.recording import Recording, Truth
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import Gait, Step
@@ -41,20 +41,7 @@ EVERYWHERE = "all"
 _MOTIONSENSE, _SISFALL = "motionsense", "sisfall"
 _MOTIONSENSE_FILE = re.compile(r"(?P<code>wlk|jog|ups|dws|std|sit)_\d+/sub_(?P<person>\d+)")
 _SISFALL_FILE = re.compile(r"(?:.*/)?(?P<code>D0[1-6])_(?P<person>S[AE]\d\d)_R\d\d")
-_ACTIVITIES = {
-    "wlk": "walking",
-    "jog": "jogging",
-    "ups": "upstairs",
-    "dws": "downstairs",
-    "std": "standing",
-    "sit": "sitting",
-    "D01": "walking",
-    "D02": "walking",
-    "D03": "jogging",
-    "D04": "running",
-    "D05": "stairs",
-    "D06": "stairs",
-}
+_ACTIVITIES = motionsense.ACTIVITIES | sisfall.ACTIVITIES
 _GAITS = {gait.name.lower(): gait for gait in gaits.KNOWN}
 _SEEN = "the model of gait.model was trained on this person: train one without the person"
 _RESTING = ("standing", "sitting")
