@@ -69,11 +69,11 @@ def main() -> None:
 
 
 def measured(result: BenchmarkResult) -> Table:
-    """Mean count error in percent, by place and detector; "walks" is how many are behind it."""
+    """Mean count error in percent to three places, by place and detector; "walks" is how many are behind it."""
     return {
         place.words: {
             "walks": float(len(_errors(result, place, DETECTORS[0]))),
-            **{name: 100.0 * float(np.mean(_errors(result, place, name))) for name in DETECTORS},
+            **{name: round(100.0 * float(np.mean(_errors(result, place, name))), 3) for name in DETECTORS},
         }
         for place in PLACES
     }
@@ -82,7 +82,7 @@ def measured(result: BenchmarkResult) -> Table:
 def as_document(table: Table) -> dict[str, dict[str, dict[str, float]]]:
     """Paper and measurement side by side, in percent."""
     return {
-        place.words: {"paper_percent": place.paper_percent, "measured_percent": _rounded(table[place.words])}
+        place.words: {"paper_percent": place.paper_percent, "measured_percent": table[place.words]}
         for place in PLACES
     }
 
@@ -123,10 +123,6 @@ def _errors(result: BenchmarkResult, place: Place, detector: str) -> Sequence[fl
     if place.positions:
         rows = [row for row in rows if row.labels["position"] in place.positions]
     return [error for row in rows if (error := row.metrics["count_error"]) is not None]
-
-
-def _rounded(cells: dict[str, float]) -> dict[str, float]:
-    return {name: round(value, 3) for name, value in cells.items()}
 
 
 if __name__ == "__main__":
