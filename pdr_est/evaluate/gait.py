@@ -5,7 +5,7 @@ The row of UNKNOWN does not count: a step whose true gait is not known is neithe
 is wrong in every row.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ GAIT_METRIC = "gait_accuracy"
 WALKING_METRIC = "walking_accuracy"
 BALANCED_METRIC = "balanced_accuracy"
 KNOWN = (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)
+KNOWN_BY_NAME: Mapping[str, Gait] = {gait.name.lower(): gait for gait in KNOWN}
+"""By the words that recordings and folders use."""
 
 Counts = NDArray[np.int64]
 

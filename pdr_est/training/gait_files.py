@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pdr_est.errors import RecordingError
+from pdr_est.evaluate.gait import KNOWN_BY_NAME
 from pdr_est.io.digest import file_digests
 from pdr_est.io.recording import Recording
 from pdr_est.records import Gait
@@ -24,7 +25,6 @@ OWN = "own"
 LAYOUT = "motionsense/, sisfall/, or {walking,jogging,running}/PERSON/RECORDING"
 
 _PUBLIC = ("motionsense", "sisfall")
-_GAITS = {gait.name.lower(): gait for gait in (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)}
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,10 @@ class LabelledFile:
 
     def gait_of(self, recording: Recording) -> Gait:
         """The gait in words of the folder or of the recording. Raises RecordingError when neither tells it."""
-        gait = self.gait or _GAITS.get(recording.truth.activity or "")
+        gait = self.gait or KNOWN_BY_NAME.get(recording.truth.activity or "")
         if gait is None:
             raise RecordingError(
-                f"{self.path}: activity {recording.truth.activity!r} is none of {', '.join(_GAITS)}: "
+                f"{self.path}: activity {recording.truth.activity!r} is none of {', '.join(KNOWN_BY_NAME)}: "
                 "keep the folders and file names of the data set"
             )
         return gait
@@ -82,16 +82,18 @@ def _sisfall(folder: Path) -> Iterator[LabelledFile]:
 def _own(folder: Path) -> Iterator[LabelledFile]:
     """Own recordings. Raises RecordingError for what would be left out: misplaced, unknown or empty."""
     given = [path for path in _visible(folder) if path.is_dir() and path.name not in _PUBLIC]
-    if not any(path.name in _GAITS for path in given):
+    if not any(path.name in KNOWN_BY_NAME for path in given):
         return
     for gait_folder in given:
-        if gait_folder.name not in _GAITS:
-            raise RecordingError(f"{gait_folder}: is none of {', '.join(_GAITS)}: rename it, or move it elsewhere")
+        if gait_folder.name not in KNOWN_BY_NAME:
+            raise RecordingError(
+                f"{gait_folder}: is none of {', '.join(KNOWN_BY_NAME)}: rename it, or move it elsewhere"
+            )
         for person in _filled(gait_folder):
             if not person.is_dir():
                 raise RecordingError(f"{person}: has no folder of its person: put it into {gait_folder}/PERSON/")
             for path in _filled(person):
-                yield LabelledFile(path, OWN, f"{OWN}/{person.name}", _GAITS[gait_folder.name])
+                yield LabelledFile(path, OWN, f"{OWN}/{person.name}", KNOWN_BY_NAME[gait_folder.name])
 
 
 def _filled(folder: Path) -> list[Path]:

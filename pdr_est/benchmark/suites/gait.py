@@ -42,10 +42,9 @@ _MOTIONSENSE, _SISFALL = "motionsense", "sisfall"
 _MOTIONSENSE_FILE = re.compile(r"(?P<code>wlk|jog|ups|dws|std|sit)_\d+/sub_(?P<person>\d+)")
 _SISFALL_FILE = re.compile(r"(?:.*/)?(?P<code>D0[1-6])_(?P<person>S[AE]\d\d)_R\d\d")
 _ACTIVITIES = motionsense.ACTIVITIES | sisfall.ACTIVITIES
-_GAITS = {gait.name.lower(): gait for gait in gaits.KNOWN}
 _SEEN = "the model of gait.model was trained on this person: train one without the person"
 _RESTING = ("standing", "sitting")
-_LABELS = {gait.name.lower(): gait for gait in (*gaits.KNOWN, Gait.UNKNOWN)}
+_LABELS = {**gaits.KNOWN_BY_NAME, "unknown": Gait.UNKNOWN}
 
 
 def find(folder: Path) -> list[WalkFile]:
@@ -92,7 +91,7 @@ def _walk(name: str, path: Path, data_set: str, person: str, code: str) -> WalkF
             "data_set": data_set,
             "person": f"{data_set}/{person}",
             "activity": code,
-            TRUE_CLASS: activity if activity in _GAITS else None,
+            TRUE_CLASS: activity if activity in gaits.KNOWN_BY_NAME else None,
         },
         group=f"{data_set}/{activity}",
         truth=Truth(activity=activity),
@@ -107,7 +106,7 @@ def _part(walk: Walked, device: DeviceWalk) -> Part:
     if labelled is None:
         return Part(missing=dict.fromkeys((gaits.GAIT_METRIC, gaits.WALKING_METRIC), _SEEN))
     labels = [step.gait for step in labelled]
-    true = _GAITS.get(activity or "", Gait.UNKNOWN)
+    true = gaits.KNOWN_BY_NAME.get(activity or "", Gait.UNKNOWN)
     counts = gaits.counts_of(true, labels)
     predicted = _by_label(counts[true])
     if true is Gait.UNKNOWN:
@@ -147,12 +146,12 @@ def _by_label(row: NDArray[np.int64]) -> dict[str, int]:
 def _confusion(rows: Sequence[WalkRow]) -> Confusion:
     counts = np.zeros((len(Gait), len(Gait)), dtype=np.int64)
     for row in rows:
-        true = _GAITS[str(row.labels[TRUE_CLASS])]
+        true = gaits.KNOWN_BY_NAME[str(row.labels[TRUE_CLASS])]
         for label, steps in row.predicted.items():
             counts[true, _LABELS[label]] += steps
     recalls = {f"recall_{gait.name.lower()}": share for gait, share in gaits.recalls(counts).items()}
     return Confusion(
-        counts={true: _by_label(counts[gait]) for true, gait in _GAITS.items()},
+        counts={true: _by_label(counts[gait]) for true, gait in gaits.KNOWN_BY_NAME.items()},
         shares={**gaits.accuracies(counts), **recalls},
     )
 
