@@ -16,6 +16,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.estimators import EstimatorName
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.gait import GaitParams, gait_model
+from pdr_est.front_end.heading import HeadingParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
@@ -64,6 +65,7 @@ class Config:
     gait: GaitParams = GaitParams()
     walker: WalkerParams = WalkerParams()
     step_length: StepLengthParams = StepLengthParams()
+    heading: HeadingParams = HeadingParams()
     odometry: OdometryParams = OdometryParams()
     start: StartParams = StartParams()
     estimator: EstimatorParams = EstimatorParams()

@@ -10,7 +10,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_track
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
-from pdr_est.front_end.heading.step_yaw import StepYaw
+from pdr_est.front_end.heading import heading_stage
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
@@ -20,7 +20,7 @@ from pdr_est.io.doubts import doubts
 from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.io.requirements import has_gyroscope, needed_channels, refuse_without_track, why_nothing
 from pdr_est.io.resample import Resampler
-from pdr_est.records import Channel, Gap, LevelBlock, PositionFix, Step, StepOdometry
+from pdr_est.records import Channel, Gap, HeadingPrior, LevelBlock, PositionFix, Step, StepOdometry
 from pdr_est.stage import Chain, Stage
 from pdr_est.track import Track, concatenate
 
@@ -36,7 +36,7 @@ class DeviceWalk:
     start_s: float
     level: tuple[LevelBlock, ...]
     steps: tuple[Step, ...]
-    odometry: tuple[StepOdometry, ...]
+    odometry: tuple[StepOdometry | HeadingPrior, ...]
     has_heading: bool = True
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
@@ -164,7 +164,7 @@ def stepping(config: Config) -> Chain:
             StepSegmentation(step_detector(rate_hz, config.steps), config.steps.segmentation),
             gait_stage(config.gait),
             StepLength(rate_hz, config.walker, config.step_length),
-            StepYaw(),
+            heading_stage(rate_hz, config.heading),
         ]
     )
 

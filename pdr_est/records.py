@@ -87,6 +87,7 @@ class LevelBlock:
     rotation_rate_radps: (n, 3) device axes, turn_rate_radps: (n,) about the vertical, less the bias that
     the attitude filter knows.
     mode: (n,) values of CarryingMode, mode_probability: (n,) how sure it is.
+    magnetic_field_ut: (n, 3) device axes, NaN where it was not recorded; None for a device without magnetometer.
     """
 
     first_index: int
@@ -100,6 +101,7 @@ class LevelBlock:
     turn_rate_radps: Array
     mode: NDArray[np.int8]
     mode_probability: Array
+    magnetic_field_ut: Array | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -128,7 +130,10 @@ class Step:
 
     start_s: when the movement of this step began. frequency_hz: reciprocal of the time since the previous
     step, 0 for the first step after a standstill (MMPDR section III-C). samples: from start to the event.
-    heading_rad: mean device yaw over the step, arbitrary zero per segment.
+    heading_rad: direction of the step as the heading stage found it, arbitrary zero per segment. sigma_turn_rad: of
+    the change of heading since the step before, beyond what every step has. straight_rad, sigma_straight_rad: heading
+    of the straight path that the step lies on, with the same zero, and its standard deviation; NaN where no such path
+    is known.
     gait_probability: of walking, jogging and running; NaN where gait is UNKNOWN. sigma_length_m: of the length,
     independent from step to step.
     """
@@ -139,6 +144,9 @@ class Step:
     samples: LevelBlock
     length_m: float = float("nan")
     heading_rad: float = float("nan")
+    sigma_turn_rad: float = 0.0
+    straight_rad: float = float("nan")
+    sigma_straight_rad: float = float("nan")
     gait: Gait = Gait.UNKNOWN
     gait_probability: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))
     sigma_length_m: float = float("nan")
@@ -165,13 +173,18 @@ class StepOdometry:
 
 @dataclass(frozen=True)
 class HeadingPrior:
-    """The heading of a device at a time, from a heading controller or a building's dominant directions."""
+    """The heading of a device at a time, from a heading controller or a building's dominant directions.
+
+    relative: heading_rad counts from a direction that is unknown in the map and common to all relative priors of the
+    device: they tell the angles between the stretches of a walk, and nothing of north.
+    """
 
     device: str
     time_s: float
     heading_rad: float
     sigma_rad: float
     robust: bool = True
+    relative: bool = False
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.params import NonNegative, Positive, params
-from pdr_est.records import CarryingMode, Step, StepOdometry
+from pdr_est.records import CarryingMode, HeadingPrior, Step, StepOdometry
 
 
 @params
@@ -20,7 +20,8 @@ class OdometryParams:
     the hand. sigma_length_scale: of the walker's own step length over the model's, constant through a walk.
     sigma_mode_change_rad: of the heading change of a step in another carrying mode than the one before, because the
     phone was turned against the body. gap_speed_mps: speed with which a walker may have moved during a gap.
-    gap_turn_rad_per_sqrt_s: how much the walker may have turned.
+    gap_turn_rad_per_sqrt_s: how much the walker may have turned. sigma_straight_rad: of the heading of a step around
+    the straight path that it lies on, independent from step to step.
     """
 
     sigma_length_drift: NonNegative = 0.15
@@ -30,10 +31,15 @@ class OdometryParams:
     sigma_mode_change_rad: NonNegative = 0.5
     gap_speed_mps: Positive = 1.0
     gap_turn_rad_per_sqrt_s: Positive = 1.0
+    sigma_straight_rad: Positive = 0.2
 
 
 class Odometry:
-    """Stage Step -> StepOdometry of one device. A new segment is preceded by a bridge over the gap."""
+    """Stage Step -> StepOdometry and HeadingPrior of one device. A new segment is preceded by a bridge over the gap.
+
+    A step on a straight path of known direction is followed by a heading prior, which is relative: the zero of the
+    headings is arbitrary. After a gap it is another one, so that priors are given in the first segment only.
+    """
 
     latency_s = 0.0
 
@@ -41,8 +47,23 @@ class Odometry:
         self._device = device
         self._parameters = parameters
         self._previous: Step | None = None
+        self._first_segment: int | None = None
 
-    def push(self, item: Step, /) -> list[StepOdometry]:
+    def push(self, item: Step, /) -> list[StepOdometry | HeadingPrior]:
+        return [*self._motion(item), *self._straight(item)]
+
+    def flush(self) -> list[StepOdometry | HeadingPrior]:
+        return []
+
+    def _straight(self, step: Step) -> list[HeadingPrior]:
+        if self._first_segment is None:
+            self._first_segment = step.event.segment
+        if np.isnan(step.straight_rad) or step.event.segment != self._first_segment:
+            return []
+        sigma = float(np.hypot(step.sigma_straight_rad, self._parameters.sigma_straight_rad))
+        return [HeadingPrior(self._device, step.event.time_s, step.straight_rad, sigma, relative=True)]
+
+    def _motion(self, item: Step) -> list[StepOdometry]:
         previous, self._previous = self._previous, item
         if previous is None:
             return [self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
@@ -50,16 +71,14 @@ class Odometry:
         if item.event.segment == previous.event.segment:
             modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
             changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in which the phone turns all the time
-            sigma = self._sigma_heading(elapsed, self._parameters.sigma_mode_change_rad if changed else 0.0)
+            of_mode_change = self._parameters.sigma_mode_change_rad if changed else 0.0
+            sigma = self._sigma_heading(elapsed, float(np.hypot(of_mode_change, item.sigma_turn_rad)))
             return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
         bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)
         return [bridge, self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
 
-    def flush(self) -> list[StepOdometry]:
-        return []
-
-    def _sigma_heading(self, elapsed_s: float, of_mode_change: float = 0.0) -> float:
-        return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), of_mode_change))
+    def _sigma_heading(self, elapsed_s: float, besides: float = 0.0) -> float:
+        return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), besides))
 
     def _step(self, step: Step, heading_change_rad: float, sigma_heading_rad: float) -> StepOdometry:
         p = self._parameters
