@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import fields
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.records import LevelBlock
 
@@ -16,8 +18,14 @@ def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
     """Consecutive blocks of one segment as one block."""
     if len(blocks) == 1:
         return blocks[0]
-    columns = map(np.concatenate, zip(*map(_columns_of, blocks), strict=True))
+    columns = map(_joined, zip(*map(_columns_of, blocks), strict=True))
     return LevelBlock(blocks[0].first_index, blocks[0].segment, **dict(zip(_COLUMNS, columns, strict=True)))
+
+
+def _joined(columns: Sequence[NDArray[Any] | None]) -> NDArray[Any] | None:
+    """The columns one after the other; a column that the device does not record is None in all blocks."""
+    present = [column for column in columns if column is not None]
+    return np.concatenate(present) if present else None
 
 
 def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
@@ -35,5 +43,6 @@ def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
 
 def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
     """Samples start to stop (exclusive) of a block: views, as nobody changes arrays in place."""
-    columns = {name: getattr(block, name)[start:stop] for name in _COLUMNS}
+    whole = zip(_COLUMNS, _columns_of(block), strict=True)
+    columns = {name: None if column is None else column[start:stop] for name, column in whole}
     return LevelBlock(first_index=block.first_index + start, segment=block.segment, **columns)
