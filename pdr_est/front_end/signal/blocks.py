@@ -22,7 +22,7 @@ def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
     return LevelBlock(blocks[0].first_index, blocks[0].segment, **dict(zip(_COLUMNS, columns, strict=True)))
 
 
-def _joined(columns: Sequence[NDArray[Any] | None]) -> NDArray[Any] | None:
+def _joined(columns: Sequence[NDArray[Any] | None]) -> Any:
     """The columns one after the other; a column that the device does not record is None in all blocks."""
     present = [column for column in columns if column is not None]
     return np.concatenate(present) if present else None
@@ -44,5 +44,5 @@ def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
 def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
     """Samples start to stop (exclusive) of a block: views, as nobody changes arrays in place."""
     whole = zip(_COLUMNS, _columns_of(block), strict=True)
-    columns = {name: None if column is None else column[start:stop] for name, column in whole}
+    columns: dict[str, Any] = {name: None if column is None else column[start:stop] for name, column in whole}
     return LevelBlock(first_index=block.first_index + start, segment=block.segment, **columns)
