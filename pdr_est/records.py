@@ -209,7 +209,15 @@ class DeviceTether:
     sigma_m: float
 
 
-Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether
+@dataclass(frozen=True)
+class LoopClosure:
+    """The walk of a device ends where it began, to sigma_m in each coordinate."""
+
+    device: str
+    sigma_m: float
+
+
+Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether | LoopClosure
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,12 @@ FACADE_HIDES = {"cli"}  # what pdr_est/__init__.py must not import
 STRANGERS = (("front_end", "estimators"), ("estimators", "front_end"), ("estimators", "io"))
 # Heavy or replaceable libraries, and the only places that know them.
 LIBRARIES = {
-    "gtsam": ("estimators.factor_graph", "estimators.fixed_lag"),
+    "gtsam": (
+        "estimators.factor_graph",
+        "estimators.fixed_lag",
+        "estimators.gtsam_factors",
+        "estimators.gtsam_marginals",
+    ),
     "filterpy": ("estimators.ekf", "estimators.alignment"),
     "sklearn": ("front_end.gait.training",),
     "vqf": ("front_end.attitude",),

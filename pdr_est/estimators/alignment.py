@@ -15,7 +15,7 @@ from math import cos, sin
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
-from pdr_est.estimators.motion import Moments
+from pdr_est.estimators.motion import STATES, Moments
 from pdr_est.estimators.robust import huber_inflation
 from pdr_est.estimators.start import UNKNOWN_SIGMA_RAD
 from pdr_est.estimators.timeline import Node
@@ -103,7 +103,8 @@ class _HeadingVectorFilter:
         for fix in node.fixes:
             self._update_position(fix)
         for prior in node.priors:
-            self._update_heading(prior)
+            if not prior.relative:
+                self._update_heading(prior)
 
     def pose(self) -> tuple[Array, Array]:
         """Mean (x, y, heading) and covariance (3, 3) for the track."""
@@ -113,9 +114,9 @@ class _HeadingVectorFilter:
         return np.array([x, y, np.arctan2(v, u)]), covariance
 
     def state(self) -> Moments:
-        """Pose and length scale of a heading vector that is known well enough for a first-order conversion."""
+        """The state for a heading vector that is known well enough for a first-order conversion."""
         mean, covariance = self._without_uniform_prior()
-        return _with_scale_prior(_to_pose(mean[_NOW], covariance[_NOW, _NOW]), self._prior)
+        return _with_scale_prior(_to_state(mean[_NOW], covariance[_NOW, _NOW], self._prior), self._prior)
 
     def _advance(self, node: Node, heading_rad: float | None) -> None:
         c, s = cos(node.heading_change_rad), sin(node.heading_change_rad)
@@ -168,14 +169,16 @@ def _directed_noise(node: Node, heading_rad: float) -> Array:
     return np.asarray(to_map @ node.covariance @ to_map.T)
 
 
-def _to_pose(vector_state: Array, covariance: Array) -> Moments:
-    """(x, y, heading, length scale) from (x, y, u, v), to first order."""
+def _to_state(vector_state: Array, covariance: Array, prior: Moments) -> Moments:
+    """The state from (x, y, u, v), to first order; nothing was learnt of the reference direction."""
     x, y, u, v = vector_state
     norm = np.hypot(u, v)
-    jacobian = np.eye(4)
+    jacobian = np.eye(STATES, 4)
     jacobian[2, 2:] = [-v / norm**2, u / norm**2]
     jacobian[3, 2:] = [u / norm, v / norm]
-    return Moments(np.array([x, y, np.arctan2(v, u), norm]), jacobian @ covariance @ jacobian.T)
+    state = jacobian @ covariance @ jacobian.T
+    state[4, 4] = prior.covariance[4, 4]
+    return Moments(np.array([x, y, np.arctan2(v, u), norm, prior.mean[4]]), state)
 
 
 def _with_scale_prior(moments: Moments, prior: Moments) -> Moments:

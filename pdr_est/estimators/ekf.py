@@ -1,14 +1,14 @@
 """Extended Kalman filter over pose and length scale (filterpy), and its Rauch-Tung-Striebel smoother."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.alignment import align
-from pdr_est.estimators.motion import Moments, linearise, move
+from pdr_est.estimators.motion import STATES, Moments, linearise, move
 from pdr_est.estimators.robust import huber_inflation
 from pdr_est.estimators.start import StartPrior, prior_after_lost_turn, start_prior
 from pdr_est.estimators.timeline import Node, Timeline, track_from_nodes
@@ -19,8 +19,9 @@ from pdr_est.track import Track
 NAME = "ekf"
 _REGULAR = 1e-12  # variance, far below anything that matters: parts of a state may be known exactly
 _LOST_VARIANCE = 0.25  # rad^2; with a turn this uncertain a heading is too far from Gaussian for an EKF
-_POSITION = np.eye(2, 4)
-_HEADING = np.array([[0.0, 0.0, 1.0, 0.0]])
+_POSITION = np.eye(2, STATES)
+_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
+_RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def run_filter(timeline: Timeline, start: StartPose, sigma_length_scale: float) 
     """
     prior = start_prior(timeline, start, sigma_length_scale)
     stretches: list[Stretch] = []
-    for nodes in _between_lost_turns(timeline.nodes):
+    for nodes in _between_lost_turns(_closed(timeline, prior)):
         if stretches:
             prior = prior_after_lost_turn(stretches[-1].end, nodes[0])
         stretches.append(_filter_stretch(nodes, prior))
@@ -65,7 +66,7 @@ def run_filter(timeline: Timeline, start: StartPose, sigma_length_scale: float) 
 
 def undecided_anchor(stretch: Stretch) -> tuple[int, Moments]:
     """The last node with a measurement and its state, if all of them together did not settle the direction."""
-    anchor = max((i for i, node in enumerate(stretch.nodes) if node.fixes or node.priors), default=0)
+    anchor = max((i for i, node in enumerate(stretch.nodes) if node.tells_direction), default=0)
     return anchor, _undecided(stretch.pose[anchor], stretch.covariance[anchor], stretch.end)
 
 
@@ -79,7 +80,7 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Momen
     jacobian, noise = np.array([f for f, _ in linear]), np.array([q for _, q in linear])
     moved = np.array([move(state.mean, node) for state, node in zip(filtered[:-1], nodes[1:], strict=True)])
     predicted = jacobian @ covariance[:-1] @ jacobian.transpose(0, 2, 1) + noise
-    gain = np.linalg.solve(predicted + _REGULAR * np.eye(4), jacobian @ covariance[:-1]).transpose(0, 2, 1)
+    gain = np.linalg.solve(predicted + _REGULAR * np.eye(STATES), jacobian @ covariance[:-1]).transpose(0, 2, 1)
     for k in range(len(gain) - 1, -1, -1):
         mean[k] += gain[k] @ (mean[k + 1] - moved[k])
         covariance[k] += gain[k] @ (covariance[k + 1] - predicted[k]) @ gain[k].T
@@ -87,8 +88,19 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Momen
     return [Moments(*moments) for moments in zip(mean, covariance, strict=True)]
 
 
+def _closed(timeline: Timeline, prior: StartPrior) -> tuple[Node, ...]:
+    """The nodes; the last one of a closed walk whose start is known has a fix there. Else the filter, which has left
+    the start behind, can say nothing of it."""
+    *before, last = timeline.nodes
+    if timeline.closure_sigma_m is None or prior.position_open or prior.heading_open:
+        return timeline.nodes
+    covariance = prior.moments.covariance[:2, :2] + max(timeline.closure_sigma_m, _REGULAR) ** 2 * np.eye(2)
+    home = PositionFix(last.time_s, prior.moments.mean[:2], covariance, source="start")
+    return (*before, replace(last, fixes=(*last.fixes, home)))
+
+
 def _between_lost_turns(nodes: tuple[Node, ...]) -> list[tuple[Node, ...]]:
-    last = max((i for i, node in enumerate(nodes) if node.fixes or node.priors), default=0)
+    last = max((i for i, node in enumerate(nodes) if node.tells_direction), default=0)
     lost = [i for i in range(1, last + 1) if nodes[i].covariance[2, 2] > _LOST_VARIANCE]
     return [nodes[i:j] for i, j in pairwise([0, *lost, len(nodes)])]
 
@@ -109,11 +121,11 @@ def _filter_stretch(nodes: tuple[Node, ...], prior: StartPrior) -> Stretch:
     return Stretch(nodes, aligned_from, pose, covariance, tuple(states), states[-1])
 
 
-def _undecided(pose: Array, covariance: Array, scale: Moments) -> Moments:
-    """The state for a pose whose direction is open, with the length scale of another state."""
-    state = np.diag([0.0, 0.0, 0.0, scale.covariance[3, 3]])
+def _undecided(pose: Array, covariance: Array, other: Moments) -> Moments:
+    """The state for a pose whose direction is open, with the rest of another state."""
+    state = np.diag([0.0, 0.0, 0.0, *np.diag(other.covariance)[3:]])
     state[:3, :3] = covariance
-    return Moments(np.array([*pose, scale.mean[3]]), state)
+    return Moments(np.array([*pose, *other.mean[3:]]), state)
 
 
 def _track_columns(states: list[Moments]) -> tuple[Array, Array]:
@@ -141,7 +153,7 @@ class _PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
     """filterpy's EKF with the motion model of `motion.py`; x is one-dimensional throughout."""
 
     def __init__(self, first: Moments) -> None:
-        super().__init__(dim_x=4, dim_z=2)
+        super().__init__(dim_x=STATES, dim_z=2)
         self.x = first.mean.copy()
         self.P = first.covariance.copy()
 
@@ -164,11 +176,12 @@ class _PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         self._correct(np.asarray(fix.position_m, dtype=np.float64), _POSITION, noise, np.subtract)
 
     def update_heading(self, prior: HeadingPrior) -> None:
+        jacobian = _RELATIVE_HEADING if prior.relative else _HEADING
         noise = np.array([[prior.sigma_rad**2]])
         if prior.robust:
-            residual = wrap_angle(np.array([prior.heading_rad - self.x[2]]))
-            noise = noise * huber_inflation(residual, self.P[2:3, 2:3] + noise)
-        self._correct(np.array([prior.heading_rad]), _HEADING, noise, lambda a, b: wrap_angle(np.subtract(a, b)))
+            residual = wrap_angle(prior.heading_rad - jacobian @ self.x)
+            noise = noise * huber_inflation(residual, jacobian @ self.P @ jacobian.T + noise)
+        self._correct(np.array([prior.heading_rad]), jacobian, noise, lambda a, b: wrap_angle(np.subtract(a, b)))
 
     def _correct(self, z: Array, jacobian: Array, noise: Array, residual: Callable[[Array, Array], Array]) -> None:
         self.update(z, lambda _: jacobian, lambda x: jacobian @ x, R=noise, residual=residual)

@@ -12,7 +12,7 @@ import numpy as np
 from pdr_est.estimators.splitting import split_covariance
 from pdr_est.estimators.usable import refuse_unusable
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.records import CarryingMode, HeadingPrior, Measurement, PositionFix, StepOdometry
+from pdr_est.records import CarryingMode, HeadingPrior, LoopClosure, Measurement, PositionFix, StepOdometry
 from pdr_est.track import Track
 
 
@@ -36,13 +36,19 @@ class Node:
     fixes: tuple[PositionFix, ...] = ()
     priors: tuple[HeadingPrior, ...] = ()
 
+    @property
+    def tells_direction(self) -> bool:
+        """Whether something here helps to find the direction of a walk in the map."""
+        return bool(self.fixes) or any(not prior.relative for prior in self.priors)
+
 
 @dataclass(frozen=True)
 class Timeline:
-    """The nodes of one device's walk, the start first."""
+    """The nodes of one device's walk, the start first. closure_sigma_m: how near to the start it ends, if it does."""
 
     device: str
     nodes: tuple[Node, ...] = field(repr=False)
+    closure_sigma_m: float | None = None
 
     @property
     def fixes(self) -> tuple[PositionFix, ...]:
@@ -82,7 +88,8 @@ def build_timeline(device: str, start_s: float, measurements: Iterable[Measureme
         nodes += _split(step, begin, inside)
     while pending:
         nodes[-1] = _with_fix(nodes[-1], pending.pop())
-    return Timeline(device, tuple(_attach_priors(nodes, priors)))
+    closures = [m.sigma_m for m in given if isinstance(m, LoopClosure) and m.device == device]
+    return Timeline(device, tuple(_attach_priors(nodes, priors)), min(closures, default=None))
 
 
 def track_from_nodes(

@@ -23,8 +23,8 @@ def test_states_stay_one_dimensional_and_covariances_symmetric(start: StartPose)
     assert filtered.pose.shape == (len(walk.nodes), 3)
     assert filtered.covariance.shape == (len(walk.nodes), 3, 3)
     for state in filtered.moments:
-        assert state.mean.shape == (4,)
-        assert state.covariance.shape == (4, 4)
+        assert state.mean.shape == (5,)
+        assert state.covariance.shape == (5, 5)
         assert np.array_equal(state.covariance, state.covariance.T)
         assert np.linalg.eigvalsh(state.covariance)[0] > 0.0
 
@@ -48,15 +48,15 @@ def test_input_records_are_left_as_they_were() -> None:
 
 def test_jacobian_is_the_derivative_of_the_motion() -> None:
     node = timeline().nodes[7]
-    state = np.array([3.0, 4.0, 2.0, 1.1])
+    state = np.array([3.0, 4.0, 2.0, 1.1, 0.2])
     jacobian, _ = linearise(state, node)
-    numeric = [(move(state + h, node) - move(state - h, node)) / 2e-6 for h in 1e-6 * np.eye(4)]
+    numeric = [(move(state + h, node) - move(state - h, node)) / 2e-6 for h in 1e-6 * np.eye(5)]
     assert jacobian == pytest.approx(np.array(numeric).T, abs=1e-8)
 
 
 def test_retreat_undoes_advance_but_for_the_noise() -> None:
     node = timeline().nodes[7]
-    before = Moments(np.array([3.0, 4.0, 2.0, 1.1]), np.diag([0.1, 0.2, 0.03, 0.01]))
+    before = Moments(np.array([3.0, 4.0, 2.0, 1.1, 0.2]), np.diag([0.1, 0.2, 0.03, 0.01, 0.3]))
     after = advance(before, node)
     again = retreat(after, node)
     assert again.mean == pytest.approx(before.mean, abs=1e-12)
@@ -67,7 +67,7 @@ def test_retreat_undoes_advance_but_for_the_noise() -> None:
 
 def test_reckoning_from_any_node_gives_the_same_walk() -> None:
     nodes = timeline().nodes
-    forwards = reckon(nodes, 0, Moments(np.array([3.0, 4.0, 2.0, 1.1]), np.zeros((4, 4))))
+    forwards = reckon(nodes, 0, Moments(np.array([3.0, 4.0, 2.0, 1.1, 0.2]), np.zeros((5, 5))))
     from_middle = reckon(nodes, 20, forwards[20])
     assert len(from_middle) == len(nodes)
     for one, other in zip(forwards, from_middle, strict=True):
@@ -75,5 +75,5 @@ def test_reckoning_from_any_node_gives_the_same_walk() -> None:
 
 
 def test_smoothing_one_state_leaves_it() -> None:
-    one = Moments(np.zeros(4), np.eye(4))
+    one = Moments(np.zeros(5), np.eye(5))
     assert ekf.smooth(timeline().nodes[:1], (one,)) == [one]

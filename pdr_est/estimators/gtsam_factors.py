@@ -1,0 +1,125 @@
+"""The factors of a walk: what ties poses to each other and to the map, with its noise.
+
+Poses are Pose2 variables, all nodes of one device after those of the other; the reference directions of relative
+heading priors, one a device that has some, come last. Every factor is one of GTSAM's own.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, sin
+
+import gtsam
+import numpy as np
+
+from pdr_est.estimators.robust import HUBER
+from pdr_est.estimators.start import VAGUE_SIGMA_RAD, start_prior
+from pdr_est.estimators.timeline import Node, Timeline
+from pdr_est.frames import Array
+from pdr_est.records import HeadingPrior, PositionFix, StartPose
+
+LEAST_SIGMA = 1e-4  # m or rad; smaller ones make the elimination fail
+_ANYWHERE_M = 1e6  # sigma of a translation that a factor says nothing of
+_ANY_TURN_RAD = 1e3  # likewise of a rotation
+_CAUCHY = 1.0
+
+
+@dataclass(frozen=True)
+class Keys:
+    """The variables of a graph by number. first: of each device; references: of the devices, None without one."""
+
+    first: tuple[int, ...]
+    references: tuple[int | None, ...]
+    poses: int
+
+    @classmethod
+    def of(cls, timelines: Sequence[Timeline]) -> "Keys":
+        counts = [len(timeline.nodes) for timeline in timelines]
+        first = tuple(int(n) for n in np.cumsum([0, *counts[:-1]]))
+        references: list[int | None] = []
+        next_key = sum(counts)
+        for timeline in timelines:
+            relative = any(prior.relative for prior in timeline.priors)
+            references.append(next_key if relative else None)
+            next_key += relative
+        return cls(first, tuple(references), sum(counts))
+
+    @property
+    def present_references(self) -> list[int]:
+        return [key for key in self.references if key is not None]
+
+
+def anchors(
+    timelines: Sequence[Timeline], keys: Keys, start: StartPose, guesses: Sequence[Array]
+) -> gtsam.NonlinearFactorGraph:
+    """What ties the walk to the map: start, fixes and heading priors, and the end of a closed walk to its start.
+
+    guesses: start pose (3,) of each device, used where the start is open.
+    """
+    graph = gtsam.NonlinearFactorGraph()
+    for timeline, first, reference, guess in zip(timelines, keys.first, keys.references, guesses, strict=True):
+        prior = start_prior(timeline, start, 0.0)
+        mean = np.array([*prior.moments.mean[:2], guess[2] if prior.heading_open else prior.moments.mean[2]])
+        sigmas = np.maximum(np.sqrt(np.diag(prior.moments.covariance)[:3]), LEAST_SIGMA)
+        graph.add(gtsam.PriorFactorPose2(first, gtsam.Pose2(*mean), gtsam.noiseModel.Diagonal.Sigmas(sigmas)))
+        if reference is not None:
+            vague = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, VAGUE_SIGMA_RAD]))
+            graph.add(gtsam.PriorFactorPose2(reference, gtsam.Pose2(), vague))
+        for i, node in enumerate(timeline.nodes, first):
+            for fix in node.fixes:
+                graph.add(gtsam.PoseTranslationPrior2D(i, np.asarray(fix.position_m), _fix_noise(fix)))
+            for heading in node.priors:
+                graph.add(_heading_factor(i, reference, heading))
+        if timeline.closure_sigma_m is not None:
+            sigma_m = max(timeline.closure_sigma_m, LEAST_SIGMA)
+            closed = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma_m, sigma_m, _ANY_TURN_RAD]))
+            graph.add(gtsam.BetweenFactorPose2(first, first + len(timeline.nodes) - 1, gtsam.Pose2(), closed))
+    return graph
+
+
+def motion_noise(nodes: Sequence[Node]) -> list[gtsam.noiseModel.Base]:
+    """Of the motion to every node but the first, in no direction below the least sigma."""
+    covariance = np.array([node.covariance for node in nodes[1:]]).reshape(-1, 3, 3)
+    variance, axes = np.linalg.eigh(covariance)
+    regular = (axes * np.maximum(variance, LEAST_SIGMA**2)[:, None, :]) @ axes.transpose(0, 2, 1)
+    return [gtsam.noiseModel.Gaussian.Covariance(one) for one in regular]
+
+
+def add_motion(
+    graph: gtsam.NonlinearFactorGraph,
+    nodes: Sequence[Node],
+    first: int,
+    noise: Sequence[gtsam.noiseModel.Base],
+    length_scale: float,
+) -> None:
+    """Add the steps of one device, whose first node has the key `first`, at a length scale."""
+    for i, node in enumerate(nodes[1:]):
+        graph.add(gtsam.BetweenFactorPose2(first + i, first + i + 1, displacement(node, length_scale), noise[i]))
+
+
+def displacement(node: Node, length_scale: float) -> gtsam.Pose2:
+    turn, length = node.heading_change_rad, length_scale * node.length_m
+    return gtsam.Pose2(length * cos(turn), length * sin(turn), turn)
+
+
+def _heading_factor(key: int, reference: int | None, prior: HeadingPrior) -> gtsam.NonlinearFactor:
+    """A heading in the map, or relative to the reference, whose pose is of no meaning but for its rotation."""
+    sigma = max(prior.sigma_rad, LEAST_SIGMA)
+    if not prior.relative or reference is None:
+        of_heading = _robust(gtsam.noiseModel.Isotropic.Sigma(1, sigma), prior.robust)
+        return gtsam.PoseRotationPrior2D(key, gtsam.Rot2(prior.heading_rad), of_heading)
+    only_turned = gtsam.noiseModel.Diagonal.Sigmas(np.array([_ANYWHERE_M, _ANYWHERE_M, sigma]))
+    pose = gtsam.Pose2(0.0, 0.0, prior.heading_rad)
+    return gtsam.BetweenFactorPose2(reference, key, pose, _robust(only_turned, prior.robust))
+
+
+def _robust(noise: gtsam.noiseModel.Base, robust: bool) -> gtsam.noiseModel.Base:
+    if not robust:
+        return noise
+    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_CAUCHY), noise)
+
+
+def _fix_noise(fix: PositionFix) -> gtsam.noiseModel.Base:
+    base = gtsam.noiseModel.Gaussian.Covariance(np.asarray(fix.covariance_m2, dtype=np.float64))
+    if not fix.robust:
+        return base
+    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Huber.Create(HUBER), base)
