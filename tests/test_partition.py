@@ -19,7 +19,14 @@ from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
+from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
+from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.heading.hde import HdeParams
+from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
+from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
+from pdr_est.front_end.heading.tie import TieParams
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
@@ -85,6 +92,13 @@ CASES = {
     "UnknownGait": Case(UnknownGait, "steps"),
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
+    "MmpdrHeading": Case(lambda: MmpdrHeading(MmpdrHeadingParams()), "steps"),
+    "PspHeading": Case(lambda: PspHeading(WORKING_HZ, HdeParams(), TieParams(), priors=True), "steps"),
+    "PspHeading-gyro": Case(lambda: PspHeading(WORKING_HZ, None, None, priors=False), "steps"),
+    "AccelerationIntegration": Case(
+        lambda: AccelerationIntegration(WORKING_HZ, AccelerationIntegrationParams()), "steps"
+    ),
+    "PrincipalAxis": Case(lambda: PrincipalAxis(PrincipalAxisParams()), "steps"),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
 }
 CHANNELS = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE)
@@ -237,10 +251,13 @@ def test_the_changing_modes_are_all_there() -> None:
     assert sum(event.mode is CarryingMode.TRANS for event in events) >= 6
 
 
-def test_cuts_where_modes_change() -> None:
-    """The state machine and the detector that follows it, from samples to odometry."""
+@pytest.mark.parametrize("heading", HEADINGS)
+def test_cuts_where_modes_change(heading: HeadingName) -> None:
+    """The state machine and the stages that follow it, from samples to odometry."""
     rng = np.random.default_rng(11)
-    config = Config(mode=ModeParams(method="mmpdr"), steps=StepsParams(detector="mmpdr"))
+    config = Config(
+        mode=ModeParams(method="mmpdr"), steps=StepsParams(detector="mmpdr"), heading=HeadingParams(method=heading)
+    )
 
     def chain() -> Chain:
         mode = MmpdrMode(WORKING_HZ, MmpdrModeParams())
