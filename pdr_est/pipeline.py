@@ -7,10 +7,11 @@ from typing import Any
 
 from pdr_est.config import Config, check
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import estimate_track
+from pdr_est.estimators import SMOOTHERS, estimate_track
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
-from pdr_est.front_end.heading import heading_stage
+from pdr_est.front_end.heading import heading_stage, hindsight_stage
+from pdr_est.front_end.heading.dominant import DominantDirections
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
@@ -18,7 +19,7 @@ from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.doubts import doubts
 from pdr_est.io.recording import DeviceRecording, Recording
-from pdr_est.io.requirements import has_gyroscope, needed_channels, refuse_without_track, why_nothing
+from pdr_est.io.requirements import better_attitude, has_gyroscope, needed_channels, refuse_without_track, why_nothing
 from pdr_est.io.resample import Resampler
 from pdr_est.records import Channel, Gap, HeadingPrior, LevelBlock, PositionFix, Step, StepOdometry
 from pdr_est.stage import Chain, Stage
@@ -29,6 +30,8 @@ from pdr_est.track import Track, concatenate
 class DeviceWalk:
     """What the front end found in one device's recording. start_s: time of the first usable sample.
 
+    odometry: what it tells of its motion step by step, hindsight: the same with what the whole walk tells, for
+    estimators that smooth; directions: the building's, as far as the walk tells them.
     has_heading is False for a device without gyroscope: its steps have a length but no heading, and no odometry.
     """
 
@@ -37,6 +40,8 @@ class DeviceWalk:
     level: tuple[LevelBlock, ...]
     steps: tuple[Step, ...]
     odometry: tuple[StepOdometry | HeadingPrior, ...]
+    hindsight: tuple[StepOdometry | HeadingPrior, ...] = ()
+    directions: DominantDirections | None = None
     has_heading: bool = True
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
@@ -105,7 +110,7 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
                 config.estimator.name,
                 walk.device,
                 walk.start_s,
-                [*walk.odometry, *fixes],
+                [*(walk.hindsight if config.estimator.name in SMOOTHERS else walk.odometry), *fixes],
                 config.start.pose(),
                 config.odometry.sigma_length_scale,
             )
@@ -145,14 +150,16 @@ def _gaps_in_words(gaps: Sequence[Gap]) -> str:
 def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resampler, Chain]:
     """Chain SensorBlock -> LevelBlock for a device, and its first stage, which knows the gaps."""
     rate_hz = config.resample.rate_hz
-    channels = needed_channels(device, place, with_attitude=config.attitude.source == "device")
+    source = config.attitude.source
+    own_attitude = source == "device" or (source == "auto" and better_attitude(device))
+    channels = needed_channels(device, place, with_attitude=own_attitude)
     resampler = Resampler(channels, config.resample)
     if Channel.ROTATION_RATE not in channels:
         tilt = AccelerometerTilt(rate_hz, config.attitude)
         # Modes are told apart by rotation: without it they stay unknown unless one is given.
         given = [mode_stage(rate_hz, config.mode)] if config.mode.method == "fixed" else []
         return resampler, Chain([resampler, tilt, *given])
-    attitude: Stage = VqfAttitude(rate_hz, config.attitude) if config.attitude.source == "vqf" else DeviceAttitude()
+    attitude: Stage = DeviceAttitude() if own_attitude else VqfAttitude(rate_hz, config.attitude)
     return resampler, Chain([resampler, attitude, mode_stage(rate_hz, config.mode)])
 
 
@@ -178,12 +185,19 @@ def _analyse_device(device: DeviceRecording, recording_name: str, config: Config
     steps = _run(stepping(config), level)
     has_heading = has_gyroscope(device)
     odometry = _run(Odometry(device.name, config.odometry), steps) if has_heading else []
+    hindsight, directions = odometry, None
+    whole_walk = hindsight_stage(config.heading) if has_heading else None
+    if whole_walk is not None:
+        hindsight = _run(Odometry(device.name, config.odometry), _run(whole_walk, steps))
+        directions = whole_walk.found
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
         level=tuple(level),
         steps=tuple(steps),
         odometry=tuple(odometry),
+        hindsight=tuple(hindsight),
+        directions=directions,
         has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,

@@ -11,6 +11,7 @@ from pdr_est.track import Track
 
 EstimatorName = Literal["dead-reckoning", "ekf", "factor-graph"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
+SMOOTHERS: tuple[EstimatorName, ...] = ("factor-graph",)  # each pose from the whole walk
 
 
 def estimate_track(

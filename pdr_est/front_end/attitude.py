@@ -21,13 +21,14 @@ _LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of nothing finite
 
 @params
 class AttitudeParams:
-    """source: "vqf" integrates the raw samples (Laidig and Seel 2023), "device" takes the recorder's attitude.
+    """source: "vqf" integrates the raw samples (Laidig and Seel 2023), "device" takes the recorder's attitude, and
+    "auto" takes that where the samples are too far apart to integrate: the device saw those in between.
 
     accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
     tilt_cutoff_hz: below this frequency the specific force of a device without gyroscope is taken for gravity.
     """
 
-    source: Literal["vqf", "device"] = "vqf"
+    source: Literal["auto", "vqf", "device"] = "auto"
     accelerometer_time_constant_s: Positive = 3.0
     tilt_cutoff_hz: Annotated[float, Ge(0.02), Le(2.0)] = 0.3
 

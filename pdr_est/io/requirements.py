@@ -11,6 +11,8 @@ from pdr_est.records import Channel
 
 _LONGEST_WALK_S = 366 * 86400.0  # what lies further apart is a wrong time stamp
 _MOST_IMPOSSIBLE = 0.5  # of the samples: more are no damage, their unit is another one
+_COARSE_S = 0.03  # between samples; integrated, those of a phone on a leg at 25 Hz drift three times as fast
+_LATE_S = 1.0
 _MANY_SAMPLES = 5  # of which some share a second
 _WORDS = {
     Channel.SPECIFIC_FORCE: "accelerometer",
@@ -35,6 +37,17 @@ def refuse_without_track(device: DeviceRecording, place: str) -> None:
             f"{place}: no gyroscope{_reasons(device)}, so steps could be found but no heading and no track: "
             "record it too; `pdr-est steps` still finds the steps"
         )
+
+
+def better_attitude(device: DeviceRecording) -> bool:
+    """Whether the attitude that the device recorded is better than one from its samples: they are so far apart that
+    they miss what a limb does, and it was recorded all along, at least as often as they were."""
+    rate, attitude = _signal(device, Channel.ROTATION_RATE), _signal(device, Channel.ATTITUDE)
+    if rate is None or attitude is None or len(rate) < 2 or len(attitude) < 0.9 * len(rate):
+        return False
+    apart_s = float(np.median(np.diff(rate.time_s)))
+    late_s = max(attitude.time_s[0] - rate.time_s[0], rate.time_s[-1] - attitude.time_s[-1])
+    return apart_s > _COARSE_S and late_s < _LATE_S
 
 
 def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:

@@ -3,7 +3,10 @@
 from typing import Literal, assert_never, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.heading.auto import AutoHeading, AutoHeadingParams
+from pdr_est.front_end.heading.dominant import DominantParams
 from pdr_est.front_end.heading.hde import HdeParams
+from pdr_est.front_end.heading.hindsight import HeadingHindsight
 from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
@@ -22,10 +25,12 @@ class HeadingParams:
     """method: which one. use: what becomes of the directions of straight paths that a method finds: "increments"
     corrects the headings of the steps by them, "priors" leaves the headings as they were and hands the directions to
     the estimator as heading priors, which it weighs. The parameters of each method lie under its own name; `psp` has
-    those of its controllers, `hde` and `tie`."""
+    those of its controllers, `hde` and `tie`, and `auto` also those of the dominant directions, `dominant`."""
 
     method: HeadingName = "auto"
     use: HeadingUse = "priors"
+    auto: AutoHeadingParams = AutoHeadingParams()
+    dominant: DominantParams = DominantParams()
     mmpdr: MmpdrHeadingParams = MmpdrHeadingParams()
     hde: HdeParams = HdeParams()
     tie: TieParams = TieParams()
@@ -37,7 +42,9 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     """Stage Step -> Step that fills in heading_rad, sigma_turn_rad and, on straight paths, straight_rad."""
     priors = parameters.use == "priors"
     match parameters.method:
-        case "auto" | "step-yaw":
+        case "auto":
+            return AutoHeading(parameters.auto, parameters.principal_axis)
+        case "step-yaw":
             return StepYaw()
         case "mmpdr":
             return MmpdrHeading(parameters.mmpdr)
@@ -52,3 +59,10 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
         case "principal-axis":
             return PrincipalAxis(parameters.principal_axis)
     assert_never(parameters.method)
+
+
+def hindsight_stage(parameters: HeadingParams) -> HeadingHindsight | None:
+    """Stage Step -> Step that sets headings right at the end of the walk; None for a method that has none."""
+    if parameters.method != "auto" or not parameters.dominant.enabled:
+        return None
+    return HeadingHindsight(parameters.dominant, as_priors=parameters.use == "priors")

@@ -1,0 +1,183 @@
+"""The default heading: yaw of the phone in any posture, averaged over the stride where it swings with a limb, and an
+offset learnt anew whenever the phone is put elsewhere.
+
+As long as the phone sits still on the body, the walker turns with it. When its posture changes, by more than a limb
+does in a stride, the phone was put elsewhere, and nobody knows by how much it was turned against the body. Two things
+tell the walker's direction across the change: walkers mostly go on as before (MMPDR section III-E), and the principal
+axis of their horizontal acceleration, which does not depend on how the phone sits. Both are weighed by their standard
+deviations. Until the new offset is known, steps keep the direction from before. A phone that comes back to its old
+posture, after a glance at the screen, has its old offset.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Ge, Le
+
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.placement import angle_between, mean_up, mean_yaw
+from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams, direction_of
+from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
+from pdr_est.front_end.heading.strides import yaw_of
+from pdr_est.params import Positive, params
+from pdr_est.records import CarryingMode, Step
+
+_Angle = Annotated[float, Ge(0.05), Le(1.5)]
+_WITH_A_LIMB = (CarryingMode.SWING, CarryingMode.POCKET)
+
+
+@params
+class AutoHeadingParams:
+    """moved_rad: a change of the direction of gravity in the phone beyond which it was put elsewhere. settled_rad:
+    within which two strides have the same posture. bend_rad: turn within a stride beyond which steps are not averaged
+    over it: the walker is turning. training_steps: from which an offset is learnt. sigma_kept_rad: how well walkers
+    keep their direction while they handle the phone. sigma_axis_rad: of the change of direction that the principal
+    axis tells, on top of what it knows of itself."""
+
+    moved_rad: _Angle = 0.7
+    settled_rad: _Angle = 0.4
+    bend_rad: _Angle = 0.26
+    training_steps: Annotated[int, Ge(2), Le(20)] = 4
+    sigma_kept_rad: Positive = 0.25
+    sigma_axis_rad: Positive = 0.25
+
+
+@dataclass(frozen=True)
+class _Placement:
+    """How the phone sits: up (3,) in device axes, and its yaw less the walker's direction."""
+
+    up: Array
+    offset_rad: float
+
+
+class AutoHeading:
+    """Stage Step -> Step that fills in the heading, and sigma_turn_rad where the phone was put elsewhere.
+
+    A step is emitted when the next one is there, with which it may be averaged, or at the end of a segment.
+    """
+
+    latency_s = 2.0  # until the next step, which comes within a standstill or begins another walk
+
+    def __init__(self, parameters: AutoHeadingParams, axis: PrincipalAxisParams) -> None:
+        self._parameters = parameters
+        self._axis = axis
+        self._held: Step | None = None
+        self._begin(None)
+
+    def push(self, item: Step, /) -> list[Step]:
+        done: list[Step] = []
+        if item.event.segment != self._segment:
+            done = self.flush()
+            self._begin(item.event.segment)
+        return done + self._averaged(self._directed(item))
+
+    def flush(self) -> list[Step]:
+        held, self._held = self._held, None
+        return [] if held is None else [replace(held, heading_rad=float(wrap_angle(held.heading_rad)))]
+
+    def _begin(self, segment: int | None) -> None:
+        self._segment = segment
+        self._placement: _Placement | None = None
+        self._left: _Placement | None = None  # the one before, while the phone is on its way
+        self._recent: deque[Step] = deque(maxlen=2 * self._parameters.training_steps + 1)  # in the placement
+        self._before: tuple[Step, ...] = ()  # the steps in the placement that was left
+        self._training: list[Step] = []
+        self._heading_rad = 0.0
+        self._before_held_rad: float | None = None
+
+    def _directed(self, step: Step) -> Step:
+        """The step with its direction, not yet averaged; headings of a segment are continuous, not wrapped."""
+        up = mean_up(step.samples)
+        handled = step.event.mode is CarryingMode.TRANS or step.event.compensated
+        if self._placement is None and self._left is None:
+            self._placement = _Placement(up, 0.0)
+            self._heading_rad = mean_yaw(step.samples, up)
+        if self._placement is not None:
+            moved = angle_between(up, self._placement.up) > self._parameters.moved_rad
+            if not handled and not moved:
+                return self._walked(step, self._placement)
+            self._leave(self._placement)
+        return self._on_its_way(step, up, handled)
+
+    def _walked(self, step: Step, placement: _Placement) -> Step:
+        raw = mean_yaw(step.samples, placement.up) - placement.offset_rad
+        self._heading_rad += float(wrap_angle(raw - self._heading_rad))
+        directed = replace(step, heading_rad=self._heading_rad)
+        self._recent.append(directed)
+        return directed
+
+    def _leave(self, placement: _Placement) -> None:
+        self._left, self._placement = placement, None
+        self._before = tuple(self._recent)
+        self._recent.clear()
+        self._training = []
+        trusted = self._before[:-1] or self._before  # the hand was already there at the last one
+        if trusted:
+            self._heading_rad = float(
+                np.mean([step.heading_rad for step in trusted[-self._parameters.training_steps :]])
+            )
+
+    def _on_its_way(self, step: Step, up: Array, handled: bool) -> Step:
+        """A step while the phone is handled, or while its new offset is learnt: it keeps the direction."""
+        left = self._left
+        assert left is not None
+        if not handled and angle_between(up, left.up) < self._parameters.settled_rad:
+            self._placement, self._left = left, None
+            return self._walked(step, left)
+        kept = replace(step, heading_rad=self._heading_rad)
+        if handled or not self._is_settled(up):
+            self._training = []
+        if not handled:
+            self._training.append(kept)
+        if len(self._training) <= self._parameters.training_steps:
+            return kept
+        return self._settle(kept)
+
+    def _is_settled(self, up: Array) -> bool:
+        """Whether the phone sits as it did one and two steps ago."""
+        return all(
+            angle_between(up, mean_up(step.samples)) < self._parameters.moved_rad for step in self._training[-2:]
+        )
+
+    def _settle(self, step: Step) -> Step:
+        """Learn the new offset from the steps since the phone sits there, but the first, and take it into use."""
+        steps = self._training[1:]
+        total = np.sum([mean_up(one.samples) for one in steps], axis=0)
+        up = np.asarray(total / np.linalg.norm(total))
+        yaws = np.array([mean_yaw(one.samples, up) for one in steps])
+        yaw_rad = float(np.angle(np.mean(np.exp(1j * yaws))))
+        turn_rad, sigma_rad = self._turn_meanwhile(steps)
+        self._placement = _Placement(up, float(wrap_angle(yaw_rad - self._heading_rad - turn_rad)))
+        self._left, self._training = None, []
+        return replace(self._walked(step, self._placement), sigma_turn_rad=sigma_rad)
+
+    def _turn_meanwhile(self, steps: Sequence[Step]) -> tuple[float, float]:
+        """By how much the walker turned since the phone was taken, and the standard deviation."""
+        p = self._parameters
+        before, after = direction_of(self._before[:-1], self._axis), direction_of(steps, self._axis)
+        if before is None or after is None:
+            return 0.0, p.sigma_kept_rad
+        told_rad = float(wrap_angle(after.at(_yaw(steps)) - before.at(_yaw(self._before[:-1]))))
+        variance = before.sigma_rad**2 + after.sigma_rad**2 + p.sigma_axis_rad**2
+        weight = p.sigma_kept_rad**2 / (p.sigma_kept_rad**2 + variance)
+        return weight * told_rad, float(np.sqrt(weight * variance))
+
+    def _averaged(self, step: Step) -> list[Step]:
+        """The step before, averaged with its neighbours: a limb swings once in two steps, so that they cancel it."""
+        held, self._held = self._held, step
+        if held is None:
+            return []
+        earlier = held.heading_rad if self._before_held_rad is None else self._before_held_rad
+        self._before_held_rad = held.heading_rad
+        later = step.heading_rad
+        straight = abs(later - earlier) < self._parameters.bend_rad
+        if straight and held.event.mode in _WITH_A_LIMB:
+            held = replace(held, heading_rad=0.25 * earlier + 0.5 * held.heading_rad + 0.25 * later)
+        return [replace(held, heading_rad=float(wrap_angle(held.heading_rad)))]
+
+
+def _yaw(steps: Sequence[Step]) -> float:
+    return calibrated_mean_yaw(yaw_of(steps))

@@ -1,0 +1,186 @@
+"""The dominant directions of a building, estimated from the walk itself.
+
+In a building the straight stretches of a walk lead along a few directions at equal angles: four in most, any number
+in others, none in a park. The heading of a stretch, modulo the spacing of the directions, then is the same all over
+the walk but for the drift of the heading. Here that drift is a random walk on a circle of the spacing, whose steps
+are larger across turns, and it is followed forwards and backwards over the pieces of the straight stretches.
+
+The evidence for a building comes from turns alone: with dominant directions the heading after a turn is foreseen up
+to the drift, without them it is anywhere. How the heading moves along a stretch says nothing, for both explain it as
+drift; so a winding path is not taken for a bad gyroscope. Numbers of directions and levels of drift are compared by
+their probability. Ours, after the idea of heuristic drift elimination (Borenstein and Ojeda 2010), whose feedback
+needs the directions beforehand.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Ge, Le
+
+from pdr_est.frames import Array
+from pdr_est.front_end.heading.circle import Circle
+from pdr_est.front_end.heading.straight import Pieces, StraightParams
+from pdr_est.params import params
+
+# Number of directions, and how probable it is before the walk; what is missing to 1 is that there are none.
+_NUMBERS = {2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1}
+_NONE = 1.0 - sum(_NUMBERS.values())
+
+
+@dataclass(frozen=True)
+class DriftLevel:
+    """How well headings are kept: rad per root second along the way, rad in a quarter turn, rad of a piece about its
+    direction, and how probable such a phone is beforehand."""
+
+    per_sqrt_s: float
+    per_turn: float
+    of_piece: float
+    probability: float
+
+
+# From a phone in a steady hand to one that slips about in a pocket.
+_LEVELS = (
+    DriftLevel(0.003, 0.045, 0.055, 0.25),
+    DriftLevel(0.005, 0.07, 0.06, 0.3),
+    DriftLevel(0.012, 0.14, 0.08, 0.25),
+    DriftLevel(0.026, 0.2, 0.1, 0.15),
+    DriftLevel(0.052, 0.26, 0.12, 0.05),
+)
+_STRAY = 0.1  # share of pieces that follow no dominant direction: diagonals, detours
+_QUARTER_RAD = 0.5 * np.pi
+_MOST_TURN = 2.0  # quarter turns, beyond which a turn is not less certain
+
+
+@params
+class DominantParams:
+    """enabled: whether they are looked for. number: of directions at equal angles, to be taken as given; null estimates it, and whether there are any.
+    least_log_odds: of dominant directions against none, from which on they are used. turn_rad: changes of heading
+    between stretches below it are no evidence."""
+
+    enabled: bool = True
+    number: Annotated[int, Ge(1), Le(16)] | None = None
+    least_log_odds: float = 1.5
+    turn_rad: Annotated[float, Ge(0.1), Le(1.5)] = 0.44
+    straight: StraightParams = StraightParams()
+
+
+@dataclass(frozen=True)
+class DominantDirections:
+    """What a walk tells of a building. number: of the most probable directions; log_odds: of them against none.
+    used: whether that suffices. spacing_rad: between them. per piece of the straight stretches: drift_rad (n,) of the
+    heading since the first piece, sigma_rad (n,), straight_rad (n,) the direction it follows, with the zero of the
+    first piece, and follows (n,) the probability that it follows one."""
+
+    number: int
+    log_odds: float
+    used: bool
+    spacing_rad: float
+    drift_rad: Array
+    sigma_rad: Array
+    straight_rad: Array
+    follows: Array
+
+
+def dominant_directions(pieces: Pieces, parameters: DominantParams) -> DominantDirections | None:
+    """The most probable dominant directions of a walk; None for one without straight stretches."""
+    if not len(pieces):
+        return None
+    numbers = _NUMBERS if parameters.number is None else {parameters.number: 1.0}
+    turned = _Turned.of(pieces, parameters.turn_rad)
+    tried = {number: [_follow(pieces, turned, number, level) for level in _LEVELS] for number in numbers}
+    log_odds = {
+        number: _log_mean([run.log_with for run in runs])
+        - _log_mean([run.log_without for run in runs])
+        + np.log(numbers[number] / _NONE)
+        for number, runs in tried.items()
+    }
+    number = max(log_odds, key=lambda one: log_odds[one])
+    best = max(
+        zip(tried[number], _LEVELS, strict=True), key=lambda pair: pair[0].log_with + np.log(pair[1].probability)
+    )
+    used = parameters.number is not None or log_odds[number] >= parameters.least_log_odds
+    return _smoothed(pieces, best[0], number, float(log_odds[number]), bool(used))
+
+
+@dataclass(frozen=True)
+class _Turned:
+    """Between each piece but the first and the one before: elapsed_s, quarters of a turn in between, 0 within a
+    stretch, and whether the turn is one that tells something."""
+
+    elapsed_s: Array
+    quarters: Array
+    tells: Array
+
+    @classmethod
+    def of(cls, pieces: Pieces, turn_rad: float) -> "_Turned":
+        change = np.abs(np.diff(pieces.heading_rad))
+        elsewhere = np.diff(pieces.stretch) != 0
+        quarters = np.where(elsewhere, np.minimum(change / _QUARTER_RAD, _MOST_TURN), 0.0)
+        return cls(np.maximum(np.diff(pieces.time_s), 0.1), quarters, elsewhere & (change > turn_rad))
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One number of directions and one level of drift, followed forwards. log_with, log_without: log probability of
+    the headings with dominant directions, and if each turn leads anywhere."""
+
+    circle: Circle
+    level: DriftLevel
+    likelihood: Array
+    forward: Array
+    sigma: Array
+    log_with: float
+    log_without: float
+
+
+def _follow(pieces: Pieces, turned: _Turned, number: int, level: DriftLevel) -> _Run:
+    circle = Circle(2.0 * np.pi / number)
+    likelihood = circle.likelihood(pieces.heading_rad, level.of_piece, _STRAY)
+    walked = level.per_sqrt_s**2 * turned.elapsed_s + (level.per_turn * turned.quarters) ** 2
+    sigma = np.sqrt(walked + pieces.changed_rad[1:] ** 2)
+    bound, free = circle.uniform(), circle.uniform()
+    log_with = log_without = 0.0
+    forward = np.empty_like(likelihood)
+    for i, seen in enumerate(likelihood):
+        if i:
+            bound = circle.spread(bound, sigma[i - 1])
+            free = circle.uniform() if turned.tells[i - 1] else circle.spread(free, sigma[i - 1])
+        bound, free = bound * seen, free * seen
+        with_them, without = float(bound.mean()), float(free.mean())
+        log_with, log_without = log_with + np.log(with_them), log_without + np.log(without)
+        bound, free = bound / with_them, free / without
+        forward[i] = bound
+    return _Run(circle, level, likelihood, forward, sigma, log_with, log_without)
+
+
+def _log_mean(logs: list[float]) -> float:
+    """Log of the mean probability over the levels of drift."""
+    weights = np.log([level.probability for level in _LEVELS])
+    return float(np.logaddexp.reduce(np.array(logs) + weights))
+
+
+def _smoothed(pieces: Pieces, run: _Run, number: int, log_odds: float, used: bool) -> DominantDirections:
+    """Directions of the pieces by what came before and after them."""
+    belief, future = np.empty_like(run.forward), run.circle.uniform()
+    for i in range(len(pieces) - 1, -1, -1):
+        belief[i] = run.forward[i] * future
+        if i:
+            future = run.circle.spread(future * run.likelihood[i], run.sigma[i - 1])
+            future = future / future.mean()
+    mean, sigma = run.circle.mean(belief)
+    spacing = run.circle.spacing_rad
+    drift = np.unwrap(mean, period=spacing)
+    along = spacing * np.round((pieces.heading_rad - drift) / spacing)
+    off = (pieces.heading_rad - drift - along) / run.level.of_piece
+    bell = (1.0 - _STRAY) * np.exp(-0.5 * off**2) * spacing / (run.level.of_piece * np.sqrt(2.0 * np.pi))
+    return DominantDirections(
+        number=number,
+        log_odds=log_odds,
+        used=used,
+        spacing_rad=spacing,
+        drift_rad=drift - drift[0],
+        sigma_rad=sigma,
+        straight_rad=along + drift[0],
+        follows=bell / (bell + _STRAY),
+    )
