@@ -20,7 +20,7 @@ def accelerated(number: int, force_mps2: Array, yaw_rad: float | Array = 0.0, se
 
 
 def pulse(east_mps2: float, north_mps2: float) -> Array:
-    """Acceleration (25, 3) in device axes for a tenth of a second, early enough for both averages to end in the step."""
+    """Acceleration (25, 3) in device axes for a tenth of a second, so early that both averages end in the step."""
     force = np.zeros((SAMPLES, 3))
     force[1:6] = (east_mps2, north_mps2, 3.0)
     return force

@@ -108,12 +108,12 @@ def test_what_holds_no_stride_that_counts_tells_nothing() -> None:
     assert direction_of([first, stepping(1, compensated=True)], PARAMETERS) is None
 
 
-def test_a_single_stride_is_not_trusted() -> None:
-    for strides, trusted in ((1, False), (2, True)):
-        found = direction_of([stepping(number) for number in range(2 * strides)], PARAMETERS)
-        assert found is not None
-        assert found.trusted is trusted
-        assert (found.sigma_rad < 0.2) is trusted
+@pytest.mark.parametrize(("strides", "trusted"), [(1, False), (2, False), (3, True), (8, True)])
+def test_few_strides_are_not_trusted(strides: int, trusted: bool) -> None:
+    found = direction_of([stepping(number) for number in range(2 * strides)], PARAMETERS)
+    assert found is not None
+    assert found.trusted is trusted
+    assert (found.sigma_rad < 0.2) is trusted
 
 
 def test_the_stage_follows_turns_of_the_walker_at_once() -> None:
@@ -133,9 +133,9 @@ def test_the_stage_keeps_an_offset_that_it_trusts() -> None:
 
 
 def test_a_late_correction_of_a_guess_is_told() -> None:
-    """Four strides without the right phase, longer than the stage waits, then four with it."""
-    steps = [stepping(number, 10.0, 80.0, lead_deg=0.0, forward_mps2=0.1) for number in range(8)]
-    steps += [stepping(number, 10.0, 80.0) for number in range(8, 16)]
+    """Eight strides without the right phase, as long as the stage waits, then eight with it."""
+    steps = [stepping(number, 10.0, 80.0, lead_deg=0.0, forward_mps2=0.1) for number in range(16)]
+    steps += [stepping(number, 10.0, 80.0) for number in range(16, 32)]
     found = run(PrincipalAxis(PARAMETERS), steps)
     told = [number for number, step in enumerate(found) if step.sigma_turn_rad > 0.0]
     assert len(told) == 1
@@ -145,10 +145,10 @@ def test_a_late_correction_of_a_guess_is_told() -> None:
 
 def test_steps_wait_for_a_direction_but_not_for_ever() -> None:
     stage = PrincipalAxis(PARAMETERS)
-    unsure = [stepping(number, 10.0, lead_deg=0.0) for number in range(12)]
-    assert [len(stage.push(step)) for step in unsure] == [0] * 7 + [8, 0, 2, 0, 2]
+    unsure = [stepping(number, 10.0, lead_deg=0.0) for number in range(20)]
+    assert [len(stage.push(step)) for step in unsure] == [0] * 15 + [16, 0, 2, 0, 2]
     stage = PrincipalAxis(PARAMETERS)
-    assert [len(stage.push(stepping(number, 10.0))) for number in range(4)] == [0, 0, 0, 4]
+    assert [len(stage.push(stepping(number, 10.0))) for number in range(8)] == [0, 0, 0, 0, 0, 6, 0, 2]
 
 
 def test_a_change_of_mode_forgets_the_strides_before() -> None:
@@ -167,5 +167,5 @@ def test_a_simulated_held_phone() -> None:
     steps = run(pipeline.stepping(config), levels_of(walk, config))
     middle_s = np.array([0.5 * (step.start_s + step.event.time_s) for step in steps])
     error = wrap_angle(np.array([step.heading_rad for step in steps]) - walk.heading_at(middle_s))
-    assert np.rad2deg(np.median(np.abs(error))) < 3.0
-    assert np.rad2deg(np.percentile(np.abs(error), 90)) < 25.0  # the averages cut the corner
+    assert np.rad2deg(np.median(np.abs(error))) < 6.0
+    assert np.rad2deg(np.max(np.abs(error))) < 40.0  # the average over a stride cuts the corner

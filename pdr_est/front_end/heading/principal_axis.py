@@ -9,9 +9,10 @@ same phase, about which the sway cancels. The trunk is fastest when it is lowest
 when it has risen over the standing leg: like an inverted pendulum it exchanges height for speed. Hence the forward
 acceleration is ahead of the vertical one by a quarter of a step, and forward is the end of the axis for which it is.
 
-Measured: phones in the hand and in trouser pockets obey (OxIOD; forward leads by 91 and 95 degrees in the hand, by 78
-to 84 in pockets; the coherence is 0.96 and more), those in bags and in swinging hands do not (coherence about 0.3):
-there the direction is not to be trusted, and the coherence tells so.
+Measured: phones in the hand and in trouser pockets obey (OxIOD: forward leads by 91 and 95 degrees in the hand, by 78
+to 84 in pockets, and every run of 8 strides has the right sign). The coherence of 8 strides is above 0.6 in 95 % of
+these and of held phones on playing fields, and below 0.45 in 95 % of those in bags and in swinging hands: there the
+direction is not to be trusted, and the coherence tells so.
 """
 
 from collections import deque
@@ -31,17 +32,17 @@ from pdr_est.params import Fraction, NonNegative, params
 from pdr_est.records import CarryingMode, Step
 
 _LEAD_RAD = 0.5 * np.pi  # of the forward before the vertical acceleration
-_LEAST_STRIDES = 2  # single ones may be coherent by chance
 _KNOWS_NOTHING_RAD = float(np.pi / np.sqrt(3.0))  # standard deviation of a uniform angle
 
 
 @params
 class PrincipalAxisParams:
-    """strides: how many of the latest count together. least_coherence: below it the direction is not trusted.
-    sigma_rad: of the direction as it differs from the walker's in a whole walk, by the way the phone is worn."""
+    """strides: how many of the latest count together. least_coherence: of so many, for a direction that is trusted;
+    fewer may be coherent by chance and need more, by the root of their number. sigma_rad: of the direction as it
+    differs from the walker's in a whole walk, by the way the phone is worn."""
 
-    strides: Annotated[int, Ge(1), Le(100)] = 4
-    least_coherence: Fraction = 0.7
+    strides: Annotated[int, Ge(1), Le(100)] = 8
+    least_coherence: Fraction = 0.55
     sigma_rad: NonNegative = 0.15
 
 
@@ -59,8 +60,8 @@ class StrideMotion:
 class WalkingDirection:
     """Where a walker goes. offset_rad: mean yaw of the phone less the direction, in [-pi, pi). sigma_rad: standard
     deviation, of an angle that may be anything unless trusted. coherence: 1 if the horizontal acceleration is along
-    one line and has the phase of forward walking, 0 if it has nothing to do with it. trusted: coherent enough, and
-    over more than one stride."""
+    one line and has the phase of forward walking, 0 if it has nothing to do with it. trusted: coherent enough
+    for that many strides."""
 
     offset_rad: float
     sigma_rad: float
@@ -86,7 +87,7 @@ class PrincipalAxis:
         self._strides = Strides()
         self._waiting: list[tuple[Step, ...]] = []
         self._latest: deque[StrideMotion] = deque(maxlen=parameters.strides)
-        self._begin(None, None)
+        self._begin(None)
 
     def push(self, item: Step, /) -> list[Step]:
         return [step for steps in self._strides.add(item) for step in self._take(steps)]
@@ -94,8 +95,9 @@ class PrincipalAxis:
     def flush(self) -> list[Step]:
         return [step for steps in self._strides.rest() for step in self._take(steps)] + self._release()
 
-    def _begin(self, segment: int | None, mode: CarryingMode | None) -> None:
-        self._segment, self._mode = segment, mode
+    def _begin(self, segment: int | None) -> None:
+        self._segment = segment
+        self._mode: CarryingMode | None = None  # of the strides that count
         self._direction: WalkingDirection | None = None
         self._released = self._corrected = False
         self._latest.clear()
@@ -104,11 +106,12 @@ class PrincipalAxis:
         segment, mode = steps[0].event.segment, steps[0].event.mode
         counts = is_even(steps)
         done: list[Step] = []
-        if segment != self._segment or (counts and mode is not self._mode):
+        if segment != self._segment or (counts and self._mode not in (None, mode)):
             done = self._release()
-            self._begin(segment, mode if counts else None)
+            self._begin(segment)
         self._waiting.append(steps)
         if counts:
+            self._mode = mode
             self._learn(stride_motion(steps))
         sure = self._direction is not None and self._direction.trusted
         if self._released or sure or len(self._waiting) >= self._parameters.strides:
@@ -187,7 +190,7 @@ def walking_direction(strides: Sequence[StrideMotion], parameters: PrincipalAxis
     # Across the axis lies (total - |double|) / 2 of the square, which turns the axis of a stride this way or that.
     width = np.sqrt(max(total - abs(double), 0.0) / (total + abs(double))) if total > 0.0 else 1.0
     sigma_rad = float(np.hypot(parameters.sigma_rad, width / np.sqrt(len(strides))))
-    trusted = bool(coherence >= parameters.least_coherence) and len(strides) >= _LEAST_STRIDES
+    trusted = bool(coherence >= parameters.least_coherence * np.sqrt(parameters.strides / len(strides)))
     return WalkingDirection(
         offset_rad=float(wrap_angle(-forward_rad)),
         sigma_rad=sigma_rad if trusted else _KNOWS_NOTHING_RAD,
