@@ -124,6 +124,18 @@ def test_the_stage_follows_turns_of_the_walker_at_once() -> None:
         assert error_deg(step.heading_rad, forward_deg) < 1e-6
 
 
+@pytest.mark.parametrize("alone", [False, True])
+def test_the_first_steps_wait_for_strides_that_count(alone: bool) -> None:
+    """The walker sets off with a push forward, like a step with the opposite phase; perhaps a standstill follows."""
+    steps = [replace(stepping(0, 10.0, 80.0, lead_deg=-90.0, forward_mps2=20.0), frequency_hz=0.0)]
+    steps += [stepping(number, 10.0, 80.0) for number in range(1, 14)]
+    if alone:
+        steps[1] = replace(steps[1], frequency_hz=0.0)
+    for step in run(PrincipalAxis(PARAMETERS), steps):
+        assert error_deg(step.heading_rad, 10.0) < 1e-6
+        assert step.sigma_turn_rad == 0.0
+
+
 def test_the_stage_keeps_an_offset_that_it_trusts() -> None:
     """Later strides have the wrong phase: they are not believed."""
     steps = [stepping(number, 10.0, 80.0) for number in range(8)]

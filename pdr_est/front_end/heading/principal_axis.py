@@ -104,7 +104,7 @@ class PrincipalAxis:
 
     def _take(self, steps: tuple[Step, ...]) -> list[Step]:
         segment, mode = steps[0].event.segment, steps[0].event.mode
-        counts = is_even(steps)
+        counts = is_walking_stride(steps)
         done: list[Step] = []
         if segment != self._segment or (counts and self._mode not in (None, mode)):
             done = self._release()
@@ -143,11 +143,11 @@ class PrincipalAxis:
 def direction_of(steps: Sequence[Step], parameters: PrincipalAxisParams) -> WalkingDirection | None:
     """The walking direction over a run of steps in one carrying mode; None if none of its strides counts."""
     strides = Strides()
-    pairs = [pair for step in steps for pair in strides.add(step) if is_even(pair)]
+    pairs = [pair for step in steps for pair in strides.add(step) if is_walking_stride(pair)]
     return walking_direction([stride_motion(pair) for pair in pairs], parameters) if pairs else None
 
 
-def is_even(steps: Sequence[Step]) -> bool:
+def is_walking_stride(steps: Sequence[Step]) -> bool:
     """Whether they are a stride that counts: of somebody who walks already, for to set off takes an acceleration of
     its own, with the phone in one place, and of steps that were seen."""
     modes = {step.event.mode for step in steps}
