@@ -11,7 +11,9 @@ runs over what there is. (4) Samples between bouts of walking belong to no step;
 Deviation. The paper's attitude tells north, ours has an arbitrary zero of the yaw, and so have the headings.
 
 Over whole steps of an even walk acceleration integrates to nothing: what remains is where the window cuts the second
-step, and errors of the tilt. The paper reports no accuracy of the heading by itself.
+step, and errors of the tilt. The paper reports no accuracy of the heading by itself. On the office loops of OxIOD its
+median error is 22 and 40 degrees in the hand, 31 to 74 in pockets, and 57 to 80 in bags, about the mean error of the
+walk.
 """
 
 from dataclasses import replace

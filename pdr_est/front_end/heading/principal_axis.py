@@ -9,9 +9,10 @@ same phase, about which the sway cancels. The trunk is fastest when it is lowest
 when it has risen over the standing leg: like an inverted pendulum it exchanges height for speed. Hence the forward
 acceleration is ahead of the vertical one by a quarter of a step, and forward is the end of the axis for which it is.
 
-Measured: phones in the hand and in trouser pockets obey (OxIOD; forward leads by 91 and 95 degrees in the hand, by 78
-to 84 in pockets; the coherence is 0.96 and more), those in bags and in swinging hands do not (coherence about 0.3):
-there the direction is not to be trusted, and the coherence tells so.
+Measured: phones in the hand and in trouser pockets obey (OxIOD: forward leads by 91 and 95 degrees in the hand, by 78
+to 84 in pockets, and every run of 8 strides has the right sign). The coherence of 8 strides is above 0.6 in 95 % of
+these and of held phones on playing fields, and below 0.45 in 95 % of those in bags and in swinging hands: there the
+direction is not to be trusted, and the coherence tells so.
 """
 
 from collections import deque
@@ -31,16 +32,17 @@ from pdr_est.params import Fraction, NonNegative, params
 from pdr_est.records import CarryingMode, Step
 
 _LEAD_RAD = 0.5 * np.pi  # of the forward before the vertical acceleration
-_KNOWS_NOTHING_RAD = np.pi / np.sqrt(3.0)  # standard deviation of a uniform angle
+_KNOWS_NOTHING_RAD = float(np.pi / np.sqrt(3.0))  # standard deviation of a uniform angle
 
 
 @params
 class PrincipalAxisParams:
-    """strides: how many of the latest count together. least_coherence: below it the direction is not trusted.
-    sigma_rad: of the direction as it differs from the walker's in a whole walk, by the way the phone is worn."""
+    """strides: how many of the latest count together. least_coherence: of so many, for a direction that is trusted;
+    fewer may be coherent by chance and need more, by the root of their number. sigma_rad: of the direction as it
+    differs from the walker's in a whole walk, by the way the phone is worn."""
 
-    strides: Annotated[int, Ge(1), Le(100)] = 4
-    least_coherence: Fraction = 0.6
+    strides: Annotated[int, Ge(1), Le(100)] = 8
+    least_coherence: Fraction = 0.55
     sigma_rad: NonNegative = 0.15
 
 
@@ -57,12 +59,14 @@ class StrideMotion:
 @dataclass(frozen=True)
 class WalkingDirection:
     """Where a walker goes. offset_rad: mean yaw of the phone less the direction, in [-pi, pi). sigma_rad: standard
-    deviation. coherence: 1 if the horizontal acceleration is along one line and has the phase of forward walking,
-    0 if it has nothing to do with it."""
+    deviation, of an angle that may be anything unless trusted. coherence: 1 if the horizontal acceleration is along
+    one line and has the phase of forward walking, 0 if it has nothing to do with it. trusted: coherent enough
+    for that many strides."""
 
     offset_rad: float
     sigma_rad: float
     coherence: float
+    trusted: bool
 
     def at(self, yaw_rad: float) -> float:
         """The direction in the level frame, in [-pi, pi), of a walker whose phone has this mean yaw."""
@@ -72,57 +76,83 @@ class WalkingDirection:
 class PrincipalAxis:
     """Stage Step -> Step that fills in the heading: yaw averaged over the stride less the offset of the phone.
 
-    The offset is that of the latest strides in the same carrying mode, or the last that was trusted. A stride in
-    TRANS or with a compensated step does not count. The first strides of a segment take what they have.
+    The offset is that of the latest strides in the same carrying mode, or the last that was trusted. Steps at the
+    beginning of a segment or in a new mode wait until a direction is trusted, for as many strides as count together
+    at most; then the best guess has to do, and when a better one comes later sigma_turn_rad tells so.
     """
-
-    latency_s = STRIDE_LATENCY_S
 
     def __init__(self, parameters: PrincipalAxisParams) -> None:
         self._parameters = parameters
+        self.latency_s = parameters.strides * STRIDE_LATENCY_S
         self._strides = Strides()
+        self._waiting: list[tuple[Step, ...]] = []
         self._latest: deque[StrideMotion] = deque(maxlen=parameters.strides)
         self._begin(None)
 
     def push(self, item: Step, /) -> list[Step]:
-        return [step for steps in self._strides.add(item) for step in self._orient(steps)]
+        return [step for steps in self._strides.add(item) for step in self._take(steps)]
 
     def flush(self) -> list[Step]:
-        return [step for steps in self._strides.rest() for step in self._orient(steps)]
+        return [step for steps in self._strides.rest() for step in self._take(steps)] + self._release()
 
     def _begin(self, segment: int | None) -> None:
         self._segment = segment
-        self._mode: CarryingMode | None = None
+        self._mode: CarryingMode | None = None  # of the strides that count
         self._direction: WalkingDirection | None = None
+        self._released = self._corrected = False
         self._latest.clear()
 
+    def _take(self, steps: tuple[Step, ...]) -> list[Step]:
+        segment, mode = steps[0].event.segment, steps[0].event.mode
+        counts = is_walking_stride(steps)
+        done: list[Step] = []
+        if segment != self._segment or (counts and self._mode not in (None, mode)):
+            done = self._release()
+            self._begin(segment)
+        self._waiting.append(steps)
+        if counts:
+            self._mode = mode
+            self._learn(stride_motion(steps))
+        sure = self._direction is not None and self._direction.trusted
+        if self._released or sure or len(self._waiting) >= self._parameters.strides:
+            done += self._release()
+        return done
+
+    def _learn(self, stride: StrideMotion) -> None:
+        self._latest.append(stride)
+        found = walking_direction(self._latest, self._parameters)
+        if not self._released or found.trusted:
+            self._corrected = self._released and not (self._direction is not None and self._direction.trusted)
+            self._direction = found
+
+    def _release(self) -> list[Step]:
+        """Give all steps that wait their headings."""
+        done = [step for steps in self._waiting for step in self._orient(steps)]
+        if done and self._corrected:
+            done[0] = replace(done[0], sigma_turn_rad=_KNOWS_NOTHING_RAD)
+        self._waiting.clear()
+        self._released, self._corrected = True, False
+        return done
+
     def _orient(self, steps: Sequence[Step]) -> list[Step]:
-        if steps[0].event.segment != self._segment:
-            self._begin(steps[0].event.segment)
-        self._learn(steps)
         yaw_rad = calibrated_mean_yaw(yaw_of(steps))
         heading_rad = yaw_rad if self._direction is None else self._direction.at(yaw_rad)
         return [replace(step, heading_rad=heading_rad) for step in steps]
 
-    def _learn(self, steps: Sequence[Step]) -> None:
-        modes = {step.event.mode for step in steps}
-        if len(steps) < 2 or len(modes) > 1 or CarryingMode.TRANS in modes or any(s.event.compensated for s in steps):
-            return
-        mode = steps[0].event.mode
-        if mode is not self._mode:
-            self._mode = mode
-            self._latest.clear()
-        self._latest.append(stride_motion(steps))
-        found = walking_direction(self._latest, self._parameters)
-        if self._direction is None or found.coherence >= self._parameters.least_coherence:
-            self._direction = found
-
 
 def direction_of(steps: Sequence[Step], parameters: PrincipalAxisParams) -> WalkingDirection | None:
-    """The walking direction over a run of steps in one carrying mode; None if it holds no whole stride."""
+    """The walking direction over a run of steps in one carrying mode; None if none of its strides counts."""
     strides = Strides()
-    pairs = [pair for step in steps for pair in strides.add(step) if len(pair) == 2]
+    pairs = [pair for step in steps for pair in strides.add(step) if is_walking_stride(pair)]
     return walking_direction([stride_motion(pair) for pair in pairs], parameters) if pairs else None
+
+
+def is_walking_stride(steps: Sequence[Step]) -> bool:
+    """Whether they are a stride that counts: of somebody who walks already, for to set off takes an acceleration of
+    its own, with the phone in one place, and of steps that were seen."""
+    modes = {step.event.mode for step in steps}
+    seen = all(step.frequency_hz > 0.0 and not step.event.compensated for step in steps)
+    return len(steps) == 2 and len(modes) == 1 and CarryingMode.TRANS not in modes and seen
 
 
 def stride_motion(steps: Sequence[Step]) -> StrideMotion:
@@ -160,9 +190,10 @@ def walking_direction(strides: Sequence[StrideMotion], parameters: PrincipalAxis
     # Across the axis lies (total - |double|) / 2 of the square, which turns the axis of a stride this way or that.
     width = np.sqrt(max(total - abs(double), 0.0) / (total + abs(double))) if total > 0.0 else 1.0
     sigma_rad = float(np.hypot(parameters.sigma_rad, width / np.sqrt(len(strides))))
-    trusted = coherence >= parameters.least_coherence
+    trusted = bool(coherence >= parameters.least_coherence * np.sqrt(parameters.strides / len(strides)))
     return WalkingDirection(
         offset_rad=float(wrap_angle(-forward_rad)),
         sigma_rad=sigma_rad if trusted else _KNOWS_NOTHING_RAD,
         coherence=float(coherence),
+        trusted=trusted,
     )
