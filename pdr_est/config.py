@@ -22,7 +22,7 @@ from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import StepsParams, step_detector
 from pdr_est.io.resample import ResampleParams
-from pdr_est.params import NonNegative, params
+from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import StartPose
 
 Coordinate = Annotated[float, Ge(-1e8), Le(1e8)]  # also UTM's, which reach 1e7 m
@@ -31,13 +31,16 @@ Turn = Annotated[float, Ge(-6.3), Le(6.3)]
 
 @params
 class StartParams:
-    """Start pose in the map frame; null means unknown. heading_rad counter-clockwise from east."""
+    """Start pose in the map frame; null means unknown. heading_rad counter-clockwise from east. closed: whether the
+    walk ends where it began, to sigma_closed_m."""
 
     x_m: Coordinate | None = None
     y_m: Coordinate | None = None
     heading_rad: Turn | None = None
     sigma_position_m: NonNegative = 0.5
     sigma_heading_rad: NonNegative = 0.1
+    closed: bool = False
+    sigma_closed_m: Positive = 0.5
 
     def pose(self) -> StartPose:
         """The start pose. Raises ConfigError when only one of x_m and y_m is given."""

@@ -8,6 +8,7 @@ from typing import Any
 from pdr_est.config import Config, check
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import SMOOTHERS, estimate_track
+from pdr_est.estimators.known_directions import tied_to_map
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
 from pdr_est.front_end.heading import heading_stage, hindsight_stage
@@ -21,7 +22,17 @@ from pdr_est.io.doubts import doubts
 from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.io.requirements import better_attitude, has_gyroscope, needed_channels, refuse_without_track, why_nothing
 from pdr_est.io.resample import Resampler
-from pdr_est.records import Channel, Gap, HeadingPrior, LevelBlock, PositionFix, Step, StepOdometry
+from pdr_est.records import (
+    Channel,
+    Gap,
+    HeadingPrior,
+    LevelBlock,
+    LoopClosure,
+    Measurement,
+    PositionFix,
+    Step,
+    StepOdometry,
+)
 from pdr_est.stage import Chain, Stage
 from pdr_est.track import Track, concatenate
 
@@ -104,19 +115,29 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
                 f"{walk.device}: no gyroscope, so its {len(walk.steps)} steps have no direction and make no track: "
                 "leave this device out"
             )
-    return concatenate(
-        [
-            estimate_track(
-                config.estimator.name,
-                walk.device,
-                walk.start_s,
-                [*(walk.hindsight if config.estimator.name in SMOOTHERS else walk.odometry), *fixes],
-                config.start.pose(),
-                config.odometry.sigma_length_scale,
-            )
-            for walk in walks
-        ]
-    )
+    return concatenate([_estimate_device(walk, config, fixes) for walk in walks])
+
+
+def _estimate_device(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix]) -> Track:
+    own = walk.hindsight if config.estimator.name in SMOOTHERS else walk.odometry
+    closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
+
+    def track_from(measurements: Sequence[Measurement]) -> Track:
+        return estimate_track(
+            config.estimator.name,
+            walk.device,
+            walk.start_s,
+            measurements,
+            config.start.pose(),
+            config.odometry.sigma_length_scale,
+        )
+
+    known = [*own, *closure, *fixes]
+    track = track_from(known)
+    direction_rad = config.heading.dominant.direction_rad
+    if direction_rad is None or walk.directions is None:
+        return track
+    return track_from(tied_to_map(known, track, direction_rad, walk.directions.spacing_rad))
 
 
 def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str, ...]:

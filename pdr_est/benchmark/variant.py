@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pdr_est.config import Config, EstimatorParams, config_from_dict, config_to_dict
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import ESTIMATORS
+from pdr_est.front_end.heading import HEADINGS
 from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
 
@@ -37,6 +38,7 @@ AXES: tuple[Axis, ...] = (
     Axis("estimator", ESTIMATORS, "estimator", "name"),
     Axis("detector", DETECTORS, "steps", "detector"),
     Axis("length-model", LENGTH_MODELS, "step_length", "model"),
+    Axis("heading", HEADINGS, "heading", "method"),
 )
 
 

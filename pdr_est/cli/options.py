@@ -9,6 +9,7 @@ import numpy as np
 
 from pdr_est.config import Config, config_from_dict, config_to_dict, load_config
 from pdr_est.estimators import ESTIMATORS
+from pdr_est.front_end.heading import HEADINGS
 from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
 from pdr_est.profile import Profile, refuse_contradiction, with_profile
@@ -83,10 +84,21 @@ def walker_options(command: Command) -> Command:
                 metavar="DEG",
                 help="Start heading, degrees counter-clockwise from east (the x axis).",
             ),
+            click.option("--closed", is_flag=True, default=None, help="The walk ends where it began."),
+            click.option(
+                "--corridors",
+                "corridors_deg",
+                type=click.FloatRange(-360.0, 360.0),
+                metavar="DEG",
+                help="Direction of the building's corridors, which cross at right angles, in degrees like --heading.",
+            ),
+            click.option(
+                "--heading-method", type=click.Choice(HEADINGS), help="How headings are found. Default: auto."
+            ),
             click.option(
                 "--attitude",
-                type=click.Choice(("vqf", "device")),
-                help="Attitude from the raw samples (default) or the device's own.",
+                type=click.Choice(("auto", "vqf", "device")),
+                help="From the raw samples, the device's own, or (auto) that where samples are coarse.",
             ),
         )
     ):
@@ -104,6 +116,9 @@ def resolve_config(
     gender: str | None = None,
     start: tuple[float, float] | None = None,
     heading_deg: float | None = None,
+    closed: bool | None = None,
+    corridors_deg: float | None = None,
+    heading_method: str | None = None,
     attitude: str | None = None,
     profile: Profile | None = None,
 ) -> Config:
@@ -116,6 +131,8 @@ def resolve_config(
         config = load_config(config_file, base=config)
     x_m, y_m = (None, None) if start is None else start
     heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
+    dominant = config_to_dict(config)["heading"]["dominant"]
+    corridors = None if corridors_deg is None else dominant | {"direction_rad": float(np.deg2rad(corridors_deg))}
     for option, section, values in (
         ("--estimator", "estimator", {"name": estimator}),
         ("--detector", "steps", {"detector": detector}),
@@ -124,6 +141,9 @@ def resolve_config(
         ("--gender", "walker", {"gender": gender}),
         ("--start", "start", {"x_m": x_m, "y_m": y_m}),
         ("--heading", "start", {"heading_rad": heading_rad}),
+        ("--closed", "start", {"closed": closed}),
+        ("--corridors", "heading", {"dominant": corridors}),
+        ("--heading-method", "heading", {"method": heading_method}),
         ("--attitude", "attitude", {"source": attitude}),
     ):
         given = {key: value for key, value in values.items() if value is not None}

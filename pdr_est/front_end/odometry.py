@@ -31,7 +31,7 @@ class OdometryParams:
     sigma_mode_change_rad: NonNegative = 0.5
     gap_speed_mps: Positive = 1.0
     gap_turn_rad_per_sqrt_s: Positive = 1.0
-    sigma_straight_rad: Positive = 0.2
+    sigma_straight_rad: Positive = 0.35
 
 
 class Odometry:

@@ -54,15 +54,22 @@ _MOST_TURN = 2.0  # quarter turns, beyond which a turn is not less certain
 
 @params
 class DominantParams:
-    """enabled: whether they are looked for. number: of directions at equal angles, to be taken as given; null estimates it, and whether there are any.
-    least_log_odds: of dominant directions against none, from which on they are used. turn_rad: changes of heading
-    between stretches below it are no evidence."""
+    """enabled: whether they are looked for. number: of directions at equal angles, to be taken as given; null
+    estimates it, and whether there are any. direction_rad: one of them in the map, null where unknown; then they hold
+    from the first step on, and without a number there are four. least_log_odds: of dominant directions against none,
+    from which on they are used. turn_rad: changes of heading between stretches below it are no evidence."""
 
     enabled: bool = True
     number: Annotated[int, Ge(1), Le(16)] | None = None
-    least_log_odds: float = 1.5
+    direction_rad: Annotated[float, Ge(-6.3), Le(6.3)] | None = None
+    least_log_odds: float = 2.0
     turn_rad: Annotated[float, Ge(0.1), Le(1.5)] = 0.44
     straight: StraightParams = StraightParams()
+
+    @property
+    def given_number(self) -> int | None:
+        """The number of directions that is to be taken as given."""
+        return 4 if self.number is None and self.direction_rad is not None else self.number
 
 
 @dataclass(frozen=True)
@@ -86,7 +93,8 @@ def dominant_directions(pieces: Pieces, parameters: DominantParams) -> DominantD
     """The most probable dominant directions of a walk; None for one without straight stretches."""
     if not len(pieces):
         return None
-    numbers = _NUMBERS if parameters.number is None else {parameters.number: 1.0}
+    given = parameters.given_number
+    numbers = _NUMBERS if given is None else {given: 1.0}
     turned = _Turned.of(pieces, parameters.turn_rad)
     tried = {number: [_follow(pieces, turned, number, level) for level in _LEVELS] for number in numbers}
     log_odds = {
@@ -99,7 +107,7 @@ def dominant_directions(pieces: Pieces, parameters: DominantParams) -> DominantD
     best = max(
         zip(tried[number], _LEVELS, strict=True), key=lambda pair: pair[0].log_with + np.log(pair[1].probability)
     )
-    used = parameters.number is not None or log_odds[number] >= parameters.least_log_odds
+    used = given is not None or log_odds[number] >= parameters.least_log_odds
     return _smoothed(pieces, best[0], number, float(log_odds[number]), bool(used))
 
 
