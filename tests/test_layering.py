@@ -41,7 +41,7 @@ LIBRARIES = {
         "estimators.gtsam_factors",
         "estimators.gtsam_marginals",
     ),
-    "filterpy": ("estimators.ekf", "estimators.alignment"),
+    "filterpy": ("estimators.pose_filter", "estimators.alignment"),
     "sklearn": ("front_end.gait.training",),
     "vqf": ("front_end.attitude",),
     "polars": ("io",),

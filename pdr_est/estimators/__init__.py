@@ -1,17 +1,60 @@
 """Estimators: measurements ─► track. They know geometry and probability, and nothing of phones."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import dead_reckoning, ekf
+from pdr_est.estimators import dead_reckoning, ekf, joint_ekf
 from pdr_est.estimators.timeline import Timeline, build_timeline
-from pdr_est.records import Measurement, StartPose
-from pdr_est.track import Track
+from pdr_est.records import DeviceTether, Measurement, PositionFix, StartPose
+from pdr_est.track import Track, concatenate
 
 EstimatorName = Literal["dead-reckoning", "ekf", "factor-graph"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 SMOOTHERS: tuple[EstimatorName, ...] = ("factor-graph",)  # each pose from the whole walk
+
+
+@dataclass(frozen=True)
+class DeviceMeasurements:
+    """What is known of one device's walk. start_s: time of its start pose."""
+
+    device: str
+    start_s: float
+    measurements: tuple[Measurement, ...]
+
+
+def estimate_walk(
+    name: EstimatorName,
+    devices: Sequence[DeviceMeasurements],
+    start: StartPose,
+    sigma_length_scale: float,
+    tethers: Sequence[DeviceTether] = (),
+) -> Track:
+    """Tracks of all devices of one walk. sigma_length_scale: of the walker's own step length.
+
+    A position fix among the measurements of several devices is one piece of knowledge about one walker: each device
+    gets its share of the information.
+
+    Raises EstimationError for odometry out of order, a tether to an unknown device, or a graph without a unique
+    solution.
+    """
+    moments_s = sorted({tether.time_s for tether in tethers})
+    timelines = [
+        build_timeline(one.device, one.start_s, _shared(one.measurements, len(devices)), moments_s) for one in devices
+    ]
+    match name:
+        case "dead-reckoning":
+            return concatenate([dead_reckoning.estimate(one, start, sigma_length_scale) for one in timelines])
+        case "ekf":
+            if len(timelines) == 1:
+                return ekf.estimate(timelines[0], start, sigma_length_scale)
+            return joint_ekf.estimate(timelines, tethers, start, sigma_length_scale)
+        case "factor-graph":
+            from pdr_est.estimators import factor_graph  # gtsam is slow to load: only when it is used
+
+            return factor_graph.estimate(timelines, tethers, start, sigma_length_scale)
+    raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")
 
 
 def estimate_track(
@@ -22,21 +65,22 @@ def estimate_track(
     start: StartPose,
     sigma_length_scale: float,
 ) -> Track:
-    """Track of one device. start_s: time of the start pose; sigma_length_scale: of the walker's own step length.
-
-    Raises EstimationError for an unknown name, odometry out of order, or a graph without a unique solution.
-    """
-    return _function(name)(build_timeline(device, start_s, measurements), start, sigma_length_scale)
+    """`estimate_walk` for one device."""
+    return estimate_walk(name, [DeviceMeasurements(device, start_s, tuple(measurements))], start, sigma_length_scale)
 
 
-def _function(name: EstimatorName) -> Callable[[Timeline, StartPose, float], Track]:
-    match name:
-        case "dead-reckoning":
-            return dead_reckoning.estimate
-        case "ekf":
-            return ekf.estimate
-        case "factor-graph":
-            from pdr_est.estimators import factor_graph  # gtsam is slow to load: only when it is used
+def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measurement]:
+    return [
+        replace(m, covariance_m2=m.covariance_m2 * devices) if isinstance(m, PositionFix) else m for m in measurements
+    ]
 
-            return factor_graph.estimate
-    raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")
+
+__all__ = [
+    "ESTIMATORS",
+    "SMOOTHERS",
+    "DeviceMeasurements",
+    "EstimatorName",
+    "Timeline",
+    "estimate_track",
+    "estimate_walk",
+]

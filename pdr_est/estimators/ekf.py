@@ -1,27 +1,22 @@
-"""Extended Kalman filter over pose and length scale (filterpy), and its Rauch-Tung-Striebel smoother."""
+"""Extended Kalman filter over pose and length scale, and its Rauch-Tung-Striebel smoother."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.alignment import align
 from pdr_est.estimators.motion import STATES, Moments, linearise, move
-from pdr_est.estimators.robust import huber_inflation
+from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.start import StartPrior, prior_after_lost_turn, start_prior
 from pdr_est.estimators.timeline import Node, Timeline, track_from_nodes
-from pdr_est.frames import Array, wrap_angle
-from pdr_est.records import HeadingPrior, PositionFix, StartPose
+from pdr_est.frames import Array
+from pdr_est.records import PositionFix, StartPose
 from pdr_est.track import Track
 
 NAME = "ekf"
 _REGULAR = 1e-12  # variance, far below anything that matters: parts of a state may be known exactly
 _LOST_VARIANCE = 0.25  # rad^2; with a turn this uncertain a heading is too far from Gaussian for an EKF
-_POSITION = np.eye(2, STATES)
-_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
-_RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
 
 
 @dataclass(frozen=True)
@@ -135,53 +130,13 @@ def _track_columns(states: list[Moments]) -> tuple[Array, Array]:
 
 def _filter_poses(nodes: tuple[Node, ...], first: Moments, update_first: bool) -> list[Moments]:
     """EKF over the nodes; `first` is the state at nodes[0], before its measurements if update_first."""
-    ekf = _PoseFilter(first)
+    ekf = PoseFilter()
+    ekf.enter(first)
     states = []
     for i, node in enumerate(nodes):
         if i:
             ekf.advance(node)
         if i or update_first:
-            for fix in node.fixes:
-                ekf.update_position(fix)
-            for prior in node.priors:
-                ekf.update_heading(prior)
-        states.append(ekf.moments)
+            ekf.measure(node)
+        states.append(ekf.moments())
     return states
-
-
-class _PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
-    """filterpy's EKF with the motion model of `motion.py`; x is one-dimensional throughout."""
-
-    def __init__(self, first: Moments) -> None:
-        super().__init__(dim_x=STATES, dim_z=2)
-        self.x = first.mean.copy()
-        self.P = first.covariance.copy()
-
-    @property
-    def moments(self) -> Moments:
-        return Moments(self.x.copy(), 0.5 * (self.P + self.P.T))
-
-    def advance(self, node: Node) -> None:
-        self.F, self.Q = linearise(self.x, node)
-        self.predict(node)
-
-    def predict_x(self, u: Node) -> None:
-        self.x = move(self.x, u)
-
-    def update_position(self, fix: PositionFix) -> None:
-        residual = np.asarray(fix.position_m) - self.x[:2]
-        noise = fix.covariance_m2
-        if fix.robust:
-            noise = noise * huber_inflation(residual, self.P[:2, :2] + noise)
-        self._correct(np.asarray(fix.position_m, dtype=np.float64), _POSITION, noise, np.subtract)
-
-    def update_heading(self, prior: HeadingPrior) -> None:
-        jacobian = _RELATIVE_HEADING if prior.relative else _HEADING
-        noise = np.array([[prior.sigma_rad**2]])
-        if prior.robust:
-            residual = wrap_angle(prior.heading_rad - jacobian @ self.x)
-            noise = noise * huber_inflation(residual, jacobian @ self.P @ jacobian.T + noise)
-        self._correct(np.array([prior.heading_rad]), jacobian, noise, lambda a, b: wrap_angle(np.subtract(a, b)))
-
-    def _correct(self, z: Array, jacobian: Array, noise: Array, residual: Callable[[Array, Array], Array]) -> None:
-        self.update(z, lambda _: jacobian, lambda x: jacobian @ x, R=noise, residual=residual)

@@ -1,11 +1,14 @@
-"""Batch smoothing of a whole walk in a GTSAM factor graph.
+"""Batch smoothing of a whole walk, of one device or several, in a GTSAM factor graph.
 
 Poses are Pose2 variables; steps are BetweenFactorPose2, fixes PoseTranslationPrior2D, heading priors
 PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from; robust ones are under a
-Huber or Cauchy kernel. The walker's length scale would tie one variable to every step and make the system dense, so
-it stays outside, one a device: the graph is solved at one scale, linear systems at neighbouring scales tell where the
-best scale is, its sigma, and how each pose moves with it, and the scale's share is added to the marginals. For a
-linear walk that is the same as a variable in the graph.
+Huber or Cauchy kernel. Two devices of one body have a RangeFactorPose2 between them whose kernel ignores all
+distances that a body allows.
+
+The walker's length scale would tie one variable to every step and make the system dense, so it stays outside, one a
+device: the graph is solved at one scale, linear systems at neighbouring scales tell where the best scale is, its
+sigma, and how each pose moves with it, and the scale's share is added to the marginals. For a linear walk that is the
+same as a variable in the graph.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,14 +20,15 @@ import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.ekf import run_filter, smooth, undecided_anchor
-from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise
+from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise, tether_factor
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
 from pdr_est.estimators.large_stack import with_large_stack
 from pdr_est.estimators.motion import Moments, reckon
+from pdr_est.estimators.ties import Tie, starts_of, ties_between
 from pdr_est.estimators.timeline import Timeline, track_from_nodes
 from pdr_est.frames import Array
-from pdr_est.records import StartPose
-from pdr_est.track import Track
+from pdr_est.records import DeviceTether, StartPose
+from pdr_est.track import Track, concatenate
 
 NAME = "factor-graph"
 _LARGE_STACK_NODES = 5_000  # GTSAM's elimination recurses
@@ -43,32 +47,38 @@ class _Scale:
     pose_per_scale: Array
 
 
-def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> Track:
-    """Smoothed track with marginal covariances in the map frame.
+def estimate(
+    timelines: Sequence[Timeline], tethers: Sequence[DeviceTether], start: StartPose, sigma_length_scale: float
+) -> Track:
+    """Smoothed tracks of all devices with marginal covariances in the map frame.
 
-    Raises EstimationError if GTSAM finds the graph indeterminate.
+    Raises EstimationError if GTSAM finds the graph indeterminate, or tethers do not fit the devices.
     """
-    guess = initial_states(timeline, start, sigma_length_scale)
+    starts = starts_of(timelines, start)
+    ties = ties_between(timelines, tethers)
+    guesses = [
+        initial_states(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)
+    ]
 
     def work() -> tuple[Array, Array, _Scale]:
-        return _solve([timeline], start, [guess], sigma_length_scale)
+        return _solve(timelines, ties, starts, guesses, sigma_length_scale)
 
+    many = sum(map(len, guesses)) > _LARGE_STACK_NODES
     try:
-        pose, covariance, scale = with_large_stack(work) if len(guess) > _LARGE_STACK_NODES else work()
+        pose, covariance, scale = with_large_stack(work) if many else work()
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[0] if str(error).strip() else "no reason given"
         raise EstimationError(
             f"the factor graph has no unique solution ({reason}): give a start pose, more fixes, or use the ekf"
         ) from error
-    return track_from_nodes(
-        timeline,
-        pose[:, :2],
-        pose[:, 2],
-        covariance,
-        "smoothed",
-        NAME,
-        (float(scale.value[0]), float(np.sqrt(scale.covariance[0, 0]))),
-    )
+    tracks = []
+    for d, (timeline, first) in enumerate(zip(timelines, Keys.of(timelines).first, strict=True)):
+        own = slice(first, first + len(timeline.nodes))
+        own_scale = (float(scale.value[d]), float(np.sqrt(scale.covariance[d, d])))
+        tracks.append(
+            track_from_nodes(timeline, pose[own, :2], pose[own, 2], covariance[own], "smoothed", NAME, own_scale)
+        )
+    return concatenate(tracks)
 
 
 def initial_states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[Moments]:
@@ -85,11 +95,17 @@ def initial_states(timeline: Timeline, start: StartPose, sigma_length_scale: flo
 
 
 def _solve(
-    timelines: Sequence[Timeline], start: StartPose, guesses: Sequence[list[Moments]], sigma_length_scale: float
+    timelines: Sequence[Timeline],
+    ties: Sequence[Tie],
+    starts: Sequence[StartPose],
+    guesses: Sequence[list[Moments]],
+    sigma_length_scale: float,
 ) -> tuple[Array, Array, _Scale]:
     """Poses (n, 3) at the optimum, their covariances (n, 3, 3) in the map frame, and the scales."""
     keys = Keys.of(timelines)
-    tied = anchors(timelines, keys, start, [guess[0].mean[:3] for guess in guesses])
+    tied = anchors(timelines, keys, starts, [guess[0].mean[:3] for guess in guesses])
+    for tie in ties:
+        tied.add(tether_factor(keys.first[tie.device_a] + tie.node_a, keys.first[tie.device_b] + tie.node_b, tie))
     noises = [motion_noise(timeline.nodes) for timeline in timelines]
     order = _from_the_end(timelines, keys)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from pdr_est.estimators.robust import HUBER
 from pdr_est.estimators.start import VAGUE_SIGMA_RAD, start_prior
+from pdr_est.estimators.ties import Tie
 from pdr_est.estimators.timeline import Node, Timeline
 from pdr_est.frames import Array
 from pdr_est.records import HeadingPrior, PositionFix, StartPose
@@ -49,14 +50,16 @@ class Keys:
 
 
 def anchors(
-    timelines: Sequence[Timeline], keys: Keys, start: StartPose, guesses: Sequence[Array]
+    timelines: Sequence[Timeline], keys: Keys, starts: Sequence[StartPose], guesses: Sequence[Array]
 ) -> gtsam.NonlinearFactorGraph:
     """What ties the walk to the map: start, fixes and heading priors, and the end of a closed walk to its start.
 
-    guesses: start pose (3,) of each device, used where the start is open.
+    starts, guesses: start of each device, and its pose (3,) that is used where the start is open.
     """
     graph = gtsam.NonlinearFactorGraph()
-    for timeline, first, reference, guess in zip(timelines, keys.first, keys.references, guesses, strict=True):
+    for timeline, first, reference, start, guess in zip(
+        timelines, keys.first, keys.references, starts, guesses, strict=True
+    ):
         prior = start_prior(timeline, start, 0.0)
         mean = np.array([*prior.moments.mean[:2], guess[2] if prior.heading_open else prior.moments.mean[2]])
         sigmas = np.maximum(np.sqrt(np.diag(prior.moments.covariance)[:3]), LEAST_SIGMA)
@@ -94,6 +97,14 @@ def add_motion(
     """Add the steps of one device, whose first node has the key `first`, at a length scale."""
     for i, node in enumerate(nodes[1:]):
         graph.add(gtsam.BetweenFactorPose2(first + i, first + i + 1, displacement(node, length_scale), noise[i]))
+
+
+def tether_factor(key_a: int, key_b: int, tie: Tie) -> gtsam.NonlinearFactor:
+    """Two poses at one moment: a distance of zero, under a kernel that ignores all distances within the tether."""
+    sigma_m = max(tie.sigma_m, LEAST_SIGMA)
+    dead_zone = gtsam.noiseModel.mEstimator.L2WithDeadZone.Create(tie.max_distance_m / sigma_m)
+    noise = gtsam.noiseModel.Robust.Create(dead_zone, gtsam.noiseModel.Isotropic.Sigma(1, sigma_m))
+    return gtsam.RangeFactorPose2(key_a, key_b, 0.0, noise)
 
 
 def displacement(node: Node, length_scale: float) -> gtsam.Pose2:

@@ -29,7 +29,9 @@ def marginal_covariances(graph: gtsam.NonlinearFactorGraph, values: gtsam.Values
     tied to are kept, one a device and the references, so that a long walk costs its length.
     """
     eliminated = graph.linearize(values).eliminateSequential(ordering_of(order), gtsam.EliminateQR)
-    conditionals = [eliminated.at(k) for k in reversed(range(len(order)))]
+    # Of devices that nothing ties GTSAM eliminates the one after the other, whatever the order.
+    of_key = {next(iter(one.keys())): one for one in (eliminated.at(k) for k in range(len(order)))}
+    conditionals = [of_key[key] for key in reversed(order)]
     parents = [list(conditional.keys())[1:] for conditional in conditionals]
     last_use = {key: k for k, tied in enumerate(parents) for key in tied}
     covariance = np.empty((len(order), 3, 3))

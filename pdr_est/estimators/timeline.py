@@ -3,6 +3,7 @@
 All estimators work on the same timeline, so that their results can be compared number by number.
 """
 
+from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
@@ -50,6 +51,11 @@ class Timeline:
     nodes: tuple[Node, ...] = field(repr=False)
     closure_sigma_m: float | None = None
 
+    def node_at(self, time_s: float) -> int:
+        """Number of the last node at or before a time, or of the first one."""
+        times = [node.time_s for node in self.nodes]
+        return max(bisect_right(times, time_s + 1e-9) - 1, 0)
+
     @property
     def fixes(self) -> tuple[PositionFix, ...]:
         return tuple(fix for node in self.nodes for fix in node.fixes)
@@ -59,8 +65,10 @@ class Timeline:
         return tuple(prior for node in self.nodes for prior in node.priors)
 
 
-def build_timeline(device: str, start_s: float, measurements: Iterable[Measurement]) -> Timeline:
-    """Order the measurements of a device and split steps at the fixes that fall inside them.
+def build_timeline(
+    device: str, start_s: float, measurements: Iterable[Measurement], moments_s: Iterable[float] = ()
+) -> Timeline:
+    """Order the measurements of a device and split steps at the fixes and at other moments that fall inside them.
 
     start_s: time of the start pose, or the end of the first step if that is earlier: detectors put a step back by
     their delay, which may lead to before the first sample. A fix while the walker stands belongs to the pose before
@@ -77,17 +85,18 @@ def build_timeline(device: str, start_s: float, measurements: Iterable[Measureme
     first_mode = steps[0].mode if steps else CarryingMode.UNKNOWN
     begin_s = min([start_s, *(step.time_s for step in steps[:1])])
     nodes = [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, first_mode)]
-    pending = sorted(fixes, key=lambda fix: fix.time_s, reverse=True)
+    pending = [_Moment(fix.time_s, (fix,)) for fix in fixes] + [_Moment(time_s, ()) for time_s in moments_s]
+    pending.sort(key=lambda moment: moment.time_s, reverse=True)
     for step in steps:
         begin = max(step.start_s, nodes[-1].time_s)
         while pending and pending[-1].time_s <= begin:
-            nodes[-1] = _with_fix(nodes[-1], pending.pop())
+            nodes[-1] = _with_fixes(nodes[-1], pending.pop())
         inside = []
         while pending and pending[-1].time_s < step.time_s:
             inside.append(pending.pop())
         nodes += _split(step, begin, inside)
     while pending:
-        nodes[-1] = _with_fix(nodes[-1], pending.pop())
+        nodes[-1] = _with_fixes(nodes[-1], pending.pop())
     closures = [m.sigma_m for m in given if isinstance(m, LoopClosure) and m.device == device]
     return Timeline(device, tuple(_attach_priors(nodes, priors)), min(closures, default=None))
 
@@ -124,13 +133,24 @@ def track_from_nodes(
     )
 
 
-def _with_fix(node: Node, fix: PositionFix) -> Node:
-    return replace(node, fixes=(*node.fixes, fix))
+@dataclass(frozen=True)
+class _Moment:
+    """A time at which a pose is wanted, with what was measured then."""
+
+    time_s: float
+    fixes: tuple[PositionFix, ...]
 
 
-def _split(step: StepOdometry, begin_s: float, fixes: Sequence[PositionFix]) -> list[Node]:
-    """The nodes of a step: one at each moment with fixes inside it, and its end. The walker's pace is even."""
-    moments = [(time_s, tuple(group)) for time_s, group in groupby(fixes, key=lambda fix: fix.time_s)]
+def _with_fixes(node: Node, moment: _Moment) -> Node:
+    return replace(node, fixes=(*node.fixes, *moment.fixes)) if moment.fixes else node
+
+
+def _split(step: StepOdometry, begin_s: float, inside: Sequence[_Moment]) -> list[Node]:
+    """The nodes of a step: one at each moment inside it, and its end. The walker's pace is even."""
+    moments = [
+        (time_s, tuple(fix for moment in group for fix in moment.fixes))
+        for time_s, group in groupby(inside, key=lambda moment: moment.time_s)
+    ]
     moments.append((step.time_s, ()))
     borders = [(time_s - begin_s) / (step.time_s - begin_s) for time_s, _ in moments[:-1]]
     shares = [float(share) for share in np.diff([0.0, *borders, 1.0])]

@@ -1,0 +1,54 @@
+"""What holds between the devices of one walk: which nodes are tied, and how the devices set off together."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from pdr_est.errors import EstimationError
+from pdr_est.estimators.timeline import Timeline
+from pdr_est.records import DeviceTether, StartPose
+
+# Of the first direction of one device against another's, where nothing but these directions defines the frame.
+SIGMA_SET_OFF_RAD = 0.2
+
+
+@dataclass(frozen=True)
+class Tie:
+    """Two nodes at one moment, by number of device and of node, that are never farther apart than max_distance_m."""
+
+    device_a: int
+    node_a: int
+    device_b: int
+    node_b: int
+    max_distance_m: float
+    sigma_m: float
+
+
+def ties_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether]) -> list[Tie]:
+    """The tethers as ties, in order of time; those outside of the walk of one of their devices are left out.
+
+    Raises EstimationError for devices of one name, and for a tether to a device that is not there.
+    """
+    names = [timeline.device for timeline in timelines]
+    if len(set(names)) < len(names):
+        raise EstimationError(f"devices {names}: each needs a name of its own")
+    spans = [(timeline.nodes[0].time_s, timeline.nodes[-1].time_s) for timeline in timelines]
+    ties = []
+    for tether in sorted(tethers, key=lambda one: one.time_s):
+        ends = (tether.device_a, tether.device_b)
+        if not set(ends) <= set(names) or ends[0] == ends[1]:
+            raise EstimationError(f"tether between {ends[0]!r} and {ends[1]!r}: name two of {names}")
+        a, b = names.index(ends[0]), names.index(ends[1])
+        if all(spans[d][0] <= tether.time_s <= spans[d][1] for d in (a, b)):
+            nodes = (timelines[d].node_at(tether.time_s) for d in (a, b))
+            ties.append(Tie(a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m))
+    return ties
+
+
+def starts_of(timelines: Sequence[Timeline], start: StartPose) -> list[StartPose]:
+    """The start pose of each device: where their first directions define the frame, all but the first device may have
+    set off in a slightly other one."""
+    directed = any(node.tells_direction for timeline in timelines for node in timeline.nodes)
+    if start.heading_rad is not None or directed:
+        return [start] * len(timelines)
+    other = replace(start, heading_rad=0.0, sigma_heading_rad=SIGMA_SET_OFF_RAD)
+    return [start, *[other] * (len(timelines) - 1)]
