@@ -1,12 +1,13 @@
 """Extended Kalman filter over pose and length scale, and its Rauch-Tung-Striebel smoother."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from pdr_est.estimators.alignment import align
-from pdr_est.estimators.motion import STATES, Moments, linearise, move
+from pdr_est.estimators.motion import STATES, Moments, linearise, move, reckon
 from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.start import StartPrior, prior_after_lost_turn, start_prior
 from pdr_est.estimators.timeline import Node, Timeline, track_from_nodes
@@ -15,7 +16,7 @@ from pdr_est.records import PositionFix, StartPose
 from pdr_est.track import Track
 
 NAME = "ekf"
-_REGULAR = 1e-12  # variance, far below anything that matters: parts of a state may be known exactly
+REGULAR = 1e-12  # variance, far below anything that matters: parts of a state may be known exactly
 _LOST_VARIANCE = 0.25  # rad^2; with a turn this uncertain a heading is too far from Gaussian for an EKF
 
 
@@ -65,6 +66,19 @@ def undecided_anchor(stretch: Stretch) -> tuple[int, Moments]:
     return anchor, _undecided(stretch.pose[anchor], stretch.covariance[anchor], stretch.end)
 
 
+def alone_smoothed(stretches: Sequence[Stretch]) -> list[Moments]:
+    """States at all nodes of one device: the smoothed filter, and before the direction was known back from there."""
+    states: list[Moments] = []
+    for stretch in stretches:
+        k = stretch.aligned_from
+        if k is None:
+            states += reckon(stretch.nodes, *undecided_anchor(stretch))
+        else:
+            tail = smooth(stretch.nodes[k:], stretch.moments)
+            states += reckon(stretch.nodes[: k + 1], k, tail[0])[:-1] + tail
+    return states
+
+
 def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Moments]:
     """Rauch-Tung-Striebel smoother over filtered states; nodes[k] leads to filtered[k]."""
     if len(filtered) == 1:
@@ -75,7 +89,7 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Momen
     jacobian, noise = np.array([f for f, _ in linear]), np.array([q for _, q in linear])
     moved = np.array([move(state.mean, node) for state, node in zip(filtered[:-1], nodes[1:], strict=True)])
     predicted = jacobian @ covariance[:-1] @ jacobian.transpose(0, 2, 1) + noise
-    gain = np.linalg.solve(predicted + _REGULAR * np.eye(STATES), jacobian @ covariance[:-1]).transpose(0, 2, 1)
+    gain = np.linalg.solve(predicted + REGULAR * np.eye(STATES), jacobian @ covariance[:-1]).transpose(0, 2, 1)
     for k in range(len(gain) - 1, -1, -1):
         mean[k] += gain[k] @ (mean[k + 1] - moved[k])
         covariance[k] += gain[k] @ (covariance[k + 1] - predicted[k]) @ gain[k].T
@@ -89,7 +103,7 @@ def _closed(timeline: Timeline, prior: StartPrior) -> tuple[Node, ...]:
     *before, last = timeline.nodes
     if timeline.closure_sigma_m is None or prior.position_open or prior.heading_open:
         return timeline.nodes
-    covariance = prior.moments.covariance[:2, :2] + max(timeline.closure_sigma_m, _REGULAR) ** 2 * np.eye(2)
+    covariance = prior.moments.covariance[:2, :2] + max(timeline.closure_sigma_m, REGULAR) ** 2 * np.eye(2)
     home = PositionFix(last.time_s, prior.moments.mean[:2], covariance, source="start")
     return (*before, replace(last, fixes=(*last.fixes, home)))
 

@@ -11,7 +11,7 @@ sigma, and how each pose moves with it, and the scale's share is added to the ma
 same as a variable in the graph.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -19,11 +19,12 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.ekf import run_filter, smooth, undecided_anchor
-from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise, tether_factor
+from pdr_est.estimators.ekf import alone_smoothed, run_filter
+from pdr_est.estimators.gtsam_factors import Keys, add_motion, add_tethers, add_tight, anchors, motion_noise
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
+from pdr_est.estimators.joint_ekf import smoothed_states
 from pdr_est.estimators.large_stack import with_large_stack
-from pdr_est.estimators.motion import Moments, reckon
+from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.ties import Tie, starts_of, ties_between
 from pdr_est.estimators.timeline import Timeline, track_from_nodes
 from pdr_est.frames import Array
@@ -32,8 +33,10 @@ from pdr_est.track import Track, concatenate
 
 NAME = "factor-graph"
 _LARGE_STACK_NODES = 5_000  # GTSAM's elimination recurses
+_LEADING_ITERATIONS = 15
+_SLACK_M = 1e-3
 _SCALE_PROBE = 0.05  # how far from the scale the neighbouring systems are; of no influence, they are linear
-_SCALE_ROUNDS = 10
+_ROUNDS = 30
 _SCALE_TOLERANCE = 1e-2  # of the scale's sigma; the rest is second order
 
 
@@ -46,6 +49,10 @@ class _Scale:
     covariance: Array
     pose_per_scale: Array
 
+    @classmethod
+    def without_effect(cls, value: Array, poses: int) -> "_Scale":
+        return cls(value, np.zeros((len(value), len(value))), np.zeros((poses, 3, len(value))))
+
 
 def estimate(
     timelines: Sequence[Timeline], tethers: Sequence[DeviceTether], start: StartPose, sigma_length_scale: float
@@ -56,85 +63,141 @@ def estimate(
     """
     starts = starts_of(timelines, start)
     ties = ties_between(timelines, tethers)
-    guesses = [
-        initial_states(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)
-    ]
+    guesses = initial_states(timelines, ties, starts, sigma_length_scale)
 
-    def work() -> tuple[Array, Array, _Scale]:
-        return _solve(timelines, ties, starts, guesses, sigma_length_scale)
+    graph = _WalkGraph(timelines, ties, starts, guesses)
 
-    many = sum(map(len, guesses)) > _LARGE_STACK_NODES
+    def work() -> _Solution:
+        return _solve(graph, guesses, sigma_length_scale)
+
     try:
-        pose, covariance, scale = with_large_stack(work) if many else work()
+        found = with_large_stack(work) if graph.keys.poses > _LARGE_STACK_NODES else work()
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[0] if str(error).strip() else "no reason given"
         raise EstimationError(
             f"the factor graph has no unique solution ({reason}): give a start pose, more fixes, or use the ekf"
         ) from error
     tracks = []
-    for d, (timeline, first) in enumerate(zip(timelines, Keys.of(timelines).first, strict=True)):
+    for d, (timeline, first) in enumerate(zip(timelines, graph.keys.first, strict=True)):
         own = slice(first, first + len(timeline.nodes))
-        own_scale = (float(scale.value[d]), float(np.sqrt(scale.covariance[d, d])))
-        tracks.append(
-            track_from_nodes(timeline, pose[own, :2], pose[own, 2], covariance[own], "smoothed", NAME, own_scale)
-        )
+        pose, covariance = found.pose[own], found.covariance[own]
+        scale = (float(found.scale.value[d]), float(np.sqrt(found.scale.covariance[d, d])))
+        tracks.append(track_from_nodes(timeline, pose[:, :2], pose[:, 2], covariance, "smoothed", NAME, scale))
     return concatenate(tracks)
 
 
-def initial_states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[Moments]:
-    """States at all nodes to start from: the smoothed filter, and before the direction was known back from there."""
-    states: list[Moments] = []
-    for stretch in run_filter(timeline, start, sigma_length_scale):
-        k = stretch.aligned_from
-        if k is None:
-            states += reckon(stretch.nodes, *undecided_anchor(stretch))
-        else:
-            tail = smooth(stretch.nodes[k:], stretch.moments)
-            states += reckon(stretch.nodes[: k + 1], k, tail[0])[:-1] + tail
-    return states
+def initial_states(
+    timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[StartPose], sigma_length_scale: float
+) -> list[list[Moments]]:
+    """States at all nodes of each device to start from: those of the smoothed filter."""
+    if ties:
+        return smoothed_states(timelines, ties, starts, sigma_length_scale)
+    return [
+        alone_smoothed(run_filter(timeline, start, sigma_length_scale))
+        for timeline, start in zip(timelines, starts, strict=True)
+    ]
 
 
-def _solve(
-    timelines: Sequence[Timeline],
-    ties: Sequence[Tie],
-    starts: Sequence[StartPose],
-    guesses: Sequence[list[Moments]],
-    sigma_length_scale: float,
-) -> tuple[Array, Array, _Scale]:
-    """Poses (n, 3) at the optimum, their covariances (n, 3, 3) in the map frame, and the scales."""
-    keys = Keys.of(timelines)
-    tied = anchors(timelines, keys, starts, [guess[0].mean[:3] for guess in guesses])
-    for tie in ties:
-        tied.add(tether_factor(keys.first[tie.device_a] + tie.node_a, keys.first[tie.device_b] + tie.node_b, tie))
-    noises = [motion_noise(timeline.nodes) for timeline in timelines]
-    order = _from_the_end(timelines, keys)
+def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":
+    """The optimum over poses and length scales, and its covariances."""
+    values = graph.initial_values(guesses)
+    scale = _Scale.without_effect(np.array([guess[-1].mean[3] for guess in guesses]), graph.keys.poses)
+    values = graph.led_together(values, scale.value)
+    for _ in range(_ROUNDS):
+        values = graph.optimised(values, scale.value)
+        settled = not graph.retie(values)
+        if settled and sigma_length_scale > 0.0:  # only then do linear systems tell about other scales
+            before = scale.value
+            scale, values = _improve_scale(graph, values, before, sigma_length_scale)
+            steady = np.abs(scale.value - before) < _SCALE_TOLERANCE * np.sqrt(np.diag(scale.covariance))
+            settled = bool(steady.all())
+        if settled:
+            break
+    pose, covariance = graph.marginals(values, scale.value)
+    share = scale.pose_per_scale @ scale.covariance @ scale.pose_per_scale.transpose(0, 2, 1)
+    return _Solution(pose, covariance + share, scale)
 
-    def graph_at(length_scale: Array) -> gtsam.NonlinearFactorGraph:
-        graph = gtsam.NonlinearFactorGraph(tied)
-        for timeline, first, noise, scale in zip(timelines, keys.first, noises, length_scale, strict=True):
+
+@dataclass(frozen=True)
+class _Solution:
+    """Poses (n, 3) of all devices, their covariances (n, 3, 3) in the map frame, and the length scales."""
+
+    pose: Array
+    covariance: Array
+    scale: _Scale
+
+
+class _WalkGraph:
+    """The graph of a walk at any length scales. Tethers that are tight are distances, the others are left out."""
+
+    def __init__(
+        self,
+        timelines: Sequence[Timeline],
+        ties: Sequence[Tie],
+        starts: Sequence[StartPose],
+        guesses: Sequence[list[Moments]],
+    ) -> None:
+        self.keys = Keys.of(timelines)
+        self._timelines, self._ties = timelines, ties
+        self._tight: frozenset[int] = frozenset()  # numbers of ties
+        self._tied = anchors(timelines, self.keys, starts, [guess[0].mean[:3] for guess in guesses])
+        self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
+        self.order = _from_the_end(timelines, self.keys)
+
+    def at(self, length_scale: Array) -> gtsam.NonlinearFactorGraph:
+        graph = gtsam.NonlinearFactorGraph(self._tied)
+        add_tight(graph, [self._ties[i] for i in sorted(self._tight)], self.keys)
+        for timeline, first, noise, scale in zip(
+            self._timelines, self.keys.first, self._noises, length_scale, strict=True
+        ):
             add_motion(graph, timeline.nodes, first, noise, float(scale))
         return graph
 
-    values = _initial_values(guesses, keys)
-    devices = len(timelines)
-    scale = _Scale(
-        np.array([guess[-1].mean[3] for guess in guesses]), np.zeros((devices, devices)), np.zeros((keys.poses, 3, 0))
-    )
-    for _ in range(_SCALE_ROUNDS):
-        graph = graph_at(scale.value)
-        values = _optimise(graph, values, order)
-        if sigma_length_scale == 0.0:
-            scale = _Scale(scale.value, scale.covariance, np.zeros((keys.poses, 3, devices)))
-            break
-        before = scale.value
-        scale, values = _improve_scale(graph_at, values, before, sigma_length_scale, order, keys.poses)
-        if (np.abs(scale.value - before) < _SCALE_TOLERANCE * np.sqrt(np.diag(scale.covariance))).all():
-            break
-    pose = _poses(values, keys.poses)
-    rotation = to_map(pose[:, 2])
-    marginals = rotation @ marginal_covariances(graph, values, order)[: keys.poses] @ rotation.transpose(0, 2, 1)
-    share = scale.pose_per_scale @ scale.covariance @ scale.pose_per_scale.transpose(0, 2, 1)
-    return pose, marginals + share, scale
+    def initial_values(self, guesses: Sequence[list[Moments]]) -> gtsam.Values:
+        values = gtsam.Values()
+        for guess, first, reference in zip(guesses, self.keys.first, self.keys.references, strict=True):
+            for i, state in enumerate(guess, first):
+                values.insert(i, gtsam.Pose2(*state.mean[:3]))
+            if reference is not None:
+                values.insert(reference, gtsam.Pose2(0.0, 0.0, guess[-1].mean[4]))
+        return values
+
+    def led_together(self, values: gtsam.Values, length_scale: Array) -> gtsam.Values:
+        """Near the optimum with all tethers, by kernels with a dead zone: these tell well which of them are tight,
+        but take many iterations to the end."""
+        if not self._ties:
+            return values
+        graph = self.at(length_scale)
+        add_tethers(graph, self._ties, self.keys)
+        values = _optimise(graph, values, self.order, _LEADING_ITERATIONS)
+        self.retie(values)
+        return values
+
+    def optimised(self, values: gtsam.Values, length_scale: Array) -> gtsam.Values:
+        return _optimise(self.at(length_scale), values, self.order)
+
+    def retie(self, values: gtsam.Values) -> bool:
+        """Tighten the tethers that are exceeded and slacken those that push; return whether there were any."""
+        position = self.poses(values)[:, :2]
+        tight = set()
+        for i, tie in enumerate(self._ties):
+            a, b = self.keys.of_tie(tie)
+            excess_m = float(np.hypot(*(position[a] - position[b]))) - tie.max_distance_m
+            if excess_m > (0.0 if i in self._tight else _SLACK_M):
+                tight.add(i)
+        changed, self._tight = tight != self._tight, frozenset(tight)
+        return changed
+
+    def poses(self, values: gtsam.Values) -> Array:
+        """Poses (n, 3)."""
+        return np.asarray(gtsam.utilities.extractPose2(values)[: self.keys.poses])
+
+    def marginals(self, values: gtsam.Values, length_scale: Array) -> tuple[Array, Array]:
+        """Poses (n, 3) and their covariances (n, 3, 3) in the map frame."""
+        pose = self.poses(values)
+        rotation = to_map(pose[:, 2])
+        own = marginal_covariances(self.at(length_scale), values, self.order)[: self.keys.poses]
+        return pose, rotation @ own @ rotation.transpose(0, 2, 1)
 
 
 def _from_the_end(timelines: Sequence[Timeline], keys: Keys) -> list[int]:
@@ -144,23 +207,11 @@ def _from_the_end(timelines: Sequence[Timeline], keys: Keys) -> list[int]:
     return [*latest_first.tolist(), *keys.present_references]
 
 
-def _initial_values(guesses: Sequence[list[Moments]], keys: Keys) -> gtsam.Values:
-    values = gtsam.Values()
-    for guess, first, reference in zip(guesses, keys.first, keys.references, strict=True):
-        for i, state in enumerate(guess, first):
-            values.insert(i, gtsam.Pose2(*state.mean[:3]))
-        if reference is not None:
-            values.insert(reference, gtsam.Pose2(0.0, 0.0, guess[-1].mean[4]))
-    return values
-
-
-def _poses(values: gtsam.Values, count: int) -> Array:
-    """Poses (count, 3)."""
-    return np.asarray(gtsam.utilities.extractPose2(values)[:count])
-
-
-def _optimise(graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, order: Sequence[int]) -> gtsam.Values:
+def _optimise(
+    graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, order: Sequence[int], most_iterations: int = 100
+) -> gtsam.Values:
     params = gtsam.LevenbergMarquardtParams()
+    params.setMaxIterations(most_iterations)
     params.setLinearSolverType("MULTIFRONTAL_QR")
     params.setOrdering(ordering_of(order))
     params.setRelativeErrorTol(1e-6)
@@ -169,12 +220,7 @@ def _optimise(graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, order: Se
 
 
 def _improve_scale(
-    graph_at: Callable[[Array], gtsam.NonlinearFactorGraph],
-    values: gtsam.Values,
-    scale: Array,
-    sigma: float,
-    order: Sequence[int],
-    poses: int,
+    graph: _WalkGraph, values: gtsam.Values, scale: Array, sigma: float
 ) -> tuple[_Scale, gtsam.Values]:
     """One Newton step on the length scales, and the poses moved along. values: optimum at `scale`; sigma: prior's.
 
@@ -183,7 +229,7 @@ def _improve_scale(
     axes = _SCALE_PROBE * np.eye(len(scale))
 
     def least_error(offset: Array) -> tuple[float, gtsam.VectorValues]:
-        return _least_error(graph_at(scale + offset), values, order)
+        return _least_error(graph.at(scale + offset), values, graph.order)
 
     here = least_error(np.zeros(len(scale)))
     above, below = [least_error(axis) for axis in axes], [least_error(-axis) for axis in axes]
@@ -199,7 +245,7 @@ def _improve_scale(
     change = here[1]
     for amount, direction in zip(step, per_scale, strict=True):
         change = change.add(direction.scale(float(amount)))
-    heading = _poses(values, poses)[:, 2]
+    heading = graph.poses(values)[:, 2]
     moved = np.stack([in_map(direction, heading) for direction in per_scale], axis=2)
     improved = _Scale(np.asarray(scale + step), np.asarray(np.linalg.inv(curvature)), moved)
     return improved, values.retract(change)

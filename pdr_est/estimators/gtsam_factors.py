@@ -4,7 +4,7 @@ Poses are Pose2 variables, all nodes of one device after those of the other; the
 heading priors, one a device that has some, come last. Every factor is one of GTSAM's own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import cos, sin
 
@@ -43,6 +43,10 @@ class Keys:
             references.append(next_key if relative else None)
             next_key += relative
         return cls(first, tuple(references), sum(counts))
+
+    def of_tie(self, tie: Tie) -> tuple[int, int]:
+        """The two poses that a tie is between."""
+        return self.first[tie.device_a] + tie.node_a, self.first[tie.device_b] + tie.node_b
 
     @property
     def present_references(self) -> list[int]:
@@ -99,12 +103,21 @@ def add_motion(
         graph.add(gtsam.BetweenFactorPose2(first + i, first + i + 1, displacement(node, length_scale), noise[i]))
 
 
-def tether_factor(key_a: int, key_b: int, tie: Tie) -> gtsam.NonlinearFactor:
-    """Two poses at one moment: a distance of zero, under a kernel that ignores all distances within the tether."""
-    sigma_m = max(tie.sigma_m, LEAST_SIGMA)
-    dead_zone = gtsam.noiseModel.mEstimator.L2WithDeadZone.Create(tie.max_distance_m / sigma_m)
-    noise = gtsam.noiseModel.Robust.Create(dead_zone, gtsam.noiseModel.Isotropic.Sigma(1, sigma_m))
-    return gtsam.RangeFactorPose2(key_a, key_b, 0.0, noise)
+def add_tethers(graph: gtsam.NonlinearFactorGraph, ties: Sequence[Tie], keys: Keys) -> None:
+    """Add the distances between poses at one moment: of zero, under a kernel that ignores all distances within the
+    tether."""
+    for tie in ties:
+        sigma_m = max(tie.sigma_m, LEAST_SIGMA)
+        dead_zone = gtsam.noiseModel.mEstimator.L2WithDeadZone.Create(tie.max_distance_m / sigma_m)
+        noise = gtsam.noiseModel.Robust.Create(dead_zone, gtsam.noiseModel.Isotropic.Sigma(1, sigma_m))
+        graph.add(gtsam.RangeFactorPose2(*keys.of_tie(tie), 0.0, noise))
+
+
+def add_tight(graph: gtsam.NonlinearFactorGraph, ties: Iterable[Tie], keys: Keys) -> None:
+    """Add tethers that are tight: their distance is the largest one."""
+    for tie in ties:
+        noise = gtsam.noiseModel.Isotropic.Sigma(1, max(tie.sigma_m, LEAST_SIGMA))
+        graph.add(gtsam.RangeFactorPose2(*keys.of_tie(tie), tie.max_distance_m, noise))
 
 
 def displacement(node: Node, length_scale: float) -> gtsam.Pose2:

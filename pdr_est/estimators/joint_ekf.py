@@ -1,81 +1,154 @@
-"""The filter of several devices on one body: their states side by side, kept within reach of each other."""
+"""The filter of several devices on one body, their states side by side and kept within reach of each other, and its
+Rauch-Tung-Striebel smoother."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.estimators.ekf import NAME, Stretch, run_filter
-from pdr_est.estimators.motion import Moments
+from pdr_est.estimators.ekf import NAME, REGULAR, Stretch, alone_smoothed, run_filter
+from pdr_est.estimators.motion import STATES, Moments, linearise, move
 from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.ties import Tie, starts_of, ties_between
 from pdr_est.estimators.timeline import Timeline, track_from_nodes
+from pdr_est.frames import Array
 from pdr_est.records import DeviceTether, StartPose
 from pdr_est.track import Track, concatenate
+
+End = tuple[int, int]  # a pose: number of the device, number of its node
 
 
 def estimate(
     timelines: Sequence[Timeline], tethers: Sequence[DeviceTether], start: StartPose, sigma_length_scale: float
 ) -> Track:
     """Filtered tracks of all devices: each pose from the past of all of them."""
-    starts = starts_of(timelines, start)
+    ties, starts = ties_between(timelines, tethers), starts_of(timelines, start)
     alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
-    walks = [_Followed(timeline, stretches) for timeline, stretches in zip(timelines, alone, strict=True)]
-    ties: dict[tuple[int, int], list[Tie]] = defaultdict(list)
-    for tie in ties_between(timelines, tethers):
-        later = max((tie.device_a, tie.node_a), (tie.device_b, tie.node_b), key=lambda end: _when(timelines, end))
-        ties[later].append(tie)
+    filtered = [_Filtered(timeline, stretches) for timeline, stretches in zip(timelines, alone, strict=True)]
+    for moment in _follow(timelines, alone, ties):
+        for device, node in moment.touched:
+            filtered[device].record(node, _of_device(moment.mean, moment.covariance, device))
+    return concatenate([one.track() for one in filtered])
+
+
+def smoothed_states(
+    timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[StartPose], sigma_length_scale: float
+) -> list[list[Moments]]:
+    """States at all nodes of each device by what all of them tell before and after; where the direction of a device
+    is open, by what it tells itself."""
+    alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
+    states = [alone_smoothed(stretches) for stretches in alone]
+    moments = list(_follow(timelines, alone, ties))
+    if not moments:
+        return states
+    mean, covariance = moments[-1].mean, moments[-1].covariance
+    for k in range(len(moments) - 1, -1, -1):
+        for device, node in moments[k].touched[:1]:
+            states[device][node] = _of_device(mean, covariance, device)
+        if k:
+            mean, covariance = _back(moments[k - 1], moments[k], timelines, mean, covariance)
+    return states
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """The joint filter after one node. touched: the node, and others at its time that a tie changed. entered: the
+    state that the device entered the filter with, if it did."""
+
+    touched: tuple[End, ...]
+    entered: Moments | None
+    mean: Array
+    covariance: Array
+
+
+def _follow(
+    timelines: Sequence[Timeline], alone: Sequence[Sequence[Stretch]], ties: Sequence[Tie]
+) -> Iterator[_Moment]:
+    """The nodes of all devices in order of time, but for those at which the direction of their device is open."""
+    enters = [_enters(stretches) for stretches in alone]
+    tied: dict[End, list[Tie]] = defaultdict(list)
+    for tie in ties:
+        if all(_takes_part(alone[d], node) for d, node in ((tie.device_a, tie.node_a), (tie.device_b, tie.node_b))):
+            pair = (tie.device_a, tie.node_a), (tie.device_b, tie.node_b)
+            tied[max(pair, key=lambda end: _when(timelines, end))].append(tie)
     joint = PoseFilter(len(timelines))
     ends = [(device, i) for device, timeline in enumerate(timelines) for i in range(len(timeline.nodes))]
-    for end in sorted(ends, key=lambda end: _when(timelines, end)):
-        walks[end[0]].follow(joint, *end)
-        for tie in ties[end]:
-            if walks[tie.device_a].in_filter(tie.node_a) and walks[tie.device_b].in_filter(tie.node_b):
-                joint.keep_together(tie.device_a, tie.device_b, tie.max_distance_m, tie.sigma_m)
-                walks[tie.device_a].record(joint, tie.device_a, tie.node_a)
-                walks[tie.device_b].record(joint, tie.device_b, tie.node_b)
-    return concatenate([walk.track() for walk in walks])
+    for device, i in sorted(ends, key=lambda end: _when(timelines, end)):
+        if not _takes_part(alone[device], i):
+            continue
+        entered = enters[device].get(i)
+        if entered is not None:
+            joint.enter(entered, device)
+        else:
+            joint.advance(timelines[device].nodes[i], device)
+            joint.measure(timelines[device].nodes[i], device)
+        touched = [(device, i)]
+        for tie in tied[device, i]:
+            joint.keep_together(tie.device_a, tie.device_b, tie.max_distance_m, tie.sigma_m)
+            touched += [end for end in ((tie.device_a, tie.node_a), (tie.device_b, tie.node_b)) if end not in touched]
+        yield _Moment(tuple(touched), entered, joint.x.copy(), 0.5 * (joint.P + joint.P.T))
 
 
-def _when(timelines: Sequence[Timeline], end: tuple[int, int]) -> tuple[float, int, int]:
+def _when(timelines: Sequence[Timeline], end: End) -> tuple[float, int, int]:
     """Order of the nodes of all devices: by time, then as the devices are given."""
     device, node = end
     return timelines[device].nodes[node].time_s, device, node
 
 
-class _Followed:
-    """One device in the joint filter. While its direction is open, it is followed by itself (`alignment.py`)."""
+def _enters(stretches: Sequence[Stretch]) -> dict[int, Moments]:
+    """State of a device at each node where its direction became known."""
+    begins = np.cumsum([0, *(len(stretch.nodes) for stretch in stretches)])
+    return {
+        int(begin) + stretch.aligned_from: stretch.moments[0]
+        for begin, stretch in zip(begins, stretches, strict=False)
+        if stretch.aligned_from is not None
+    }
+
+
+def _takes_part(stretches: Sequence[Stretch], node: int) -> bool:
+    """Whether the direction of a device is known at a node."""
+    for stretch in stretches:
+        if node < len(stretch.nodes):
+            return stretch.aligned_from is not None and node >= stretch.aligned_from
+        node -= len(stretch.nodes)
+    return False
+
+
+def _of_device(mean: Array, covariance: Array, device: int) -> Moments:
+    own = slice(STATES * device, STATES * (device + 1))
+    return Moments(mean[own].copy(), covariance[own, own].copy())
+
+
+def _back(
+    before: _Moment, after: _Moment, timelines: Sequence[Timeline], mean: Array, covariance: Array
+) -> tuple[Array, Array]:
+    """Smoothed mean and covariance at `before` from those at `after`."""
+    device, node = after.touched[0]
+    own = slice(STATES * device, STATES * (device + 1))
+    jacobian, noise, moved = np.eye(len(mean)), np.zeros_like(covariance), before.mean.copy()
+    if after.entered is None:
+        step = timelines[device].nodes[node]
+        jacobian[own, own], noise[own, own] = linearise(before.mean[own], step)
+        moved[own] = move(before.mean[own], step)
+    else:
+        jacobian[own, own], noise[own, own], moved[own] = 0.0, after.entered.covariance, after.entered.mean
+    predicted = jacobian @ before.covariance @ jacobian.T + noise
+    gain = np.linalg.solve(predicted + REGULAR * np.eye(len(mean)), jacobian @ before.covariance).T
+    smoothed = before.covariance + gain @ (covariance - predicted) @ gain.T
+    return before.mean + gain @ (mean - moved), 0.5 * (smoothed + smoothed.T)
+
+
+class _Filtered:
+    """The filtered poses of one device; those where its direction is open are what it tells itself."""
 
     def __init__(self, timeline: Timeline, stretches: Sequence[Stretch]) -> None:
         self._timeline = timeline
         self._pose = np.concatenate([stretch.pose for stretch in stretches])
         self._covariance = np.concatenate([stretch.covariance for stretch in stretches])
-        self._enters: dict[int, Moments] = {}
-        self._in_filter = np.zeros(len(timeline.nodes), dtype=np.bool_)
         self._end = stretches[-1].end
-        begin = 0
-        for stretch in stretches:
-            if stretch.aligned_from is not None:
-                self._enters[begin + stretch.aligned_from] = stretch.moments[0]
-                self._in_filter[begin + stretch.aligned_from : begin + len(stretch.nodes)] = True
-            begin += len(stretch.nodes)
 
-    def in_filter(self, node: int) -> bool:
-        return bool(self._in_filter[node])
-
-    def follow(self, joint: PoseFilter, device: int, node: int) -> None:
-        """Move the device to a node, unless its direction is open there."""
-        if not self._in_filter[node]:
-            return
-        if node in self._enters:
-            joint.enter(self._enters[node], device)
-        else:
-            joint.advance(self._timeline.nodes[node], device)
-            joint.measure(self._timeline.nodes[node], device)
-        self.record(joint, device, node)
-
-    def record(self, joint: PoseFilter, device: int, node: int) -> None:
-        state = joint.moments(device)
+    def record(self, node: int, state: Moments) -> None:
         self._pose[node], self._covariance[node] = state.mean[:3], state.covariance[:3, :3]
         self._end = state
 
