@@ -20,6 +20,7 @@ _SEARCH_S = 1.5  # about the shift that is known
 _STEP_S = (0.35, 0.9)
 _APART_S = 0.25  # shifts this far apart belong to different steps
 _WEIGHT_OF_BEAT = 3.0  # more of the walk is steps than turns
+_EFFORT_SIGMA = 0.2  # of the logarithm, between two legs
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,8 @@ class SameStep:
 def same_step(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], shift_s: float) -> SameStep:
     """The shift within 1.5 s of a known one. rows: consecutive samples of `one` to compare.
 
-    The score is that of Gaussian signals with a correlation r, -log(1 - r^2), summed over beat and turns.
+    The score is that of Gaussian signals with a correlation r, -log(1 - r^2), summed over beat and turns, and for
+    effort that of a known error: starts and stops count, what is left of the leg's own effort does not.
     """
     step = _step_samples(one.beat[rows])
     reach = round(_SEARCH_S * RATE_HZ) + step
@@ -43,6 +45,7 @@ def same_step(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], s
     if one.turn is not None and two.turn is not None:
         turn = _of_neighbours(_correlations(one, two, one.turn, two.turn, rows, shift_s, reach), step)
         score -= np.log1p(-(np.minimum(np.maximum(turn, 0.0), 0.999) ** 2))
+    score = score - 0.5 * _effort_apart(one, two, rows, shift_s, reach - step) / _EFFORT_SIGMA**2
     best = int(np.argmax(score))
     other = np.abs(np.arange(len(score)) - best) > _APART_S * RATE_HZ
     lag_s = (best - round(_SEARCH_S * RATE_HZ)) / RATE_HZ
@@ -66,11 +69,20 @@ def _correlations(
 ) -> Array:
     """At whole samples from -reach to reach about a shift, (2 reach + 1,)."""
     time_s = one.start_s + np.arange(rows[0] - reach, rows[-1] + reach + 1) / RATE_HZ + shift_s
-    there = np.interp(time_s, two.time_s, b)
+    there = np.interp(time_s, two.time_s, b, left=0.0, right=0.0)
     values = a[rows] - a[rows].mean()
     windows = np.lib.stride_tricks.sliding_window_view(there, len(rows))
     centred_size = np.sqrt(len(rows) * np.maximum(np.var(windows, axis=1), 1e-24))
     return np.asarray((windows @ np.conj(values)).real / (centred_size * max(float(np.linalg.norm(values)), 1e-12)))
+
+
+def _effort_apart(
+    one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], shift_s: float, reach: int
+) -> Array:
+    """Variance of the difference of effort at whole samples from -reach to reach about a shift, (2 reach + 1,)."""
+    time_s = one.start_s + np.arange(rows[0] - reach, rows[-1] + reach + 1) / RATE_HZ + shift_s
+    windows = np.lib.stride_tricks.sliding_window_view(np.interp(time_s, two.time_s, two.effort), len(rows))
+    return np.array([np.var(window - one.effort[rows]) for window in windows])
 
 
 def _of_neighbours(correlations: Array, step: int) -> Array:

@@ -44,7 +44,7 @@ class WalkClockParams:
     least_lead: Fraction = 0.15
     step_window_s: Positive = 240.0
     step_sigma_s: Positive = 0.08
-    least_step_lead: Positive = 0.1
+    least_step_lead: Positive = 0.2
     strike_window_s: Positive = 8.0
     strike_search_s: Positive = 0.2
     least_agreement: Fraction = 0.3
@@ -132,7 +132,7 @@ def _over_all_shifts(one: CommonSignals, two: CommonSignals, near_s: float) -> t
 def _steps(one: CommonSignals, two: CommonSignals, shift_s: float, chosen: WalkClockParams) -> tuple[Line, float]:
     """The line of the second look, and the median lead of its windows; without any, what the first look knows."""
     level = Line(0.0, shift_s, 0.0, np.diag([_PEAK_S**2, SIGMA_SKEW**2]), _PEAK_S, np.zeros(0, dtype=np.bool_))
-    windows = _stretches(one, two, level, chosen.step_window_s, 2.5)
+    windows = _stretches(one, two, level, chosen.step_window_s, 0.0)
     found = [same_step(one, two, rows, shift_s) for rows in windows]
     if not found:
         return level, 0.0
