@@ -14,6 +14,7 @@ FREE_TO_ALL = {"records", "frames", "errors", "stage", "params", "track"}
 # A part may import what stands in an earlier group, and itself; never its neighbours in the same group.
 ORDER: list[set[str]] = [
     {"io"},
+    {"synchronise"},
     {"front_end.signal"},
     {"front_end.attitude"},
     {"front_end.mode"},
