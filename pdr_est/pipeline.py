@@ -10,7 +10,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_track
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
-from pdr_est.front_end.heading import heading_stage
+from pdr_est.front_end.heading import heading_stage, needs_magnetometer
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
@@ -18,7 +18,13 @@ from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.doubts import doubts
 from pdr_est.io.recording import DeviceRecording, Recording
-from pdr_est.io.requirements import has_gyroscope, needed_channels, refuse_without_track, why_nothing
+from pdr_est.io.requirements import (
+    has_gyroscope,
+    needed_channels,
+    refuse_without_magnetometer,
+    refuse_without_track,
+    why_nothing,
+)
 from pdr_est.io.resample import Resampler
 from pdr_est.records import Channel, Gap, HeadingPrior, LevelBlock, PositionFix, Step, StepOdometry
 from pdr_est.stage import Chain, Stage
@@ -143,10 +149,17 @@ def _gaps_in_words(gaps: Sequence[Gap]) -> str:
 
 
 def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resampler, Chain]:
-    """Chain SensorBlock -> LevelBlock for a device, and its first stage, which knows the gaps."""
+    """Chain SensorBlock -> LevelBlock for a device, and its first stage, which knows the gaps.
+
+    The magnetic field comes with it where the heading needs it; all else is the same with it and without.
+    """
     rate_hz = config.resample.rate_hz
     channels = needed_channels(device, place, with_attitude=config.attitude.source == "device")
-    resampler = Resampler(channels, config.resample)
+    optional: tuple[Channel, ...] = ()
+    if needs_magnetometer(config.heading):
+        refuse_without_magnetometer(device, place)
+        optional = (Channel.MAGNETIC_FIELD,)
+    resampler = Resampler(channels, config.resample, optional)
     if Channel.ROTATION_RATE not in channels:
         tilt = AccelerometerTilt(rate_hz, config.attitude)
         # Modes are told apart by rotation: without it they stay unknown unless one is given.

@@ -13,12 +13,25 @@ from typing import Any
 
 import numpy as np
 import pytest
-from partitions import Block, content, cut, in_time_order, interleave, messy_device, one_by_one, part, run
+from partitions import (
+    Block,
+    content,
+    cut,
+    in_bursts,
+    in_time_order,
+    interleave,
+    messy_device,
+    one_by_one,
+    part,
+    run,
+)
 
 from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
+from pdr_est.front_end.heading import HeadingParams
+from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
@@ -31,10 +44,10 @@ from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, Relati
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
-from pdr_est.io.recording import DeviceRecording
+from pdr_est.io.recording import DeviceRecording, Signal
 from pdr_est.io.resample import ResampleParams, Resampler
 from pdr_est.records import CarryingMode, Channel, LevelBlock, SensorBlock, Step
-from pdr_est.simulate import mmpdr_mode_walks, simulate_walk
+from pdr_est.simulate import PHONE_MAGNETOMETER, mmpdr_mode_walks, simulate_walk
 from pdr_est.stage import Chain, Stage
 
 RATES_HZ = (25.0, 50.0, 100.0, 400.0)
@@ -85,8 +98,10 @@ CASES = {
     "UnknownGait": Case(UnknownGait, "steps"),
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
+    "MagnetometerHeading": Case(MagnetometerHeading, "steps with field"),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
 }
+_TO_STEPS = ("VqfAttitude", "FixedMode", "StepSegmentation-AutoSteps")
 CHANNELS = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE)
 CONFIGS = {
     f"{source}-{detector}": replace(
@@ -111,9 +126,16 @@ def records(consumed: str, rate_hz: float) -> tuple[Any, ...]:
         "imu": ("raw", CASES["Resampler"].make()),
         "level": ("imu", Chain([CASES["VqfAttitude"].make(), FixedMode(CarryingMode.HOLDING)])),
         "steps": ("level", CASES["StepSegmentation-AutoSteps"].make()),
+        "steps with field": ("raw", with_field()),
         "complete steps": ("steps", Chain([CASES["StepLength"].make(), StepYaw()])),
     }[consumed]
     return tuple(run(stage, records(before, rate_hz))[0])
+
+
+def with_field() -> Chain:
+    """From samples to steps with the magnetic field, for recordings whose channels come one after the other."""
+    resampler = Resampler(CHANNELS, ResampleParams(), optional=(Channel.MAGNETIC_FIELD,))
+    return Chain([resampler, *(CASES[name].make() for name in _TO_STEPS)])
 
 
 def whole_chain(config: Config, rate_hz: float) -> Chain:
@@ -289,3 +311,27 @@ def test_many_recordings_in_many_cuts(config: Config, rate_hz: float) -> None:
         items = tuple(device(rate_hz, seed).blocks())
         cuttings = [randomly_cut(items, rng) for _ in range(8)] + [in_time_order(items)]
         assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
+
+
+def test_cuts_of_the_chain_with_a_magnetometer() -> None:
+    """It may come a little later than the others, pauses, and stops early; the others go on, and no cut matters."""
+    config = Config(heading=HeadingParams(method="magnetometer"))
+    scenario = mmpdr_mode_walks(people=2)[1]
+    sensors = replace(scenario.devices[0].sensors, magnetometer=PHONE_MAGNETOMETER)
+    carried = replace(scenario.devices[0], sensors=sensors)
+    whole = simulate_walk(replace(scenario, devices=(carried,))).recording.devices[0]
+    field = whole.magnetic_field
+    assert field is not None
+    kept = (field.time_s < 20.0) | ((field.time_s > 25.0) & (field.time_s < 40.0))
+    fitted = replace(whole, magnetic_field=Signal(field.time_s[kept], field.values[kept]))
+    items, rng = tuple(fitted.blocks()), np.random.default_rng(13)
+
+    def chain() -> Chain:
+        _, to_level = pipeline.levelling(fitted, "fitted", config)
+        return Chain([*to_level.stages, *pipeline.stepping(config).stages, Odometry("device", config.odometry)])
+
+    cuttings = [
+        in_bursts([one_by_one([block]) for block in items], 1.9, rng),
+        in_bursts([cut(block, rng, 3000) for block in items], 1.0, rng),
+    ]
+    assert_cuts_do_not_matter(chain, items, cuttings, rng)

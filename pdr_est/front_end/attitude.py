@@ -116,6 +116,7 @@ class AccelerometerTilt:
                 turn_rate_radps=unknown[:, 1],
                 mode=np.full(len(force), CarryingMode.UNKNOWN, dtype=np.int8),
                 mode_probability=np.zeros(len(force)),
+                magnetic_field_ut=item.magnetic_field_ut,
             )
         ]
 
@@ -145,4 +146,5 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         turn_rate_radps=dot(rotation_rate_radps, up),
         mode=np.full(len(block.time_s), CarryingMode.UNKNOWN, dtype=np.int8),
         mode_probability=np.zeros(len(block.time_s)),
+        magnetic_field_ut=block.magnetic_field_ut,
     )

@@ -8,7 +8,10 @@ import numpy as np
 
 from pdr_est.records import LevelBlock
 
-_COLUMNS = tuple(field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment"))
+_OPTIONAL = "magnetic_field_ut"  # None in all blocks of a device, or in none
+_COLUMNS = tuple(
+    field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment", _OPTIONAL)
+)
 _columns_of = attrgetter(*_COLUMNS)
 
 
@@ -17,7 +20,13 @@ def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
     if len(blocks) == 1:
         return blocks[0]
     columns = map(np.concatenate, zip(*map(_columns_of, blocks), strict=True))
-    return LevelBlock(blocks[0].first_index, blocks[0].segment, **dict(zip(_COLUMNS, columns, strict=True)))
+    fields_ut = [block.magnetic_field_ut for block in blocks if block.magnetic_field_ut is not None]
+    return LevelBlock(
+        blocks[0].first_index,
+        blocks[0].segment,
+        **dict(zip(_COLUMNS, columns, strict=True)),
+        magnetic_field_ut=np.concatenate(fields_ut) if fields_ut else None,
+    )
 
 
 def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
@@ -36,4 +45,7 @@ def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
 def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
     """Samples start to stop (exclusive) of a block: views, as nobody changes arrays in place."""
     columns = {name: getattr(block, name)[start:stop] for name in _COLUMNS}
-    return LevelBlock(first_index=block.first_index + start, segment=block.segment, **columns)
+    field_ut = None if block.magnetic_field_ut is None else block.magnetic_field_ut[start:stop]
+    return LevelBlock(
+        first_index=block.first_index + start, segment=block.segment, **columns, magnetic_field_ut=field_ut
+    )
