@@ -139,4 +139,6 @@ def _exact(value: Any) -> Any:
         return (value.dtype.str, value.shape, value.tobytes())
     if isinstance(value, float):
         return float(value).hex()
+    if type(value) is tuple:  # a NaN inside is not itself any more when it comes back from a pickle
+        return tuple(_exact(item) for item in value)
     return value

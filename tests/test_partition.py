@@ -30,11 +30,18 @@ from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
-from pdr_est.front_end.heading import HeadingParams
+from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
+from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.heading.hde import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
+from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
+from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
+from pdr_est.front_end.heading.tie import TieParams
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
+from pdr_est.front_end.signal.blocks import join
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import DETECTORS, DetectorName
 from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
@@ -99,6 +106,13 @@ CASES = {
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
     "MagnetometerHeading": Case(MagnetometerHeading, "steps with field"),
+    "MmpdrHeading": Case(lambda: MmpdrHeading(MmpdrHeadingParams()), "steps"),
+    "PspHeading": Case(lambda: PspHeading(WORKING_HZ, HdeParams(), TieParams(), priors=True), "steps"),
+    "PspHeading-gyro": Case(lambda: PspHeading(WORKING_HZ, None, None, priors=False), "steps"),
+    "AccelerationIntegration": Case(
+        lambda: AccelerationIntegration(WORKING_HZ, AccelerationIntegrationParams()), "steps"
+    ),
+    "PrincipalAxis": Case(lambda: PrincipalAxis(PrincipalAxisParams()), "steps"),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
 }
 _TO_STEPS = ("VqfAttitude", "FixedMode", "StepSegmentation-AutoSteps")
@@ -241,12 +255,25 @@ def with_noise(block: LevelBlock, rng: np.random.Generator) -> LevelBlock:
 
 
 @cache
+def with_magnetometer() -> DeviceRecording:
+    """A walk with changing modes, its magnetometer with a pause and an early end."""
+    scenario = mmpdr_mode_walks(people=2)[1]
+    sensors = replace(scenario.devices[0].sensors, magnetometer=PHONE_MAGNETOMETER)
+    carried = replace(scenario.devices[0], sensors=sensors)
+    whole = simulate_walk(replace(scenario, devices=(carried,))).recording.devices[0]
+    field = whole.magnetic_field
+    assert field is not None
+    kept = (field.time_s < 20.0) | ((field.time_s > 25.0) & (field.time_s < 40.0))
+    return replace(whole, magnetic_field=Signal(field.time_s[kept], field.values[kept]))
+
+
+@cache
 def changing_modes() -> tuple[LevelBlock, ...]:
     """The level samples of a walk with all three modes and the transitions between them, with a gap of 2 s that
     begins within a transition."""
-    walk = simulate_walk(mmpdr_mode_walks(people=2)[1])
-    device, config = walk.recording.devices[0], Config(mode=ModeParams(method="mmpdr"))
-    (block,) = run(pipeline.levelling(device, walk.recording.name, config)[1], device.blocks())[0]
+    device = with_magnetometer()
+    config = Config(mode=ModeParams(method="mmpdr"), heading=HeadingParams(method="magnetometer"))
+    block = join(run(pipeline.levelling(device, "changing", config)[1], device.blocks())[0])
     middle = int(np.flatnonzero(block.mode == CarryingMode.TRANS)[-20])
     late = part(block, middle + 100, len(block))
     return part(block, 0, middle), replace(late, segment=1)
@@ -259,10 +286,13 @@ def test_the_changing_modes_are_all_there() -> None:
     assert sum(event.mode is CarryingMode.TRANS for event in events) >= 6
 
 
-def test_cuts_where_modes_change() -> None:
-    """The state machine and the detector that follows it, from samples to odometry."""
+@pytest.mark.parametrize("heading", HEADINGS)
+def test_cuts_where_modes_change(heading: HeadingName) -> None:
+    """The state machine and the stages that follow it, from samples to odometry."""
     rng = np.random.default_rng(11)
-    config = Config(mode=ModeParams(method="mmpdr"), steps=StepsParams(detector="mmpdr"))
+    config = Config(
+        mode=ModeParams(method="mmpdr"), steps=StepsParams(detector="mmpdr"), heading=HeadingParams(method=heading)
+    )
 
     def chain() -> Chain:
         mode = MmpdrMode(WORKING_HZ, MmpdrModeParams())
@@ -316,14 +346,7 @@ def test_many_recordings_in_many_cuts(config: Config, rate_hz: float) -> None:
 def test_cuts_of_the_chain_with_a_magnetometer() -> None:
     """It may come a little later than the others, pauses, and stops early; the others go on, and no cut matters."""
     config = Config(heading=HeadingParams(method="magnetometer"))
-    scenario = mmpdr_mode_walks(people=2)[1]
-    sensors = replace(scenario.devices[0].sensors, magnetometer=PHONE_MAGNETOMETER)
-    carried = replace(scenario.devices[0], sensors=sensors)
-    whole = simulate_walk(replace(scenario, devices=(carried,))).recording.devices[0]
-    field = whole.magnetic_field
-    assert field is not None
-    kept = (field.time_s < 20.0) | ((field.time_s > 25.0) & (field.time_s < 40.0))
-    fitted = replace(whole, magnetic_field=Signal(field.time_s[kept], field.values[kept]))
+    fitted = with_magnetometer()
     items, rng = tuple(fitted.blocks()), np.random.default_rng(13)
 
     def chain() -> Chain:

@@ -2,12 +2,20 @@
 
 from typing import Literal, assert_never, get_args
 
+from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.heading.hde import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
+from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
+from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
+from pdr_est.front_end.heading.tie import TieParams
 from pdr_est.params import params
 from pdr_est.stage import Stage
 
-HeadingName = Literal["auto", "step-yaw", "magnetometer"]
+HeadingName = Literal[
+    "auto", "step-yaw", "mmpdr", "gyro", "hde", "psp", "acceleration-integration", "principal-axis", "magnetometer"
+]
 HEADINGS: tuple[HeadingName, ...] = get_args(HeadingName)
 HeadingUse = Literal["increments", "priors"]
 
@@ -16,10 +24,16 @@ HeadingUse = Literal["increments", "priors"]
 class HeadingParams:
     """method: which one. use: what becomes of the directions of straight paths that a method finds: "increments"
     corrects the headings of the steps by them, "priors" leaves the headings as they were and hands the directions to
-    the estimator as heading priors, which it weighs."""
+    the estimator as heading priors, which it weighs. The parameters of each method lie under its own name; `psp` has
+    those of its controllers, `hde` and `tie`."""
 
     method: HeadingName = "auto"
     use: HeadingUse = "priors"
+    mmpdr: MmpdrHeadingParams = MmpdrHeadingParams()
+    hde: HdeParams = HdeParams()
+    tie: TieParams = TieParams()
+    acceleration_integration: AccelerationIntegrationParams = AccelerationIntegrationParams()
+    principal_axis: PrincipalAxisParams = PrincipalAxisParams()
 
 
 def needs_magnetometer(parameters: HeadingParams) -> bool:
@@ -29,9 +43,22 @@ def needs_magnetometer(parameters: HeadingParams) -> bool:
 
 def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     """Stage Step -> Step that fills in heading_rad, sigma_turn_rad and, on straight paths, straight_rad."""
+    priors = parameters.use == "priors"
     match parameters.method:
         case "auto" | "step-yaw":
             return StepYaw()
+        case "mmpdr":
+            return MmpdrHeading(parameters.mmpdr)
+        case "gyro":
+            return PspHeading(rate_hz, None, None, priors)
+        case "hde":
+            return PspHeading(rate_hz, parameters.hde, None, priors)
+        case "psp":
+            return PspHeading(rate_hz, parameters.hde, parameters.tie, priors)
+        case "acceleration-integration":
+            return AccelerationIntegration(rate_hz, parameters.acceleration_integration)
+        case "principal-axis":
+            return PrincipalAxis(parameters.principal_axis)
         case "magnetometer":
             return MagnetometerHeading()
     assert_never(parameters.method)

@@ -1,6 +1,6 @@
 """Direction of a step: the mean yaw of the device over the step (MMPDR section III-E, Table IV).
 
-The averaging over two steps in POCKET and the adaptive offset compensation of Table V are not there yet.
+The averaging over two steps in POCKET and the offset compensation of Table V are in `mmpdr`.
 """
 
 from dataclasses import replace

@@ -3,15 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import fields
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.records import LevelBlock
 
-_OPTIONAL = "magnetic_field_ut"  # None in all blocks of a device, or in none
-_COLUMNS = tuple(
-    field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment", _OPTIONAL)
-)
+_COLUMNS = tuple(field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment"))
 _columns_of = attrgetter(*_COLUMNS)
 
 
@@ -19,14 +18,14 @@ def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
     """Consecutive blocks of one segment as one block."""
     if len(blocks) == 1:
         return blocks[0]
-    columns = map(np.concatenate, zip(*map(_columns_of, blocks), strict=True))
-    fields_ut = [block.magnetic_field_ut for block in blocks if block.magnetic_field_ut is not None]
-    return LevelBlock(
-        blocks[0].first_index,
-        blocks[0].segment,
-        **dict(zip(_COLUMNS, columns, strict=True)),
-        magnetic_field_ut=np.concatenate(fields_ut) if fields_ut else None,
-    )
+    columns = map(_joined, zip(*map(_columns_of, blocks), strict=True))
+    return LevelBlock(blocks[0].first_index, blocks[0].segment, **dict(zip(_COLUMNS, columns, strict=True)))
+
+
+def _joined(columns: Sequence[NDArray[Any] | None]) -> Any:
+    """The columns one after the other; a column that the device does not record is None in all blocks."""
+    present = [column for column in columns if column is not None]
+    return np.concatenate(present) if present else None
 
 
 def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
@@ -44,8 +43,6 @@ def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
 
 def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
     """Samples start to stop (exclusive) of a block: views, as nobody changes arrays in place."""
-    columns = {name: getattr(block, name)[start:stop] for name in _COLUMNS}
-    field_ut = None if block.magnetic_field_ut is None else block.magnetic_field_ut[start:stop]
-    return LevelBlock(
-        first_index=block.first_index + start, segment=block.segment, **columns, magnetic_field_ut=field_ut
-    )
+    whole = zip(_COLUMNS, _columns_of(block), strict=True)
+    columns: dict[str, Any] = {name: None if column is None else column[start:stop] for name, column in whole}
+    return LevelBlock(first_index=block.first_index + start, segment=block.segment, **columns)

@@ -1,0 +1,38 @@
+"""Steps two by two: what a phone at a leg does comes back once a stride, every two steps."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.front_end.gait.features import begins_walk
+from pdr_est.records import Step
+
+STRIDE_LATENCY_S = 2.0  # a step waits for the next one, which in a walk comes before it counts as a standstill
+
+
+class Strides:
+    """Pairs of steps that follow each other. One that no step follows before a standstill or a gap stays alone; it
+    is known to be alone when the next step comes, or at the end."""
+
+    def __init__(self) -> None:
+        self._first: Step | None = None
+
+    def add(self, step: Step) -> list[tuple[Step, ...]]:
+        """Take the next step; return what is now complete."""
+        first = self._first
+        if first is None or begins_walk(step, first):
+            self._first = step
+            return [] if first is None else [(first,)]
+        self._first = None
+        return [(first, step)]
+
+    def rest(self) -> list[tuple[Step, ...]]:
+        """The step that waits, alone; what comes next begins a pair."""
+        first, self._first = self._first, None
+        return [] if first is None else [(first,)]
+
+
+def yaw_of(steps: Sequence[Step]) -> Array:
+    """The yaw angles (n,) rad of all samples of some steps."""
+    return np.concatenate([step.samples.yaw_rad for step in steps])

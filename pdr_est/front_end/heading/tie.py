@@ -1,0 +1,40 @@
+"""TIE controller of PSP (Hong et al. 2013), eq. 5: compensation of the Turn Insufficient Effect.
+
+A phone that swings in a pocket has its y axis out of the vertical, so that its gyroscope shows too little of every
+turn (eq. 1). What HDE has to add on straight paths is taken for a measure of the swing, and its average is added in
+turns, in the sense of the turn: P = T * mean(I).
+
+Reading of the paper. "The average of all I_i values" cannot be the signed mean. In the closed loop the signed mean
+balances the drift of the gyroscope and has the opposite sign, so that T * mean(I) would take away from every turn to
+one side, and add the drift once more. The effect is a shortfall of every turn, and what increases every turn is a
+positive mean: that of the magnitudes, zeros of eq. 4 included. `average` = "signed" gives the literal one. Drift and
+swing remain one number in it, as the paper has it: a larger drift makes it compensate for more than there is.
+"""
+
+from typing import Literal
+
+from pdr_est.params import params
+
+
+@params
+class TieParams:
+    """average: of the compensations that HDE made on straight paths; "magnitude" of |I|, "signed" of I."""
+
+    average: Literal["magnitude", "signed"] = "magnitude"
+
+
+class TieController:
+    """Records HDE's compensation on straight paths and puts its mean in its place in turns."""
+
+    def __init__(self, parameters: TieParams) -> None:
+        self._signed = parameters.average == "signed"
+        self._sum_rad = 0.0
+        self._count = 0
+
+    def at(self, turn: int, compensation_rad: float) -> float:
+        """P (eq. 5) from T and I_i; 0 in turns before the first straight stride."""
+        if turn != 0:
+            return turn * self._sum_rad / self._count if self._count else 0.0
+        self._sum_rad += compensation_rad if self._signed else abs(compensation_rad)
+        self._count += 1
+        return compensation_rad
