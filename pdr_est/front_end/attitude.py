@@ -24,11 +24,14 @@ class AttitudeParams:
     """source: "vqf" integrates the raw samples (Laidig and Seel 2023), "device" takes the recorder's attitude.
 
     accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
+    bias_at_rest: whether vqf learns the bias of the gyroscope where it finds the device at rest. It finds that of a
+    walker who stands as well, and takes the slow swaying of leg or hand for a bias.
     tilt_cutoff_hz: below this frequency the specific force of a device without gyroscope is taken for gravity.
     """
 
     source: Literal["vqf", "device"] = "vqf"
     accelerometer_time_constant_s: Positive = 3.0
+    bias_at_rest: bool = True
     tilt_cutoff_hz: Annotated[float, Ge(0.02), Le(2.0)] = 0.3
 
 
@@ -38,7 +41,11 @@ class VqfAttitude:
     latency_s = 0.0
 
     def __init__(self, rate_hz: float, parameters: AttitudeParams) -> None:
-        self._settings = {"gyrTs": 1.0 / rate_hz, "tauAcc": parameters.accelerometer_time_constant_s}
+        self._settings = {
+            "gyrTs": 1.0 / rate_hz,
+            "tauAcc": parameters.accelerometer_time_constant_s,
+            "restBiasEstEnabled": parameters.bias_at_rest,
+        }
         self._filter = VQF(**self._settings)
         self._segment: int | None = None
 
