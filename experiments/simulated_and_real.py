@@ -44,6 +44,7 @@ class Walk:
 
     vertical_mps2: (n,) upwards without gravity; rotation_radps: (n, 3); tilt_deg: (n,) angle of gravity from its
     mean direction; cadence_hz: steps a second. up: (3,) the mean direction, device axes.
+    swing_turn_degps: what the swing alone turns the device about `up`, less what the walker turns, absolute.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Walk:
     tilt_deg: Array
     up: Array
     cadence_hz: float
+    swing_turn_degps: float
 
 
 def main() -> None:
@@ -104,16 +106,19 @@ def steady_walk(name: str, device: DeviceRecording) -> Walk | None:
         return None
     up = level.up[part]
     mean_up = up.mean(axis=0) / np.linalg.norm(up.mean(axis=0))
-    vertical = level.vertical_mps2[part]
+    vertical, rotation = level.vertical_mps2[part], block.rotation_rate_radps[part]
+    yaw = np.unwrap(level.yaw_rad[part])
+    walker_radps = (yaw[-1] - yaw[0]) / (len(yaw) - 1) * RATE_HZ * (up @ mean_up).mean()
     frequency, power = spectrum(vertical)
     band = (frequency > 1.2) & (frequency < 2.6)
     return Walk(
         name=name,
         vertical_mps2=vertical,
-        rotation_radps=block.rotation_rate_radps[part],
+        rotation_radps=rotation,
         tilt_deg=np.degrees(np.arccos(np.clip(up @ mean_up, -1.0, 1.0))),
         up=mean_up,
         cadence_hz=float(frequency[band][np.argmax(power[band])]),
+        swing_turn_degps=float(np.degrees(np.abs((level.rotation_rate_radps[part] @ mean_up).mean() - walker_radps))),
     )
 
 
@@ -186,6 +191,7 @@ def table(kinds: dict[str, dict[str, list[Walk]]]) -> str:
             np.linalg.norm(walk.rotation_radps, axis=1), 99
         ),
         "gravity off its mean, 95th percentile, deg": lambda walk: np.percentile(walk.tilt_deg, 95),
+        "turn about the mean vertical by swing, deg/s": lambda walk: walk.swing_turn_degps,
         "gravity on x, share": lambda walk: abs(walk.up[0]),
         "gravity on y, share": lambda walk: abs(walk.up[1]),
         "gravity on z, share": lambda walk: abs(walk.up[2]),

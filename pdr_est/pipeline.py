@@ -11,7 +11,7 @@ from pdr_est.estimators import SMOOTHERS, estimate_track
 from pdr_est.estimators.known_directions import tied_to_map
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
-from pdr_est.front_end.heading import heading_stage, hindsight_stage
+from pdr_est.front_end.heading import heading_stage, hindsight_stage, needs_magnetometer
 from pdr_est.front_end.heading.dominant import DominantDirections
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
@@ -20,7 +20,14 @@ from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.doubts import doubts
 from pdr_est.io.recording import DeviceRecording, Recording
-from pdr_est.io.requirements import better_attitude, has_gyroscope, needed_channels, refuse_without_track, why_nothing
+from pdr_est.io.requirements import (
+    better_attitude,
+    has_gyroscope,
+    needed_channels,
+    refuse_without_magnetometer,
+    refuse_without_track,
+    why_nothing,
+)
 from pdr_est.io.resample import Resampler
 from pdr_est.records import (
     Channel,
@@ -169,12 +176,19 @@ def _gaps_in_words(gaps: Sequence[Gap]) -> str:
 
 
 def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resampler, Chain]:
-    """Chain SensorBlock -> LevelBlock for a device, and its first stage, which knows the gaps."""
+    """Chain SensorBlock -> LevelBlock for a device, and its first stage, which knows the gaps.
+
+    The magnetic field comes with it where the heading needs it; all else is the same with it and without.
+    """
     rate_hz = config.resample.rate_hz
     source = config.attitude.source
     own_attitude = source == "device" or (source == "auto" and better_attitude(device))
     channels = needed_channels(device, place, with_attitude=own_attitude)
-    resampler = Resampler(channels, config.resample)
+    optional: tuple[Channel, ...] = ()
+    if needs_magnetometer(config.heading):
+        refuse_without_magnetometer(device, place)
+        optional = (Channel.MAGNETIC_FIELD,)
+    resampler = Resampler(channels, config.resample, optional)
     if Channel.ROTATION_RATE not in channels:
         tilt = AccelerometerTilt(rate_hz, config.attitude)
         # Modes are told apart by rotation: without it they stay unknown unless one is given.

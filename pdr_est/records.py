@@ -66,7 +66,8 @@ class ImuBlock:
 
     first_index counts grid points since the start of the recording, time_s: (n,).
     specific_force_mps2, rotation_rate_radps: (n, 3), device axes; the latter None for a device without gyroscope.
-    attitude: (n, 4) w first or None.
+    attitude: (n, 4) w first or None. magnetic_field_ut: (n, 3), NaN where it was not recorded, None where it is not
+    needed.
     """
 
     first_index: int

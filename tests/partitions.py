@@ -9,7 +9,16 @@ import numpy as np
 
 from pdr_est.io.recording import DeviceRecording, Signal
 from pdr_est.records import ImuBlock, LevelBlock, SensorBlock
-from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, simulate_walk
+from pdr_est.simulate import (
+    PHONE_MAGNETOMETER,
+    DeviceParams,
+    GaitParams,
+    PathParams,
+    Pause,
+    Scenario,
+    SensorParams,
+    simulate_walk,
+)
 
 Block = SensorBlock | ImuBlock | LevelBlock
 _RESET_AT_S, _RESET_BY_S = 9.0, 8.5
@@ -24,6 +33,7 @@ def messy_device(rate_hz: float, seed: int) -> DeviceRecording:
         lost_fraction=0.02,
         gaps_s=((3.2, 4.1), (6.5, 7.2)),
         record_attitude=True,
+        magnetometer=PHONE_MAGNETOMETER,
     )
     scenario = Scenario(
         path=PathParams(vertices_m=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0))),
@@ -33,7 +43,7 @@ def messy_device(rate_hz: float, seed: int) -> DeviceRecording:
     )
     rng = np.random.default_rng(seed)
     device = simulate_walk(scenario).recording.devices[0]
-    channels = ("specific_force", "rotation_rate", "attitude")
+    channels = ("specific_force", "rotation_rate", "attitude", "magnetic_field")
     return replace(device, **{name: _spoil(getattr(device, name), rng) for name in channels})
 
 
@@ -78,6 +88,20 @@ def interleave(streams: Sequence[Sequence[Any]], rng: np.random.Generator) -> li
     turns = rng.permutation(np.repeat(np.arange(len(streams)), [len(stream) for stream in streams]))
     iterators = [iter(stream) for stream in streams]
     return [next(iterators[turn]) for turn in turns]
+
+
+def in_bursts(streams: Sequence[Sequence[SensorBlock]], lag_s: float, rng: np.random.Generator) -> list[SensorBlock]:
+    """The blocks of several streams as a recorder sends them: the first stream every lag_s, the others ten times as
+    often. Clocks must not run back."""
+    arrivals = []
+    for number, stream in enumerate(streams):
+        every_s, known_s = lag_s / (10.0 if number else 1.0), -np.inf
+        begin_s = rng.uniform(0.0, every_s)
+        for block in stream:
+            if len(block.time_s):
+                known_s = begin_s + every_s * np.ceil((float(block.time_s[-1]) - begin_s) / every_s)
+            arrivals.append((known_s, number, block))
+    return [block for _, _, block in sorted(arrivals, key=lambda arrival: arrival[:2])]
 
 
 def in_time_order(blocks: Sequence[SensorBlock]) -> list[Block]:

@@ -13,7 +13,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from partitions import Block, content, cut, in_time_order, interleave, messy_device, one_by_one, part, run
+from partitions import (
+    Block,
+    content,
+    cut,
+    in_bursts,
+    in_time_order,
+    interleave,
+    messy_device,
+    one_by_one,
+    part,
+    run,
+)
 
 from pdr_est import front_end, pipeline
 from pdr_est.config import Config, StepsParams
@@ -22,6 +33,7 @@ from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
 from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
 from pdr_est.front_end.heading.hde import HdeParams
+from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
@@ -29,6 +41,7 @@ from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie import TieParams
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
+from pdr_est.front_end.signal.blocks import join
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import DETECTORS, DetectorName
 from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
@@ -38,10 +51,10 @@ from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, Relati
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
-from pdr_est.io.recording import DeviceRecording
+from pdr_est.io.recording import DeviceRecording, Signal
 from pdr_est.io.resample import ResampleParams, Resampler
 from pdr_est.records import CarryingMode, Channel, LevelBlock, SensorBlock, Step
-from pdr_est.simulate import mmpdr_mode_walks, simulate_walk
+from pdr_est.simulate import PHONE_MAGNETOMETER, mmpdr_mode_walks, simulate_walk
 from pdr_est.stage import Chain, Stage
 
 RATES_HZ = (25.0, 50.0, 100.0, 400.0)
@@ -92,6 +105,7 @@ CASES = {
     "UnknownGait": Case(UnknownGait, "steps"),
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
+    "MagnetometerHeading": Case(MagnetometerHeading, "steps with field"),
     "MmpdrHeading": Case(lambda: MmpdrHeading(MmpdrHeadingParams()), "steps"),
     "PspHeading": Case(lambda: PspHeading(WORKING_HZ, HdeParams(), TieParams(), priors=True), "steps"),
     "PspHeading-gyro": Case(lambda: PspHeading(WORKING_HZ, None, None, priors=False), "steps"),
@@ -101,6 +115,7 @@ CASES = {
     "PrincipalAxis": Case(lambda: PrincipalAxis(PrincipalAxisParams()), "steps"),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
 }
+_TO_STEPS = ("VqfAttitude", "FixedMode", "StepSegmentation-AutoSteps")
 CHANNELS = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE)
 CONFIGS = {
     f"{source}-{detector}": replace(
@@ -125,9 +140,16 @@ def records(consumed: str, rate_hz: float) -> tuple[Any, ...]:
         "imu": ("raw", CASES["Resampler"].make()),
         "level": ("imu", Chain([CASES["VqfAttitude"].make(), FixedMode(CarryingMode.HOLDING)])),
         "steps": ("level", CASES["StepSegmentation-AutoSteps"].make()),
+        "steps with field": ("raw", with_field()),
         "complete steps": ("steps", Chain([CASES["StepLength"].make(), StepYaw()])),
     }[consumed]
     return tuple(run(stage, records(before, rate_hz))[0])
+
+
+def with_field() -> Chain:
+    """From samples to steps with the magnetic field, for recordings whose channels come one after the other."""
+    resampler = Resampler(CHANNELS, ResampleParams(), optional=(Channel.MAGNETIC_FIELD,))
+    return Chain([resampler, *(CASES[name].make() for name in _TO_STEPS)])
 
 
 def whole_chain(config: Config, rate_hz: float) -> Chain:
@@ -233,12 +255,25 @@ def with_noise(block: LevelBlock, rng: np.random.Generator) -> LevelBlock:
 
 
 @cache
+def with_magnetometer() -> DeviceRecording:
+    """A walk with changing modes, its magnetometer with a pause and an early end."""
+    scenario = mmpdr_mode_walks(people=2)[1]
+    sensors = replace(scenario.devices[0].sensors, magnetometer=PHONE_MAGNETOMETER)
+    carried = replace(scenario.devices[0], sensors=sensors)
+    whole = simulate_walk(replace(scenario, devices=(carried,))).recording.devices[0]
+    field = whole.magnetic_field
+    assert field is not None
+    kept = (field.time_s < 20.0) | ((field.time_s > 25.0) & (field.time_s < 40.0))
+    return replace(whole, magnetic_field=Signal(field.time_s[kept], field.values[kept]))
+
+
+@cache
 def changing_modes() -> tuple[LevelBlock, ...]:
     """The level samples of a walk with all three modes and the transitions between them, with a gap of 2 s that
     begins within a transition."""
-    walk = simulate_walk(mmpdr_mode_walks(people=2)[1])
-    device, config = walk.recording.devices[0], Config(mode=ModeParams(method="mmpdr"))
-    (block,) = run(pipeline.levelling(device, walk.recording.name, config)[1], device.blocks())[0]
+    device = with_magnetometer()
+    config = Config(mode=ModeParams(method="mmpdr"), heading=HeadingParams(method="magnetometer"))
+    block = join(run(pipeline.levelling(device, "changing", config)[1], device.blocks())[0])
     middle = int(np.flatnonzero(block.mode == CarryingMode.TRANS)[-20])
     late = part(block, middle + 100, len(block))
     return part(block, 0, middle), replace(late, segment=1)
@@ -306,3 +341,20 @@ def test_many_recordings_in_many_cuts(config: Config, rate_hz: float) -> None:
         items = tuple(device(rate_hz, seed).blocks())
         cuttings = [randomly_cut(items, rng) for _ in range(8)] + [in_time_order(items)]
         assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
+
+
+def test_cuts_of_the_chain_with_a_magnetometer() -> None:
+    """It may come a little later than the others, pauses, and stops early; the others go on, and no cut matters."""
+    config = Config(heading=HeadingParams(method="magnetometer"))
+    fitted = with_magnetometer()
+    items, rng = tuple(fitted.blocks()), np.random.default_rng(13)
+
+    def chain() -> Chain:
+        _, to_level = pipeline.levelling(fitted, "fitted", config)
+        return Chain([*to_level.stages, *pipeline.stepping(config).stages, Odometry("device", config.odometry)])
+
+    cuttings = [
+        in_bursts([one_by_one([block]) for block in items], 1.9, rng),
+        in_bursts([cut(block, rng, 3000) for block in items], 1.0, rng),
+    ]
+    assert_cuts_do_not_matter(chain, items, cuttings, rng)

@@ -71,10 +71,10 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 @pytest.mark.parametrize(
     ("config", "golden"),
     [
-        (DEAD_RECKONING, (69, 47.057668, 28.224116, 19.068066, 1.611481)),
+        (DEAD_RECKONING, (69, 47.057814, 28.234711, 19.066540, 1.610365)),
         (
             replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
-            (70, 45.730832, 27.415249, 18.455415, 1.579595),
+            (70, 45.731009, 27.426010, 18.453713, 1.578454),
         ),
     ],
     ids=["defaults", "mmpdr"],

@@ -26,7 +26,7 @@ from scipy.sparse.csgraph import shortest_path
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.map_constrained import closed_form, general_many, with_width
-from pdr_est.estimators.motion import Moments, reckon
+from pdr_est.estimators.motion import STATES, Moments, reckon
 from pdr_est.estimators.start import start_prior
 from pdr_est.estimators.timeline import Timeline
 from pdr_est.frames import Array
@@ -180,7 +180,7 @@ def _independent(timeline: Timeline, start: StartPose, track: Track) -> Track:
     prior = start_prior(timeline, start, 0.0)
     covariance = np.zeros_like(track.covariance_m2)
     if not (prior.position_open or prior.heading_open):
-        states = reckon(timeline.nodes, 0, Moments(prior.moments.mean, np.zeros((4, 4))))
+        states = reckon(timeline.nodes, 0, Moments(prior.moments.mean, np.zeros((STATES, STATES))))
         steps = (state for state, node in zip(states, timeline.nodes, strict=True) if node.is_step)
         covariance = np.array([state.covariance[:2, :2] for state in steps])
     return replace(track, covariance_m2=covariance)

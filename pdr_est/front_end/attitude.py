@@ -25,11 +25,14 @@ class AttitudeParams:
     "auto" takes that where the samples are too far apart to integrate: the device saw those in between.
 
     accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
+    bias_at_rest: whether vqf learns the bias of the gyroscope where it finds the device at rest. It finds that of a
+    walker who stands as well, and takes the slow swaying of leg or hand for a bias.
     tilt_cutoff_hz: below this frequency the specific force of a device without gyroscope is taken for gravity.
     """
 
     source: Literal["auto", "vqf", "device"] = "auto"
     accelerometer_time_constant_s: Positive = 3.0
+    bias_at_rest: bool = True
     tilt_cutoff_hz: Annotated[float, Ge(0.02), Le(2.0)] = 0.3
 
 
@@ -39,7 +42,11 @@ class VqfAttitude:
     latency_s = 0.0
 
     def __init__(self, rate_hz: float, parameters: AttitudeParams) -> None:
-        self._settings = {"gyrTs": 1.0 / rate_hz, "tauAcc": parameters.accelerometer_time_constant_s}
+        self._settings = {
+            "gyrTs": 1.0 / rate_hz,
+            "tauAcc": parameters.accelerometer_time_constant_s,
+            "restBiasEstEnabled": parameters.bias_at_rest,
+        }
         self._filter = VQF(**self._settings)
         self._segment: int | None = None
 
@@ -117,6 +124,7 @@ class AccelerometerTilt:
                 turn_rate_radps=unknown[:, 1],
                 mode=np.full(len(force), CarryingMode.UNKNOWN, dtype=np.int8),
                 mode_probability=np.zeros(len(force)),
+                magnetic_field_ut=item.magnetic_field_ut,
             )
         ]
 
@@ -146,4 +154,5 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         turn_rate_radps=dot(rotation_rate_radps, up),
         mode=np.full(len(block.time_s), CarryingMode.UNKNOWN, dtype=np.int8),
         mode_probability=np.zeros(len(block.time_s)),
+        magnetic_field_ut=block.magnetic_field_ut,
     )

@@ -43,11 +43,11 @@ class DeviceRecording:
     warnings: tuple[str, ...] = ()
 
     def blocks(self) -> Iterator[SensorBlock]:
-        """The signals that the front end uses, each as one block."""
+        """The signals that the front end uses, each as one block; first those that a resampler does not wait for."""
         for channel, signal in (
+            (Channel.MAGNETIC_FIELD, self.magnetic_field),
             (Channel.SPECIFIC_FORCE, self.specific_force),
             (Channel.ROTATION_RATE, self.rotation_rate),
-            (Channel.MAGNETIC_FIELD, self.magnetic_field),
             (Channel.ATTITUDE, self.attitude),
         ):
             if signal is not None and len(signal):

@@ -71,6 +71,15 @@ def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) ->
     return tuple(signals)
 
 
+def refuse_without_magnetometer(device: DeviceRecording, place: str) -> None:
+    """Raises RecordingError when a device recorded no magnetic field. place: what to call it in messages."""
+    if _signal(device, Channel.MAGNETIC_FIELD) is None:
+        raise RecordingError(
+            f"{place}: no magnetometer{_reasons(device)}, which heading.method: magnetometer needs: record it too, "
+            "or choose another method"
+        )
+
+
 def why_nothing(device: DeviceRecording, place: str, longest_pause_s: float) -> RecordingError:
     """The error for a device with all channels from which resampling made nothing."""
     for channel, words in _WORDS.items():
@@ -145,6 +154,7 @@ def _signal(device: DeviceRecording, channel: Channel) -> Signal | None:
         Channel.SPECIFIC_FORCE: device.specific_force,
         Channel.ROTATION_RATE: device.rotation_rate,
         Channel.ATTITUDE: device.attitude,
+        Channel.MAGNETIC_FIELD: device.magnetic_field,
     }[channel]
     return signal if signal is not None and len(signal) else None
 

@@ -5,13 +5,14 @@ time, so the truth does not depend on the sampling rate.
 """
 
 from pdr_est.simulate.body import BodyParams
-from pdr_est.simulate.magnetic import EarthField, Iron
+from pdr_est.simulate.magnetic import EarthField, Iron, scattered_irons
 from pdr_est.simulate.modes import ModeChange
 from pdr_est.simulate.path import Path, PathParams
 from pdr_est.simulate.person import Person, sample_person
 from pdr_est.simulate.phone import HeldPhone
 from pdr_est.simulate.pocket import PocketPhone
 from pdr_est.simulate.presets import PRESETS, mmpdr_indoor, mmpdr_mode_walks, park_348, preset
+from pdr_est.simulate.presets_psp import PSP_TESTS, Trajectory, psp_path, psp_walks
 from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors import PERFECT, PHONE_MAGNETOMETER, SensorErrors, SensorParams
 from pdr_est.simulate.swing import SwingingPhone
@@ -22,6 +23,7 @@ __all__ = [
     "PERFECT",
     "PHONE_MAGNETOMETER",
     "PRESETS",
+    "PSP_TESTS",
     "BodyParams",
     "DeviceParams",
     "EarthField",
@@ -41,10 +43,14 @@ __all__ = [
     "SimulatedWalk",
     "Steps",
     "SwingingPhone",
+    "Trajectory",
     "mmpdr_indoor",
     "mmpdr_mode_walks",
     "park_348",
     "preset",
+    "psp_path",
+    "psp_walks",
     "sample_person",
+    "scattered_irons",
     "simulate_walk",
 ]

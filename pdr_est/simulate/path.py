@@ -22,10 +22,12 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 @params
 class PathParams:
-    """vertices_m: (east, north) of the polyline. corner_radius_m: least radius of curvature in each corner."""
+    """vertices_m: (east, north) of the polyline. corner_radius_m: least radius of curvature in each corner;
+    corner_radii_m: one for each corner instead, or None."""
 
     vertices_m: tuple[tuple[float, float], ...]
     corner_radius_m: Positive = 0.8
+    corner_radii_m: tuple[Positive, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Path:
         leg_heading = np.arctan2(legs[:, 1], legs[:, 0])
         turn = wrap_angle(np.diff(leg_heading))
         _check_turns(turn)
-        corner_m = PEAK_SLOPE * parameters.corner_radius_m * np.abs(turn)
+        corner_m = PEAK_SLOPE * _radii(parameters, len(turn)) * np.abs(turn)
         cut_m = _cut_off(turn, corner_m)
         straight_m = leg_m - np.concatenate([[0.0], cut_m]) - np.concatenate([cut_m, [0.0]])
         _check_legs(straight_m, leg_m)
@@ -101,6 +103,17 @@ class Path:
             arc_length.through(points.position_m[:, 1], sine, cosine * points.curvature_pm),
             arc_length.through(points.heading_rad, points.curvature_pm, points.curvature_slope_pm2),
         )
+
+
+def _radii(parameters: PathParams, corners: int) -> Array:
+    if parameters.corner_radii_m is None:
+        return np.full(corners, parameters.corner_radius_m)
+    if len(parameters.corner_radii_m) != corners:
+        raise ConfigError(
+            f"corner_radii_m: {len(parameters.corner_radii_m)} radii for {corners} corners: give one for each vertex "
+            "between the first and the last"
+        )
+    return np.array(parameters.corner_radii_m)
 
 
 def _smooth_step(u: Array) -> Array:

@@ -154,7 +154,8 @@ def _pocket(size: float, briskness: float, rng: np.random.Generator) -> PocketPh
         amplitude_rad=briskness * rng.uniform(0.26, 0.44),
         twist_rad=rng.uniform(0.12, 0.32),
         spread_rad=rng.uniform(0.03, 0.12),
-        lag=rng.uniform(0.0, 0.25),
+        lag=rng.uniform(0.0, 0.13),
+        circling_rad=0.07 + 0.3 * _normal(rng.spawn(1)[0]),  # a stream of its own: the other draws stay
         give_m=0.024 * jolt,
         give_rad=0.06 * jolt,
         shock_m=0.005 * jolt,

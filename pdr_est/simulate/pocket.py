@@ -18,7 +18,6 @@ from pdr_est.simulate.tremor import AMPLITUDE_HZ, WANDER_HZ, Tremor, Unrest
 _THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
 # Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle.
 _GIVE, _SHOCK = (0.5, 1.3, -np.pi / 2.0), (0.25, 2.0, 0.0)
-_CIRCLING = 0.3  # phase of the sideways swing before the flexion; phones in real pockets circle as little
 _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
 
@@ -30,7 +29,8 @@ class PocketPhone:
     against the thigh. spin_rad: turn in the plane of the screen, 0 with the upper edge up, pi upside down.
     tip_rad: how far the upper edge leans out of the vertical, away from the screen. Together they reach any mount.
     amplitude_rad: of the thigh's first harmonic, half of its range nearly. twist_rad, spread_rad: amplitudes
-    about the vertical and sideways, once a stride. lag: of the twist, share of a stride.
+    about the vertical and sideways, once a stride. lag: of the twist, share of a stride. circling_rad: phase of the
+    sideways swing before the flexion; a thigh that circles turns the phone about its long axis, on and on.
     give_m, give_rad: size of the slow jolt as this leg takes the load, downwards and about the thigh's axes.
     shock_m, shock_rad: of the fast jolt of its heel strike, in which the phone rattles about its own axes.
     other_leg: jolts of the other leg over these. uneven: relative rms of the changes of all these from stride to
@@ -48,7 +48,8 @@ class PocketPhone:
     amplitude_rad: Annotated[NonNegative, Le(0.8)] = 0.37
     twist_rad: NonNegative = 0.22
     spread_rad: NonNegative = 0.06
-    lag: float = 0.1
+    lag: float = 0.065
+    circling_rad: float = 0.07
     give_m: NonNegative = 0.024
     give_rad: NonNegative = 0.06
     shock_m: NonNegative = 0.005
@@ -97,8 +98,7 @@ class PocketPhone:
             # the leg turns in as it comes forward, and out under the load
             twist=active * late * (-outward * self.twist_rad) + jolt * outward,
             flexion=active * curve * self.amplitude_rad + jolt,
-            # nearly in step with the flexion: a thigh that circles would twist the phone at every stride
-            abduction=active * (angle + _THIGH[0][1] + _CIRCLING).cos() * (outward * self.spread_rad)
+            abduction=active * (angle + _THIGH[0][1] + self.circling_rad).cos() * (outward * self.spread_rad)
             + jolt * (0.5 * outward),
         )
 

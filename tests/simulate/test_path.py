@@ -84,3 +84,14 @@ def test_beyond_the_ends_the_path_goes_straight_on() -> None:
 def test_impossible_paths_are_refused(vertices_m: tuple[tuple[float, float], ...], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         Path(PathParams(vertices_m=vertices_m))
+
+
+def test_each_corner_may_have_a_radius_of_its_own() -> None:
+    corners = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (20.0, 10.0))
+    path = Path(PathParams(vertices_m=corners, corner_radii_m=(0.5, 2.0)))
+    curvature = np.abs(path.at(np.linspace(0.0, path.length_m, 20001)).curvature_pm)
+    half = len(curvature) // 2
+    assert curvature[:half].max() == pytest.approx(2.0, rel=1e-3)
+    assert curvature[half:].max() == pytest.approx(0.5, rel=1e-3)
+    with pytest.raises(ConfigError, match=r"corner_radii_m: 1 radii for 2 corners"):
+        Path(PathParams(vertices_m=corners, corner_radii_m=(0.5,)))

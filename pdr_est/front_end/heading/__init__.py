@@ -7,6 +7,7 @@ from pdr_est.front_end.heading.auto import AutoHeading, AutoHeadingParams
 from pdr_est.front_end.heading.dominant import DominantParams
 from pdr_est.front_end.heading.hde import HdeParams
 from pdr_est.front_end.heading.hindsight import HeadingHindsight
+from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
@@ -15,7 +16,9 @@ from pdr_est.front_end.heading.tie import TieParams
 from pdr_est.params import params
 from pdr_est.stage import Stage
 
-HeadingName = Literal["auto", "step-yaw", "mmpdr", "gyro", "hde", "psp", "acceleration-integration", "principal-axis"]
+HeadingName = Literal[
+    "auto", "step-yaw", "mmpdr", "gyro", "hde", "psp", "acceleration-integration", "principal-axis", "magnetometer"
+]
 HEADINGS: tuple[HeadingName, ...] = get_args(HeadingName)
 HeadingUse = Literal["increments", "priors"]
 
@@ -38,6 +41,11 @@ class HeadingParams:
     principal_axis: PrincipalAxisParams = PrincipalAxisParams()
 
 
+def needs_magnetometer(parameters: HeadingParams) -> bool:
+    """Whether the method wants the magnetic field with the samples of a step."""
+    return parameters.method == "magnetometer"
+
+
 def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     """Stage Step -> Step that fills in heading_rad, sigma_turn_rad and, on straight paths, straight_rad."""
     priors = parameters.use == "priors"
@@ -58,6 +66,8 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
             return AccelerationIntegration(rate_hz, parameters.acceleration_integration)
         case "principal-axis":
             return PrincipalAxis(parameters.principal_axis)
+        case "magnetometer":
+            return MagnetometerHeading()
     assert_never(parameters.method)
 
 

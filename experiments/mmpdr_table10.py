@@ -1,0 +1,231 @@
+"""Headings and positions of MMPDR (Tian et al. 2016), Tables VIII, IX and X and the park of Fig. 15, simulated.
+
+    python experiments/mmpdr_table10.py [--seeds 0 1 2 3 4 5]
+
+The walks of `mmpdr_tables8_9.py`, reckoned from the known start by these chains: `paper` (modes, steps and headings
+of MMPDR), `mmpdr` (its headings on the modes and steps of the defaults) and `default`; `step-yaw` is the default with
+the plain yaw of each step, for the park: what looks for straight paths must not bend curved ones.
+
+The heading error of a step is the heading of the track less the direction of the path in the middle of the step; the
+position error is taken at every metre of the path, when the walker passes it. Of a row: the median over walkers of
+the largest and of the median heading error of a walk, and the mean position error; of Table X: median, mean and 95th
+percentile over all steps of all walks, and the mean position error in percent of the walk off 100.
+
+Writes experiments/results/mmpdr_table10.json and .txt.
+"""
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from pdr_est.config import Config, EstimatorParams, StartParams
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.attitude import AttitudeParams
+from pdr_est.front_end.heading import HeadingParams
+from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams, TrainedOffset
+from pdr_est.front_end.mode import ModeParams
+from pdr_est.front_end.steps import StepsParams
+from pdr_est.pipeline import smooth
+from pdr_est.records import CarryingMode, Step
+from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, park_348, simulate_walk
+
+RESULTS = Path(__file__).parent / "results"
+HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
+START = Config(
+    attitude=AttitudeParams(bias_at_rest=False),
+    estimator=EstimatorParams(name="dead-reckoning"),
+)
+CHAINS: dict[str, Config] = {
+    "paper": replace(
+        START,
+        mode=ModeParams(method="mmpdr"),
+        steps=StepsParams(detector="mmpdr"),
+        heading=HeadingParams(method="mmpdr"),
+    ),
+    "mmpdr": replace(START, heading=HeadingParams(method="mmpdr")),
+    "default": START,
+    "step-yaw": replace(START, heading=HeadingParams(method="step-yaw")),
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A kind of walk. modes: in the order of carrying; park: there instead of indoors. paper: its walks, each with
+    largest and median heading error, deg, and mean position error, m; none for the park."""
+
+    words: str
+    modes: tuple[CarryingMode, ...]
+    paper: tuple[tuple[float, float, float], ...] = ()
+    park: bool = False
+
+    def scenario(self, seed: int) -> Scenario:
+        """The walk of one walker."""
+        return park_348(*self.modes, seed=seed) if self.park else mmpdr_indoor(*self.modes, seed=seed)
+
+
+ROWS = (
+    Row("indoor HOLDING", (HOLDING,), ((14.23, 1.96, 0.75),)),
+    Row("indoor SWING", (SWING,), ((14.8, 4.63, 1.33),)),
+    Row("indoor POCKET", (POCKET,), ((10.58, 3.16, 0.71),)),
+    Row(
+        "indoor, all modes",
+        (HOLDING, SWING, HOLDING, POCKET),
+        ((17.0, 3.41, 1.34), (15.98, 5.0, 2.0), (13.52, 3.58, 0.83), (11.22, 2.97, 1.01), (9.91, 1.94, 0.3)),
+    ),
+    Row("indoor HOLDING, POCKET", (HOLDING, POCKET), ((6.43, 0.94, 0.84),)),
+    Row("park, all modes", (HOLDING, SWING, POCKET), park=True),
+)
+SUMMARY = {"single mode": ROWS[:3], "multi-mode": ROWS[3:5]}
+PAPER_X = {"single mode": (2.84, 3.88, 10.94, 99.03), "multi-mode": (2.88, 4.24, 12.06, 98.91)}
+PAPER_OFFSETS_DEG = {
+    "SWING": (-1.43, -2.87, 2.98, -4.70, -5.96),
+    "POCKET": (39.67, -6.88, 43.45, -56.46, 111.78, -62.48),
+}
+
+
+@dataclass(frozen=True)
+class Errors:
+    """One walk by one chain. heading_deg: (steps,) absolute; position_m: (metres,); offsets: that were trained."""
+
+    heading_deg: Array
+    position_m: Array
+    length_m: float
+    offsets: tuple[TrainedOffset, ...]
+
+
+Table = dict[str, dict[str, list[Errors]]]
+
+
+def main() -> None:
+    """Simulate, reckon, print and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(6)))
+    seeds = parser.parse_args().seeds
+    table = {row.words: measured(row, seeds) for row in ROWS}
+    text = as_text(table, seeds)
+    document = json.dumps(as_document(table, seeds), indent=2)
+    (RESULTS / "mmpdr_table10.json").write_text(document + "\n", encoding="utf-8")
+    (RESULTS / "mmpdr_table10.txt").write_text(text, encoding="utf-8")
+    print(text, end="")
+
+
+def measured(row: Row, seeds: Sequence[int]) -> dict[str, list[Errors]]:
+    """The errors of the walkers of all seeds, by chain."""
+    walks = [simulate_walk(row.scenario(seed)) for seed in seeds]
+    return {name: [errors_of(walk, config) for walk in walks] for name, config in CHAINS.items()}
+
+
+def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
+    """What one chain makes of a walk."""
+    smoothed = smooth(walk.recording, replace(config, start=start_of(walk)))
+    track, steps = smoothed.track, smoothed.devices[0].steps
+    middle_s = np.array([0.5 * (step.start_s + step.event.time_s) for step in steps])
+    off = wrap_angle(track.heading_rad[1:] - walk.heading_at(middle_s))
+    marks_m = np.arange(1.0, np.floor(walk.distance_m))
+    passed_s = walk.body.time_at(marks_m)
+    at_mark = np.stack([np.interp(passed_s, track.time_s, axis) for axis in track.position_m.T], axis=1)
+    return Errors(
+        heading_deg=np.degrees(np.abs(off)),
+        position_m=np.linalg.norm(at_mark - walk.position_at(passed_s), axis=1),
+        length_m=walk.distance_m,
+        offsets=trained(steps) if config.heading.method == "mmpdr" else (),
+    )
+
+
+def start_of(walk: SimulatedWalk) -> StartParams:
+    """Where the walk begins and in which direction, which the paper's walkers know."""
+    x_m, y_m = walk.truth_position_m[0].tolist()
+    return StartParams(x_m=x_m, y_m=y_m, heading_rad=float(wrap_angle(walk.truth_heading_rad[0])))
+
+
+def trained(steps: Sequence[Step]) -> tuple[TrainedOffset, ...]:
+    """The offsets that MMPDR trains on the steps of a walk."""
+    heading = MmpdrHeading(MmpdrHeadingParams())
+    for step in steps:
+        heading.push(step)
+    heading.flush()
+    return heading.trained_offsets
+
+
+def of_row(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
+    """Median over walks of the largest and the median heading error, deg; their 95th percentile over all steps; mean
+    position error, m."""
+    return (
+        float(np.median([walk.heading_deg.max() for walk in walks])),
+        float(np.median([np.median(walk.heading_deg) for walk in walks])),
+        float(np.percentile(np.concatenate([walk.heading_deg for walk in walks]), 95)),
+        float(np.mean([walk.position_m.mean() for walk in walks])),
+    )
+
+
+def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
+    """Median, mean and 95th percentile of the heading error over all steps, deg; position accuracy, percent."""
+    heading_deg = np.concatenate([walk.heading_deg for walk in walks])
+    accuracy = 100.0 * (1.0 - np.mean([walk.position_m.mean() / walk.length_m for walk in walks]))
+    return (
+        float(np.median(heading_deg)),
+        float(heading_deg.mean()),
+        float(np.percentile(heading_deg, 95)),
+        float(accuracy),
+    )
+
+
+def offsets_deg(walks: Sequence[Errors], mode: CarryingMode) -> list[float]:
+    """The offsets that were trained for a mode, deg, walk after walk."""
+    return [float(np.degrees(offset.offset_rad)) for walk in walks for offset in walk.offsets if offset.mode is mode]
+
+
+def as_document(table: Table, seeds: Sequence[int]) -> dict[str, object]:
+    """The numbers of the text."""
+    words = ("heading_max_deg", "heading_median_deg", "heading_p95_deg", "position_m")
+    return {
+        "seeds": list(seeds),
+        "rows": {
+            row: {
+                name: dict(zip(words, np.round(of_row(walks), 3).tolist(), strict=True)) for name, walks in by.items()
+            }
+            for row, by in table.items()
+        },
+        "trained_offsets_deg": {
+            mode.name: np.round(offsets_deg(table["indoor, all modes"]["mmpdr"], mode), 1).tolist()
+            for mode in (SWING, POCKET)
+            if "indoor, all modes" in table
+        },
+    }
+
+
+def as_text(table: Table, seeds: Sequence[int]) -> str:
+    """A line a kind of walk and chain with the paper's numbers before it, then Table X and the offsets."""
+    head = f"{'max':>8}{'median':>8}{'95 %':>8}{'pos. m':>8}"
+    lines = [f"MMPDR Tables VIII to X, heading errors in degrees; {len(seeds)} walkers a row", "", f"{'':34}{head}"]
+    for row in ROWS:
+        if row.words not in table:
+            continue
+        if row.paper:
+            largest, median, position_m = np.median(row.paper, axis=0)
+            lines.append(f"{row.words:24}{'paper':10}{largest:8.2f}{median:8.2f}{'':8}{position_m:8.2f}")
+        for name, walks in table[row.words].items():
+            label = row.words if name == "paper" and not row.paper else ""
+            lines.append(f"{label:24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in of_row(walks)))
+    lines += ["", f"{'Table X':34}{'median':>8}{'mean':>8}{'95 %':>8}{'pos. %':>8}"]
+    for words, rows in SUMMARY.items():
+        if not all(row.words in table for row in rows):
+            continue
+        lines.append(f"{words:24}{'paper':10}" + "".join(f"{value:8.2f}" for value in PAPER_X[words]))
+        for name in CHAINS:
+            walks = [walk for row in rows for walk in table[row.words][name]]
+            lines.append(f"{'':24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in of_table_10(walks)))
+    lines += ["", "Trained offsets, deg, walk after walk, chain mmpdr, indoor, all modes"]
+    for mode in (SWING, POCKET):
+        ours = offsets_deg(table.get("indoor, all modes", {}).get("mmpdr", []), mode)
+        lines.append(f"{mode.name:8}paper " + " ".join(f"{value:.1f}" for value in PAPER_OFFSETS_DEG[mode.name]))
+        lines.append(f"{'':8}ours  " + " ".join(f"{value:.1f}" for value in ours))
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()

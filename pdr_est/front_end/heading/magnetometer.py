@@ -1,0 +1,77 @@
+"""Direction of a step by the compass: the baseline "Magnetometer" of PSP (Hong et al. 2013), Table I.
+
+The paper tells no more than that magnetometer readings are used directly. Made level by the direction of gravity and
+averaged over the step is our reading of it; hard iron is not calibrated, and disturbances are not looked for.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
+from pdr_est.front_end.signal.vectors import dot
+from pdr_est.records import LevelBlock, Step
+
+_SIGMA_UNKNOWN_RAD = np.pi / np.sqrt(3.0)  # of an angle that may be any
+_LEAST_Z = 1e-9  # keeps the heading of a device that lies upside down finite
+
+
+class MagnetometerHeading:
+    """Stage Step -> Step that fills in the heading: the device's mean yaw against magnetic north, as the field tells.
+
+    A yaw of zero is that of a device whose x axis points to magnetic east. A step without any sample of the field, or
+    with one that has no direction, goes on by the device's own yaw from the last step that had one. The change to the
+    first direction of the field behind such steps at the beginning of a segment may be any: it gets that uncertainty.
+    Raises RecordingError for samples of a device without magnetometer.
+    """
+
+    latency_s = 0.0
+
+    def __init__(self) -> None:
+        self._segment: int | None = None
+        self._north_known = False
+        self._offset_rad = 0.0  # magnetic yaw less the device's own
+
+    def push(self, item: Step, /) -> list[Step]:
+        own_rad = calibrated_mean_yaw(item.samples.yaw_rad)
+        first = item.event.segment != self._segment
+        if first:
+            self._segment, self._north_known, self._offset_rad = item.event.segment, False, 0.0
+        magnetic_rad = mean_magnetic_yaw(item.samples)
+        if np.isnan(magnetic_rad):
+            return [replace(item, heading_rad=float(wrap_angle(own_rad + self._offset_rad)))]
+        sigma_rad = item.sigma_turn_rad if first or self._north_known else _SIGMA_UNKNOWN_RAD
+        self._north_known, self._offset_rad = True, magnetic_rad - own_rad
+        return [replace(item, heading_rad=magnetic_rad, sigma_turn_rad=float(sigma_rad))]
+
+    def flush(self) -> list[Step]:
+        return []
+
+
+def mean_magnetic_yaw(samples: LevelBlock) -> float:
+    """Direction of the sum of the unit vectors of `magnetic_yaw`, rad; NaN where no sample has a direction."""
+    yaw_rad = magnetic_yaw(samples)
+    yaw_rad = yaw_rad[np.isfinite(yaw_rad)]
+    if not len(yaw_rad):
+        return float("nan")
+    return float(np.arctan2(np.sin(yaw_rad).sum(), np.cos(yaw_rad).sum()))
+
+
+def magnetic_yaw(samples: LevelBlock) -> Array:
+    """Yaw (n,) of the device in a level frame with y to magnetic north; NaN without field, or without level part.
+
+    The field less its vertical part, turned with the direction up into the z axis by the shortest way, is the field
+    in the frame that the device's yaw turns on; the yaw is what turns it north. So it is the same angle as `yaw_rad`,
+    but for its zero. Raises RecordingError for samples of a device without magnetometer.
+    """
+    field = samples.magnetic_field_ut
+    if field is None:
+        raise RecordingError("the recording has no magnetic field: choose another heading.method than magnetometer")
+    up = samples.up
+    level = field - dot(field, up)[:, None] * up
+    lean = level[:, 2] / np.maximum(1.0 + up[:, 2], _LEAST_Z)
+    east, north = level[:, 0] - up[:, 0] * lean, level[:, 1] - up[:, 1] * lean
+    yaw_rad: Array = wrap_angle(np.pi / 2.0 - np.arctan2(north, east))
+    return np.where((east == 0.0) & (north == 0.0), np.nan, yaw_rad)
