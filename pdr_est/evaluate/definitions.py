@@ -61,6 +61,8 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             "Whether the length of the way is right within the stated standard deviation of its scale.", 0.68
         ),
         "gait_accuracy": Definition("Share of the steps with the true class of gait.", 1.0),
+        "walking_accuracy": Definition("Share of the steps with the true class, jogging and running being one.", 1.0),
+        "count_plausibility": Definition("Detected steps over those that the spectrum of the signals tells.", 1.0),
         "false_steps_per_min": Definition("Detected steps a minute of somebody who takes none."),
         "distance_error_calibrated": Definition(f"distance_error {_CALIBRATED}."),
         "stride_error_calibrated": Definition(f"stride_error {_CALIBRATED}."),

@@ -7,6 +7,8 @@ from pdr_est.experiment.local import Done, lost
 from pdr_est.experiment.walks import Walk
 from pdr_est.experiment.work import Work, do
 
+PATIENCE_S = 20.0  # until the scheduler must have answered
+
 
 def run_on_cluster(work: Work, walks: Sequence[Walk], address: str) -> Iterator[Done]:
     """The parts of walks in the order in which they are done. address: of the scheduler, `tcp://HOST:PORT`.
@@ -19,7 +21,7 @@ def run_on_cluster(work: Work, walks: Sequence[Walk], address: str) -> Iterator[
     except ImportError as error:
         raise ConfigError("--cluster: needs Dask: install pdr-est[dask]") from error
     try:
-        client = Client(address, timeout="20s", set_as_default=False)  # type: ignore[no-untyped-call]
+        client = Client(address, timeout=PATIENCE_S, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         raise ConfigError(f"--cluster {address}: no Dask scheduler answers there: check the address") from error
     with client:
