@@ -26,7 +26,7 @@ def run_on_cluster(work: Work, walks: Sequence[Walk], address: str) -> Iterator[
         raise ConfigError(f"--cluster {address}: no Dask scheduler answers there: check the address") from error
     with client:
         futures = {client.submit(do, work, walk, pure=False): walk for walk in walks}
-        for future in as_completed(list(futures)):  # type: ignore[no-untyped-call]
+        for future in as_completed(list(futures), loop=client.loop):  # type: ignore[no-untyped-call]
             walk = futures.pop(future)
             if future.status == "finished":
                 yield Done(walk, future.result())
