@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from pdr_est.errors import ConfigError
+from pdr_est.evaluate.paired import Paired
 from pdr_est.experiment.cluster import run_on_cluster
 from pdr_est.experiment.comparison import compare_variants, read_values
 from pdr_est.experiment.load import Experiment
@@ -17,6 +18,8 @@ from pdr_est.experiment.results import ordered, write_tables
 from pdr_est.experiment.work import work_of
 
 Progress = Callable[[int, int], None]
+
+_MOST_PAIRED = 4  # variants that the page compares each with each; of more, the first one with every other
 
 
 @dataclass(frozen=True)
@@ -78,15 +81,24 @@ def run_experiment(
 def _write_report(output: Path, experiment: Experiment, parts: tuple[Part, ...], document: dict[str, Any]) -> None:
     from pdr_est.report.comparison.page import Content, render_comparison  # matplotlib is slow to load
 
+    names = tuple(variant.name for variant in experiment.variants)
     content = Content(
         title=experiment.title,
-        variants=tuple(variant.name for variant in experiment.variants),
+        variants=names,
         metrics=experiment.metrics,
         group_by=experiment.config.group_by,
         outcomes=tuple(ordered(experiment, parts)),
-        pairs=compare_variants(read_values([output])),
+        pairs=_pairs(output),
+        failed=sum(not part.tracks for part in parts),
         failures=tuple((failure.walk, failure.reason) for part in parts for failure in part.failures),
         config=experiment.to_yaml(),
         provenance=document,
     )
     write(output / REPORT, render_comparison(content))
+
+
+def _pairs(output: Path) -> tuple[Paired, ...]:
+    """Each variant with each; of many, the first one with every other."""
+    values = read_values([output])
+    variants = list(dict.fromkeys(name for of_metric in values.values() for name in of_metric))
+    return compare_variants(values, reference=variants[0] if len(variants) > _MOST_PAIRED else None)

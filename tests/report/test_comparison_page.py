@@ -58,6 +58,7 @@ def content() -> Content:
         group_by=("group",),
         outcomes=tuple(one for both in zip(far, near, strict=True) for one in both),
         pairs=(pair,),
+        failed=1,
         failures=(("walk9", "no <step> found"),),
         config="data: {}\n",
         provenance=PROVENANCE,

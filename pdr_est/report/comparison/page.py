@@ -25,8 +25,9 @@ _MOST_FAILURES = 100  # shown
 
 @dataclass(frozen=True)
 class Content:
-    """What the page shows. pairs: variants compared walk by walk. failures: walk and reason. config: the resolved
-    configuration as text. provenance: what is needed to repeat it."""
+    """What the page shows. pairs: variants compared walk by walk. failed: number of walks of which nothing could be
+    told. failures: walk, and what could not be told and why. config: the resolved configuration as text. provenance:
+    what is needed to repeat it."""
 
     title: str
     variants: tuple[str, ...]
@@ -34,6 +35,7 @@ class Content:
     group_by: tuple[str, ...]
     outcomes: tuple[TrackOutcome, ...]
     pairs: tuple[Paired, ...]
+    failed: int
     failures: tuple[tuple[str, str], ...]
     config: str
     provenance: Mapping[str, Any]
@@ -66,7 +68,7 @@ def _tiles(content: Content) -> list[tuple[str, str]]:
         ("walks", str(len(walks))),
         ("tracks of each variant", str(len(tracks))),
         ("variants", str(len(content.variants))),
-        ("failures", str(len(content.failures))),
+        ("failed walks", str(content.failed)),
     ]
 
 
