@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -10,7 +11,7 @@ import numpy as np
 
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.evaluate.paired import Paired, paired
-from pdr_est.experiment.output import RESULTS
+from pdr_est.experiment.output import PROVENANCE, RESULTS
 from pdr_est.io.parquet import read_parquet
 from pdr_est.validation import nearest
 
@@ -23,16 +24,19 @@ HEADINGS = ("metric", "A", "B", "walks", "mean A", "mean B", "B - A", "low", "hi
 def read_values(folders: Sequence[Path]) -> Values:
     """The results in the folders of experiments. With several folders a variant is called `FOLDER:VARIANT`.
 
-    Raises OutputError for a folder without results.
+    Raises OutputError for a folder without results, and for folders in which walks or data of one name differ: they
+    cannot be compared walk by walk.
     """
+    names = _names(folders)
+    _refuse_other_walks(folders)
     collected: dict[str, dict[str, dict[str, list[float]]]] = {}
-    for folder in folders:
+    for folder, prefix in zip(folders, names, strict=True):
         if not (folder / RESULTS).is_file():
             raise OutputError(f"{folder}: holds no {RESULTS}: run `pdr-est experiment CONFIG -o {folder}` to its end")
         table = read_parquet(folder / RESULTS)
         columns = (table[name] for name in ("metric", "variant", "walk", "value"))
         for metric, variant, walk, value in zip(*columns, strict=True):
-            name = str(variant) if len(folders) == 1 else f"{folder.name}:{variant}"
+            name = f"{prefix}{variant}"
             walks = collected.setdefault(str(metric), {}).setdefault(name, {})
             if value is not None:
                 walks.setdefault(str(walk), []).append(float(value))
@@ -43,6 +47,29 @@ def read_values(folders: Sequence[Path]) -> Values:
         }
         for metric, variants in collected.items()
     }
+
+
+def _names(folders: Sequence[Path]) -> list[str]:
+    """What to put before the names of each folder's variants."""
+    if len(folders) == 1:
+        return [""]
+    short = [folder.name for folder in folders]
+    words = short if len(set(short)) == len(short) else [str(folder) for folder in folders]
+    return [f"{word}:" for word in words]
+
+
+def _refuse_other_walks(folders: Sequence[Path]) -> None:
+    seen: dict[str, tuple[str, Path]] = {}
+    for folder in folders:
+        try:
+            document = json.loads((folder / PROVENANCE).read_text(encoding="utf-8"))
+            sums = {**document["data"], **document["scenarios"]}
+        except (OSError, ValueError, KeyError, TypeError):
+            continue  # results that came without their provenance: nothing to check by
+        for name, checksum in sums.items():
+            known, where = seen.setdefault(name, (checksum, folder))
+            if known != checksum:
+                raise OutputError(f"{where} and {folder}: {name} is not the same in both: compare runs on equal data")
 
 
 def compare_variants(values: Values, reference: str | None = None, metrics: Sequence[str] = ()) -> tuple[Paired, ...]:

@@ -53,7 +53,8 @@ class Experiment:
         plain = dataclasses.asdict(
             replace(self.config, settings_file=None, settings={}, variants=variants, sweep={}, metrics=self.metrics)
         )
-        plain["data"]["folder"] = str(self.folder.resolve())
+        if self.config.data.simulated is None:
+            plain["data"]["folder"] = str(self.folder.resolve())
         return {key: _lists(value) for key, value in plain.items()}
 
     def to_yaml(self) -> str:

@@ -5,12 +5,15 @@ import json
 import platform
 import subprocess
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from pdr_est import __version__
 from pdr_est.benchmark.suite import WalkFile
 from pdr_est.experiment.load import Experiment
+from pdr_est.front_end.gait import gait_model
+from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.digest import file_digests
 from pdr_est.report.summary import package_versions
 
@@ -21,17 +24,19 @@ def provenance(experiment: Experiment) -> Json:
     """The document. `fingerprint` holds what must agree for two runs to give the same numbers."""
     root = Path(__file__).parents[1]
     code = file_hashes(root, sorted(root.rglob("*.py")))
+    models = [gait_model(variant.config.gait) for variant in experiment.variants]
+    model_sums = sorted({model_digest(model) for model in models if model is not None})
     data = data_hashes(experiment)
     packages = package_versions()
     config = experiment.resolved()
     del config["data"]["folder"]  # the same data elsewhere are the same data
-    simulated = {walk.name: walk.source.seed for walk in experiment.walks if not isinstance(walk.source, WalkFile)}
+    simulated = {walk.name: walk.source for walk in experiment.walks if not isinstance(walk.source, WalkFile)}
     return {
         "experiment": experiment.title,
         "fingerprint": {
             "config": digest(config),
             "data": digest(data),
-            "code": digest(code),
+            "code": digest([code, model_sums]),
             "packages": digest(packages),
         },
         "version": __version__,
@@ -39,8 +44,10 @@ def provenance(experiment: Experiment) -> Json:
         "packages": packages,
         "platform": f"{platform.system()} {platform.machine()}",
         "seed": experiment.config.seed,
-        "seeds": simulated,
+        "seeds": {name: scenario.seed for name, scenario in simulated.items()},
+        "scenarios": {name: digest(asdict(scenario)) for name, scenario in simulated.items()},
         "data": data,
+        "gait_models": model_sums,
     }
 
 

@@ -67,16 +67,22 @@ def _folder_label(name: str) -> dict[str, str]:
 def _matching(folder: Path, patterns: Sequence[str]) -> list[Walk]:
     found: dict[str, Path] = {}
     for pattern in patterns:
-        matching = recordings(folder, pattern)
+        if not pattern or Path(pattern).is_absolute() or ".." in Path(pattern).parts:
+            raise ConfigError(f"recordings: {pattern!r} is no pattern inside of data.folder: set the folder instead")
+        matching = dict(recordings(folder, pattern))
         if not matching:
-            raise ConfigError(
-                f"recordings: nothing in {folder} matches {pattern!r}: correct the pattern or the folder"
-            )
-        found |= dict(matching)
+            raise ConfigError(f"recordings: nothing in {folder} matches {pattern!r}: correct it or the folder")
+        for name in matching.keys() & found.keys():
+            if matching[name] != found[name]:
+                files = f"{found[name].name} and {matching[name].name}"
+                raise ConfigError(f"recordings: {files} would both be the walk {name!r}: rename one or leave one out")
+        found |= matching
     return [Walk(name, _folder_label(name), WalkFile(name, path)) for name, path in sorted(found.items())]
 
 
 def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
+    if len(set(parameters.presets)) < len(parameters.presets):
+        raise ConfigError(f"presets {', '.join(parameters.presets)}: one stands twice: use repeats instead")
     chosen = seed if parameters.seed is None else parameters.seed
     every_s = parameters.truth_every_s
     if not parameters.presets:

@@ -51,12 +51,13 @@ def do(work: Work, walk: Walk) -> bytes:
         started = time.process_time()
         try:
             part = _part(work, walk)
+            return encode(replace(part, work_s=time.process_time() - started))
         except PdrError as error:
-            part = Part(walk.name, failures=(Failure(walk.name, str(error), whole=True),))
+            reason = str(error)
         except Exception as error:  # a fault of ours in one walk must not cost the others
             reason = f"{type(error).__name__}: {error}"
-            part = Part(walk.name, failures=(Failure(walk.name, reason, whole=True),))
-        return encode(replace(part, work_s=time.process_time() - started))
+        failure = Failure(walk.name, reason, whole=True)
+        return encode(Part(walk.name, failures=(failure,), work_s=time.process_time() - started))
 
 
 def _part(work: Work, walk: Walk) -> Part:

@@ -1,5 +1,6 @@
 """Comparing the results of experiments: read, paired, written."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,25 @@ def test_several_folders_are_told_apart(results: Path, tmp_path: Path) -> None:
         ("first:x", "second:y"),
     ]
     assert pairs[1].ties == pairs[1].n == 3
+
+
+def test_folders_of_one_name_are_told_apart_by_their_paths(results: Path, tmp_path: Path) -> None:
+    second = tmp_path / "other" / "first"
+    second.mkdir(parents=True)
+    (second / "results.parquet").write_bytes((results / "results.parquet").read_bytes())
+    names = set(read_values([results, second])["error_open_m"])
+    assert names == {f"{folder}:{variant}" for folder in (results, second) for variant in "xy"}
+
+
+def test_walks_of_one_name_that_differ_are_not_compared(results: Path, tmp_path: Path) -> None:
+    second = tmp_path / "second"
+    second.mkdir()
+    (second / "results.parquet").write_bytes((results / "results.parquet").read_bytes())
+    for folder, checksum in ((results, "1"), (second, "2")):
+        document = {"data": {}, "scenarios": {"a": checksum}}
+        (folder / "provenance.json").write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(OutputError, match=r"first and .*second: a is not the same in both"):
+        read_values([results, second])
 
 
 def test_the_tables_hold_the_same_numbers(results: Path) -> None:

@@ -67,6 +67,11 @@ BARE = "data:\n  simulated:\n    number: 1\n"
         ),
         ("data:\n  suite: ilc20\n", r"line 1: data: no walk found"),
         ("data:\n  recordings: ['*.csv']\n", r"line 1: recordings: nothing in .* matches '\*.csv'"),
+        (
+            "data:\n  recordings: ['../*.csv']\n",
+            r"line 1: recordings: '../\*.csv' is no pattern inside",
+        ),
+        ("data:\n  simulated: {presets: [straight, straight]}\n", r"line 1: presets straight, straight: one stands"),
         ("data: {}\n", r"line 1: data: none is given: name one of suite, recordings, simulated"),
         ("data:\n  suite: ilc20\n  simulated: {}\n", r"suite and simulated are given"),
         (
@@ -135,6 +140,14 @@ def test_variants_that_share_a_front_end_are_worked_on_in_a_row(tmp_path: Path) 
     variants = work_of(load_experiment(experiment_file(tmp_path, text))).variants
     changes = sum(not same_front_end(a.config, b.config) for a, b in pairwise(variants))
     assert changes == 1
+
+
+def test_recordings_that_would_be_one_walk_are_refused(tmp_path: Path) -> None:
+    for name in ("walk.csv", "walk.txt"):
+        (tmp_path / name).write_text("x", encoding="utf-8")
+    text = "data:\n  recordings: ['*.csv', '*.txt']\n"
+    with pytest.raises(ConfigError, match=r"walk.csv and walk.txt would both be the walk 'walk': rename one"):
+        load_experiment(experiment_file(tmp_path, text))
 
 
 def test_the_limit_takes_the_first_walks_and_leaves_them_as_they_are(tmp_path: Path) -> None:
