@@ -10,11 +10,12 @@ import yaml
 from annotated_types import Ge
 from pydantic import TypeAdapter, ValidationError
 
-from pdr_est.config import Config, config_from_dict, config_to_dict, load_yaml
+from pdr_est.config import Config, config_from_dict, config_to_dict
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import DetectorName
 from pdr_est.params import Positive, params
+from pdr_est.yaml_file import load_yaml
 
 _HEADER = "# A walker's own step length, made by `pdr-est calibrate`. To use it: pdr-est smooth --profile FILE\n"
 _SECTIONS = ("profile", "walker", "odometry")

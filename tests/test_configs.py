@@ -1,4 +1,4 @@
-"""Every configuration in configs/ loads and gives a track; the default one says what the code says."""
+"""Every settings file in configs/settings/ loads and gives a track; the default one says what the code says."""
 
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from pdr_est.front_end.step_length import StepLengthParams
 from pdr_est.simulate import DeviceParams, Scenario, SensorParams, simulate_walk
 from pdr_est.simulate.path import PathParams
 
-CONFIGS = sorted((Path(__file__).parents[1] / "configs").glob("*.yaml"))
+CONFIGS = sorted((Path(__file__).parents[1] / "configs" / "settings").glob("*.yaml"))
 
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)

@@ -23,13 +23,16 @@ ORDER: list[set[str]] = [
     {"front_end.step_length", "front_end.heading"},
     {"front_end.odometry"},
     {"estimators"},
+    {"yaml_file"},
+    {"validation"},
     {"config"},
     {"profile", "pipeline"},
     {"calibrate"},
     {"simulate", "evaluate"},
     {"report"},
     {"training"},
-    {"experiment", "benchmark"},
+    {"benchmark"},
+    {"experiment"},
     {"cli"},
 ]
 FACADE_HIDES = {"cli"}  # what pdr_est/__init__.py must not import
@@ -127,7 +130,7 @@ def allowed(item: Import) -> bool:
         return True
     importer, target = rank(item.importer), rank(item.name)
     if item.name == "__version__":  # all that may be had through the facade, by what the facade does not import
-        return importer is not None and importer >= len(ORDER) - 2
+        return importer is not None and importer >= len(ORDER) - 3
     if importer is None or target is None:
         return False
     return target < importer or part_of(item.importer) == part_of(item.name)

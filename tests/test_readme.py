@@ -3,6 +3,7 @@
 import re
 import runpy
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -11,16 +12,19 @@ from click.testing import CliRunner
 from pdr_est.benchmark.suites import SUITES
 from pdr_est.benchmark.variant import AXES
 from pdr_est.cli import main
+from pdr_est.experiment import load_experiment
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(r"^\$ pdr-est (.*)$", README, flags=re.MULTILINE)
+EXPERIMENTS = re.findall(r"^```yaml\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture(scope="module")
 def demo_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the output of the demo."""
+    """A folder with the output of the demo, and with the experiment files."""
     folder = tmp_path_factory.mktemp("readme")
+    shutil.copytree(Path(__file__).parents[1] / "configs", folder / "configs")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         result = CliRunner().invoke(main, ["demo", "-o", "demo-out"])
@@ -38,6 +42,13 @@ def test_command(command: str, demo_folder: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(demo_folder)
     result = CliRunner().invoke(main, shlex.split(command))
     assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("block", EXPERIMENTS)
+def test_experiment_block(block: str, demo_folder: Path) -> None:
+    path = demo_folder / "configs" / "of-the-readme.yaml"
+    path.write_text(block, encoding="utf-8")
+    assert len(load_experiment(path).variants) > 1
 
 
 @pytest.mark.parametrize("block", BLOCKS)

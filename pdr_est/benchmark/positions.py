@@ -1,18 +1,52 @@
 """Metrics of a device whose true positions are known."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
 from pdr_est.benchmark.devices import Part, device_scores, mode_part
 from pdr_est.benchmark.suite import Scores, Walked
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate import metrics, open_loop
 from pdr_est.evaluate.association import Association, associate
 from pdr_est.evaluate.consistency import coverage95, nees_mean
-from pdr_est.evaluate.heldout import LEAST_POINTS, WAYPOINT_SIGMA_M, fixes_at, given_points
+from pdr_est.evaluate.heldout import EVERY, LEAST_POINTS, WAYPOINT_SIGMA_M, fixes_at, given_points
 from pdr_est.evaluate.open_loop import open_metrics
+from pdr_est.frames import Array
 from pdr_est.io.recording import TruePositions
 from pdr_est.pipeline import DeviceWalk
+from pdr_est.records import PositionFix
 from pdr_est.track import Track
 
 HELDOUT_METRICS = ("error_heldout_m", "coverage95", "nees_mean")
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Which truth points are given as fixes, and how sure they are; the others judge the track.
+
+    every: each so-manyth and the last. sigma_m: of a fix, per axis. truth_sigma_m: of the points that judge. noise:
+    from their number n, what is added to the points that are given, (n, 2) in m; for a truth that has no errors.
+    """
+
+    every: int = EVERY
+    sigma_m: float = WAYPOINT_SIGMA_M
+    truth_sigma_m: float = WAYPOINT_SIGMA_M
+    noise: Callable[[int], Array] | None = None
+
+    def given(self, pairs: Association) -> NDArray[np.bool_]:
+        """(n,) which of the pairs are given."""
+        return given_points(len(pairs), self.every)
+
+    def fixes(self, pairs: Association) -> tuple[PositionFix, ...]:
+        """Those that are given, as fixes."""
+        given = self.given(pairs)
+        position_m = pairs.truth_m[given]
+        if self.noise is not None:
+            position_m = position_m + self.noise(len(position_m))
+        return fixes_at(pairs.time_s[given], position_m, self.sigma_m)
 
 
 def score_open(walk: Walked) -> list[Scores]:
@@ -20,13 +54,7 @@ def score_open(walk: Walked) -> list[Scores]:
 
     Raises RecordingError when fewer than two truth points lie within the recording.
     """
-    truth, track = _truth(walk), walk.track()
-    scores = []
-    for device in walk.devices:
-        own = track.of_device(device.device)
-        pairs = _pairs(walk, device, own, truth)
-        scores.append(device_scores(walk, device, _open_part(own, pairs, truth), mode_part(walk, device)))
-    return scores
+    return score_positions(walk, None)
 
 
 def score_waypoints(walk: Walked) -> list[Scores]:
@@ -35,14 +63,29 @@ def score_waypoints(walk: Walked) -> list[Scores]:
     With fewer than five truth points the held-out ones are missing. Raises RecordingError when fewer than two truth
     points lie within the recording.
     """
+    return score_positions(walk, HeldOut())
+
+
+def score_positions(walk: Walked, held_out: HeldOut | None) -> list[Scores]:
+    """`OPEN_METRICS` and `mode_accuracy` of each device, and `HELDOUT_METRICS` if points are held out."""
     truth, track = _truth(walk), walk.track()
-    scores = []
-    for device in walk.devices:
-        own = track.of_device(device.device)
-        pairs = _pairs(walk, device, own, truth)
-        parts = (_open_part(own, pairs, truth), _heldout_part(walk, device, pairs), mode_part(walk, device))
-        scores.append(device_scores(walk, device, *parts))
-    return scores
+    return [
+        device_scores(walk, device, *position_parts(walk, device, track, truth, held_out), mode_part(walk, device))
+        for device in walk.devices
+    ]
+
+
+def position_parts(
+    walk: Walked, device: DeviceWalk, track: Track, truth: TruePositions, held_out: HeldOut | None
+) -> tuple[Part, ...]:
+    """The metrics of a device's true positions. track: of all devices, from nothing but the sensors.
+
+    Raises RecordingError when fewer than two truth points lie within the recording.
+    """
+    own = track.of_device(device.device)
+    pairs = _pairs(walk, device, own, truth)
+    opened = _open_part(own, pairs, truth)
+    return (opened,) if held_out is None else (opened, _heldout_part(walk, device, pairs, held_out))
 
 
 def _open_part(track: Track, pairs: Association, truth: TruePositions) -> Part:
@@ -50,19 +93,19 @@ def _open_part(track: Track, pairs: Association, truth: TruePositions) -> Part:
     return Part(open_metrics(track, pairs, truth.source), counts)
 
 
-def _heldout_part(walk: Walked, device: DeviceWalk, pairs: Association) -> Part:
+def _heldout_part(walk: Walked, device: DeviceWalk, pairs: Association, held_out: HeldOut) -> Part:
     """Metrics at the held-out points of a track that was given the others as fixes."""
-    if len(pairs) < LEAST_POINTS:
+    given = held_out.given(pairs)
+    if len(pairs) < LEAST_POINTS or given.all():
         return Part(missing=dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_POINTS} truth points"))
-    given = given_points(len(pairs))
-    track = walk.track(fixes_at(pairs.time_s[given], pairs.truth_m[given])).of_device(device.device)
+    track = walk.track(held_out.fixes(pairs)).of_device(device.device)
     held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], device.span_s)
     error_m = held.track_m - held.truth_m
     return Part(
         {
             "error_heldout_m": float(metrics.point_errors(held.track_m, held.truth_m).mean()),
-            "coverage95": coverage95(error_m, held.covariance_m2, WAYPOINT_SIGMA_M),
-            "nees_mean": nees_mean(error_m, held.covariance_m2, WAYPOINT_SIGMA_M),
+            "coverage95": coverage95(error_m, held.covariance_m2, held_out.truth_sigma_m),
+            "nees_mean": nees_mean(error_m, held.covariance_m2, held_out.truth_sigma_m),
         }
     )
 

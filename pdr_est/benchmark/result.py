@@ -1,13 +1,11 @@
 """The outcome of a benchmark: a row for each scored track, and the averages over them."""
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from pdr_est.benchmark.confusion import Confusion
+from pdr_est.evaluate.average import Average
 
 Json = dict[str, Any]
 
@@ -62,26 +60,6 @@ class SkippedWalk:
 
     walk: str
     reason: str
-
-
-@dataclass(frozen=True)
-class Average:
-    """Of one metric over the walks that have it; None when none has. p90: 90th percentile, linear between walks."""
-
-    mean: float | None
-    median: float | None
-    p90: float | None
-    n: int
-
-    @classmethod
-    def of(cls, values: Iterable[float | None]) -> "Average":
-        known = [value for value in values if value is not None and math.isfinite(value)]
-        if not known:
-            return cls(None, None, None, 0)
-        return cls(float(np.mean(known)), float(np.median(known)), float(np.percentile(known, 90.0)), len(known))
-
-    def to_dict(self) -> Json:
-        return {"mean": self.mean, "median": self.median, "p90": self.p90, "n": self.n}
 
 
 Summary = dict[str, Average]

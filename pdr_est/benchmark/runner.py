@@ -99,40 +99,61 @@ def run_walk(suite: str, file: WalkFile, variants: Sequence[Variant]) -> Outcome
     except ConfigError:
         raise
     except PdrError as error:
-        return Outcome(skipped=(SkippedWalk(file.name, _without_name(str(error), file)),))
+        return Outcome(skipped=(SkippedWalk(file.name, without_name(str(error), file)),))
     except Exception as error:
         error.add_note(f"in the walk {file.name}")
         raise
 
 
 def _run_walk(suite: Suite, file: WalkFile, variants: Sequence[Variant]) -> Outcome:
-    recording = _with_truth(suite.prepare(read(file.path)), file.truth)
+    recording = with_truth(suite.prepare(read(file.path)), file.truth)
     rows: list[WalkRow] = []
     cases: list[CalibrationCase | None] = []
     reasons: list[str] = []
-    for variant, devices, seconds in _analysed(recording, variants):
-        walk = Walked(recording, devices, variant.config, seconds)
-        try:
-            scores = suite.score(walk)
-        except EstimationError as error:
-            reasons.append(f"{variant.name}: {error}")
-            continue
-        rows += [_row(suite, file, variant, of_track, walk.seconds) for of_track in scores]
-        cases += [of_track.calibration for of_track in scores]
-        reasons += [reason for of_track in scores for reason in _missing(suite, of_track)]
+    for scored in score_variants(suite, recording, variants):
+        rows += [_row(suite, file, scored.variant, of_track, scored.walk.seconds) for of_track in scored.scores]
+        cases += [of_track.calibration for of_track in scored.scores]
+        reasons += scored.reasons
     # A reason that does not depend on the variant or the track is given once.
     skipped = tuple(SkippedWalk(file.name, reason) for reason in dict.fromkeys(reasons))
     return Outcome(tuple(rows), skipped, tuple(cases))
 
 
-def _without_name(reason: str, file: WalkFile) -> str:
+@dataclass(frozen=True)
+class Scored:
+    """A walk after one variant. scores: of each track, none when the estimator failed. reasons: what is missing and
+    why."""
+
+    variant: Variant
+    walk: Walked
+    scores: tuple[Scores, ...]
+    reasons: tuple[str, ...]
+
+
+def score_variants(suite: Suite, recording: Recording, variants: Sequence[Variant]) -> Iterator[Scored]:
+    """Analyse, estimate and score a recording with one variant after the other.
+
+    Raises RecordingError when the recording cannot be used. What an estimator cannot do is a reason.
+    """
+    for variant, devices, seconds in _analysed(recording, variants):
+        walk = Walked(recording, devices, variant.config, seconds)
+        try:
+            scores = suite.score(walk)
+        except EstimationError as error:
+            yield Scored(variant, walk, (), (f"{variant.name}: {error}",))
+            continue
+        reasons = tuple(reason for of_track in scores for reason in _missing(suite, of_track))
+        yield Scored(variant, walk, tuple(scores), reasons)
+
+
+def without_name(reason: str, file: WalkFile) -> str:
     """A reason without the name of the walk or its recording, which stands before it anyway."""
     for name in (file.name, file.name.rpartition("/")[2]):
         reason = reason.removeprefix(f"{name}: ")
     return reason
 
 
-def _with_truth(recording: Recording, told: Truth) -> Recording:
+def with_truth(recording: Recording, told: Truth) -> Recording:
     """The recording with what the data set tells of it elsewhere."""
     known = {part.name: getattr(told, part.name) for part in fields(told) if getattr(told, part.name) is not None}
     return replace(recording, truth=replace(recording.truth, **known))
@@ -183,19 +204,19 @@ def _map(
 ) -> Iterator[Outcome]:
     """The outcomes in order of the walks."""
     if jobs == 1:
-        _warm_up(with_graph)
+        warm_up(with_graph)
         yield from map(work, walks)
         return
     # Spawned and not forked: the same on every platform, and safe with the threads of numpy and GTSAM.
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_warm_up, initargs=(with_graph,)) as pool:
-        with _without_interrupts():
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=warm_up, initargs=(with_graph,)) as pool:
+        with without_interrupts():
             outcomes = pool.map(work, walks)
         yield from _until_broken(outcomes)
 
 
 @contextmanager
-def _without_interrupts() -> Iterator[None]:
+def without_interrupts() -> Iterator[None]:
     """Processes that start within ignore Ctrl-C, which reaches all of them: this one alone winds up the work."""
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are the main thread's business
@@ -216,7 +237,7 @@ def _until_broken(outcomes: Iterable[Outcome]) -> Iterator[Outcome]:
         ) from error
 
 
-def _warm_up(with_graph: bool) -> None:
+def warm_up(with_graph: bool) -> None:
     """Load what is loaded at first use, so that its time does not count as the first walk's."""
     if with_graph:
         from pdr_est.estimators import factor_graph  # noqa: F401

@@ -53,7 +53,10 @@ class Scores:
 
 
 class Walked:
-    """A recorded walk after the front end, ready for one estimator; adds up the CPU time that the chain takes."""
+    """A recorded walk after the front end, ready for one estimator; adds up the CPU time that the chain takes.
+
+    estimates: the tracks that were asked for so far, with the fixes that they were given.
+    """
 
     def __init__(
         self, recording: Recording, devices: Sequence[DeviceWalk], config: Config, front_end_seconds: float = 0.0
@@ -62,12 +65,14 @@ class Walked:
         self.devices = tuple(devices)
         self.seconds = front_end_seconds
         self.config = config
+        self.estimates: list[tuple[tuple[PositionFix, ...], Track]] = []
 
     def track(self, fixes: Sequence[PositionFix] = ()) -> Track:
         """The estimator's track, given the sensors and these fixes only."""
         started = time.process_time()
         track = pipeline.estimate(self.devices, self.config, fixes)
         self.seconds += time.process_time() - started
+        self.estimates.append((tuple(fixes), track))
         return track
 
 

@@ -7,7 +7,8 @@ from rich.measure import Measurement
 from rich.table import Table
 
 from pdr_est.benchmark.confusion import Confusion
-from pdr_est.benchmark.result import Average, BenchmarkResult, Summary
+from pdr_est.benchmark.result import BenchmarkResult, Summary
+from pdr_est.evaluate.average import Average
 
 _WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps the lines instead
 

@@ -11,7 +11,18 @@ import click
 from pdr_est import __version__
 from pdr_est.errors import PdrError
 
-COMMANDS = ("inspect", "steps", "smooth", "calibrate", "benchmark", "train-gait", "demo")
+COMMANDS = (
+    "inspect",
+    "steps",
+    "smooth",
+    "calibrate",
+    "benchmark",
+    "experiment",
+    "compare",
+    "config",
+    "train-gait",
+    "demo",
+)
 """Each is a module of this package that holds the command under its own name, with _ for -."""
 
 

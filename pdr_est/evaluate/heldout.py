@@ -8,17 +8,20 @@ from pdr_est.records import PositionFix
 
 WAYPOINT_SIGMA_M = 0.7  # per axis, of clicked or surveyed waypoints
 LEAST_POINTS = 5
-_EVERY = 3
+EVERY = 3
 
 
-def given_points(n_points: int) -> NDArray[np.bool_]:
-    """(n,) which of n truth points are given: number 1, 4, 7, … and the last. The others are held out."""
-    given: NDArray[np.bool_] = np.arange(n_points) % _EVERY == 0
+def given_points(n_points: int, every: int = EVERY) -> NDArray[np.bool_]:
+    """(n,) which of n truth points are given: number 1, 4, 7, … and the last. The others are held out.
+
+    every: 3 gives those numbers.
+    """
+    given: NDArray[np.bool_] = np.arange(n_points) % every == 0
     given[-1:] = True
     return given
 
 
-def fixes_at(time_s: Array, position_m: Array) -> tuple[PositionFix, ...]:
+def fixes_at(time_s: Array, position_m: Array, sigma_m: float = WAYPOINT_SIGMA_M) -> tuple[PositionFix, ...]:
     """Truth points as fixes with the sigma of a waypoint. time_s: (n,); position_m: (n, 2)."""
-    covariance = WAYPOINT_SIGMA_M**2 * np.eye(2)
+    covariance = sigma_m**2 * np.eye(2)
     return tuple(PositionFix(float(t), p, covariance) for t, p in zip(time_s, position_m, strict=True))

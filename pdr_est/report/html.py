@@ -18,25 +18,34 @@ NO_VALUE = "–"
 
 def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> str:
     """The page as text. summary: what `summarise` returned for the same walk and recording."""
-    environment = Environment(
+    return (
+        environment()
+        .get_template("report.html.j2")
+        .render(
+            summary=summary,
+            one_device=len(walk.track.devices) == 1,
+            tiles=_tiles(summary),
+            errors=_flat(summary["errors_against_truth"] or {}),
+            track=track_panel(walk, recording, summary["frame"] == "map"),
+            panels=time_panels(walk),
+            models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
+            mode_signs={mode.name: mode_entry("strip", mode) for mode in CarryingMode},
+            config_text=yaml.safe_dump(summary["config"], allow_unicode=True, sort_keys=False, width=100),
+        )
+    )
+
+
+def environment() -> Environment:
+    """Where the templates of pages come from, and how they write numbers."""
+    made = Environment(
         loader=PackageLoader("pdr_est", "report"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(number=number, percent=percent, seconds=seconds, metric=metric)
-    return environment.get_template("report.html.j2").render(
-        summary=summary,
-        one_device=len(walk.track.devices) == 1,
-        tiles=_tiles(summary),
-        errors=_flat(summary["errors_against_truth"] or {}),
-        track=track_panel(walk, recording, summary["frame"] == "map"),
-        panels=time_panels(walk),
-        models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
-        mode_signs={mode.name: mode_entry("strip", mode) for mode in CarryingMode},
-        config_text=yaml.safe_dump(summary["config"], allow_unicode=True, sort_keys=False, width=100),
-    )
+    made.filters.update(number=number, percent=percent, seconds=seconds, metric=metric)
+    return made
 
 
 def number(value: float | None, digits: int = 2) -> str:

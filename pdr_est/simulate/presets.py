@@ -82,7 +82,7 @@ def _evenly_changed(
     """A walk in some modes, one after the other, each for the same distance about."""
     duration_s = Path(path).length_m / usual_speed_mps(person.gait)
     starts_s = person.gait.lead_in_s + duration_s * np.arange(1, len(order)) / len(order)
-    device = _device(person, order, starts_s.tolist(), rng)
+    device = carried_device(person, order, starts_s.tolist(), rng)
     return Scenario(name=name, path=path, gait=person.gait, body=person.body, devices=(device,), seed=seed)
 
 
@@ -99,21 +99,29 @@ def _mode_walk(number: int, changes: int, rng: np.random.Generator) -> Scenario:
         path=PathParams(vertices_m=((0.0, 0.0), (80.0, 0.0))),
         gait=person.gait,
         body=person.body,
-        devices=(_device(person, order, starts_s.tolist(), rng),),
+        devices=(carried_device(person, order, starts_s.tolist(), rng),),
         seed=int(rng.integers(2**31)),
     )
 
 
-def _device(
-    person: Person, order: Sequence[CarryingMode], starts_s: Sequence[float], rng: np.random.Generator
+def carried_device(
+    person: Person,
+    order: Sequence[CarryingMode],
+    starts_s: Sequence[float],
+    rng: np.random.Generator,
+    sensors: SensorParams = _MMPDR_SENSORS,
+    name: str = "device",
 ) -> DeviceParams:
-    """A phone in some modes, one after the other; starts_s: when each change but the first mode begins."""
+    """A phone in some modes, one after the other; starts_s: when the change to each mode after the first begins.
+
+    Raise ConfigError for a mode that is not simulated.
+    """
     carries = [_carry(person, mode) for mode in order]
     changes = [
         person.change(before, carry, start_s, rng)
         for (before, carry), start_s in zip(pairwise(carries), starts_s, strict=True)
     ]
-    return DeviceParams(carry=carries[0], changes=tuple(changes), sensors=_MMPDR_SENSORS)
+    return DeviceParams(name=name, carry=carries[0], changes=tuple(changes), sensors=sensors)
 
 
 def _carry(person: Person, mode: CarryingMode) -> AnyPhone:

@@ -7,7 +7,8 @@ import pytest
 from rich.console import Console
 
 from pdr_est.benchmark import BenchmarkResult, print_table
-from pdr_est.benchmark.result import Average, SkippedWalk, WalkRow
+from pdr_est.benchmark.result import SkippedWalk, WalkRow
+from pdr_est.evaluate.average import Average
 
 
 def row(walk, estimator, ate, group=None, headline=True, **labels):

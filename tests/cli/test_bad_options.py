@@ -54,7 +54,10 @@ def test_what_must_be_given(good: Path) -> None:
     assert refused("smooth", good) == "Missing option '-o' / '--output'; see pdr-est smooth --help"
     assert refused("smooth") == "Missing argument 'RECORDING'; see pdr-est smooth --help"
     assert refused("smoth", good) == "No such command 'smoth': did you mean smooth?; see pdr-est --help"
-    assert "there are inspect, steps, smooth, calibrate, benchmark, train-gait, demo" in refused("xyz")
+    assert (
+        "there are inspect, steps, smooth, calibrate, benchmark, experiment, compare, config, train-gait, demo"
+        in refused("xyz")
+    )
 
 
 # --- the configuration -----------------------------------------------------------------------------------------

@@ -210,7 +210,7 @@ def test_no_step_means_no_modes(make_walk) -> None:
 
 
 def test_every_colour_has_a_value_in_both_themes() -> None:
-    template = (files("pdr_est") / "report" / "report.html.j2").read_text(encoding="utf-8")
+    template = (files("pdr_est") / "report" / "style.html.j2").read_text(encoding="utf-8")
     dark = template.index("prefers-color-scheme: dark")
     for colour in (*svg.MODE.values(), *svg.SERIES, svg.FIX, svg.INK, svg.MUTED):
         definition = f"--{svg.css_name(colour)}: #"

@@ -1,0 +1,38 @@
+"""`pdr-est config`: what settings and experiment files may hold, and what they mean when resolved."""
+
+import json
+from pathlib import Path
+
+import click
+
+from pdr_est.cli.options import PATH
+from pdr_est.config import config_to_yaml, load_config
+from pdr_est.yaml_file import load_yaml
+
+
+@click.group()
+def config() -> None:
+    """Schema of configuration files, and a file with all that it leaves to the defaults."""
+
+
+@config.command()
+@click.option("--settings", is_flag=True, help="Of settings files, as --config takes them. Default: of experiments.")
+def schema(settings: bool) -> None:
+    """Print the JSON schema, for editors that complete and check YAML."""
+    from pdr_est.experiment.schema import experiment_schema, settings_schema
+
+    click.echo(json.dumps(settings_schema() if settings else experiment_schema(), indent=2))
+
+
+@config.command()
+@click.argument("file", type=PATH)
+@click.option("--data", type=PATH, metavar="DIR", help="Folder of an experiment's recordings.")
+def show(file: Path, data: Path | None) -> None:
+    """Print FILE, of settings or of an experiment, with every setting; an experiment is checked as before a run."""
+    content = load_yaml(file)
+    if isinstance(content, dict) and "data" in content:
+        from pdr_est.experiment import load_experiment
+
+        click.echo(load_experiment(file, data).to_yaml(), nl=False)
+    else:
+        click.echo(config_to_yaml(load_config(file)), nl=False)

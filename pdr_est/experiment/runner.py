@@ -1,0 +1,104 @@
+"""Runs an experiment: what is missing of its walks, then the tables and the report."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pdr_est.errors import ConfigError
+from pdr_est.evaluate.paired import Paired
+from pdr_est.experiment.cluster import run_on_cluster
+from pdr_est.experiment.comparison import compare_variants, read_values
+from pdr_est.experiment.load import Experiment
+from pdr_est.experiment.local import run_locally
+from pdr_est.experiment.output import REPORT, begin, write
+from pdr_est.experiment.parts import Part, decode, store, stored
+from pdr_est.experiment.provenance import provenance
+from pdr_est.experiment.results import ordered, write_tables
+from pdr_est.experiment.work import work_of
+
+Progress = Callable[[int, int], None]
+
+_MOST_PAIRED = 4  # variants that the page compares each with each; of more, the first one with every other
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A run that came to its end. parts: in the order of the experiment's walks. resumed: how many were there."""
+
+    parts: tuple[Part, ...]
+    resumed: int
+
+    @property
+    def failed(self) -> int:
+        """Number of walks of which nothing could be told."""
+        return sum(not part.tracks for part in self.parts)
+
+
+def run_experiment(
+    experiment: Experiment,
+    output: Path,
+    workers: int = 1,
+    cluster: str | None = None,
+    overwrite: bool = False,
+    on_progress: Progress | None = None,
+) -> Finished:
+    """Work on every walk that `output` has no part of yet, and write the results there.
+
+    workers: processes of this computer. cluster: address of a Dask scheduler, which is used instead. overwrite:
+    whether results of another configuration, other data or other code may be replaced; then all is done anew.
+    on_progress: called with the number of finished walks and of all.
+
+    A run that is killed can be started again with the same arguments. The results do not depend on where or in which
+    order the walks are done. Raises ConfigError for a number out of range or a cluster that cannot be reached,
+    OutputError when the folder holds something else.
+    """
+    if workers < 1:
+        raise ConfigError(f"workers = {workers}: must be at least 1")
+    document = provenance(experiment)
+    folder = begin(output, document, experiment.to_yaml(), overwrite)
+    parts = stored(folder, (walk.name for walk in experiment.walks))
+    resumed = len(parts)
+    missing = [walk for walk in experiment.walks if walk.name not in parts]
+    work = work_of(experiment)
+    if on_progress is not None:
+        on_progress(resumed, len(experiment.walks))
+    if missing:
+        many = min(workers, len(missing))
+        runs = run_locally(work, missing, many) if cluster is None else run_on_cluster(work, missing, cluster)
+        for done in runs:
+            if done.keep:
+                store(folder, done.walk.name, done.content)
+            parts[done.walk.name] = decode(done.content)
+            if on_progress is not None:
+                on_progress(len(parts), len(experiment.walks))
+    in_order = tuple(parts[walk.name] for walk in experiment.walks)
+    write_tables(output, experiment, in_order)
+    _write_report(output, experiment, in_order, document)
+    return Finished(in_order, resumed)
+
+
+def _write_report(output: Path, experiment: Experiment, parts: tuple[Part, ...], document: dict[str, Any]) -> None:
+    from pdr_est.report.comparison.page import Content, render_comparison  # matplotlib is slow to load
+
+    names = tuple(variant.name for variant in experiment.variants)
+    content = Content(
+        title=experiment.title,
+        variants=names,
+        metrics=experiment.metrics,
+        group_by=experiment.config.group_by,
+        outcomes=tuple(ordered(experiment, parts)),
+        pairs=_pairs(output),
+        failed=sum(not part.tracks for part in parts),
+        failures=tuple((failure.walk, failure.reason) for part in parts for failure in part.failures),
+        config=experiment.to_yaml(),
+        provenance=document,
+    )
+    write(output / REPORT, render_comparison(content))
+
+
+def _pairs(output: Path) -> tuple[Paired, ...]:
+    """Each variant with each; of many, the first one with every other."""
+    values = read_values([output])
+    variants = list(dict.fromkeys(name for of_metric in values.values() for name in of_metric))
+    return compare_variants(values, reference=variants[0] if len(variants) > _MOST_PAIRED else None)

@@ -1,0 +1,34 @@
+"""JSON schemas of configuration files, for editors."""
+
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from pdr_est.config import Config
+from pdr_est.experiment.config import ExperimentConfig
+
+Json = dict[str, Any]
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_DOTTED = r"^[a-z_]+(\.[a-z0-9_]+)+$"
+
+
+def settings_schema() -> Json:
+    """Of a settings file."""
+    return {"$schema": _DIALECT, **TypeAdapter(Config).json_schema(), "title": "pdr-est settings"}
+
+
+def experiment_schema() -> Json:
+    """Of an experiment file; settings may be given as sections or as dotted keys."""
+    document = TypeAdapter(ExperimentConfig).json_schema()
+    settings = TypeAdapter(Config).json_schema()
+    sections = settings.pop("$defs")
+    settings["patternProperties"] = {_DOTTED: {}}
+    file = {"settings_file": {"type": "string", "description": "Relative to the experiment file."}}
+    variant = {**settings, "title": "Variant", "properties": {**settings["properties"], **file}}
+    properties = document["properties"]
+    properties["settings"] = {"$ref": "#/$defs/Settings"}
+    properties["variants"]["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Variant"}, {"type": "null"}]}
+    properties["sweep"]["propertyNames"] = {"pattern": _DOTTED}
+    definitions = {**sections, **document.pop("$defs"), "Settings": settings, "Variant": variant}
+    return {"$schema": _DIALECT, **document, "title": "pdr-est experiment", "$defs": definitions}

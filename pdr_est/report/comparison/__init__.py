@@ -1,0 +1,1 @@
+"""The page of an experiment: how variants compare over many walks."""

@@ -1,0 +1,167 @@
+"""The plots of the page: distribution and growth of the errors, honesty of the covariance, tracks."""
+
+from collections.abc import Sequence
+from itertools import chain
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLocator, PercentFormatter
+from scipy.stats import chi2
+
+from pdr_est.frames import Array
+from pdr_est.report import svg
+from pdr_est.report.comparison.outcome import TrackOutcome
+from pdr_est.report.legend import LegendEntry
+
+_DASHES: tuple[tuple[float, ...], ...] = ((), (3.2, 1.6), (1.1, 1.1), (5.0, 1.2, 1.1, 1.2))
+_HEIGHT_IN, _BOTTOM_IN, _TOP_IN = 3.2, 0.52, 0.12
+_WIDE_RANGE = 3.0  # of the medians of the variants: above it, a logarithmic axis shows them all
+_BINS = 12
+_FEWEST = 5  # errors in a bin, for a percentile
+_WIDE_M = 6.0
+
+
+def looks(variants: Sequence[str]) -> dict[str, LegendEntry]:
+    """Colour and dashes of each variant's line: four colours, then the same ones broken."""
+    colours = len(svg.SERIES)
+    return {
+        name: LegendEntry(
+            "line",
+            svg.css_name(svg.series_colour(number)),
+            name,
+            _DASHES[number // colours % len(_DASHES)],
+        )
+        for number, name in enumerate(variants)
+    }
+
+
+def plot_distribution(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
+    """Share of the true positions with an error below each value."""
+    figure, axes = _figure()
+    pools = [_pooled(outcomes, name, "error_m") for name in variants]
+    for number, pool in enumerate(pools):
+        error_m = np.sort(pool)
+        if not len(error_m):
+            continue
+        share = np.arange(1, len(error_m) + 1) / len(error_m)
+        step = np.unique(np.linspace(0, len(error_m) - 1, 400).round().astype(int))
+        _line(axes, np.append(error_m[0], error_m[step]), np.append(0.0, share[step]), number, stairs=True)
+    highest = max((float(np.quantile(pool, 0.98)) for pool in pools if len(pool)), default=0.0) or 1.0
+    lowest = min((float(np.quantile(pool, 0.02)) for pool in pools if len(pool)), default=0.0)
+    if _differ_widely(pools) and lowest > 0.0:
+        axes.set_xscale("log")
+        axes.set_xlim(lowest, max(highest, 1.01 * lowest))
+        _plain_logarithmic(axes.xaxis)
+    else:
+        axes.set_xlim(0.0, highest)
+    axes.set_ylim(0.0, 1.0)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    svg.label_axes(axes, "error (m)", "share below")
+    return figure
+
+
+def plot_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
+    """Median (thick) and 90th percentile (thin) of the error against the distance walked."""
+    figure, axes = _figure()
+    farthest = max((float(one.way_m.max()) for one in outcomes if len(one.way_m)), default=1.0)
+    edges = np.linspace(0.0, farthest or 1.0, _BINS + 1)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    pools = [_pooled(outcomes, name, "error_m") for name in variants]
+    drawn: list[Array] = []
+    for number, (name, error_m) in enumerate(zip(variants, pools, strict=True)):
+        way_m = _pooled(outcomes, name, "way_m")
+        place = np.clip(np.searchsorted(edges, way_m, side="right") - 1, 0, _BINS - 1)
+        within = [error_m[place == i] for i in range(_BINS)]
+        for share, width in ((0.5, 2.2), (0.9, 1.0)):
+            high = np.array([np.quantile(part, share) if len(part) >= _FEWEST else np.nan for part in within])
+            _line(axes, middle, high, number, linewidth=width)
+            drawn.append(high[np.isfinite(high) & (high > 0.0)])
+    axes.set_xlim(0.0, farthest or 1.0)
+    heights = np.concatenate([*drawn, np.empty(0)])
+    if _differ_widely(pools) and len(heights):
+        axes.set_yscale("log")
+        axes.set_ylim(0.8 * float(heights.min()), 1.25 * float(heights.max()))
+        _plain_logarithmic(axes.yaxis)
+    else:
+        axes.set_ylim(bottom=0.0)
+    svg.label_axes(axes, "distance walked (m)", "error (m)")
+    return figure
+
+
+def plot_coverage(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
+    """Share of the true positions inside the region of each nominal probability."""
+    figure, axes = _figure()
+    nominal = np.linspace(0.0, 1.0, 101)
+    limits = chi2.ppf(nominal, 2)
+    axes.plot([0.0, 1.0], [0.0, 1.0], color=svg.MUTED, linewidth=1.0, dashes=(4, 2.5))
+    for number, name in enumerate(variants):
+        squared = _pooled(outcomes, name, "squared")
+        if len(squared):
+            _line(axes, nominal, (squared[:, None] <= limits).mean(axis=0), number)
+    for axis, set_limits in ((axes.xaxis, axes.set_xlim), (axes.yaxis, axes.set_ylim)):
+        set_limits(0.0, 1.0)
+        axis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    svg.label_axes(axes, "stated probability", "share inside")
+    return figure
+
+
+def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
+    """The tracks of one walk, a line for each variant, on the true positions."""
+    clouds = [one.position_m for one in outcomes] + [one.truth_m for one in outcomes]
+    cloud = np.concatenate([points for points in clouds if len(points)])
+    low, high = cloud.min(axis=0), cloud.max(axis=0)
+    span = np.maximum((high - low) * 1.08, _WIDE_M)
+    width_in = svg.WIDTH_IN - svg.LEFT_IN - svg.RIGHT_IN
+    height_in = width_in * float(np.clip(span[1] / span[0], 0.25, 0.5))
+    metres_per_inch = max(span[0] / width_in, span[1] / height_in)
+    half = 0.5 * metres_per_inch * np.array([width_in, height_in])
+    middle = 0.5 * (low + high)
+    figure = svg.new_figure(_BOTTOM_IN + height_in + _TOP_IN)
+    axes = svg.add_axes(figure, _BOTTOM_IN, height_in)
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    axes.set_aspect("equal")
+    locator = svg.nice_step(2.0 * float(half[0]), 9)
+    axes.xaxis.set_major_locator(MultipleLocator(locator))
+    axes.yaxis.set_major_locator(MultipleLocator(locator))
+    if len(outcomes[0].truth_m):
+        east_m, north_m = outcomes[0].truth_m.T
+        axes.plot(east_m, north_m, color=svg.MUTED, linewidth=1.0, dashes=(4, 2.5))
+        axes.plot(east_m, north_m, "o", color=svg.PAPER, markeredgecolor=svg.MUTED, markersize=4.0)
+    for one in outcomes:
+        _line(axes, one.position_m[:, 0], one.position_m[:, 1], variants.index(one.variant), linewidth=1.6)
+    svg.label_axes(axes, "east (m)", "north (m)")
+    return figure
+
+
+def _differ_widely(pools: Sequence[Array]) -> bool:
+    """Whether the medians of some errors are of different orders."""
+    medians = [float(np.median(pool)) for pool in pools if len(pool)]
+    return bool(medians) and max(medians) > _WIDE_RANGE * min(medians) > 0.0
+
+
+def _plain_logarithmic(axis: Axis) -> None:
+    """Plain numbers at 1, 2 and 5 times the powers of ten of a logarithmic axis."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _place: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())
+
+
+def _figure() -> tuple[Figure, Axes]:
+    figure = svg.new_figure(_BOTTOM_IN + _HEIGHT_IN + _TOP_IN)
+    return figure, svg.add_axes(figure, _BOTTOM_IN, _HEIGHT_IN)
+
+
+def _line(axes: Axes, x: Array, y: Array, number: int, linewidth: float = 1.8, stairs: bool = False) -> None:
+    (line,) = axes.plot(x, y, color=svg.series_colour(number), linewidth=linewidth)
+    line.set_drawstyle("steps-post" if stairs else "default")
+    dashes = _DASHES[number // len(svg.SERIES) % len(_DASHES)]
+    if dashes:
+        line.set_dashes(dashes)
+
+
+def _pooled(outcomes: Sequence[TrackOutcome], variant: str, name: str) -> Array:
+    rows = [getattr(one, name) for one in outcomes if one.variant == variant]
+    return np.array(list(chain.from_iterable(rows)), dtype=np.float64)

@@ -1,0 +1,97 @@
+"""YAML files: read strictly, with the line on which each key stands."""
+
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import yaml
+
+from pdr_est.errors import ConfigError
+
+Location = tuple[int | str, ...]
+"""Keys and places in lists that lead to a value."""
+
+_NO_LINES: Mapping[Location, int] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Where the values of a document stand. numbers: line of each location, counted from 1."""
+
+    numbers: Mapping[Location, int] = field(default_factory=lambda: _NO_LINES)
+
+    def of(self, location: Location) -> int | None:
+        """Line of the value, else of the nearest one that it would lie in; None when no line is known."""
+        for length in range(len(location), -1, -1):
+            if location[:length] in self.numbers:
+                return self.numbers[location[:length]]
+        return None
+
+    def words(self, location: Location) -> str:
+        """`line 7: ` to put before what is said of a value, or nothing."""
+        line = self.of(location)
+        return "" if line is None else f"line {line}: "
+
+    def below(self, location: Location) -> "Lines":
+        """The lines of the value at a location, as if it were a document of its own."""
+        size = len(location)
+        return Lines({key[size:]: line for key, line in self.numbers.items() if key[:size] == location})
+
+
+def load_yaml(path: str | Path) -> Any:
+    """What a YAML file holds. Raises ConfigError that names the file, also for a key that stands twice."""
+    return load_yaml_lines(path)[0]
+
+
+def load_yaml_lines(path: str | Path) -> tuple[Any, Lines]:
+    """What a YAML file holds and where. Raises ConfigError as `load_yaml` does."""
+    try:
+        return _parsed(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror}): check the path") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not UTF-8 text: save it as UTF-8 YAML") from error
+    except yaml.MarkedYAMLError as error:
+        line = "" if error.problem_mark is None else f", line {error.problem_mark.line + 1}"
+        raise ConfigError(f"{path}{line}: is not valid YAML ({error.problem}): correct it") from error
+    except (yaml.YAMLError, RecursionError) as error:
+        raise ConfigError(f"{path}: is not valid YAML ({' '.join(str(error).split())}): correct it") from error
+
+
+class _StrictLoader(yaml.SafeLoader):
+    """YAML in which a key that stands twice is an error: the first one would be lost without a word."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            if key.value in seen:
+                raise yaml.constructor.ConstructorError(None, None, f"{key.value!r} stands twice", key.start_mark)
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+def _parsed(text: str) -> tuple[Any, Lines]:
+    loader = _StrictLoader(text)
+    try:
+        node = loader.get_single_node()
+        lines = {} if node is None else dict(_lines_of(node, ()))
+        return (None if node is None else loader.construct_document(node)), Lines(lines)
+    finally:
+        loader.dispose()
+
+
+def _lines_of(node: yaml.Node, location: Location) -> Iterator[tuple[Location, int]]:
+    yield location, node.start_mark.line + 1
+    if isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                inner = (*location, str(key.value))
+                yield from _lines_of(value, inner)
+                yield inner, key.start_mark.line + 1  # a section is named by its key, not by what stands below
+    elif isinstance(node, yaml.SequenceNode):
+        for place, value in enumerate(node.value):
+            yield from _lines_of(value, (*location, place))

@@ -1,0 +1,96 @@
+"""`experiment`, `compare` and `config` from the command line."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from cli_runs import refused, run
+
+SMALL = """\
+title: Small
+data:
+  simulated: {number: 2, duration_s: 30.0}
+sweep:
+  estimator.name: [dead-reckoning, ekf]
+fixes: {protocol: every, every: 2, sigma_m: 1.0}
+"""
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of a small experiment beside its results in `out`."""
+    path = tmp_path_factory.mktemp("experiment") / "small.yaml"
+    path.write_text(SMALL, encoding="utf-8")
+    result = run("experiment", path, "-o", path.parent / "out")
+    assert result.exit_code == 0, result.output
+    assert "2 walks x 2 variants" in result.stdout
+    return path
+
+
+def test_all_files_are_written(small: Path) -> None:
+    names = {path.name for path in (small.parent / "out").iterdir()}
+    assert names >= {
+        "results.parquet",
+        "timings.parquet",
+        "config.yaml",
+        "provenance.json",
+        "failed.csv",
+        "report.html",
+        "parts",
+    }
+
+
+def test_a_second_run_has_nothing_to_do(small: Path) -> None:
+    result = run("experiment", small, "-o", small.parent / "out")
+    assert "2 of 2 walks were there from an earlier run" in result.stdout
+
+
+def test_compare_prints_and_writes_who_is_better(small: Path, tmp_path: Path) -> None:
+    result = run("compare", small.parent / "out", "--metric", "error_heldout_m", "-o", tmp_path)
+    assert result.exit_code == 0
+    assert "dead-reckoning" in result.stdout
+    lines = (tmp_path / "compare.csv").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 2
+    assert lines[1].startswith("error_heldout_m,dead-reckoning,ekf,2,")
+    assert (tmp_path / "compare.md").read_text(encoding="utf-8").startswith("| metric | A | B |")
+
+
+def test_what_is_wrong_in_a_file_is_one_line_with_its_line_number(tmp_path: Path) -> None:
+    path = tmp_path / "wrong.yaml"
+    path.write_text(SMALL.replace("every: 2", "evry: 2"), encoding="utf-8")
+    line = refused("experiment", path, "-o", tmp_path / "out")
+    assert "wrong.yaml: line 6: unknown key 'fixes.evry': did you mean 'every'?" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_results_of_another_file_are_refused(small: Path, tmp_path: Path) -> None:
+    path = tmp_path / "other.yaml"
+    path.write_text(SMALL.replace("sigma_m: 1.0", "sigma_m: 2.0"), encoding="utf-8")
+    line = refused("experiment", path, "-o", small.parent / "out")
+    assert "holds results of another configuration: allow overwriting (--overwrite)" in line
+
+
+def test_walks_that_all_fail_are_an_error_with_the_reasons(tmp_path: Path) -> None:
+    (tmp_path / "broken.csv").write_text("a,b\n1,2\n", encoding="utf-8")
+    path = tmp_path / "broken.yaml"
+    path.write_text("data:\n  recordings: ['*.csv']\n", encoding="utf-8")
+    line = refused("experiment", path, "-o", tmp_path / "out", "-q")
+    assert "no walk could be scored: broken: " in line
+
+
+def test_schemas_are_json() -> None:
+    assert "data" in json.loads(run("config", "schema").stdout)["properties"]
+    assert "resample" in json.loads(run("config", "schema", "--settings").stdout)["properties"]
+
+
+def test_show_resolves_both_kinds_of_files(small: Path, tmp_path: Path) -> None:
+    shown = yaml.safe_load(run("config", "show", small).stdout)
+    assert set(shown["variants"]) == {"dead-reckoning", "ekf"}
+    assert shown["seed"] == 0
+    path = tmp_path / "settings.yaml"
+    path.write_text("steps: {detector: mmpdr}\n", encoding="utf-8")
+    settings = yaml.safe_load(run("config", "show", path).stdout)
+    assert (settings["steps"]["detector"], settings["resample"]["rate_hz"]) == ("mmpdr", 50.0)
+    path.write_text("stepz: {}\n", encoding="utf-8")
+    assert "settings.yaml: line 1: unknown key 'stepz': did you mean 'steps'?" in refused("config", "show", path)

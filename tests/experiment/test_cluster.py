@@ -1,0 +1,49 @@
+"""The same work on a Dask cluster, also when a worker is killed."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from experiment_files import SMALL, experiment_file
+
+from pdr_est.errors import ConfigError
+from pdr_est.experiment import load_experiment, run_experiment
+
+distributed = pytest.importorskip("distributed")
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("default"),  # what Dask's own threads warn of at their end is not ours
+]
+
+
+@pytest.fixture
+def cluster() -> Iterator["distributed.LocalCluster"]:
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as started:
+        yield started
+
+
+def test_a_killed_worker_changes_nothing(tmp_path: Path, cluster: "distributed.LocalCluster") -> None:
+    experiment = load_experiment(experiment_file(tmp_path, SMALL.replace("number: 3", "number: 12")))
+    killed = []
+
+    def kill_one(done: int, _total: int) -> None:
+        if done >= 3 and not killed:
+            nanny = next(iter(cluster.workers.values()))
+            killed.append(nanny.pid)
+            nanny.process.process.kill()
+
+    run_experiment(experiment, tmp_path / "there", cluster=cluster.scheduler_address, on_progress=kill_one)
+    run_experiment(experiment, tmp_path / "here")
+    assert killed
+    for name in ("results.parquet", "failed.csv"):
+        assert (tmp_path / "there" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
+
+
+def test_an_address_where_nobody_answers_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pdr_est.experiment.cluster.PATIENCE_S", 1.0)
+    experiment = load_experiment(experiment_file(tmp_path))
+    with pytest.raises(ConfigError, match=r"--cluster tcp://127.0.0.1:9: no Dask scheduler answers"):
+        run_experiment(experiment, tmp_path / "out", cluster="tcp://127.0.0.1:9")

@@ -1,0 +1,65 @@
+"""Every experiment file in configs/ runs on a few of its walks; those on data sets where the data are."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import polars as pl
+import pytest
+import yaml
+
+from pdr_est.benchmark.suites import suite_named
+from pdr_est.experiment import Experiment, load_experiment, run_experiment
+from pdr_est.experiment.walks import Walk
+from pdr_est.simulate import Scenario
+from pdr_est.simulate.path import PathParams
+
+FILES = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+CONTENTS = {path.stem: yaml.safe_load(path.read_text(encoding="utf-8")) for path in FILES}
+SIMULATED = [path for path in FILES if "simulated" in CONTENTS[path.stem]["data"]]
+RECORDED = [path for path in FILES if path not in SIMULATED]
+
+
+def test_the_promised_files_are_there() -> None:
+    promised = {"quick", "ilc20", "oxiod", "weallwalk", "two-phones", "mmpdr", "robust-dr", "uptime", "psp"}
+    assert promised <= set(CONTENTS)
+
+
+def named(paths: list[Path]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("path", paths, ids=[path.stem for path in paths])
+
+
+@named(SIMULATED)
+def test_simulated(path: Path, tmp_path: Path) -> None:
+    experiment = load_experiment(path, limit=1)
+    shorter = replace(experiment, walks=tuple(shortened(walk) for walk in experiment.walks))
+    check(shorter, tmp_path / "out")
+
+
+@named(RECORDED)
+def test_recorded(path: Path, tmp_path: Path, shared_data: Path) -> None:
+    if not (shared_data / suite_named(CONTENTS[path.stem]["data"]["suite"]).folder).is_dir():
+        pytest.skip("the data set is not there")
+    check(load_experiment(path, data=shared_data, limit=1), tmp_path / "out")
+
+
+def shortened(walk: Walk) -> Walk:
+    """The walk on its first 40 m at most, with a true position every second."""
+    scenario = walk.source
+    assert isinstance(scenario, Scenario)
+    return replace(
+        walk,
+        source=replace(scenario, path=PathParams(vertices_m=((0.0, 0.0), (25.0, 0.0), (25.0, 15.0)))),
+        truth_every_s=1.0,
+    )
+
+
+def check(experiment: Experiment, out: Path) -> None:
+    """Every variant has a track, and every metric that is asked for by name has a value."""
+    finished = run_experiment(experiment, out)
+    assert finished.failed == 0
+    table = pl.read_parquet(out / "results.parquet")
+    assert set(table["variant"]) == {variant.name for variant in experiment.variants}
+    asked = table.filter(pl.col("metric").is_in(list(experiment.config.metrics)))
+    assert asked["value"].null_count() == 0
+    assert table["value"].null_count() < len(table)
+    assert (out / "report.html").stat().st_size > 10_000

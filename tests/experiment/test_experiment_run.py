@@ -1,0 +1,236 @@
+"""Runs of experiments: the same numbers in whatever way, and nothing lost."""
+
+import csv
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import polars as pl
+import pytest
+from experiment_files import SMALL, experiment_file
+
+from pdr_est.benchmark.suite import Suite
+from pdr_est.errors import ConfigError, OutputError
+from pdr_est.experiment import load_experiment, run_experiment
+from pdr_est.experiment import work as work_module
+from pdr_est.experiment.local import run_locally
+from pdr_est.experiment.parts import decode, part_file
+from pdr_est.experiment.walks import Walk
+from pdr_est.experiment.work import work_of
+from pdr_est.io.plain_csv_writer import write_plain_csv
+from pdr_est.io.recording import Recording
+from pdr_est.simulate import preset, simulate_walk
+
+TABLES = ("results.parquet", "failed.csv", "config.yaml", "report.html")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of an uninterrupted run in one process."""
+    folder = tmp_path_factory.mktemp("whole")
+    run_experiment(load_experiment(experiment_file(folder)), folder / "out")
+    return folder
+
+
+def same_tables(a: Path, b: Path) -> bool:
+    return all((a / name).read_bytes() == (b / name).read_bytes() for name in TABLES)
+
+
+def test_the_table_is_long_and_complete(whole: Path) -> None:
+    table = pl.read_parquet(whole / "out" / "results.parquet")
+    assert table.columns == ["walk", "track", "variant", "person", "carrying", "mode", "metric", "value"]
+    assert table["walk"].unique(maintain_order=True).to_list() == [f"walk_{i:04d}" for i in (1, 2, 3)]
+    assert table["variant"].unique(maintain_order=True).to_list() == ["dead-reckoning", "ekf"]
+    assert table.filter(pl.col("metric") == "count_error")["value"].max() < 0.1
+    assert len(table) == 3 * 2 * table["metric"].n_unique()
+    assert table["value"].null_count() == 0
+    assert (whole / "out" / "failed.csv").read_text(encoding="utf-8") == "walk,what,reason\n"
+
+
+def test_provenance_holds_what_is_needed_to_repeat_it(whole: Path) -> None:
+    document = json.loads((whole / "out" / "provenance.json").read_text(encoding="utf-8"))
+    assert {"version", "commit", "packages", "seed", "seeds", "data", "fingerprint"} <= set(document)
+    assert document["seed"] == 7
+    assert set(document["seeds"]) == {f"walk_{i:04d}" for i in (1, 2, 3)}
+    assert set(document["fingerprint"]) == {"config", "data", "code", "packages"}
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_bytes(whole: Path, tmp_path: Path) -> None:
+    run_experiment(load_experiment(whole / "small.yaml"), tmp_path / "out", workers=2)
+    assert same_tables(whole / "out", tmp_path / "out")
+
+
+def test_another_seed_gives_other_numbers(whole: Path, tmp_path: Path) -> None:
+    path = experiment_file(tmp_path, SMALL.replace("seed: 7", "seed: 8"))
+    run_experiment(load_experiment(path), tmp_path / "out")
+    first, second = (pl.read_parquet(folder / "out" / "results.parquet") for folder in (whole, tmp_path))
+    assert not first.equals(second)
+
+
+@pytest.mark.slow
+def test_a_killed_run_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    command = (sys.executable, "-c", "from pdr_est.cli import main; main()", "experiment", whole / "small.yaml")
+    running = subprocess.Popen([*command, "-o", out, "--workers", "2", "-q"], start_new_session=True)
+    parts = out / "parts"
+    deadline = time.monotonic() + 60.0
+    while not list(parts.glob("*.gz")) and running.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.005)
+    running.send_signal(signal.SIGKILL)
+    running.wait()
+    there = {path: path.stat().st_mtime_ns for path in parts.glob("*.gz")}
+    assert there
+    all_ended(running.pid)
+    finished = run_experiment(load_experiment(whole / "small.yaml"), out)
+    assert finished.resumed == len(there)
+    assert {path: path.stat().st_mtime_ns for path in there} == there
+    assert same_tables(whole / "out", out)
+
+
+def all_ended(group: int) -> None:
+    """The processes of a killed run do not outlive it for long."""
+    deadline = time.monotonic() + 30.0
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.05)
+    os.killpg(group, signal.SIGKILL)
+    pytest.fail("processes outlive the killed run")
+
+
+def test_damaged_and_missing_parts_are_done_again(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole / "out", out)
+    first, second = part_file(out / "parts", "walk_0001"), part_file(out / "parts", "walk_0002")
+    first.write_bytes(first.read_bytes()[:100])
+    second.unlink()
+    (out / "results.parquet").unlink()
+    assert run_experiment(load_experiment(whole / "small.yaml"), out).resumed == 1
+    assert same_tables(whole / "out", out)
+
+
+@pytest.mark.parametrize("text", [SMALL.replace("seed: 7", "seed: 8"), SMALL.replace("number: 3", "number: 2")])
+def test_results_of_something_else_are_not_mixed(whole: Path, tmp_path: Path, text: str) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole / "out", out)
+    other = load_experiment(experiment_file(tmp_path, text))
+    with pytest.raises(OutputError, match="holds results of another configuration: allow overwriting"):
+        run_experiment(other, out)
+    assert same_tables(whole / "out", out)
+    assert run_experiment(other, out, overwrite=True).resumed == 0
+
+
+def test_other_code_is_noticed(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole / "out", out)
+    document = json.loads((out / "provenance.json").read_text(encoding="utf-8"))
+    document["fingerprint"]["code"] = "0"
+    (out / "provenance.json").write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(OutputError, match="holds results of another version of the code: allow"):
+        run_experiment(load_experiment(whole / "small.yaml"), out)
+
+
+def test_folders_with_other_files_are_left_alone(whole: Path, tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("x", encoding="utf-8")
+    for overwrite in (False, True):
+        with pytest.raises(OutputError, match=r"files of other origin \(thesis.tex\)"):
+            run_experiment(load_experiment(whole / "small.yaml"), tmp_path, overwrite=overwrite)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+RECORDINGS = """\
+data:
+  recordings: ["*.csv"]
+  folder: walks
+sweep:
+  estimator.name: [dead-reckoning, ekf]
+"""
+
+
+@pytest.fixture
+def recorded(tmp_path: Path) -> Path:
+    """An experiment on two good recordings and a damaged one."""
+    (tmp_path / "walks").mkdir()
+    recording = simulate_walk(preset("l_shape")).recording
+    for name in ("a", "c"):
+        write_plain_csv(recording, tmp_path / "walks" / f"{name}.csv")
+    (tmp_path / "walks" / "b.csv").write_text("time_s,acc_x_mps2\n1,2\n", encoding="utf-8")
+    return experiment_file(tmp_path, RECORDINGS)
+
+
+def failures(out: Path) -> list[dict[str, str]]:
+    with (out / "failed.csv").open(encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_a_walk_that_fails_is_recorded_and_does_not_stop_the_rest(recorded: Path, tmp_path: Path) -> None:
+    finished = run_experiment(load_experiment(recorded), tmp_path / "out")
+    assert finished.failed == 1
+    whole = [row for row in failures(tmp_path / "out") if row["what"] == "walk"]
+    assert [row["walk"] for row in whole] == ["b"]
+    assert "b.csv" in whole[0]["reason"]
+    table = pl.read_parquet(tmp_path / "out" / "results.parquet")
+    assert table["walk"].unique(maintain_order=True).to_list() == ["a", "c"]
+    hashes = json.loads((tmp_path / "out" / "provenance.json").read_text(encoding="utf-8"))["data"]
+    assert set(hashes) == {"a.csv", "b.csv", "c.csv"}
+
+
+def test_changed_data_are_noticed(recorded: Path, tmp_path: Path) -> None:
+    run_experiment(load_experiment(recorded), tmp_path / "out")
+    shutil.copy(tmp_path / "walks" / "a.csv", tmp_path / "walks" / "b.csv")
+    with pytest.raises(OutputError, match="holds results of other data: allow"):
+        run_experiment(load_experiment(recorded), tmp_path / "out")
+
+
+def test_a_fault_of_ours_costs_one_walk_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    intact = work_module._part
+
+    def faulty(work: work_module.Work, walk: Walk) -> work_module.Part:
+        if walk.name == "walk_0002":
+            raise ZeroDivisionError("a fault")
+        return intact(work, walk)
+
+    monkeypatch.setattr(work_module, "_part", faulty)
+    finished = run_experiment(load_experiment(experiment_file(tmp_path)), tmp_path / "out")
+    assert finished.failed == 1
+    assert failures(tmp_path / "out") == [
+        {"walk": "walk_0002", "what": "walk", "reason": "ZeroDivisionError: a fault"}
+    ]
+
+
+@dataclass(frozen=True)
+class Deadly(Walk):
+    """A walk that kills the process that works on it."""
+
+    def recording(self, suite: Suite) -> Recording:
+        os._exit(1)
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_costs_one_walk_and_is_not_final(tmp_path: Path) -> None:
+    experiment = load_experiment(experiment_file(tmp_path))
+    first, second, third = experiment.walks
+    deadly = Deadly(second.name, second.labels, second.source)
+    done = {one.walk.name: one for one in run_locally(work_of(experiment), [first, deadly, third], workers=2)}
+    assert {name: one.keep for name, one in done.items()} == {
+        "walk_0001": True,
+        "walk_0002": False,
+        "walk_0003": True,
+    }
+    lost = decode(done["walk_0002"].content)
+    assert (lost.tracks, lost.failures[0].whole) == ((), True)
+    assert "died" in lost.failures[0].reason
+
+
+def test_at_least_one_worker(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="workers = 0"):
+        run_experiment(load_experiment(experiment_file(tmp_path)), tmp_path / "out", workers=0)

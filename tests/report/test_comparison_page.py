@@ -1,0 +1,170 @@
+"""The page of an experiment stands alone, parses, and shows every part that its data allow."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from pdr_est.evaluate.paired import paired
+from pdr_est.report.comparison.outcome import TrackOutcome
+from pdr_est.report.comparison.page import Content, render_comparison
+from pdr_est.report.comparison.tables import averages, groups, modes, steps
+
+METRICS = ("error_heldout_m", "coverage95")
+PROVENANCE = {
+    "version": "1",
+    "commit": None,
+    "seed": 0,
+    "fingerprint": {"data": "c0ffee"},
+    "packages": {"numpy": "2"},
+}
+
+
+def outcome(number: int, variant: str, error_m: float) -> TrackOutcome:
+    truth_m = np.column_stack([np.arange(0.0, 50.0, 5.0), np.zeros(10)])
+    return TrackOutcome(
+        walk=f"walk{number}",
+        track="device",
+        variant=variant,
+        labels={"group": "ab"[number % 2]},
+        mode="HOLDING",
+        metrics={"error_heldout_m": error_m, "coverage95": 0.9},
+        steps=70,
+        true_steps=72,
+        mode_shares={"HOLDING": 0.75, "SWING": 0.25},
+        with_fixes=True,
+        position_m=truth_m + np.array([0.0, error_m]),
+        truth_m=truth_m,
+        way_m=truth_m[:, 0],
+        error_m=np.full(10, error_m),
+        squared=np.linspace(0.1, 8.0, 10),
+    )
+
+
+@pytest.fixture
+def content() -> Content:
+    """Six walks; `far` is off by the number of the walk, `near` by a tenth of it."""
+    far = [outcome(number, "far", float(number)) for number in range(1, 7)]
+    near = [outcome(number, "near", 0.1 * number) for number in range(1, 7)]
+    values = [{one.walk: one.metrics["error_heldout_m"] or 0.0 for one in rows} for rows in (far, near)]
+    pair = paired("error_heldout_m", "far", "near", *values)
+    assert pair is not None
+    return Content(
+        title="Far & <near>",
+        variants=("far", "near"),
+        metrics=METRICS,
+        group_by=("group",),
+        outcomes=tuple(one for both in zip(far, near, strict=True) for one in both),
+        pairs=(pair,),
+        failed=1,
+        failures=(("walk9", "no <step> found"),),
+        config="data: {}\n",
+        provenance=PROVENANCE,
+    )
+
+
+class Page(HTMLParser):
+    """Elements that must be closed, what is referred to, and the headings."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.references: list[str] = []
+        self.ids: set[str] = set()
+        self.words: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        for name, value in attributes:
+            if name in ("href", "src"):
+                self.references.append(value or "")
+            if name == "id":
+                assert value not in self.ids, f"id {value} twice"
+                self.ids.add(value or "")
+        if tag not in ("meta", "link", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_startendtag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attributes)
+        self.open.pop()
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] in ("h1", "h2"):
+            self.words.append(data)
+
+
+def test_the_page_stands_alone_and_is_well_formed(content: Content) -> None:
+    text = render_comparison(content)
+    assert "http:" not in text
+    assert "https:" not in text
+    assert "<script" not in text
+    page = Page(text)
+    assert page.open == []
+    assert page.references
+    assert all(reference.startswith(("#", "data:")) for reference in page.references)
+    assert {reference[1:] for reference in page.references if reference.startswith("#")} <= page.ids
+
+
+def test_every_part_is_there(content: Content) -> None:
+    assert Page(render_comparison(content)).words == [
+        "Far & <near>",
+        "All walks",
+        "Distribution of the errors",
+        "Error against distance",
+        "Honesty of the covariance",
+        "Best walk: walk1",
+        "Median walk: walk3",
+        "Worst walk: walk6",
+        "Walk by walk",
+        "Means by group",
+        "Steps",
+        "Carrying modes",
+        "What could not be told",
+        "Definitions",
+        "How it was made",
+    ]
+
+
+def without_truth(content: Content) -> Iterator[TrackOutcome]:
+    nothing = np.empty(0)
+    for one in content.outcomes:
+        bare = {"truth_m": np.empty((0, 2)), "way_m": nothing, "error_m": nothing, "squared": nothing}
+        yield replace(one, **bare, with_fixes=False, metrics={**one.metrics, "coverage95": None})
+
+
+def test_walks_without_true_positions_have_a_page_without_plots_of_errors(content: Content) -> None:
+    words = Page(render_comparison(replace(content, outcomes=tuple(without_truth(content)), failures=()))).words
+    assert "Distribution of the errors" not in words
+    assert "Honesty of the covariance" not in words
+    assert "Best walk: walk1" in words
+
+
+def test_an_experiment_without_any_outcome_has_a_page(content: Content) -> None:
+    words = Page(render_comparison(replace(content, outcomes=(), pairs=()))).words
+    assert "What could not be told" in words
+
+
+def test_more_variants_than_colours_are_told_apart_by_dashes(content: Content) -> None:
+    names = tuple(f"v{number}" for number in range(9))
+    outcomes = tuple(outcome(walk, name, 1.0 + i) for walk in (1, 2) for i, name in enumerate(names))
+    text = render_comparison(replace(content, variants=names, outcomes=outcomes, pairs=()))
+    assert "stroke-dasharray" in text
+    assert Page(text).open == []
+
+
+def test_the_tables_hold_the_numbers(content: Content) -> None:
+    table = averages(content.outcomes, content.variants, METRICS)
+    assert [cell.text for cell in table.rows[0]] == ["error_heldout_m", "far", "3.500", "3.500", "5.500", "6"]
+    assert [row[2].strong for row in table.rows] == [False, True, False, False]  # equal means: none is best
+    rows = groups(content.outcomes, content.variants, METRICS, "group").rows
+    assert [cell.text for cell in rows[0]] == ["error_heldout_m", "a", "3", "4.000", "0.400"]
+    counted = steps(content.outcomes, content.variants).rows[0]
+    assert [cell.text for cell in counted] == ["HOLDING", "far", "6", "420", "432", "2.8 %"]
+    shares = modes(content.outcomes, content.variants)
+    assert [cell.text for cell in shares.headings] == ["variant", "HOLDING", "SWING"]
+    assert [cell.text for cell in shares.rows[1]] == ["near", "75.0 %", "25.0 %"]
