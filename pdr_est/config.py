@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import yaml
 from annotated_types import Ge, Le
@@ -10,6 +10,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import EstimatorName
+from pdr_est.estimators.map_fusion import MapFusionParams
+from pdr_est.estimators.ties import TetherParams
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.gait import GaitParams, gait_model
 from pdr_est.front_end.heading import HeadingParams
@@ -24,6 +26,7 @@ from pdr_est.validation import explain
 from pdr_est.yaml_file import Lines, Location, load_yaml_lines
 
 Coordinate = Annotated[float, Ge(-1e8), Le(1e8)]  # also UTM's, which reach 1e7 m
+Reach = Annotated[float, Ge(-2.0), Le(2.0)]
 Turn = Annotated[float, Ge(-6.3), Le(6.3)]
 
 
@@ -50,9 +53,33 @@ class StartParams:
 
 @params
 class EstimatorParams:
-    """name: which estimator."""
+    """name: which estimator. map_fusion: of map-closed-form and map-general."""
 
     name: EstimatorName = "factor-graph"
+    map_fusion: MapFusionParams = MapFusionParams()
+
+
+@params
+class Mounting:
+    """Where a device sits on the body: forward and left of the centre of motion."""
+
+    device: str
+    forward_m: Reach = 0.0
+    left_m: Reach = 0.0
+
+
+@params
+class DevicesParams:
+    """Several devices on one body. clock: "walk" finds the clocks of the others against the first one's from what
+    they recorded, "given" takes them as they are. mountings: of devices that sit elsewhere than in the centre."""
+
+    clock: Literal["walk", "given"] = "walk"
+    tethered: bool = True
+    tether: TetherParams = TetherParams()
+    mountings: tuple[Mounting, ...] = ()
+
+    def mounting_of(self, device: str) -> Mounting:
+        return next((one for one in self.mountings if one.device == device), Mounting(device=device))
 
 
 @params
@@ -69,11 +96,12 @@ class Config:
     heading: HeadingParams = HeadingParams()
     odometry: OdometryParams = OdometryParams()
     start: StartParams = StartParams()
+    devices: DevicesParams = DevicesParams()
     estimator: EstimatorParams = EstimatorParams()
 
     def with_estimator(self, name: EstimatorName) -> "Config":
         """The same configuration with another estimator."""
-        return replace(self, estimator=EstimatorParams(name=name))
+        return replace(self, estimator=replace(self.estimator, name=name))
 
 
 _ADAPTER = TypeAdapter(Config)

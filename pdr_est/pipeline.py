@@ -2,13 +2,15 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pdr_est.config import Config, check
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import SMOOTHERS, estimate_track
+from pdr_est.estimators import SMOOTHERS, DeviceMeasurements, estimate_walk
+from pdr_est.estimators.fused import carried, fuse
 from pdr_est.estimators.known_directions import tied_to_map
+from pdr_est.estimators.ties import tethers_between
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
 from pdr_est.front_end.heading import heading_stage, hindsight_stage, needs_magnetometer
@@ -35,12 +37,12 @@ from pdr_est.records import (
     HeadingPrior,
     LevelBlock,
     LoopClosure,
-    Measurement,
     PositionFix,
     Step,
     StepOdometry,
 )
 from pdr_est.stage import Chain, Stage
+from pdr_est.synchronise import ClockEstimate, on_one_clock
 from pdr_est.track import Track, concatenate
 
 
@@ -50,6 +52,7 @@ class DeviceWalk:
 
     odometry: what it tells of its motion step by step, hindsight: the same with what the whole walk tells, for
     estimators that smooth; directions: the building's, as far as the walk tells them.
+    clock: against that of the first device, where it was estimated. warnings: of the reader and of the clock.
     has_heading is False for a device without gyroscope: its steps have a length but no heading, and no odometry.
     """
 
@@ -61,6 +64,8 @@ class DeviceWalk:
     hindsight: tuple[StepOdometry | HeadingPrior, ...] = ()
     directions: DominantDirections | None = None
     has_heading: bool = True
+    clock: ClockEstimate | None = None
+    warnings: tuple[str, ...] = ()
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
 
@@ -108,7 +113,13 @@ def analyse(recording: Recording, config: Config) -> tuple[DeviceWalk, ...]:
 
     Raises RecordingError if a device has no accelerometer, or samples that cannot be used.
     """
-    return tuple(_analyse_device(device, recording.name, config) for device in recording.devices)
+    devices: list[tuple[DeviceRecording, ClockEstimate | None]] = [(device, None) for device in recording.devices]
+    if len(devices) > 1 and config.devices.clock == "walk":
+        devices = on_one_clock(recording.devices)
+    return tuple(
+        replace(_analyse_device(device, recording.name, config), clock=clock, warnings=device.warnings)
+        for device, clock in devices
+    )
 
 
 def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = ()) -> Track:
@@ -122,36 +133,48 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
                 f"{walk.device}: no gyroscope, so its {len(walk.steps)} steps have no direction and make no track: "
                 "leave this device out"
             )
-    return concatenate([_estimate_device(walk, config, fixes) for walk in walks])
+    known = [_measured(walk, config, fixes) for walk in walks]
+    spans_s = {walk.device: walk.span_s for walk in walks}
+    tethers = tethers_between(spans_s, config.devices.tether) if config.devices.tethered else []
 
+    def track_from(devices: Sequence[DeviceMeasurements]) -> Track:
+        start, sigma_scale = config.start.pose(), config.odometry.sigma_length_scale
+        return estimate_walk(config.estimator.name, devices, start, sigma_scale, tethers, config.estimator.map_fusion)
 
-def _estimate_device(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix]) -> Track:
-    own = walk.hindsight if config.estimator.name in SMOOTHERS else walk.odometry
-    closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
-
-    def track_from(measurements: Sequence[Measurement]) -> Track:
-        return estimate_track(
-            config.estimator.name,
-            walk.device,
-            walk.start_s,
-            measurements,
-            config.start.pose(),
-            config.odometry.sigma_length_scale,
-        )
-
-    known = [*own, *closure, *fixes]
     track = track_from(known)
     direction_rad = config.heading.dominant.direction_rad
-    if direction_rad is None or walk.directions is None:
-        return track
-    return track_from(tied_to_map(known, track, direction_rad, walk.directions.spacing_rad))
+    if direction_rad is not None:
+        track = track_from([_in_map(one, walk, track, direction_rad) for one, walk in zip(known, walks, strict=True)])
+    return _with_person(track, config) if len(walks) > 1 else track
+
+
+def _measured(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix]) -> DeviceMeasurements:
+    own = walk.hindsight if config.estimator.name in SMOOTHERS else walk.odometry
+    closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
+    return DeviceMeasurements(walk.device, walk.start_s, (*own, *closure, *fixes))
+
+
+def _in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float) -> DeviceMeasurements:
+    """The measurements with the walk's directions tied to one that is known in the map."""
+    if walk.directions is None:
+        return known
+    own = track.of_device(walk.device)
+    tied = tied_to_map(known.measurements, own, direction_rad, walk.directions.spacing_rad)
+    return replace(known, measurements=tuple(tied))
+
+
+def _with_person(track: Track, config: Config) -> Track:
+    """The tracks of the devices, each where it sits on the body, and that of the person."""
+    mountings = {name: config.devices.mounting_of(name) for name in track.devices}
+    offsets_m = {name: (one.forward_m, one.left_m) for name, one in mountings.items()}
+    return concatenate([*(carried(track.of_device(name), offsets_m[name]) for name in track.devices), fuse(track)])
 
 
 def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str, ...]:
     """What makes the walks of a recording's devices doubtful, in words: what the reader saw comes first."""
     found = []
     for device, walk in zip(recording.devices, walks, strict=True):
-        words = [*device.warnings, *doubts(device)]
+        words = [*walk.warnings, *doubts(device)]
         if walk.gaps:
             words.append(f"{_gaps_in_words(walk.gaps)}, listed by `pdr-est inspect`")
         if not walk.steps:

@@ -1,20 +1,19 @@
 """Metrics of a device whose steps, and perhaps turns, are annotated."""
 
-import numpy as np
-
 from pdr_est.benchmark.devices import Part
 from pdr_est.benchmark.suite import Walked
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.headings import HEADING_METRICS, heading_net_error_deg, turn_error_deg
 from pdr_est.evaluate.steps import score_steps
+from pdr_est.frames import Array
 from pdr_est.io.recording import TrueSteps
-from pdr_est.pipeline import DeviceWalk
 from pdr_est.track import Track
 
 
-def step_part(walk: Walked, device: DeviceWalk) -> Part:
-    """`STEP_METRICS` over the annotated time span. Raises RecordingError when no step is annotated."""
-    score = score_steps(np.array([step.event.time_s for step in device.steps]), _true_steps(walk).time_s)
+def step_part(walk: Walked, step_s: Array) -> Part:
+    """`STEP_METRICS` of detected steps (n,) over the annotated time span. Raises RecordingError when no step is
+    annotated."""
+    score = score_steps(step_s, _true_steps(walk).time_s)
     return Part(
         values=score.values(),
         counts={"true_steps": score.true, "detected_steps": score.detected, "matched_steps": score.matched},

@@ -8,6 +8,7 @@ import numpy as np
 from pdr_est.benchmark.suite import Scores, Walked
 from pdr_est.evaluate import metrics
 from pdr_est.evaluate.walking import durations_s, mode_shares
+from pdr_est.frames import Array
 from pdr_est.io.recording import TrueModes, Truth
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import CarryingMode
@@ -27,9 +28,20 @@ class Part:
 
 def device_scores(walk: Walked, device: DeviceWalk, *parts: Part) -> Scores:
     """The scores of a device, from its parts."""
+    name = device.device if len(walk.devices) > 1 else "device"
+    return track_scores(name, next(iter(mode_shares(device.steps)), CarryingMode.UNKNOWN).name, *parts)
+
+
+def step_times_s(device: DeviceWalk) -> Array:
+    """When a device saw steps, (n,)."""
+    return np.array([step.event.time_s for step in device.steps])
+
+
+def track_scores(track: str, mode: str, *parts: Part) -> Scores:
+    """The scores of a track of that name, carried mostly in that mode, from its parts."""
     return Scores(
-        track=device.device if len(walk.devices) > 1 else "device",
-        mode=next(iter(mode_shares(device.steps)), CarryingMode.UNKNOWN).name,
+        track=track,
+        mode=mode,
         values={name: value for part in parts for name, value in part.values.items()},
         counts={name: count for part in parts for name, count in part.counts.items()},
         missing={name: reason for part in parts for name, reason in part.missing.items()},
@@ -45,7 +57,7 @@ def mode_part(walk: Walked, device: DeviceWalk) -> Part:
     if not device.steps:
         return Part(missing={MODE_METRIC: "no step found"})
     labels = [step.event.mode for step in device.steps]
-    true_modes = truth.at(np.array([step.event.time_s for step in device.steps]))
+    true_modes = truth.at(step_times_s(device))
     return Part({MODE_METRIC: metrics.mode_accuracy(durations_s(device.steps), labels, true_modes)})
 
 

@@ -6,13 +6,16 @@ from typing import Literal, get_args
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning, ekf, joint_ekf
+from pdr_est.estimators.map_fusion import MapFusionParams, estimate_closed_form, estimate_general
 from pdr_est.estimators.timeline import Timeline, build_timeline
 from pdr_est.records import DeviceTether, Measurement, PositionFix, StartPose
 from pdr_est.track import Track, concatenate
 
-EstimatorName = Literal["dead-reckoning", "ekf", "factor-graph"]
+EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 SMOOTHERS: tuple[EstimatorName, ...] = ("factor-graph",)  # each pose from the whole walk
+
+_MAP_FUSION = MapFusionParams()
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,7 @@ def estimate_walk(
     start: StartPose,
     sigma_length_scale: float,
     tethers: Sequence[DeviceTether] = (),
+    map_fusion: MapFusionParams = _MAP_FUSION,
 ) -> Track:
     """Tracks of all devices of one walk. sigma_length_scale: of the walker's own step length.
 
@@ -46,6 +50,10 @@ def estimate_walk(
     match name:
         case "dead-reckoning":
             return concatenate([dead_reckoning.estimate(one, start, sigma_length_scale) for one in timelines])
+        case "map-closed-form":
+            return estimate_closed_form(timelines, tethers, start, sigma_length_scale, map_fusion)
+        case "map-general":
+            return estimate_general(timelines, tethers, start, sigma_length_scale, map_fusion)
         case "ekf":
             if len(timelines) == 1:
                 return ekf.estimate(timelines[0], start, sigma_length_scale)

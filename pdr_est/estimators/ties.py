@@ -1,14 +1,47 @@
 """What holds between the devices of one walk: which nodes are tied, and how the devices set off together."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
+from math import ceil, floor
+from typing import Annotated
+
+from annotated_types import Ge, Le
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.timeline import Timeline
+from pdr_est.params import Positive, params
 from pdr_est.records import DeviceTether, StartPose
 
 # Of the first direction of one device against another's, where nothing but these directions defines the frame.
 SIGMA_SET_OFF_RAD = 0.2
+
+
+@params
+class TetherParams:
+    """max_distance_m: between two devices on one body, Robust DR's 2 R, once their fixed places on it are taken off;
+    more than the paper's 0.15 m, for tracks of steps are rough within a stride. sigma_m: how strictly it holds.
+    every_s: how often it is asked for."""
+
+    max_distance_m: Positive = 0.5
+    sigma_m: Positive = 0.02
+    every_s: Annotated[float, Ge(0.2), Le(600.0)] = 2.0
+
+
+def tethers_between(spans_s: Mapping[str, tuple[float, float]], parameters: TetherParams) -> list[DeviceTether]:
+    """The tethers of all pairs of devices, at multiples of an interval on the common clock.
+
+    spans_s: first and last time of each device.
+    """
+    tethers = []
+    for a, b in combinations(spans_s, 2):
+        begin_s, end_s = max(spans_s[a][0], spans_s[b][0]), min(spans_s[a][1], spans_s[b][1])
+        first, last = ceil(begin_s / parameters.every_s), floor(end_s / parameters.every_s)
+        tethers += [
+            DeviceTether(a, b, k * parameters.every_s, parameters.max_distance_m, parameters.sigma_m)
+            for k in range(first, last + 1)
+        ]
+    return tethers
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pdr_est.benchmark.annotated_steps import heading_part, step_part
-from pdr_est.benchmark.devices import MODE_METRIC, Part, device_scores, mode_part
+from pdr_est.benchmark.devices import MODE_METRIC, Part, device_scores, mode_part, step_times_s
 from pdr_est.benchmark.positions import (
     HELDOUT_METRICS,
     HeldOut,
@@ -89,7 +89,7 @@ def _score_known(walk: Walked, judge: Judge) -> list[Scores]:
         if truth.steps is None or not len(truth.steps.time_s):
             parts.append(Part(missing=dict.fromkeys((*STEP_METRICS, *HEADING_METRICS), _NO_STEPS)))
         else:
-            parts += [step_part(walk, device), heading_part(walk, track.of_device(device.device))]
+            parts += [step_part(walk, step_times_s(device)), heading_part(walk, track.of_device(device.device))]
         scores.append(device_scores(walk, device, *parts))
     return scores
 

@@ -1,6 +1,7 @@
 """Clocks of the devices of one walk: found from their recordings or messages, and brought onto one of them."""
 
 from pdr_est.synchronise.clock import ClockEstimate, apply_clock, from_messages, move_fixes
+from pdr_est.synchronise.devices import on_one_clock
 from pdr_est.synchronise.walk import WalkClockParams, estimate_clock
 
 __all__ = [
@@ -10,4 +11,5 @@ __all__ = [
     "estimate_clock",
     "from_messages",
     "move_fixes",
+    "on_one_clock",
 ]

@@ -6,7 +6,7 @@ A folder `PHONE_PERSON_FLOOR_POSITION_NUMBER` is one walk.
 from pathlib import Path
 
 from pdr_est.benchmark.annotated_steps import step_part
-from pdr_est.benchmark.devices import device_scores
+from pdr_est.benchmark.devices import device_scores, step_times_s
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.errors import RecordingError
@@ -29,7 +29,7 @@ def find(folder: Path) -> list[WalkFile]:
 
 def score(walk: Walked) -> list[Scores]:
     """Steps against the annotated ones; without a gyroscope there are no headings, and no estimator runs."""
-    return [device_scores(walk, device, step_part(walk, device)) for device in walk.devices]
+    return [device_scores(walk, device, step_part(walk, step_times_s(device))) for device in walk.devices]
 
 
 def _walk(name: str, path: Path) -> WalkFile:

@@ -8,9 +8,10 @@ import re
 from pathlib import Path
 
 from pdr_est.benchmark.annotated_steps import heading_part, step_part
-from pdr_est.benchmark.devices import device_scores
+from pdr_est.benchmark.devices import device_scores, step_times_s, track_scores
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.estimators.fused import NAME as FUSED
 from pdr_est.evaluate.headings import HEADING_METRICS
 from pdr_est.evaluate.steps import STEP_METRICS
 
@@ -29,12 +30,22 @@ def find(folder: Path) -> list[WalkFile]:
 
 
 def score(walk: Walked) -> list[Scores]:
-    """Steps and headings of each phone against the annotated ones."""
+    """Steps and headings of each phone, and of the person whom both carry, against the annotated ones."""
     track = walk.track()
-    return [
-        device_scores(walk, device, step_part(walk, device), heading_part(walk, track.of_device(device.device)))
+    scores = [
+        device_scores(
+            walk,
+            device,
+            step_part(walk, step_times_s(device)),
+            heading_part(walk, track.of_device(device.device)),
+        )
         for device in walk.devices
     ]
+    if FUSED in track.devices:
+        person = track.of_device(FUSED)
+        parts = step_part(walk, person.time_s[1:]), heading_part(walk, person)
+        scores.append(track_scores(FUSED, scores[0].mode, *parts))
+    return scores
 
 
 SUITE = Suite(
