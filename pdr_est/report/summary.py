@@ -21,6 +21,7 @@ from pdr_est.profile import Profile
 from pdr_est.records import PositionFix, StartPose
 from pdr_est.report.mode_use import mode_use
 from pdr_est.report.scale_words import scale_in_words
+from pdr_est.synchronise import ClockEstimate
 from pdr_est.track import Track
 
 PACKAGES = ("pdr-est", "numpy", "scipy", "gtsam", "filterpy", "vqf")
@@ -79,6 +80,7 @@ def summarise(
         "profile": profile,
         "gait_model_sha256": gait_model_sha256,
         "start": start,
+        "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
         "fixes": _fixes(walk.fixes),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
@@ -178,6 +180,11 @@ def _counts(devices: Sequence[DeviceWalk]) -> Json:
         "samples": {device.device: sum(len(block) for block in device.level) for device in devices},
         "dropped_samples": {device.device: device.dropped_samples for device in devices},
     }
+
+
+def _clock(device: str, clock: ClockEstimate) -> Json:
+    """What a device's clock was found to be ahead of the first one's, and how well; used unless it is doubtful."""
+    return {"device": device, "used": not clock.poor} | asdict(clock)
 
 
 def _device_track(track: Track) -> Json:

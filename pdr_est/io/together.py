@@ -1,0 +1,49 @@
+"""Recordings that several devices made of one walk, as one recording."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.recording import DeviceRecording, Recording, Signal
+
+_SIGNALS = ("specific_force", "rotation_rate", "magnetic_field", "attitude", "pressure")
+
+
+def together(recordings: Sequence[Recording]) -> Recording:
+    """One recording with the devices of all; everything else is that of the first.
+
+    Devices of one name get that of their recording. The times of the others are put on the time zero of the
+    first as far as the recorders tell the date; what is still wrong with the clocks is found later, from the walk.
+    Raises RecordingError for devices that cannot be told apart.
+    """
+    first, *others = recordings
+    if not others:
+        return first
+    devices = [device for recording in recordings for device in _on_zero_of(first, recording)]
+    names = [device.name for device in devices]
+    if len(set(names)) < len(names):
+        names = [
+            recording.name if len(recording.devices) == 1 else f"{recording.name}/{device.name}"
+            for recording in recordings
+            for device in recording.devices
+        ]
+    if len(set(names)) < len(names):
+        raise RecordingError(f"{first.name}: two of the recordings are alike in name and device: name each file once")
+    named = tuple(replace(device, name=name) for device, name in zip(devices, names, strict=True))
+    return replace(first, name=" + ".join(recording.name for recording in recordings), devices=named)
+
+
+def _on_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRecording, ...]:
+    if first.epoch_s is None or recording.epoch_s is None:
+        return recording.devices
+    later_s = recording.epoch_s - first.epoch_s
+    return tuple(_shifted(device, later_s) for device in recording.devices)
+
+
+def _shifted(device: DeviceRecording, later_s: float) -> DeviceRecording:
+    signals: dict[str, Signal | None] = {name: getattr(device, name) for name in _SIGNALS}
+    moved = {
+        name: None if signal is None else Signal(signal.time_s + later_s, signal.values)
+        for name, signal in signals.items()
+    }
+    return replace(device, **moved)  # type: ignore[arg-type]
