@@ -1,11 +1,11 @@
 """Batch smoothing of a whole walk in a GTSAM factor graph.
 
 Poses are Pose2 variables; steps are BetweenFactorPose2, fixes PoseTranslationPrior2D, heading priors
-PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from; robust ones are under a
-Huber or Cauchy kernel. The walker's length scale would tie one variable to every step and make the system dense, so
-it stays outside, one a device: the graph is solved at one scale, linear systems at neighbouring scales tell where the
-best scale is, its sigma, and how each pose moves with it, and the scale's share is added to the marginals. For a
-linear walk that is the same as a variable in the graph.
+PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from, as is the end of a closed
+walk from its start; robust ones are under a Huber or Cauchy kernel. The walker's length scale would tie one variable
+to every step and make the system dense, so it stays outside, one a device: the graph is solved at one scale, linear
+systems at neighbouring scales tell where the best scale is, its sigma, and how each pose moves with it, and the
+scale's share is added to the marginals. For a linear walk that is the same as a variable in the graph.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.ekf import run_filter, smooth, undecided_anchor
-from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise
+from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise, reference_guess
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
 from pdr_est.estimators.large_stack import with_large_stack
 from pdr_est.estimators.motion import Moments, reckon
@@ -89,7 +89,7 @@ def _solve(
 ) -> tuple[Array, Array, _Scale]:
     """Poses (n, 3) at the optimum, their covariances (n, 3, 3) in the map frame, and the scales."""
     keys = Keys.of(timelines)
-    tied = anchors(timelines, keys, start, [guess[0].mean[:3] for guess in guesses])
+    tied = anchors(timelines, keys, start, guesses)
     noises = [motion_noise(timeline.nodes) for timeline in timelines]
     order = _from_the_end(timelines, keys)
 
@@ -134,7 +134,7 @@ def _initial_values(guesses: Sequence[list[Moments]], keys: Keys) -> gtsam.Value
         for i, state in enumerate(guess, first):
             values.insert(i, gtsam.Pose2(*state.mean[:3]))
         if reference is not None:
-            values.insert(reference, gtsam.Pose2(0.0, 0.0, guess[-1].mean[4]))
+            values.insert(reference, reference_guess(guess))
     return values
 
 
