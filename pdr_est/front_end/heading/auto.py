@@ -4,9 +4,9 @@ offset learnt anew whenever the phone is put elsewhere.
 As long as the phone sits still on the body, the walker turns with it. When its posture changes, by more than a limb
 does in a stride, the phone was put elsewhere, and nobody knows by how much it was turned against the body. Two things
 tell the walker's direction across the change: walkers mostly go on as before (MMPDR section III-E), and the principal
-axis of their horizontal acceleration, which does not depend on how the phone sits. Both are weighed by their standard
-deviations. Until the new offset is known, steps keep the direction from before. A phone that comes back to its old
-posture, after a glance at the screen, has its old offset.
+axis of their horizontal acceleration, which does not depend on how the phone sits. Where that is trusted, both are
+weighed by their standard deviations. Until the new offset is known, steps keep the direction from before. A phone
+that comes back to its old posture, after a glance at the screen, has its old offset.
 """
 
 from collections import deque
@@ -154,7 +154,7 @@ class AutoHeading:
         """By how much the walker turned since the phone was taken, and the standard deviation."""
         p = self._parameters
         before, after = direction_of(self._before, self._axis), direction_of(steps, self._axis)
-        if before is None or after is None:
+        if before is None or after is None or not (before.trusted and after.trusted):
             return 0.0, p.sigma_kept_rad
         # The offset is that of all steps before, the direction that of the latest: the walker may have turned.
         then_rad, now_rad = before.at(mean_yaw_of(self._latest_before())), after.at(mean_yaw_of(steps))
