@@ -25,11 +25,15 @@ class AttitudeParams:
     "auto" takes that where the samples are too far apart to integrate: the device saw those in between.
 
     accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
+    rest_rate_radps: below this rate, about each axis and against its own mean, vqf takes a phone for one at rest and
+    its rotation for the gyroscope's bias. Its own default, 2 degrees a second, takes the sway of a walker who stands
+    for that; the bias found so turned simulated pockets by 23 degrees in 100 m, against 3 degrees with ours.
     tilt_cutoff_hz: below this frequency the specific force of a device without gyroscope is taken for gravity.
     """
 
     source: Literal["auto", "vqf", "device"] = "auto"
     accelerometer_time_constant_s: Positive = 3.0
+    rest_rate_radps: Positive = 0.0087
     tilt_cutoff_hz: Annotated[float, Ge(0.02), Le(2.0)] = 0.3
 
 
@@ -39,7 +43,11 @@ class VqfAttitude:
     latency_s = 0.0
 
     def __init__(self, rate_hz: float, parameters: AttitudeParams) -> None:
-        self._settings = {"gyrTs": 1.0 / rate_hz, "tauAcc": parameters.accelerometer_time_constant_s}
+        self._settings = {
+            "gyrTs": 1.0 / rate_hz,
+            "tauAcc": parameters.accelerometer_time_constant_s,
+            "restThGyr": float(np.rad2deg(parameters.rest_rate_radps)),
+        }
         self._filter = VQF(**self._settings)
         self._segment: int | None = None
 
