@@ -25,21 +25,21 @@ def closed(sigma_m: float, device: str = DEVICE) -> LoopClosure:
 
 
 @pytest.mark.parametrize("last_turn_rad", [-np.pi / 2.0, 0.0, np.pi / 2.0])
-@pytest.mark.parametrize("sigma_m", [0.01, 0.3])
-def test_the_graph_is_dense_least_squares(sigma_m: float, last_turn_rad: float) -> None:
-    """In any direction at the end, though GTSAM's error of a pose mixes the turn into the position; covariances up to
-    the curvature of the problem, for the walk misses its start by 1.4 m."""
+@pytest.mark.parametrize(("sigma_m", "share"), [(0.01, 0.01), (0.3, 0.15)])
+def test_the_graph_is_dense_least_squares(sigma_m: float, share: float, last_turn_rad: float) -> None:
+    """In any direction at the end, though GTSAM's error of a pose mixes the turn into the position; the
+    covariances up to the curvature of the problem, if the walk misses its start by two sigma."""
     measurements = [*square(last_turn_rad).measurements, closed(sigma_m)]
     track = run("factor-graph", measurements, START)
     timeline = build_timeline(DEVICE, 0.0, measurements)
     mean, covariance = solve(timeline, START, SIGMA_SCALE, np.column_stack([track.position_m, track.heading_rad]))
     poses = mean[:-1].reshape(-1, 3)
-    assert track.position_m == pytest.approx(poses[:, :2], abs=5e-3)
+    assert track.position_m == pytest.approx(poses[:, :2], abs=2e-3)
     assert np.sin(track.heading_rad - poses[:, 2]) == pytest.approx(np.zeros(23), abs=2e-3)
     assert track.length_scale == pytest.approx(mean[-1], abs=2e-3)
     for k in range(23):
         expected = covariance[3 * k : 3 * k + 2, 3 * k : 3 * k + 2]
-        assert np.linalg.norm(track.covariance_m2[k] - expected) < 0.1 * np.linalg.norm(expected)
+        assert np.linalg.norm(track.covariance_m2[k] - expected) < share * np.linalg.norm(expected)
 
 
 @pytest.mark.parametrize("name", ["ekf", "factor-graph"])
