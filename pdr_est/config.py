@@ -188,6 +188,14 @@ def _refuse_contradictions(config: Config, place: str) -> None:
             f"{place}: mode.mmpdr.window_s = {watched_s:g} and steps.mmpdr.transition_s = {compensated_s:g} are both "
             "the length of a transition: give them one value"
         )
+    heading = config.heading
+    gives_priors = heading.method == "auto" and heading.dominant.enabled and heading.use == "priors"
+    if heading.dominant.direction_rad is not None and not gives_priors:
+        raise ConfigError(
+            f"{place}: heading.dominant.direction_rad = {heading.dominant.direction_rad:g}: is a direction in the "
+            "map, which only heading.method auto with heading.use priors and heading.dominant.enabled makes use of: "
+            "choose these, or leave it out"
+        )
     if config.gait.model is not None:
         try:
             gait_model(config.gait)

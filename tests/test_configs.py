@@ -71,6 +71,14 @@ def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
             {"steps": {"detector": "local-variance", "local_variance": {"stance_mps2": 9.0}}},
             "steps.local_variance: stance_mps2 9.0 is above swing_mps2",
         ),
+        (
+            {"heading": {"method": "psp", "dominant": {"direction_rad": 0.5}}},
+            "heading.dominant.direction_rad = 0.5: is a direction in the map, which only heading.method auto",
+        ),
+        ({"heading": {"use": "increments", "dominant": {"direction_rad": 0.5}}}, "with heading.use priors"),
+        ({"heading": {"dominant": {"direction_rad": 0.5, "enabled": False}}}, "heading.dominant.enabled makes use"),
+        ({"heading": {"dominant": {"straight": {"piece_steps": 0}}}}, "heading.dominant.straight.piece_steps = 0"),
+        ({"heading": {"dominant": {"straight": {"turn_rad": -1.0}}}}, "heading.dominant.straight.turn_rad = -1.0"),
         ([1, 2], "top level"),
     ],
 )

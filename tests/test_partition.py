@@ -32,7 +32,10 @@ from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, Device
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
 from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.heading.auto import AutoHeading, AutoHeadingParams
+from pdr_est.front_end.heading.dominant import DominantParams
 from pdr_est.front_end.heading.hde import HdeParams
+from pdr_est.front_end.heading.hindsight import HeadingHindsight
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
@@ -59,6 +62,7 @@ from pdr_est.stage import Chain, Stage
 
 RATES_HZ = (25.0, 50.0, 100.0, 400.0)
 WORKING_HZ = 50.0
+FOUR_WAYS = DominantParams(number=4)  # used whatever the walk tells
 
 
 def auto_steps() -> Stage:
@@ -106,6 +110,9 @@ CASES = {
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
     "MagnetometerHeading": Case(MagnetometerHeading, "steps with field"),
+    "AutoHeading": Case(lambda: AutoHeading(AutoHeadingParams(), PrincipalAxisParams()), "steps"),
+    "HeadingHindsight-priors": Case(lambda: HeadingHindsight(FOUR_WAYS, as_priors=True), "complete steps"),
+    "HeadingHindsight-increments": Case(lambda: HeadingHindsight(FOUR_WAYS, as_priors=False), "complete steps"),
     "MmpdrHeading": Case(lambda: MmpdrHeading(MmpdrHeadingParams()), "steps"),
     "PspHeading": Case(lambda: PspHeading(WORKING_HZ, HdeParams(), TieParams(), priors=True), "steps"),
     "PspHeading-gyro": Case(lambda: PspHeading(WORKING_HZ, None, None, priors=False), "steps"),

@@ -98,8 +98,8 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Momen
 
 
 def _closed(timeline: Timeline, prior: StartPrior) -> tuple[Node, ...]:
-    """The nodes; the last one of a closed walk whose start is known has a fix there. Else the filter, which has left
-    the start behind, can say nothing of it."""
+    """The nodes; the last one of a closed walk gets a fix at the start, if the start is known from the beginning: at
+    the end the filter has long forgotten what it learnt of its start on the way."""
     *before, last = timeline.nodes
     if timeline.closure_sigma_m is None or prior.position_open or prior.heading_open:
         return timeline.nodes

@@ -1,9 +1,9 @@
 """Batch smoothing of a whole walk, of one device or several, in a GTSAM factor graph.
 
 Poses are Pose2 variables; steps are BetweenFactorPose2, fixes PoseTranslationPrior2D, heading priors
-PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from; robust ones are under a
-Huber or Cauchy kernel. Two devices of one body have a RangeFactorPose2 between them whose kernel ignores all
-distances that a body allows.
+PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from, as is the end of a closed
+walk from its start; robust ones are under a Huber or Cauchy kernel. Two devices of one body have a RangeFactorPose2
+between them whose kernel ignores all distances that a body allows.
 
 The walker's length scale would tie one variable to every step and make the system dense, so it stays outside, one a
 device: the graph is solved at one scale, linear systems at neighbouring scales tell where the best scale is, its
@@ -20,7 +20,15 @@ import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.ekf import alone_smoothed, run_filter
-from pdr_est.estimators.gtsam_factors import Keys, add_motion, add_tethers, add_tight, anchors, motion_noise
+from pdr_est.estimators.gtsam_factors import (
+    Keys,
+    add_motion,
+    add_tethers,
+    add_tight,
+    anchors,
+    motion_noise,
+    reference_guess,
+)
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
 from pdr_est.estimators.joint_ekf import smoothed_states
 from pdr_est.estimators.large_stack import with_large_stack
@@ -140,7 +148,7 @@ class _WalkGraph:
         self.keys = Keys.of(timelines)
         self._timelines, self._ties = timelines, ties
         self._tight: frozenset[int] = frozenset()  # numbers of ties
-        self._tied = anchors(timelines, self.keys, starts, [guess[0].mean[:3] for guess in guesses])
+        self._tied = anchors(timelines, self.keys, starts, guesses)
         self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
         self.order = _from_the_end(timelines, self.keys)
 
@@ -159,7 +167,7 @@ class _WalkGraph:
             for i, state in enumerate(guess, first):
                 values.insert(i, gtsam.Pose2(*state.mean[:3]))
             if reference is not None:
-                values.insert(reference, gtsam.Pose2(0.0, 0.0, guess[-1].mean[4]))
+                values.insert(reference, reference_guess(guess))
         return values
 
     def led_together(self, values: gtsam.Values, length_scale: Array) -> gtsam.Values:

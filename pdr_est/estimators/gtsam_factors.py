@@ -11,11 +11,11 @@ from math import cos, sin
 import gtsam
 import numpy as np
 
+from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.robust import HUBER
 from pdr_est.estimators.start import VAGUE_SIGMA_RAD, start_prior
 from pdr_est.estimators.ties import Tie
 from pdr_est.estimators.timeline import Node, Timeline
-from pdr_est.frames import Array
 from pdr_est.records import HeadingPrior, PositionFix, StartPose
 
 LEAST_SIGMA = 1e-4  # m or rad; smaller ones make the elimination fail
@@ -54,33 +54,46 @@ class Keys:
 
 
 def anchors(
-    timelines: Sequence[Timeline], keys: Keys, starts: Sequence[StartPose], guesses: Sequence[Array]
+    timelines: Sequence[Timeline],
+    keys: Keys,
+    starts: Sequence[StartPose],
+    guesses: Sequence[Sequence[Moments]],
 ) -> gtsam.NonlinearFactorGraph:
     """What ties the walk to the map: start, fixes and heading priors, and the end of a closed walk to its start.
 
-    starts, guesses: start of each device, and its pose (3,) that is used where the start is open.
+    starts, guesses: start of each device, and states at its nodes; the first one's heading is used where that of the
+    start is open.
     """
     graph = gtsam.NonlinearFactorGraph()
     for timeline, first, reference, start, guess in zip(
         timelines, keys.first, keys.references, starts, guesses, strict=True
     ):
         prior = start_prior(timeline, start, 0.0)
-        mean = np.array([*prior.moments.mean[:2], guess[2] if prior.heading_open else prior.moments.mean[2]])
+        mean = prior.moments.mean[:3].copy()
+        if prior.heading_open:
+            mean[2] = guess[0].mean[2]
         sigmas = np.maximum(np.sqrt(np.diag(prior.moments.covariance)[:3]), LEAST_SIGMA)
         graph.add(gtsam.PriorFactorPose2(first, gtsam.Pose2(*mean), gtsam.noiseModel.Diagonal.Sigmas(sigmas)))
         if reference is not None:
             vague = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, VAGUE_SIGMA_RAD]))
-            graph.add(gtsam.PriorFactorPose2(reference, gtsam.Pose2(), vague))
+            graph.add(gtsam.PriorFactorPose2(reference, reference_guess(guess), vague))
         for i, node in enumerate(timeline.nodes, first):
             for fix in node.fixes:
                 graph.add(gtsam.PoseTranslationPrior2D(i, np.asarray(fix.position_m), _fix_noise(fix)))
             for heading in node.priors:
                 graph.add(_heading_factor(i, reference, heading))
         if timeline.closure_sigma_m is not None:
-            sigma_m = max(timeline.closure_sigma_m, LEAST_SIGMA)
-            closed = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma_m, sigma_m, _ANY_TURN_RAD]))
-            graph.add(gtsam.BetweenFactorPose2(first, first + len(timeline.nodes) - 1, gtsam.Pose2(), closed))
+            last = first + len(timeline.nodes) - 1
+            graph.add(_closure_factor(first, last, timeline.closure_sigma_m, guess))
     return graph
+
+
+def reference_guess(guess: Sequence[Moments]) -> gtsam.Pose2:
+    """The reference of a walk's relative priors to start from. It lies where the walk begins: from far away, nothing
+    that factors say of its position would be weak enough."""
+    east_m, north_m = guess[0].mean[:2]
+    pose: gtsam.Pose2 = gtsam.Pose2(east_m, north_m, guess[-1].mean[4])
+    return pose
 
 
 def motion_noise(nodes: Sequence[Node]) -> list[gtsam.noiseModel.Base]:
@@ -123,6 +136,15 @@ def add_tight(graph: gtsam.NonlinearFactorGraph, ties: Iterable[Tie], keys: Keys
 def displacement(node: Node, length_scale: float) -> gtsam.Pose2:
     turn, length = node.heading_change_rad, length_scale * node.length_m
     return gtsam.Pose2(length * cos(turn), length * sin(turn), turn)
+
+
+def _closure_factor(first: int, last: int, sigma_m: float, guess: Sequence[Moments]) -> gtsam.NonlinearFactor:
+    """The last pose is where the first one is, turned by anything. The turn is expected where it is guessed, for
+    GTSAM's error of a pose, its logarithm, is that of the position only if the turn is about right."""
+    sigma = max(sigma_m, LEAST_SIGMA)
+    noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma, sigma, _ANY_TURN_RAD]))
+    turned = gtsam.Pose2(0.0, 0.0, guess[-1].mean[2] - guess[0].mean[2])
+    return gtsam.BetweenFactorPose2(first, last, turned, noise)
 
 
 def _heading_factor(key: int, reference: int | None, prior: HeadingPrior) -> gtsam.NonlinearFactor:

@@ -72,8 +72,8 @@ def build_timeline(
 
     start_s: time of the start pose, or the end of the first step if that is earlier: detectors put a step back by
     their delay, which may lead to before the first sample. A fix while the walker stands belongs to the pose before
-    it; fixes before the first or after the last step belong to the ends. Left out are odometry and heading priors of
-    other devices, and tethers, which tell nothing about one device alone.
+    it; fixes before the first or after the last step belong to the ends. Left out are odometry, heading priors and
+    loop closures of other devices, and tethers, which tell nothing about one device alone.
 
     Raises EstimationError for odometry that is not in order of time and for measurements without a usable value.
     """
@@ -81,7 +81,8 @@ def build_timeline(
     steps = [m for m in given if isinstance(m, StepOdometry) and m.device == device]
     fixes = [m for m in given if isinstance(m, PositionFix)]
     priors = [m for m in given if isinstance(m, HeadingPrior) and m.device == device]
-    refuse_unusable(device, steps, fixes, priors)
+    closures = [m for m in given if isinstance(m, LoopClosure) and m.device == device]
+    refuse_unusable(device, steps, fixes, priors, closures)
     first_mode = steps[0].mode if steps else CarryingMode.UNKNOWN
     begin_s = min([start_s, *(step.time_s for step in steps[:1])])
     nodes = [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, first_mode)]
@@ -97,8 +98,8 @@ def build_timeline(
         nodes += _split(step, begin, inside)
     while pending:
         nodes[-1] = _with_fixes(nodes[-1], pending.pop())
-    closures = [m.sigma_m for m in given if isinstance(m, LoopClosure) and m.device == device]
-    return Timeline(device, tuple(_attach_priors(nodes, priors)), min(closures, default=None))
+    closure_sigma_m = min((closure.sigma_m for closure in closures), default=None)
+    return Timeline(device, tuple(_attach_priors(nodes, priors)), closure_sigma_m)
 
 
 def track_from_nodes(

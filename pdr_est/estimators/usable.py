@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.records import HeadingPrior, PositionFix, StepOdometry
+from pdr_est.records import HeadingPrior, LoopClosure, PositionFix, StepOdometry
 
 
 def refuse_unusable(
@@ -13,6 +13,7 @@ def refuse_unusable(
     steps: Sequence[StepOdometry],
     fixes: Sequence[PositionFix],
     priors: Sequence[HeadingPrior],
+    closures: Sequence[LoopClosure] = (),
 ) -> None:
     """Raise EstimationError for odometry out of order, numbers that are not finite, noise that is no covariance."""
     _refuse_odometry(device, steps)
@@ -33,6 +34,9 @@ def refuse_unusable(
                 f"heading prior of {device} at {prior.time_s} s is {prior.heading_rad} +- {prior.sigma_rad} rad: "
                 "give it a heading and a sigma above 0"
             )
+    for closure in closures:
+        if not np.isfinite(closure.sigma_m) or closure.sigma_m <= 0.0:
+            raise EstimationError(f"loop closure of {device} has the sigma {closure.sigma_m} m: give it one above 0")
 
 
 def _refuse_odometry(device: str, steps: Sequence[StepOdometry]) -> None:

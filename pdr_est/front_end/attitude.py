@@ -25,14 +25,15 @@ class AttitudeParams:
     "auto" takes that where the samples are too far apart to integrate: the device saw those in between.
 
     accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
-    bias_at_rest: whether vqf learns the bias of the gyroscope where it finds the device at rest. It finds that of a
-    walker who stands as well, and takes the slow swaying of leg or hand for a bias.
+    rest_rate_radps: below this rate, about each axis and against its own mean, vqf takes a phone for one at rest and
+    its rotation for the gyroscope's bias. Its own default, 2 degrees a second, takes the sway of a walker who stands
+    for that; the bias found so turned simulated pockets by 23 degrees in 100 m, against 3 degrees with ours.
     tilt_cutoff_hz: below this frequency the specific force of a device without gyroscope is taken for gravity.
     """
 
     source: Literal["auto", "vqf", "device"] = "auto"
     accelerometer_time_constant_s: Positive = 3.0
-    bias_at_rest: bool = True
+    rest_rate_radps: Positive = 0.0087
     tilt_cutoff_hz: Annotated[float, Ge(0.02), Le(2.0)] = 0.3
 
 
@@ -45,7 +46,7 @@ class VqfAttitude:
         self._settings = {
             "gyrTs": 1.0 / rate_hz,
             "tauAcc": parameters.accelerometer_time_constant_s,
-            "restBiasEstEnabled": parameters.bias_at_rest,
+            "restThGyr": float(np.rad2deg(parameters.rest_rate_radps)),
         }
         self._filter = VQF(**self._settings)
         self._segment: int | None = None

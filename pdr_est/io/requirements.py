@@ -47,7 +47,7 @@ def better_attitude(device: DeviceRecording) -> bool:
         return False
     apart_s = float(np.median(np.diff(rate.time_s)))
     late_s = max(attitude.time_s[0] - rate.time_s[0], rate.time_s[-1] - attitude.time_s[-1])
-    return apart_s > _COARSE_S and late_s < _LATE_S
+    return bool(apart_s > _COARSE_S and late_s < _LATE_S)
 
 
 def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:

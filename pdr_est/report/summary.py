@@ -19,6 +19,7 @@ from pdr_est.io.recording import DeviceRecording, Recording, Truth
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.profile import Profile
 from pdr_est.records import PositionFix, StartPose
+from pdr_est.report.direction_words import directions_in_words
 from pdr_est.report.mode_use import mode_use
 from pdr_est.report.scale_words import scale_in_words
 from pdr_est.synchronise import ClockEstimate
@@ -72,6 +73,7 @@ def summarise(
         "counts": _counts(walk.devices),
         "carrying_modes": [use for device in walk.devices for use in mode_use(device)],
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
+        "headings": [_heading(device, config_dict) for device in walk.devices],
         "length_scale": {
             "value": track.length_scale,
             "sigma": track.sigma_length_scale,
@@ -197,6 +199,24 @@ def _device_track(track: Track) -> Json:
         "end_position_m": track.position_m[-1],
         "end_radius95_m": radius[-1],
         "largest_radius95_m": known.max() if len(known) else None,
+    }
+
+
+def _heading(device: DeviceWalk, config_dict: Mapping[str, Any]) -> Json:
+    """How headings were found; the building's directions are None for a method that does not look for them."""
+    found = device.directions
+    return {
+        "device": device.device,
+        "method": config_dict.get("heading", {}).get("method") if device.has_heading else None,
+        "directions": None
+        if found is None
+        else {
+            "number": found.number,
+            "spacing_deg": math.degrees(found.spacing_rad),
+            "log_odds": found.log_odds,
+            "used": found.used,
+        },
+        "meaning": directions_in_words(found),
     }
 
 

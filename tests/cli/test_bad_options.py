@@ -39,7 +39,7 @@ def outs(tmp_path: Path) -> Path:
         (("--start", "nan", "0"), r"--start: start\.x_m = nan: Input should be a finite number"),
         (("--start", "0", "1e300"), r"--start: start\.y_m = 1e\+300: .* less than or equal to 100000000; .* metres"),
         (("--estimator", "kalman"), r"'kalman' is not one of 'dead-reckoning', 'ekf', 'factor-graph'"),
-        (("--attitude", "magic"), r"'magic' is not one of 'vqf', 'device'"),
+        (("--attitude", "magic"), r"'magic' is not one of 'auto', 'vqf', 'device'"),
         (("--overwrit",), r"No such option '--overwrit'.* '--overwrite'"),
         (("again.csv",), r"unexpected extra argument \(again\.csv\); see pdr-est smooth --help"),
     ],

@@ -1,8 +1,10 @@
-"""Walks as one dense least-squares problem over all poses and the length scale: what the estimators must give."""
+"""Walks as one dense least-squares problem over all poses, the length scale and the direction that relative heading
+priors count from: what the estimators must give."""
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from pdr_est.estimators.start import VAGUE_SIGMA_RAD
 from pdr_est.estimators.timeline import Timeline
 from pdr_est.frames import Array
 from pdr_est.records import StartPose
@@ -40,13 +42,15 @@ def solve_linear(timeline: Timeline, start: StartPose, sigma_scale: float) -> tu
 
 
 def solve(timeline: Timeline, start: StartPose, sigma_scale: float, guess: Array) -> tuple[Array, Array]:
-    """Maximum a posteriori of a walk with turns: poses (n, 3) flattened and the scale, with their covariance.
+    """Maximum a posteriori of a walk with turns: poses (n, 3) flattened, the direction that relative heading priors
+    count from, if there are any, and the scale; with their covariance.
 
-    guess: poses (n, 3). A step's error is measured in exponential coordinates, as GTSAM does.
+    guess: poses (n, 3). A step's error is measured in exponential coordinates, as GTSAM does; priors are not robust.
     """
+    reference = [0.0] if any(prior.relative for prior in timeline.priors) else []
     solution = least_squares(
         lambda state: _residuals(timeline, start, sigma_scale, state),
-        np.array([*guess.ravel(), 1.0]),
+        np.array([*guess.ravel(), *reference, 1.0]),
         method="lm",
         x_scale="jac",
         xtol=1e-12,
@@ -56,7 +60,8 @@ def solve(timeline: Timeline, start: StartPose, sigma_scale: float, guess: Array
 
 
 def _residuals(timeline: Timeline, start: StartPose, sigma_scale: float, state: Array) -> Array:
-    poses, scale = state[:-1].reshape(-1, 3), state[-1]
+    poses, scale = state[: 3 * len(timeline.nodes)].reshape(-1, 3), state[-1]
+    reference = state[-2]  # of no meaning without relative priors
     assert start.position_m is not None
     assert start.heading_rad is not None
     sigmas = [start.sigma_position_m, start.sigma_position_m, start.sigma_heading_rad]
@@ -70,8 +75,14 @@ def _residuals(timeline: Timeline, start: StartPose, sigma_scale: float, state: 
             residuals.append(_whitened(error, node.covariance))
         residuals += [_whitened(poses[i, :2] - fix.position_m, fix.covariance_m2) for fix in node.fixes]
         residuals += [
-            np.array([_wrapped(poses[i, 2] - prior.heading_rad)]) / prior.sigma_rad for prior in node.priors
+            np.array([_wrapped(poses[i, 2] - prior.heading_rad - (reference if prior.relative else 0.0))])
+            / prior.sigma_rad
+            for prior in node.priors
         ]
+    if len(state) > poses.size + 1:
+        residuals.append(np.array([reference / VAGUE_SIGMA_RAD]))
+    if timeline.closure_sigma_m is not None:
+        residuals.append((poses[-1, :2] - poses[0, :2]) / timeline.closure_sigma_m)
     return np.concatenate(residuals)
 
 

@@ -8,7 +8,13 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.io.requirements import has_gyroscope, needed_channels, refuse_without_track, why_nothing
+from pdr_est.io.requirements import (
+    better_attitude,
+    has_gyroscope,
+    needed_channels,
+    refuse_without_track,
+    why_nothing,
+)
 from pdr_est.records import Channel
 
 TIME_S = np.arange(100) / 50.0
@@ -76,3 +82,34 @@ def test_why_nothing_came_out_of_whole_seconds_or_another_unit() -> None:
     assert "accelerometer reach 9.8e+03 m/s^2, more than 1000" in str(why_nothing(milli_g, "walk", 0.5))
     short = DeviceRecording(specific_force=Signal(TIME_S[:2], FORCE.values[:2]))
     assert "record for longer" in str(why_nothing(short, "walk", 0.5))
+
+
+def sampled(rate_hz: float, attitude_hz: float, attitude_s: tuple[float, float] = (0.0, 20.0)) -> DeviceRecording:
+    """20 s of gyroscope and, between two times, of the device's own attitude."""
+    time_s, own_s = np.arange(0.0, 20.0, 1.0 / rate_hz), np.arange(*attitude_s, 1.0 / attitude_hz)
+    return DeviceRecording(
+        specific_force=Signal(time_s, np.zeros((len(time_s), 3))),
+        rotation_rate=Signal(time_s, np.zeros((len(time_s), 3))),
+        attitude=Signal(own_s, np.tile([1.0, 0.0, 0.0, 0.0], (len(own_s), 1))),
+    )
+
+
+@pytest.mark.parametrize(
+    ("device", "better"),
+    [
+        (sampled(25.0, 25.0), True),
+        (sampled(25.0, 50.0), True),
+        (sampled(50.0, 50.0), False),  # the samples are close enough
+        (sampled(100.0, 100.0), False),
+        (sampled(25.0, 20.0), False),  # rarer than the samples
+        (sampled(25.0, 50.0, (2.0, 20.0)), False),  # begins late
+        (sampled(25.0, 50.0, (0.0, 18.0)), False),  # ends early
+        (sampled(25.0, 25.0, (0.5, 19.5)), True),
+        (replace(sampled(25.0, 25.0), attitude=None), False),
+        (replace(sampled(25.0, 25.0), rotation_rate=None), False),
+        (replace(sampled(25.0, 25.0), attitude=NOTHING), False),
+        (DeviceRecording(rotation_rate=Signal(TIME_S[:1], RATE.values[:1]), attitude=ATTITUDE), False),
+    ],
+)
+def test_the_devices_attitude_is_better_where_samples_are_coarse(device: DeviceRecording, better: bool) -> None:
+    assert better_attitude(device) is better

@@ -4,9 +4,9 @@ offset learnt anew whenever the phone is put elsewhere.
 As long as the phone sits still on the body, the walker turns with it. When its posture changes, by more than a limb
 does in a stride, the phone was put elsewhere, and nobody knows by how much it was turned against the body. Two things
 tell the walker's direction across the change: walkers mostly go on as before (MMPDR section III-E), and the principal
-axis of their horizontal acceleration, which does not depend on how the phone sits. Both are weighed by their standard
-deviations. Until the new offset is known, steps keep the direction from before. A phone that comes back to its old
-posture, after a glance at the screen, has its old offset.
+axis of their horizontal acceleration, which does not depend on how the phone sits. Where that is trusted, both are
+weighed by their standard deviations. Until the new offset is known, steps keep the direction from before. A phone
+that comes back to its old posture, after a glance at the screen, has its old offset.
 """
 
 from collections import deque
@@ -20,8 +20,7 @@ from annotated_types import Ge, Le
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.placement import angle_between, mean_up, mean_yaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams, direction_of
-from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
-from pdr_est.front_end.heading.strides import yaw_of
+from pdr_est.front_end.heading.strides import mean_yaw_of, over_stride
 from pdr_est.params import Positive, params
 from pdr_est.records import CarryingMode, Step
 
@@ -31,14 +30,14 @@ _WITH_A_LIMB = (CarryingMode.SWING, CarryingMode.POCKET)
 
 @params
 class AutoHeadingParams:
-    """moved_rad: a change of the direction of gravity in the phone beyond which it was put elsewhere. settled_rad:
-    within which two strides have the same posture. bend_rad: turn within a stride beyond which steps are not averaged
-    over it: the walker is turning. training_steps: from which an offset is learnt. sigma_kept_rad: how well walkers
-    keep their direction while they handle the phone. sigma_axis_rad: of the change of direction that the principal
-    axis tells, on top of what it knows of itself."""
+    """moved_rad: a change of the direction of gravity in the phone, mean over a step, beyond which it was put
+    elsewhere. returned_rad: within which of its old posture it is back there. bend_rad: turn within a stride beyond
+    which steps are not averaged over it: the walker is turning. training_steps: from which an offset is learnt.
+    sigma_kept_rad: how well walkers keep their direction while they handle the phone. sigma_axis_rad: of the change
+    of direction that the principal axis tells, on top of what it knows of itself. All are ours."""
 
     moved_rad: _Angle = 0.7
-    settled_rad: _Angle = 0.4
+    returned_rad: _Angle = 0.4
     bend_rad: _Angle = 0.26
     training_steps: Annotated[int, Ge(2), Le(20)] = 4
     sigma_kept_rad: Positive = 0.25
@@ -80,8 +79,8 @@ class AutoHeading:
 
     def _begin(self, segment: int | None) -> None:
         self._segment = segment
-        self._placement: _Placement | None = None
-        self._left: _Placement | None = None  # the one before, while the phone is on its way
+        self._placement: _Placement | None = None  # where the phone is, or was until it was taken
+        self._away = False  # whether it was taken from there
         self._recent: deque[Step] = deque(maxlen=2 * self._parameters.training_steps + 1)  # in the placement
         self._before: tuple[Step, ...] = ()  # the steps in the placement that was left
         self._training: list[Step] = []
@@ -92,15 +91,15 @@ class AutoHeading:
         """The step with its direction, not yet averaged; headings of a segment are continuous, not wrapped."""
         up = mean_up(step.samples)
         handled = step.event.mode is CarryingMode.TRANS or step.event.compensated
-        if self._placement is None and self._left is None:
+        if self._placement is None:
             self._placement = _Placement(up, 0.0)
             self._heading_rad = mean_yaw(step.samples, up)
-        if self._placement is not None:
-            moved = angle_between(up, self._placement.up) > self._parameters.moved_rad
-            if not handled and not moved:
-                return self._walked(step, self._placement)
-            self._leave(self._placement)
-        return self._on_its_way(step, up, handled)
+        moved_rad = angle_between(up, self._placement.up)
+        if self._away and not handled and moved_rad < self._parameters.returned_rad:
+            self._away = False
+        elif not self._away and (handled or moved_rad > self._parameters.moved_rad):
+            self._leave()
+        return self._on_its_way(step, up, handled) if self._away else self._walked(step, self._placement)
 
     def _walked(self, step: Step, placement: _Placement) -> Step:
         raw = mean_yaw(step.samples, placement.up) - placement.offset_rad
@@ -109,24 +108,21 @@ class AutoHeading:
         self._recent.append(directed)
         return directed
 
-    def _leave(self, placement: _Placement) -> None:
-        self._left, self._placement = placement, None
-        self._before = tuple(self._recent)
+    def _leave(self) -> None:
+        self._away = True
+        recent = tuple(self._recent)
+        self._before = recent[:-1] or recent  # the hand was already there at the last one
         self._recent.clear()
         self._training = []
-        trusted = self._before[:-1] or self._before  # the hand was already there at the last one
-        if trusted:
-            self._heading_rad = float(
-                np.mean([step.heading_rad for step in trusted[-self._parameters.training_steps :]])
-            )
+        if self._before:
+            self._heading_rad = float(np.mean([step.heading_rad for step in self._latest_before()]))
+
+    def _latest_before(self) -> tuple[Step, ...]:
+        """The steps before the phone was taken that tell the walker's direction then."""
+        return self._before[-self._parameters.training_steps :]
 
     def _on_its_way(self, step: Step, up: Array, handled: bool) -> Step:
         """A step while the phone is handled, or while its new offset is learnt: it keeps the direction."""
-        left = self._left
-        assert left is not None
-        if not handled and angle_between(up, left.up) < self._parameters.settled_rad:
-            self._placement, self._left = left, None
-            return self._walked(step, left)
         kept = replace(step, heading_rad=self._heading_rad)
         if handled or not self._is_settled(up):
             self._training = []
@@ -137,7 +133,7 @@ class AutoHeading:
         return self._settle(kept)
 
     def _is_settled(self, up: Array) -> bool:
-        """Whether the phone sits as it did one and two steps ago."""
+        """Whether the phone was not put elsewhere since one and two steps ago."""
         return all(
             angle_between(up, mean_up(step.samples)) < self._parameters.moved_rad for step in self._training[-2:]
         )
@@ -150,17 +146,19 @@ class AutoHeading:
         yaws = np.array([mean_yaw(one.samples, up) for one in steps])
         yaw_rad = float(np.angle(np.mean(np.exp(1j * yaws))))
         turn_rad, sigma_rad = self._turn_meanwhile(steps)
-        self._placement = _Placement(up, float(wrap_angle(yaw_rad - self._heading_rad - turn_rad)))
-        self._left, self._training = None, []
-        return replace(self._walked(step, self._placement), sigma_turn_rad=sigma_rad)
+        placement = _Placement(up, float(wrap_angle(yaw_rad - self._heading_rad - turn_rad)))
+        self._placement, self._away, self._training = placement, False, []
+        return replace(self._walked(step, placement), sigma_turn_rad=sigma_rad)
 
     def _turn_meanwhile(self, steps: Sequence[Step]) -> tuple[float, float]:
         """By how much the walker turned since the phone was taken, and the standard deviation."""
         p = self._parameters
-        before, after = direction_of(self._before[:-1], self._axis), direction_of(steps, self._axis)
-        if before is None or after is None:
+        before, after = direction_of(self._before, self._axis), direction_of(steps, self._axis)
+        if before is None or after is None or not (before.trusted and after.trusted):
             return 0.0, p.sigma_kept_rad
-        told_rad = float(wrap_angle(after.at(_yaw(steps)) - before.at(_yaw(self._before[:-1]))))
+        # The offset is that of all steps before, the direction that of the latest: the walker may have turned.
+        then_rad, now_rad = before.at(mean_yaw_of(self._latest_before())), after.at(mean_yaw_of(steps))
+        told_rad = float(wrap_angle(now_rad - then_rad))
         variance = before.sigma_rad**2 + after.sigma_rad**2 + p.sigma_axis_rad**2
         weight = p.sigma_kept_rad**2 / (p.sigma_kept_rad**2 + variance)
         return weight * told_rad, float(np.sqrt(weight * variance))
@@ -175,9 +173,5 @@ class AutoHeading:
         later = step.heading_rad
         straight = abs(later - earlier) < self._parameters.bend_rad
         if straight and held.event.mode in _WITH_A_LIMB:
-            held = replace(held, heading_rad=0.25 * earlier + 0.5 * held.heading_rad + 0.25 * later)
+            held = replace(held, heading_rad=over_stride(earlier, held.heading_rad, later))
         return [replace(held, heading_rad=float(wrap_angle(held.heading_rad)))]
-
-
-def _yaw(steps: Sequence[Step]) -> float:
-    return calibrated_mean_yaw(yaw_of(steps))

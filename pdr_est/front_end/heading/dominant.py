@@ -12,7 +12,9 @@ their probability. Ours, after the idea of heuristic drift elimination (Borenste
 needs the directions beforehand.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
@@ -24,7 +26,7 @@ from pdr_est.front_end.heading.straight import Pieces, StraightParams
 from pdr_est.params import params
 
 # Number of directions, and how probable it is before the walk; what is missing to 1 is that there are none.
-_NUMBERS = {2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1}
+_NUMBERS: Mapping[int, float] = MappingProxyType({2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1})
 _NONE = 1.0 - sum(_NUMBERS.values())
 
 
@@ -75,9 +77,10 @@ class DominantParams:
 @dataclass(frozen=True)
 class DominantDirections:
     """What a walk tells of a building. number: of the most probable directions; log_odds: of them against none.
-    used: whether that suffices. spacing_rad: between them. per piece of the straight stretches: drift_rad (n,) of the
-    heading since the first piece, sigma_rad (n,), straight_rad (n,) the direction it follows, with the zero of the
-    first piece, and follows (n,) the probability that it follows one."""
+    used: whether that suffices, or the number was given. spacing_rad: between them. Per piece of the straight
+    stretches: drift_rad (n,) of the heading since the first piece, sigma_rad (n,) of the heading less its drift,
+    straight_rad (n,) the direction it follows, with the zero of the first piece, not wrapped, and follows (n,) the
+    probability that it follows one."""
 
     number: int
     log_odds: float
@@ -94,7 +97,7 @@ def dominant_directions(pieces: Pieces, parameters: DominantParams) -> DominantD
     if not len(pieces):
         return None
     given = parameters.given_number
-    numbers = _NUMBERS if given is None else {given: 1.0}
+    numbers = _NUMBERS if given is None else {given: 1.0 - _NONE}
     turned = _Turned.of(pieces, parameters.turn_rad)
     tried = {number: [_follow(pieces, turned, number, level) for level in _LEVELS] for number in numbers}
     log_odds = {
@@ -162,7 +165,7 @@ def _follow(pieces: Pieces, turned: _Turned, number: int, level: DriftLevel) -> 
     return _Run(circle, level, likelihood, forward, sigma, log_with, log_without)
 
 
-def _log_mean(logs: list[float]) -> float:
+def _log_mean(logs: Sequence[float]) -> float:
     """Log of the mean probability over the levels of drift."""
     weights = np.log([level.probability for level in _LEVELS])
     return float(np.logaddexp.reduce(np.array(logs) + weights))

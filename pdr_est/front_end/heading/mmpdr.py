@@ -32,7 +32,7 @@ from annotated_types import Ge, Le
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
-from pdr_est.front_end.heading.strides import STRIDE_LATENCY_S, Strides, yaw_of
+from pdr_est.front_end.heading.strides import STRIDE_LATENCY_S, Strides, mean_yaw_of
 from pdr_est.params import params
 from pdr_est.records import CarryingMode, Step
 
@@ -146,7 +146,7 @@ class MmpdrHeading:
 
     def _orient(self, steps: Sequence[Step]) -> list[Step]:
         """Give some steps, averaged together, their heading."""
-        mean_rad = calibrated_mean_yaw(yaw_of(steps))
+        mean_rad = mean_yaw_of(steps)
         if self._training is None:
             self._heading_rad = float(wrap_angle(mean_rad - self._offset_rad))
         else:

@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.horizontal import to_level
-from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
-from pdr_est.front_end.heading.strides import STRIDE_LATENCY_S, Strides, yaw_of
+from pdr_est.front_end.heading.strides import STRIDE_LATENCY_S, Strides, mean_yaw_of
 from pdr_est.params import Fraction, NonNegative, params
 from pdr_est.records import CarryingMode, Step
 
@@ -135,7 +134,7 @@ class PrincipalAxis:
         return done
 
     def _orient(self, steps: Sequence[Step]) -> list[Step]:
-        yaw_rad = calibrated_mean_yaw(yaw_of(steps))
+        yaw_rad = mean_yaw_of(steps)
         heading_rad = yaw_rad if self._direction is None else self._direction.at(yaw_rad)
         return [replace(step, heading_rad=heading_rad) for step in steps]
 
@@ -164,7 +163,7 @@ def stride_motion(steps: Sequence[Step]) -> StrideMotion:
         level = to_level(samples.acceleration_mps2, samples.up, samples.yaw_rad)
         horizontal += np.sum(wave[:, None] * level, axis=0)
         vertical += complex(np.sum(wave * samples.vertical_mps2))
-    yaw_rad = calibrated_mean_yaw(yaw_of(steps))
+    yaw_rad = mean_yaw_of(steps)
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     count = sum(len(step.samples) for step in steps)
     turned = np.array(

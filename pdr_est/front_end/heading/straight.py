@@ -3,11 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
+from pdr_est.front_end.heading.strides import over_stride
 from pdr_est.params import params
 from pdr_est.records import Step
 
@@ -17,18 +20,18 @@ _REACH = 2  # steps before and after one across which its turn is taken
 @params
 class StraightParams:
     """turn_rad: change of heading over four steps beyond which the walker turns. least_steps: of a stretch.
-    piece_steps: about as many steps are looked at together."""
+    piece_steps: about as many steps are looked at together. All three are ours."""
 
-    turn_rad: float = 0.44
-    least_steps: int = 5
-    piece_steps: int = 4
+    turn_rad: Annotated[float, Ge(0.1), Le(1.5)] = 0.44
+    least_steps: Annotated[int, Ge(2), Le(100)] = 5
+    piece_steps: Annotated[int, Ge(1), Le(100)] = 4
 
 
 @dataclass(frozen=True)
 class Pieces:
     """Pieces of straight stretches in order of time.
 
-    stretch: (n,) number of the stretch; first, last: (n,) steps, the last one exclusive; time_s, heading_rad: (n,)
+    stretch: (n,) number of the stretch; first, last: (n,) steps, `last` exclusive; time_s, heading_rad: (n,)
     means, the heading continuous along the walk; changed_rad: (n,) standard deviation of what the headings may have
     been displaced by since the piece before, by a phone that was put elsewhere.
     """
@@ -47,26 +50,27 @@ class Pieces:
 def straight_pieces(steps: Sequence[Step], parameters: StraightParams) -> Pieces:
     """The pieces of the straight stretches of some steps, which lie in one segment."""
     time_s = np.array([step.event.time_s for step in steps])
-    heading = np.unwrap([step.heading_rad for step in steps])
+    heading = _over_strides(np.unwrap([step.heading_rad for step in steps]))
     variance = np.cumsum([step.sigma_turn_rad**2 for step in steps])
     rows = [
         (number, first, last)
-        for number, (begin, end) in enumerate(_stretches(_over_strides(heading), parameters))
+        for number, (begin, end) in enumerate(_stretches(heading, parameters))
         for first, last in _cut(begin, end, parameters.piece_steps)
     ]
     stretch, first, last = np.array(rows, dtype=np.int64).reshape(-1, 3).T
     count = np.maximum(last - first, 1)
-    sums = [np.concatenate([[0.0], np.cumsum(values)]) for values in (time_s, _over_strides(heading))]
+    sums = [np.concatenate([[0.0], np.cumsum(values)]) for values in (time_s, heading)]
     mean_time, mean_heading = ((total[last] - total[first]) / count for total in sums)
-    # A displacement within a piece counts for the next one as well as for itself.
-    displaced = np.diff(variance[last - 1], prepend=0.0) if len(rows) else np.empty(0)
+    # A displacement within a piece lies between it and the one before, and between it and the next as well.
+    since = np.concatenate([first[:1], first[:-1]])
+    displaced = variance[last - 1] - variance[since] if len(rows) else np.empty(0)
     return Pieces(stretch, first, last, mean_time, mean_heading, np.sqrt(np.maximum(displaced, 0.0)))
 
 
 def _over_strides(heading: Array) -> Array:
     """Headings (n,) averaged over the stride, which cancels what goes to and fro with the legs."""
     padded = np.concatenate([heading[:1], heading, heading[-1:]])
-    return np.asarray(0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:])
+    return over_stride(padded[:-2], padded[1:-1], padded[2:])
 
 
 def _stretches(heading: Array, parameters: StraightParams) -> list[tuple[int, int]]:

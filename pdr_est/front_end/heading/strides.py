@@ -1,12 +1,16 @@
 """Steps two by two: what a phone at a leg does comes back once a stride, every two steps."""
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.front_end.gait.features import begins_walk
+from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
 from pdr_est.records import Step
+
+Heading = TypeVar("Heading", float, Array)
 
 STRIDE_LATENCY_S = 2.0  # a step waits for the next one, which in a walk comes before it counts as a standstill
 
@@ -33,6 +37,12 @@ class Strides:
         return [] if first is None else [(first,)]
 
 
-def yaw_of(steps: Sequence[Step]) -> Array:
-    """The yaw angles (n,) rad of all samples of some steps."""
-    return np.concatenate([step.samples.yaw_rad for step in steps])
+def mean_yaw_of(steps: Sequence[Step]) -> float:
+    """Mean yaw, rad in (-pi, pi], over all samples of some steps."""
+    return calibrated_mean_yaw(np.concatenate([step.samples.yaw_rad for step in steps]))
+
+
+def over_stride(before: Heading, at: Heading, after: Heading) -> Heading:
+    """Headings, rad, not wrapped, of steps and their neighbours averaged so that what goes to and fro with the legs,
+    from one step to the next, cancels."""
+    return 0.25 * before + 0.5 * at + 0.25 * after
