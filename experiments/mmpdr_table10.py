@@ -24,7 +24,6 @@ import numpy as np
 
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
 from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams, TrainedOffset
 from pdr_est.front_end.mode import ModeParams
@@ -36,7 +35,6 @@ from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, park_348, si
 RESULTS = Path(__file__).parent / "results"
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
 START = Config(
-    attitude=AttitudeParams(bias_at_rest=False),
     estimator=EstimatorParams(name="dead-reckoning"),
 )
 CHAINS: dict[str, Config] = {

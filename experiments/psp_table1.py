@@ -30,7 +30,6 @@ import numpy as np
 
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array
-from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingName, HeadingParams
 from pdr_est.front_end.heading.hde import HdeParams
 from pdr_est.pipeline import smooth
@@ -132,7 +131,6 @@ def errors_m(walk: SimulatedWalk, increments: Sequence[float]) -> dict[tuple[Hea
 def return_error_m(walk: SimulatedWalk, method: HeadingName, increment_radps: float) -> float:
     """From the end of the track to its start, m."""
     config = Config(
-        attitude=AttitudeParams(bias_at_rest=False),
         heading=HeadingParams(method=method, use="increments", hde=HdeParams(increment_radps=increment_radps)),
         start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0),
         estimator=EstimatorParams(name="dead-reckoning"),

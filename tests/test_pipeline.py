@@ -126,7 +126,7 @@ def test_each_device_of_a_walk_has_its_part() -> None:
     recording = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording
     walk = pipeline.smooth(recording, DEAD_RECKONING)
     assert [part.device for part in walk.devices] == ["left", "right"]
-    assert walk.track.devices == ("left", "right")
+    assert walk.track.devices == ("left", "right", "fused")
     for part in walk.devices:
         assert {measurement.device for measurement in part.odometry} == {part.device}
         assert len(walk.track.of_device(part.device)) == len(part.steps) + 1

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from pdr_est.benchmark.runner import Scored
 from pdr_est.benchmark.suite import Scores, Walked
+from pdr_est.estimators.fused import NAME as FUSED
 from pdr_est.evaluate.alignment import start_alignment
 from pdr_est.evaluate.association import Association, associate
 from pdr_est.evaluate.consistency import squared_mahalanobis
@@ -31,8 +32,10 @@ def outcomes_of(
     """Of each track of a scored walk. judge: which of its true positions were given to the estimator."""
     walked = scored.walk
     truth = walked.recording.truth
-    for scores, device, shown in zip(scored.scores, walked.devices, _shown(walked), strict=True):
-        track, fixes = shown
+    for scores, (track, fixes) in zip(scored.scores, _shown(walked), strict=False):
+        # The person's own track has no device; when it was recorded and how carried is told by the first one.
+        own = str(track.device[0])
+        device = next((one for one in walked.devices if one.device == own), walked.devices[0])
         position_m, along = _beside_truth(walked, device, track, judge if fixes else None)
         yield TrackOutcome(
             walk=walk,
@@ -41,7 +44,7 @@ def outcomes_of(
             labels=labels,
             mode=scores.mode,
             metrics={name: _finite(scores, name) for name in metrics},
-            steps=len(device.steps),
+            steps=len(track) - 1,
             true_steps=truth.step_count if truth.steps is None else len(truth.steps.time_s),
             mode_shares={mode.name: share for mode, share in mode_shares(device.steps).items() if share == share},
             with_fixes=fixes,
@@ -59,12 +62,15 @@ def _finite(scores: Scores, name: str) -> float | None:
 
 
 def _shown(walked: Walked) -> list[tuple[Track, bool]]:
-    """The track of each device that is shown, and whether it was given fixes: each device has fixes of its own."""
+    """The track of each device, and then of the person if several are, as shown, and whether it was given fixes: each
+    device has fixes of its own."""
     opened = [track for fixes, track in walked.estimates if not fixes]
     tied = [track for fixes, track in walked.estimates if fixes]
     chosen = tied if len(tied) == len(walked.devices) else opened[:1] * len(walked.devices)
     fixed = chosen is tied and bool(tied)
-    return [(track.of_device(device.device), fixed) for track, device in zip(chosen, walked.devices, strict=True)]
+    shown = [(track.of_device(device.device), fixed) for track, device in zip(chosen, walked.devices, strict=True)]
+    person = [(opened[0].of_device(FUSED), False)] if opened and FUSED in opened[0].devices else []
+    return shown + person
 
 
 def _beside_truth(

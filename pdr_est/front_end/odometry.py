@@ -26,12 +26,12 @@ class OdometryParams:
 
     sigma_length_drift: NonNegative = 0.15
     sigma_direction_rad: Positive = 0.18
-    sigma_heading_rad_per_sqrt_s: NonNegative = 0.04
+    sigma_heading_rad_per_sqrt_s: NonNegative = 0.02
     sigma_length_scale: NonNegative = 0.11
     sigma_mode_change_rad: NonNegative = 0.5
     gap_speed_mps: Positive = 1.0
     gap_turn_rad_per_sqrt_s: Positive = 1.0
-    sigma_straight_rad: Positive = 0.35
+    sigma_straight_rad: Positive = 0.15
 
 
 class Odometry:

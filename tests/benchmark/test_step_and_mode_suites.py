@@ -84,14 +84,14 @@ def test_weallwalk_scores_both_phones_of_a_walk(tmp_path):
     weallwalk_annotation(tmp_path / "weallwalk/xml/T1_ID2_WC.xml", crests_s()[2:38], [(8.0, 30.0), (14.0, 60.0)])
     document = run("weallwalk", tmp_path)
     assert document["skipped"] == []
-    assert [walk["walk"] for walk in document["walks"]] == ["sensor/iPhoneSensors_T1_ID2_1L_WC"] * 2
-    assert [walk["track"] for walk in document["walks"]] == ["1L", "2R"]
+    assert [walk["walk"] for walk in document["walks"]] == ["sensor/iPhoneSensors_T1_ID2_1L_WC"] * 3
+    assert [walk["track"] for walk in document["walks"]] == ["1L", "2R", "fused"]
     for walk in document["walks"]:
         assert (walk["aid"], walk["count_error"], walk["step_recall"]) == ("WC", 0.0, 1.0)
         # The phone goes straight ahead: nothing of 30 and 60 degrees, median 45, sum 90.
         assert walk["turn_error_deg"] == pytest.approx(45.0, abs=0.1)
         assert walk["heading_net_error_deg"] == pytest.approx(90.0, abs=0.1)
-    assert document["summary"]["count_error"]["n"] == 2
+    assert document["summary"]["count_error"]["n"] == 3
 
 
 def test_weallwalk_turns_before_the_annotated_walk_do_not_count(tmp_path):

@@ -28,10 +28,10 @@ def test_they_are_those_of_gtsam(closed: bool, with_references: bool) -> None:
     ]
     timeline = build_timeline(DEVICE, 0.0, measurements)
     start = StartPose((0.0, 0.0), 0.0, 0.1, 0.1)
-    states = initial_states(timeline, start, 0.1)
+    states = initial_states([timeline], [], [start], 0.1)[0]
     keys = Keys.of([timeline])
     assert keys.present_references == ([len(timeline.nodes)] if with_references else [])
-    graph = anchors([timeline], keys, start, [states])
+    graph = anchors([timeline], keys, [start], [states])
     add_motion(graph, timeline.nodes, 0, motion_noise(timeline.nodes), 1.0)
     values = gtsam.Values()
     for i, state in enumerate(states):

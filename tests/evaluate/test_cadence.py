@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pdr_est.evaluate.cadence import cadence_hz, count_plausibility
+from pdr_est.front_end.signal.blocks import part
 from pdr_est.records import LevelBlock
 
 RATE_HZ = 50.0
@@ -52,10 +53,7 @@ def test_windows_begin_anew_in_each_segment_and_run_over_cut_blocks():
     one, other = walk(2.0, 6.0), walk(2.0, 6.0, segment=1, start_s=100.0)
     found = count_plausibility([one, other], np.arange(0.1, 106.0, 0.5))
     assert found.detected == 16
-    cut = [
-        LevelBlock(first, 0, *(getattr(one, name)[first : first + 75] for name in list(vars(one))[2:]))
-        for first in (0, 75, 150, 225)
-    ]
+    cut = [part(one, first, min(first + 75, len(one))) for first in (0, 75, 150, 225)]
     assert count_plausibility([*cut, other], np.arange(0.1, 106.0, 0.5)) == found
 
 

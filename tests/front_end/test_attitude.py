@@ -198,18 +198,3 @@ def test_the_yaw_follows_the_walker_around_the_corner() -> None:
         yaw, time_s = joined(blocks, "yaw_rad"), joined(blocks, "time_s")
         first, last = (float(np.mean(yaw[(time_s > a) & (time_s < a + 1.0)])) for a in (1.0, walk.steps.end_s - 1.5))
         assert np.rad2deg(wrap_angle(last - first)) == pytest.approx(90.0, abs=6.0)
-
-
-def test_the_swaying_of_one_who_stands_is_no_bias_unless_asked_for() -> None:
-    """3 s of standing, in which a phone turns slowly by a few degrees, and then none at all."""
-    time_s = np.arange(600) / 50.0
-    rate = np.zeros((600, 3))
-    rate[:150, 2] = np.deg2rad(1.0)
-    block = imu(still_force(np.array([0.0, 0.0, 1.0]), len(time_s)), rate)
-    turned = {}
-    for learns in (True, False):
-        parameters = AttitudeParams(bias_at_rest=learns)
-        (level,) = VqfAttitude(50.0, parameters).push(block)
-        turned[learns] = np.rad2deg(np.abs(level.turn_rate_radps[150:160]).max())
-    assert turned[True] > 0.3
-    assert turned[False] < 0.05
