@@ -68,11 +68,6 @@ def test_headings_in_an_office_are_right(carry: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="measured 0.4 to 0.5: odometry.sigma_heading_rad_per_sqrt_s is twice what simulated phones need; with "
-    "0.02, and 0.15 for sigma_straight_rad, it is 0.8 to 1.0",
-)
 def test_normalised_errors_are_about_one() -> None:
     normalised = rms([rms(error / sigma) for carry in ("held", "pocket") for error, sigma in errors(carry)])
     assert 0.8 < normalised < 1.2

@@ -73,10 +73,10 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 @pytest.mark.parametrize(
     ("config", "golden"),
     [
-        (DEAD_RECKONING, (69, 47.057668, 28.148040, 19.077375, 1.616327)),
+        (DEAD_RECKONING, (69, 47.057814, 28.158082, 19.075353, 1.615178)),
         (
             replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
-            (70, 45.730832, 27.340186, 18.467183, 1.581365),
+            (70, 45.731009, 27.350423, 18.465016, 1.580192),
         ),
     ],
     ids=["defaults", "mmpdr"],

@@ -146,7 +146,7 @@ def test_ctrl_c_ends_all_processes(data: Path, tmp_path: Path) -> None:
         (("ilc21",), r"'ilc21' is not one of .*'ilc20', .* see pdr-est benchmark --help"),
         (
             ("ilc20", "--estimator", "kalman"),
-            r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', 'map-general', 'ekf', 'factor-graph', 'all'",
+            r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', .* 'factor-graph', 'all'",
         ),
         (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'zero-crossing', 'all'"),
         (

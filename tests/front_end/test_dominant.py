@@ -88,20 +88,20 @@ def test_out_and_back_follows_one_line() -> None:
     np.testing.assert_allclose(np.cos(2.0 * (often.straight_rad - often.straight_rad[0])), 1.0, atol=1e-9)
 
 
-def test_half_a_right_angle_among_many_right_ones_is_eight_directions() -> None:
-    truth = of_legs([(0.0, 25), (90.0, 25), (0.0, 25), (45.0, 30), (90.0, 25), (180.0, 25), (90.0, 25)])
-    pieces, found = found_in(unsteady(truth, np.random.default_rng(3), 0.002))
+def test_many_halves_of_right_angles_are_eight_directions() -> None:
+    rng = np.random.default_rng(1)
+    truth = random_legs(rng, 45.0, 20)
+    pieces, found = found_in(unsteady(truth, rng, 0.002, 0.02))
     assert (found.number, found.used) == (8, True)
     assert np.abs(errors_rad(pieces, found.straight_rad, truth)).max() < 1e-6
 
 
-@pytest.mark.parametrize("diagonal_deg", [22.0, 68.0])
+@pytest.mark.parametrize("diagonal_deg", [30.0, 45.0, 65.0])
 def test_a_diagonal_leg_is_not_bent(diagonal_deg: float) -> None:
     right = [(90.0 * (k % 2), 25) for k in range(5)]
     truth = of_legs([*right, (diagonal_deg, 30), *right])
     pieces, found = found_in(unsteady(truth, np.random.default_rng(3), 0.002))
-    assert found.used
-    assert found.number % 4 == 0
+    assert (found.number, found.used) == (4, True)
     middle = (pieces.first + pieces.last) // 2
     diagonal = np.isclose(truth[middle], np.deg2rad(diagonal_deg))
     inside = diagonal & np.roll(diagonal, 1) & np.roll(diagonal, -1)

@@ -7,7 +7,8 @@ are larger across turns, and it is followed forwards and backwards over the piec
 
 The evidence for a building comes from turns alone: with dominant directions the heading after a turn is foreseen up
 to the drift, without them it is anywhere. How the heading moves along a stretch says nothing, for both explain it as
-drift; so a winding path is not taken for a bad gyroscope. Numbers of directions and levels of drift are compared by
+drift; so a winding path is not taken for a bad gyroscope. A stretch as a whole may be a diagonal, which tells nothing
+of the drift. Numbers of directions and levels of drift are compared by
 their probability. Ours, after the idea of heuristic drift elimination (Borenstein and Ojeda 2010), whose feedback
 needs the directions beforehand.
 """
@@ -19,6 +20,7 @@ from typing import Annotated
 
 import numpy as np
 from annotated_types import Ge, Le
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.circle import Circle
@@ -49,7 +51,10 @@ _LEVELS = (
     DriftLevel(0.026, 0.2, 0.1, 0.15),
     DriftLevel(0.052, 0.26, 0.12, 0.05),
 )
-_STRAY = 0.1  # share of pieces that follow no dominant direction: diagonals, detours
+_STRAY = 0.1  # share of pieces that are off their direction: what is left of a corner, detours
+_DIAGONAL = 0.02  # share of stretches that follow no dominant direction; this one, too, is ours
+_BEGIN = np.array([1.0 - _DIAGONAL, _DIAGONAL])
+_BEGIN.flags.writeable = False
 _QUARTER_RAD = 0.5 * np.pi
 _MOST_TURN = 2.0  # quarter turns, beyond which a turn is not less certain
 
@@ -117,52 +122,74 @@ def dominant_directions(pieces: Pieces, parameters: DominantParams) -> DominantD
 @dataclass(frozen=True)
 class _Turned:
     """Between each piece but the first and the one before: elapsed_s, quarters of a turn in between, 0 within a
-    stretch, and whether the turn is one that tells something."""
+    stretch, elsewhere whether another stretch begins, and tells whether the turn is one that tells something."""
 
     elapsed_s: Array
     quarters: Array
-    tells: Array
+    elsewhere: NDArray[np.bool_]
+    tells: NDArray[np.bool_]
 
     @classmethod
     def of(cls, pieces: Pieces, turn_rad: float) -> "_Turned":
         change = np.abs(np.diff(pieces.heading_rad))
         elsewhere = np.diff(pieces.stretch) != 0
         quarters = np.where(elsewhere, np.minimum(change / _QUARTER_RAD, _MOST_TURN), 0.0)
-        return cls(np.maximum(np.diff(pieces.time_s), 0.1), quarters, elsewhere & (change > turn_rad))
+        elapsed_s = np.maximum(np.diff(pieces.time_s), 0.1)
+        return cls(elapsed_s, quarters, elsewhere, elsewhere & (change > turn_rad))
 
 
 @dataclass(frozen=True)
 class _Run:
-    """One number of directions and one level of drift, followed forwards. log_with, log_without: log probability of
-    the headings with dominant directions, and if each turn leads anywhere."""
+    """One number of directions and one level of drift, followed forwards. likelihood, forward: (n, 2, cells) of each
+    piece and drift, if its stretch follows a direction and if it is a diagonal. sigma: (n - 1,) of the drift between
+    pieces; elsewhere: (n - 1,) whether another stretch begins. log_with, log_without: log probability of the headings
+    with dominant directions, and if each turn leads anywhere."""
 
     circle: Circle
     level: DriftLevel
     likelihood: Array
     forward: Array
     sigma: Array
+    elsewhere: NDArray[np.bool_]
     log_with: float
     log_without: float
 
 
 def _follow(pieces: Pieces, turned: _Turned, number: int, level: DriftLevel) -> _Run:
     circle = Circle(2.0 * np.pi / number)
-    likelihood = circle.likelihood(pieces.heading_rad, level.of_piece, _STRAY)
+    along = circle.likelihood(pieces.heading_rad, level.of_piece, _STRAY)
     walked = level.per_sqrt_s**2 * turned.elapsed_s + (level.per_turn * turned.quarters) ** 2
     sigma = np.sqrt(walked + pieces.changed_rad[1:] ** 2)
-    bound, free = circle.uniform(), circle.uniform()
-    log_with = log_without = 0.0
+    diagonal = _foreseen(circle, along, sigma, turned.elsewhere)
+    likelihood = np.stack([along, np.broadcast_to(diagonal[:, None], along.shape)], axis=1)
+    bound = _BEGIN[:, None] * circle.uniform()
+    log_with = 0.0
     forward = np.empty_like(likelihood)
     for i, seen in enumerate(likelihood):
         if i:
             bound = circle.spread(bound, sigma[i - 1])
-            free = circle.uniform() if turned.tells[i - 1] else circle.spread(free, sigma[i - 1])
-        bound, free = bound * seen, free * seen
-        with_them, without = float(bound.mean()), float(free.mean())
-        log_with, log_without = log_with + np.log(with_them), log_without + np.log(without)
-        bound, free = bound / with_them, free / without
-        forward[i] = bound
-    return _Run(circle, level, likelihood, forward, sigma, log_with, log_without)
+            if turned.elsewhere[i - 1]:
+                bound = _BEGIN[:, None] * bound.sum(axis=0)
+        bound = bound * seen
+        with_them = float(bound.sum(axis=0).mean())
+        log_with += np.log(with_them)
+        forward[i] = bound = bound / with_them
+    log_without = float(np.log(_foreseen(circle, along, sigma, turned.tells)).sum())
+    return _Run(circle, level, likelihood, forward, sigma, turned.elsewhere, log_with, log_without)
+
+
+def _foreseen(circle: Circle, along: Array, sigma: Array, anew: NDArray[np.bool_]) -> Array:
+    """Probabilities (n,) of the pieces by those before, over the uniform one, if some of them, but the first, lead
+    anywhere anew (n - 1,)."""
+    probability = np.empty(len(along))
+    belief = circle.uniform()
+    for i, seen in enumerate(along):
+        if i:
+            belief = circle.uniform() if anew[i - 1] else circle.spread(belief, sigma[i - 1])
+        belief = belief * seen
+        probability[i] = belief.mean()
+        belief = belief / probability[i]
+    return probability
 
 
 def _log_mean(logs: Sequence[float]) -> float:
@@ -173,13 +200,17 @@ def _log_mean(logs: Sequence[float]) -> float:
 
 def _smoothed(pieces: Pieces, run: _Run, number: int, log_odds: float, used: bool) -> DominantDirections:
     """Directions of the pieces by what came before and after them."""
-    belief, future = np.empty_like(run.forward), run.circle.uniform()
+    belief, future = np.empty_like(run.forward), np.ones_like(run.forward[0])
     for i in range(len(pieces) - 1, -1, -1):
         belief[i] = run.forward[i] * future
         if i:
-            future = run.circle.spread(future * run.likelihood[i], run.sigma[i - 1])
+            future = future * run.likelihood[i]
+            if run.elsewhere[i - 1]:
+                future = np.broadcast_to(_BEGIN @ future, future.shape)
+            future = run.circle.spread(future, run.sigma[i - 1])
             future = future / future.mean()
-    mean, sigma = run.circle.mean(belief)
+    mean, sigma = run.circle.mean(belief.sum(axis=1))
+    straight = belief[:, 0].sum(axis=1) / belief.sum(axis=(1, 2))
     spacing = run.circle.spacing_rad
     drift = np.unwrap(mean, period=spacing)
     along = spacing * np.round((pieces.heading_rad - drift) / spacing)
@@ -193,5 +224,5 @@ def _smoothed(pieces: Pieces, run: _Run, number: int, log_odds: float, used: boo
         drift_rad=drift - drift[0],
         sigma_rad=sigma,
         straight_rad=along + drift[0],
-        follows=bell / (bell + _STRAY),
+        follows=straight * bell / (bell + _STRAY),
     )
