@@ -1,5 +1,5 @@
-"""Runs the benchmark suites with all estimators, detectors or length models; writes experiments/results/ and the
-README's table.
+"""Runs the benchmark suites with all estimators, detectors, length models or headings; writes experiments/results/
+and the README's table.
 
     python experiments/benchmark_tables.py --data DIR [--jobs 2] [--suite NAME ...]
 
@@ -21,10 +21,13 @@ from pdr_est.config import Config
 RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parents[1] / "README.md"
 MARK = "<!-- benchmark -->"
-# Suites without an estimator: what they compare, one document for each. The others compare estimators.
+# What the suites compare, one document for each. The others compare estimators only.
 COMPARED = {
+    "ilc20": ("estimator", "heading"),
+    "oxiod": ("estimator", "heading"),
+    "phone-gps": ("estimator", "heading"),
     "oxford-steps": ("detector",),
-    "weallwalk": ("detector",),
+    "weallwalk": ("estimator", "detector", "heading"),
     "known-distance": ("detector", "length-model"),
     "stride-length": ("length-model",),
     "motionsense": ("detector",),

@@ -133,9 +133,15 @@ class Scored:
 def score_variants(suite: Suite, recording: Recording, variants: Sequence[Variant]) -> Iterator[Scored]:
     """Analyse, estimate and score a recording with one variant after the other.
 
-    Raises RecordingError when the recording cannot be used. What an estimator cannot do is a reason.
+    Raises RecordingError when the recording cannot be used by a front end that all variants share, or cannot be scored. What one of
+    several variants, or an estimator, cannot do is a reason: a heading by a magnetometer that is not there.
     """
     for variant, devices, seconds in _analysed(recording, variants):
+        if isinstance(devices, RecordingError):
+            if all(same_front_end(variant.config, other.config) for other in variants):
+                raise devices
+            yield Scored(variant, Walked(recording, (), variant.config), (), (f"{variant.name}: {devices}",))
+            continue
         walk = Walked(recording, devices, variant.config, seconds)
         try:
             scores = suite.score(walk)
@@ -161,15 +167,23 @@ def with_truth(recording: Recording, told: Truth) -> Recording:
 
 def _analysed(
     recording: Recording, variants: Sequence[Variant]
-) -> Iterator[tuple[Variant, tuple[DeviceWalk, ...], float]]:
-    """Each variant with what its front end found and the CPU time of that; equal front ends in a row run once."""
+) -> Iterator[tuple[Variant, tuple[DeviceWalk, ...] | RecordingError, float]]:
+    """Each variant with what its front end found, or why it found nothing, and the CPU time of that; equal front ends
+    in a row run once."""
     before: Config | None = None
     for variant in variants:
         if before is None or not same_front_end(before, variant.config):
             before, started = variant.config, time.process_time()
-            devices = pipeline.analyse(recording, variant.config)
+            devices = _found(recording, variant.config)
             seconds = time.process_time() - started
         yield variant, devices, seconds
+
+
+def _found(recording: Recording, config: Config) -> tuple[DeviceWalk, ...] | RecordingError:
+    try:
+        return pipeline.analyse(recording, config)
+    except RecordingError as error:
+        return error
 
 
 def _row(suite: Suite, file: WalkFile, variant: Variant, scores: Scores, seconds: float) -> WalkRow:
