@@ -133,8 +133,9 @@ class Scored:
 def score_variants(suite: Suite, recording: Recording, variants: Sequence[Variant]) -> Iterator[Scored]:
     """Analyse, estimate and score a recording with one variant after the other.
 
-    Raises RecordingError when the recording cannot be used by a front end that all variants share, or cannot be scored. What one of
-    several variants, or an estimator, cannot do is a reason: a heading by a magnetometer that is not there.
+    Raises RecordingError when the recording cannot be used by a front end that all variants share, or cannot be
+    scored. What one of several variants, or an estimator, cannot do is a reason: a heading by a magnetometer that is
+    not there.
     """
     for variant, devices, seconds in _analysed(recording, variants):
         if isinstance(devices, RecordingError):
