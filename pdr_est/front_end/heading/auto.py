@@ -26,17 +26,20 @@ from pdr_est.records import CarryingMode, Step
 
 _Angle = Annotated[float, Ge(0.05), Le(1.5)]
 _WITH_A_LIMB = (CarryingMode.SWING, CarryingMode.POCKET)
+_TOLD_APART = (CarryingMode.HOLDING, *_WITH_A_LIMB)
 
 
 @params
 class AutoHeadingParams:
     """moved_rad: a change of the direction of gravity in the phone, mean over a step, beyond which it was put
-    elsewhere. returned_rad: within which of its old posture it is back there. bend_rad: turn within a stride beyond
+    elsewhere. moved_in_mode_rad: likewise where the carrying mode is another one, too. returned_rad: within which of
+    its old posture it is back there. bend_rad: turn within a stride beyond
     which steps are not averaged over it: the walker is turning. training_steps: from which an offset is learnt.
     sigma_kept_rad: how well walkers keep their direction while they handle the phone. sigma_axis_rad: of the change
     of direction that the principal axis tells, on top of what it knows of itself. All are ours."""
 
     moved_rad: _Angle = 0.7
+    moved_in_mode_rad: _Angle = 0.35
     returned_rad: _Angle = 0.4
     bend_rad: _Angle = 0.26
     training_steps: Annotated[int, Ge(2), Le(20)] = 4
@@ -46,10 +49,11 @@ class AutoHeadingParams:
 
 @dataclass(frozen=True)
 class _Placement:
-    """How the phone sits: up (3,) in device axes, and its yaw less the walker's direction."""
+    """How the phone sits: up (3,) in device axes, its yaw less the walker's direction, and the carrying mode."""
 
     up: Array
     offset_rad: float
+    mode: CarryingMode
 
 
 class AutoHeading:
@@ -75,7 +79,10 @@ class AutoHeading:
 
     def flush(self) -> list[Step]:
         held, self._held = self._held, None
-        return [] if held is None else [replace(held, heading_rad=float(wrap_angle(held.heading_rad)))]
+        if held is None:
+            return []
+        before_rad = held.heading_rad if self._before_held_rad is None else self._before_held_rad
+        return [self._over_stride(before_rad, held, before_rad)]
 
     def _begin(self, segment: int | None) -> None:
         self._segment = segment
@@ -92,13 +99,13 @@ class AutoHeading:
         up = mean_up(step.samples)
         handled = step.event.mode is CarryingMode.TRANS or step.event.compensated
         if self._placement is None:
-            self._placement = _Placement(up, 0.0)
+            self._placement = _Placement(up, 0.0, step.event.mode)
             self._heading_rad = mean_yaw(step.samples, up)
         moved_rad = angle_between(up, self._placement.up)
         if self._away and not handled and moved_rad < self._parameters.returned_rad:
             self._away = False
-        elif not self._away and (handled or moved_rad > self._parameters.moved_rad):
-            self._leave()
+        elif not self._away and (handled or moved_rad > self._moved_rad(self._placement, step.event.mode)):
+            self._leave(self._placement)
         return self._on_its_way(step, up, handled) if self._away else self._walked(step, self._placement)
 
     def _walked(self, step: Step, placement: _Placement) -> Step:
@@ -108,18 +115,30 @@ class AutoHeading:
         self._recent.append(directed)
         return directed
 
-    def _leave(self) -> None:
+    def _moved_rad(self, placement: _Placement, mode: CarryingMode) -> float:
+        """The change of posture beyond which the phone was put elsewhere."""
+        other_mode = mode is not placement.mode and {mode, placement.mode} <= set(_TOLD_APART)
+        return self._parameters.moved_in_mode_rad if other_mode else self._parameters.moved_rad
+
+    def _leave(self, placement: _Placement) -> None:
         self._away = True
         recent = tuple(self._recent)
-        self._before = recent[:-1] or recent  # the hand was already there at the last one
+        taken = (
+            recent
+            and angle_between(mean_up(recent[-1].samples), placement.up) > 0.5 * self._parameters.moved_in_mode_rad
+        )
+        self._before = recent[:-1] if taken else recent  # at the last one the hand may have been there already
         self._recent.clear()
         self._training = []
         if self._before:
             self._heading_rad = float(np.mean([step.heading_rad for step in self._latest_before()]))
 
     def _latest_before(self) -> tuple[Step, ...]:
-        """The steps before the phone was taken that tell the walker's direction then."""
-        return self._before[-self._parameters.training_steps :]
+        """The steps before the phone was taken that tell the walker's direction then: the last two, which cancel what
+        a limb does, but the last one alone where the walker was turning."""
+        latest = self._before[-2:]
+        turning = abs(latest[-1].heading_rad - latest[0].heading_rad) > self._parameters.bend_rad
+        return latest[-1:] if turning else latest
 
     def _on_its_way(self, step: Step, up: Array, handled: bool) -> Step:
         """A step while the phone is handled, or while its new offset is learnt: it keeps the direction."""
@@ -146,7 +165,8 @@ class AutoHeading:
         yaws = np.array([mean_yaw(one.samples, up) for one in steps])
         yaw_rad = float(np.angle(np.mean(np.exp(1j * yaws))))
         turn_rad, sigma_rad = self._turn_meanwhile(steps)
-        placement = _Placement(up, float(wrap_angle(yaw_rad - self._heading_rad - turn_rad)))
+        offset_rad = float(wrap_angle(yaw_rad - self._heading_rad - turn_rad))
+        placement = _Placement(up, offset_rad, step.event.mode)
         self._placement, self._away, self._training = placement, False, []
         return replace(self._walked(step, placement), sigma_turn_rad=sigma_rad)
 
@@ -164,14 +184,17 @@ class AutoHeading:
         return weight * told_rad, float(np.sqrt(weight * variance))
 
     def _averaged(self, step: Step) -> list[Step]:
-        """The step before, averaged with its neighbours: a limb swings once in two steps, so that they cancel it."""
+        """The step before, averaged with its neighbours: a limb swings once in two steps, so that they cancel it. The
+        first and the last step have one neighbour, which stands for both."""
         held, self._held = self._held, step
         if held is None:
             return []
-        earlier = held.heading_rad if self._before_held_rad is None else self._before_held_rad
+        before_rad = step.heading_rad if self._before_held_rad is None else self._before_held_rad
         self._before_held_rad = held.heading_rad
-        later = step.heading_rad
-        straight = abs(later - earlier) < self._parameters.bend_rad
-        if straight and held.event.mode in _WITH_A_LIMB:
-            held = replace(held, heading_rad=over_stride(earlier, held.heading_rad, later))
-        return [replace(held, heading_rad=float(wrap_angle(held.heading_rad)))]
+        return [self._over_stride(before_rad, held, step.heading_rad)]
+
+    def _over_stride(self, before_rad: float, step: Step, after_rad: float) -> Step:
+        heading_rad = step.heading_rad
+        if step.event.mode in _WITH_A_LIMB and abs(after_rad - before_rad) < self._parameters.bend_rad:
+            heading_rad = over_stride(before_rad, heading_rad, after_rad)
+        return replace(step, heading_rad=float(wrap_angle(heading_rad)))

@@ -68,8 +68,11 @@ def straight_pieces(steps: Sequence[Step], parameters: StraightParams) -> Pieces
 
 
 def _over_strides(heading: Array) -> Array:
-    """Headings (n,) averaged over the stride, which cancels what goes to and fro with the legs."""
-    padded = np.concatenate([heading[:1], heading, heading[-1:]])
+    """Headings (n,) averaged over the stride, which cancels what goes to and fro with the legs; the first and the
+    last one have one neighbour, which stands for both."""
+    if len(heading) < 2:
+        return heading
+    padded = np.concatenate([heading[1:2], heading, heading[-2:-1]])
     return over_stride(padded[:-2], padded[1:-1], padded[2:])
 
 
