@@ -14,6 +14,7 @@ from typing import Any
 
 RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parent / "README.md"
+_NUMBERS_FROM = 36  # columns of the names in results/mmpdr_table10.txt
 MODES = ("HOLDING", "SWING", "POCKET")
 # Of the paper, which its tables VIII and IX have of each walk; ours are in the results.
 PAPER_HEADINGS = {
@@ -43,6 +44,7 @@ def paper_tables() -> dict[str, str]:
         "mmpdr table 7": mmpdr_table_7,
         "mmpdr tables 8 and 9, steps": mmpdr_steps,
         "mmpdr tables 8 to 10, headings": mmpdr_headings,
+        "mmpdr table 10": mmpdr_table_10,
         "mmpdr offsets": mmpdr_offsets,
         "psp table 1": psp_table_1,
     }
@@ -54,7 +56,12 @@ def mmpdr_table_6() -> str:
     document = result("mmpdr_table6")
     sources = {"paper": document["paper"], **{f"`{name}`": one for name, one in document["methods"].items()}}
     rows = [
-        (name, *(f"{one['changes'][mode][mode]:.2f}" for mode in MODES), f"{one['missed']:.2f}", f"{one['false']:.2f}")
+        (
+            name,
+            *(f"{one['changes'][mode][mode]:.2f}" for mode in MODES),
+            f"{one['missed']:.2f}",
+            f"{one['false']:.2f}",
+        )
         for name, one in sources.items()
     ]
     return as_table(("%, of changes", *MODES, "missed", "false"), rows)
@@ -96,6 +103,19 @@ def mmpdr_headings() -> str:
         ours = (f"{row[chain]['heading_median_deg']:.2f} / {row[chain]['position_m']:.2f}" for chain in chains)
         table.append((words, "–" if median is None else f"{median:.2f} / {position:.2f}", *ours))
     return as_table(("walks, deg / m", "paper", *(f"chain `{chain}`" for chain in chains)), table)
+
+
+def mmpdr_table_10() -> str:
+    """Both rows of the table, whose numbers only the text of the results has."""
+    text = (RESULTS / "mmpdr_table10.txt").read_text(encoding="utf-8")
+    _, *lines = text[text.index("Table X ") :].split("\n\n")[0].splitlines()
+    rows, walks = [], ""
+    for line in lines:
+        words, numbers = line[:_NUMBERS_FROM].split("="), line[_NUMBERS_FROM:].split()
+        walks = words[0].replace("paper", "").strip() or walks
+        who = f"chain `{words[1].strip()}`" if len(words) > 1 else "paper"
+        rows.append((f"{walks}, {who}", *numbers))
+    return as_table(("walks", "median, deg", "mean", "95th percentile", "position, %"), rows)
 
 
 def mmpdr_offsets() -> str:
