@@ -56,9 +56,7 @@ def folder_of(demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
-def test_block(
-    block: Block, folder_of: Callable[[Path], Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_block(block: Block, folder_of: Callable[[Path], Path], monkeypatch: pytest.MonkeyPatch) -> None:
     assert block.language in LANGUAGES, f"{block.name}: name the language of the block, one of {LANGUAGES}"
     folder = folder_of(block.page)
     monkeypatch.chdir(folder)
@@ -76,7 +74,7 @@ def test_block(
         case "yaml":
             check_yaml(block, folder)
         case "csv":
-            check_csv(block, tmp_path)
+            check_csv(block, folder)
 
 
 def run_command(command: str, lines: tuple[str, ...]) -> None:
@@ -112,7 +110,7 @@ def check_yaml(block: Block, folder: Path) -> None:
 
 
 def check_csv(block: Block, folder: Path) -> None:
-    """A header of a recording, or a table of position fixes."""
+    """The header of a recording, or a table of position fixes, which commands that follow find as fixes.csv."""
     header, *rows = block.code.splitlines()
     if rows:
         (folder / "fixes.csv").write_text(block.code, encoding="utf-8")
