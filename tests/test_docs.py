@@ -132,6 +132,27 @@ def test_a_line_that_was_not_printed_is_noticed() -> None:
     assert missing_lines(["two  words", "…", "", "gone"], "some\ntwo words\n") == ["gone"]
 
 
+@pytest.mark.parametrize(
+    ("command", "lines"),
+    [
+        ("pdr-est config show no-such-file.yaml", ()),
+        ("pdr-est --version", ("a line that is not printed",)),
+        ("make nothing", ()),
+        ("python experiments/psp_table1.py --no-such-option", ()),
+        ("rm everything", ()),
+    ],
+)
+def test_a_wrong_command_is_noticed(command: str, lines: tuple[str, ...]) -> None:
+    with pytest.raises(AssertionError):
+        run_command(command, lines)
+
+
+@pytest.mark.parametrize("header", ["time_s,acc_x_mps2", "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,colour"])
+def test_a_wrong_header_is_noticed(header: str, tmp_path: Path) -> None:
+    with pytest.raises(AssertionError):
+        check_csv(Block(ROOT / "README.md", 1, "csv", f"{header}\n"), tmp_path)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_what_a_page_names_exists(page: Path) -> None:
     prose = prose_of(page)
