@@ -9,6 +9,7 @@ import shlex
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -18,7 +19,7 @@ from pdr_est import read
 from pdr_est.benchmark.suites import SUITES
 from pdr_est.benchmark.variant import AXES
 from pdr_est.cli import main
-from pdr_est.config import load_config
+from pdr_est.config import Config, config_to_dict, load_config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.experiment import load_experiment
 from pdr_est.front_end.heading import HEADINGS
@@ -163,6 +164,17 @@ def test_what_a_page_names_exists(page: Path) -> None:
     for path, words in re.findall(r"`python (experiments/\w+\.py)([^`]*)`", prose):
         if path not in NOT_YET or (ROOT / path).exists():
             check_script(path, words.split())
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_settings_that_a_page_names_exist(page: Path) -> None:
+    settings = config_to_dict(Config())
+    for name in re.findall(rf"`((?:{'|'.join(settings)})\.(?!csv)[a-z_.]+)[:`]", prose_of(page)):
+        section: Any = settings
+        for key in name.split("."):
+            assert isinstance(section, dict), f"{page.name}: {name}"
+            assert key in section, f"{page.name}: {name}"
+            section = section[key]
 
 
 NOT_YET = {"experiments/robust_dr_figure4.py"}
