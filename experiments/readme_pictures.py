@@ -1,0 +1,105 @@
+"""The pictures of the README, from simulated walks.
+
+    python experiments/readme_pictures.py
+
+Writes docs/pictures/steps.png, track.png and two-phones.png.
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from pdr_est import pipeline
+from pdr_est.config import Config, StartParams
+from pdr_est.estimators.fused import NAME
+from pdr_est.pipeline import SmoothedWalk
+from pdr_est.records import CarryingMode, PositionFix
+from pdr_est.report import svg
+from pdr_est.report.acceleration_plot import plot_acceleration
+from pdr_est.report.time_axis import time_axis
+from pdr_est.report.track_plot import plot_track
+from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
+from pdr_est.simulate.presets import carried_device
+
+PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
+KNOWN_START = StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0, sigma_position_m=0.1, sigma_heading_rad=0.02)
+HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
+SEED = 0
+SIGMA_M = 0.5
+DPI = 100
+
+
+def main() -> None:
+    """Write all pictures."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for name, figure in (("steps", steps()), ("track", track_with_fixes()), ("two-phones", two_phones())):
+        figure.patch.set_visible(True)
+        figure.set_facecolor("white")
+        figure.savefig(PICTURES / f"{name}.png", dpi=DPI, metadata={"Software": None})
+
+
+def steps() -> Figure:
+    """Detected steps of a phone that goes from the hand into a pocket."""
+    walk, _ = smoothed(simulate_walk(mmpdr_indoor(HOLDING, POCKET, seed=1)))
+    return plot_acceleration(walk.devices[0], time_axis(walk), svg.series_colour(0))
+
+
+def track_with_fixes() -> Figure:
+    """The office loop of the demo with a known start and two fixes on the way."""
+    simulated = simulate_walk(preset("office_loop"))
+    end_s = float(simulated.truth_time_s[-1])
+    walk, truth_m = smoothed(simulated, (0.33 * end_s, 0.66 * end_s))
+    return plot_track(walk.track, walk.fixes, truth_m)
+
+
+def two_phones() -> Figure:
+    """A swinging phone and one in a pocket, each reckoned alone, and the track of the person from both."""
+    simulated = simulate_walk(with_two_phones(SEED))
+    recording, reckoned = simulated.recording, replace(Config(), start=KNOWN_START).with_estimator("dead-reckoning")
+    alone = [pipeline.smooth(replace(recording, devices=(one,)), reckoned).track for one in recording.devices]
+    walk, truth_m = smoothed(simulated)
+    person = walk.track.of_device(NAME)
+    figure = svg.new_figure(5.6)
+    axes = svg.add_axes(figure, 0.6, 4.9)
+    axes.plot(*truth_m.T, color=svg.INK, linewidth=1.2, linestyle="--", label="truth")
+    for number, track in enumerate(alone):
+        words = f"{track.device[0]} alone"
+        axes.plot(*track.position_m.T, color=svg.series_colour(number), linewidth=1.6, label=words)
+    axes.plot(*person.position_m.T, color=svg.series_colour(2), linewidth=3.0, label="person, from both")
+    axes.set_aspect("equal", adjustable="datalim")
+    svg.label_axes(axes, "east (m)", "north (m)")
+    axes.legend(frameon=False, labelcolor=svg.INK, fontsize=9.0, loc="center")
+    return figure
+
+
+def with_two_phones(seed: int) -> Scenario:
+    """The office loop, walked by somebody with one phone in the swinging hand and another one in a pocket."""
+    rng = np.random.default_rng(seed)
+    person = sample_person(rng)
+    carried = [
+        carried_device(person, (mode,), (), rng, name=name) for name, mode in (("hand", SWING), ("pocket", POCKET))
+    ]
+    loop = preset("office_loop")
+    return replace(loop, gait=person.gait, body=person.body, devices=tuple(carried), seed=seed)
+
+
+def smoothed(simulated: SimulatedWalk, fixes_s: tuple[float, ...] = ()) -> tuple[SmoothedWalk, np.ndarray]:
+    """The walk from its known start, with fixes at some times, and its true positions (n, 2)."""
+    rng = np.random.default_rng(0)
+    covariance_m2 = SIGMA_M**2 * np.eye(2)
+    fixes = []
+    for time_s in fixes_s:
+        true_m = np.array(
+            [np.interp(time_s, simulated.truth_time_s, column) for column in simulated.truth_position_m.T]
+        )
+        fixes.append(PositionFix(time_s, true_m + SIGMA_M * rng.standard_normal(2), covariance_m2))
+    config = replace(Config(), start=KNOWN_START)
+    return pipeline.smooth(simulated.recording, config, fixes), simulated.truth_position_m
+
+
+if __name__ == "__main__":
+    main()
