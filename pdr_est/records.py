@@ -132,9 +132,10 @@ class Step:
     start_s: when the movement of this step began. frequency_hz: reciprocal of the time since the previous
     step, 0 for the first step after a standstill (MMPDR section III-C). samples: from start to the event.
     heading_rad: direction of the step as the heading stage found it, arbitrary zero per segment. sigma_turn_rad: of
-    the change of heading since the step before, beyond what every step has. straight_rad, sigma_straight_rad: heading
-    of the straight path that the step lies on, with the same zero, and its standard deviation; NaN where no such path
-    is known.
+    the change of heading since the step before, beyond what every step has. follows_phone: whether the heading stage
+    tells with it where the phone was turned against the body; else a change of the mode may have. straight_rad,
+    sigma_straight_rad: heading of the straight path that the step lies on, with the same zero, and its standard
+    deviation; NaN where no such path is known.
     gait_probability: of walking, jogging and running; NaN where gait is UNKNOWN. sigma_length_m: of the length,
     independent from step to step.
     """
@@ -146,6 +147,7 @@ class Step:
     length_m: float = float("nan")
     heading_rad: float = float("nan")
     sigma_turn_rad: float = 0.0
+    follows_phone: bool = False
     straight_rad: float = float("nan")
     sigma_straight_rad: float = float("nan")
     gait: Gait = Gait.UNKNOWN

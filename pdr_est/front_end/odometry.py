@@ -19,9 +19,10 @@ class OdometryParams:
     sigma_heading_rad_per_sqrt_s: random walk of the heading error, for gyroscope drift and for the phone turning in
     the hand. sigma_length_scale: of the walker's own step length over the model's, constant through a walk.
     sigma_mode_change_rad: of the heading change of a step in another carrying mode than the one before, because the
-    phone was turned against the body. gap_speed_mps: speed with which a walker may have moved during a gap.
-    gap_turn_rad_per_sqrt_s: how much the walker may have turned. sigma_straight_rad: of the heading of a step around
-    the straight path that it lies on, independent from step to step.
+    phone was turned against the body; not where the heading follows the phone. gap_speed_mps: speed with which a
+    walker may have moved during a gap. gap_turn_rad_per_sqrt_s: how much the walker may have turned.
+    sigma_straight_rad: of the heading of a step around the straight path that it lies on, independent from step to
+    step.
     """
 
     sigma_length_drift: NonNegative = 0.15
@@ -69,13 +70,17 @@ class Odometry:
             return [self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
         elapsed = item.event.time_s - previous.event.time_s
         if item.event.segment == previous.event.segment:
-            modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
-            changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in which the phone turns all the time
-            of_mode_change = self._parameters.sigma_mode_change_rad if changed else 0.0
-            sigma = self._sigma_heading(elapsed, float(np.hypot(of_mode_change, item.sigma_turn_rad)))
+            sigma = self._sigma_heading(elapsed, self._sigma_besides(previous, item))
             return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
         bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)
         return [bridge, self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
+
+    def _sigma_besides(self, previous: Step, item: Step) -> float:
+        """Of a heading change, on top of the random walk."""
+        modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
+        changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in which the phone turns all the time
+        of_mode = self._parameters.sigma_mode_change_rad if changed and not item.follows_phone else 0.0
+        return float(np.hypot(of_mode, item.sigma_turn_rad))
 
     def _sigma_heading(self, elapsed_s: float, besides: float = 0.0) -> float:
         return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), besides))

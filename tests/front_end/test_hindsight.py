@@ -27,15 +27,20 @@ def headings(steps: list[Step]) -> Array:
     return np.array([step.heading_rad for step in steps])
 
 
+def bare(step: Step) -> Step:
+    return replace(step, straight_rad=0.0, sigma_straight_rad=0.0, sigma_turn_rad=0.0)
+
+
 def test_as_priors_the_headings_stay_and_straight_steps_get_their_direction() -> None:
     steps = with_headings(drifting())
     stage = HeadingHindsight(PARAMETERS, as_priors=True)
     found = run(stage, steps)
     assert stage.found is not None
     assert (stage.found.number, stage.found.used) == (4, True)
-    assert [replace(s, straight_rad=0.0, sigma_straight_rad=0.0) for s in found] == [
-        replace(s, straight_rad=0.0, sigma_straight_rad=0.0) for s in steps
-    ]
+    assert [bare(step) for step in found] == [bare(step) for step in steps]
+    elapsed_s = np.diff([step.event.time_s for step in steps])
+    turns = np.array([step.sigma_turn_rad for step in found])
+    np.testing.assert_allclose(turns[1:], stage.found.drift_per_sqrt_s * np.sqrt(elapsed_s))
     straight = np.array([step.straight_rad for step in found])
     known = np.isfinite(straight)
     assert 0.8 < known.mean() < 1.0

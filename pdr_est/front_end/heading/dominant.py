@@ -82,7 +82,8 @@ class DominantParams:
 @dataclass(frozen=True)
 class DominantDirections:
     """What a walk tells of a building. number: of the most probable directions; log_odds: of them against none.
-    used: whether that suffices, or the number was given. spacing_rad: between them. Per piece of the straight
+    used: whether that suffices, or the number was given. spacing_rad: between them. drift_per_sqrt_s: rad per root
+    second, of the phone's headings, by the level that the walk fits best. Per piece of the straight
     stretches: drift_rad (n,) of the heading since the first piece, sigma_rad (n,) of the heading less its drift,
     straight_rad (n,) the direction it follows, with the zero of the first piece, not wrapped, and follows (n,) the
     probability that it follows one."""
@@ -91,6 +92,7 @@ class DominantDirections:
     log_odds: float
     used: bool
     spacing_rad: float
+    drift_per_sqrt_s: float
     drift_rad: Array
     sigma_rad: Array
     straight_rad: Array
@@ -221,6 +223,7 @@ def _smoothed(pieces: Pieces, run: _Run, number: int, log_odds: float, used: boo
         log_odds=log_odds,
         used=used,
         spacing_rad=spacing,
+        drift_per_sqrt_s=run.level.per_sqrt_s,
         drift_rad=drift - drift[0],
         sigma_rad=sigma,
         straight_rad=along + drift[0],

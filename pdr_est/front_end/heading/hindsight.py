@@ -45,9 +45,9 @@ class HeadingHindsight:
             self.found = directions
         if directions is None or not directions.used:
             return steps
-        return (
-            _with_priors(steps, pieces, directions) if self._as_priors else _without_drift(steps, pieces, directions)
-        )
+        if not self._as_priors:
+            return _without_drift(steps, pieces, directions)
+        return _with_drift_noise(_with_priors(steps, pieces, directions), directions.drift_per_sqrt_s)
 
 
 def _with_priors(steps: Sequence[Step], pieces: Pieces, directions: DominantDirections) -> list[Step]:
@@ -60,6 +60,17 @@ def _with_priors(steps: Sequence[Step], pieces: Pieces, directions: DominantDire
                 sigma_straight_rad=float(directions.sigma_rad[i]),
             )
     return told
+
+
+def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
+    """The steps with what their headings drift by, as the walk shows it, among what is uncertain of their turns: so a
+    phone that slips about in its pocket has less of a say than one in a steady hand."""
+    times = [step.event.time_s for step in steps]
+    elapsed_s = np.diff(times, prepend=times[0])
+    return [
+        replace(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
+        for step, passed in zip(steps, elapsed_s, strict=True)
+    ]
 
 
 def _without_drift(steps: Sequence[Step], pieces: Pieces, directions: DominantDirections) -> list[Step]:
