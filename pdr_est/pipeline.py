@@ -138,8 +138,10 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
     tethers = tethers_between(spans_s, config.devices.tether) if config.devices.tethered else []
 
     def track_from(devices: Sequence[DeviceMeasurements]) -> Track:
-        start, sigma_scale = config.start.pose(), config.odometry.sigma_length_scale
-        return estimate_walk(config.estimator.name, devices, start, sigma_scale, tethers, config.estimator.map_fusion)
+        start, sigma_scale, chosen = config.start.pose(), config.odometry.sigma_length_scale, config.estimator
+        return estimate_walk(
+            chosen.name, devices, start, sigma_scale, tethers, chosen.map_fusion, chosen.fixed_lag
+        )
 
     track = track_from(known)
     direction_rad = config.heading.dominant.direction_rad

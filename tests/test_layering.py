@@ -41,7 +41,8 @@ STRANGERS = (("front_end", "estimators"), ("estimators", "front_end"), ("estimat
 LIBRARIES = {
     "gtsam": (
         "estimators.factor_graph",
-        "estimators.fixed_lag",
+        "estimators.lag_prior",
+        "estimators.lag_window",
         "estimators.gtsam_factors",
         "estimators.gtsam_marginals",
     ),

@@ -72,15 +72,20 @@ def anchors(
             vague = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, VAGUE_SIGMA_RAD]))
             graph.add(gtsam.PriorFactorPose2(reference, gtsam.Pose2(), vague))
         for i, node in enumerate(timeline.nodes, first):
-            for fix in node.fixes:
-                graph.add(gtsam.PoseTranslationPrior2D(i, np.asarray(fix.position_m), _fix_noise(fix)))
-            for heading in node.priors:
-                graph.add(_heading_factor(i, reference, heading))
+            add_measurements(graph, node, i, reference)
         if timeline.closure_sigma_m is not None:
             sigma_m = max(timeline.closure_sigma_m, LEAST_SIGMA)
             closed = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma_m, sigma_m, _ANY_TURN_RAD]))
             graph.add(gtsam.BetweenFactorPose2(first, first + len(timeline.nodes) - 1, gtsam.Pose2(), closed))
     return graph
+
+
+def add_measurements(graph: gtsam.NonlinearFactorGraph, node: Node, key: int, reference: int | None) -> None:
+    """Add the fixes and heading priors of a node. reference: variable that relative priors of its device count from."""
+    for fix in node.fixes:
+        graph.add(gtsam.PoseTranslationPrior2D(key, np.asarray(fix.position_m), _fix_noise(fix)))
+    for heading in node.priors:
+        graph.add(_heading_factor(key, reference, heading))
 
 
 def motion_noise(nodes: Sequence[Node]) -> list[gtsam.noiseModel.Base]:

@@ -16,6 +16,8 @@ from pdr_est.frames import Array, wrap_angle
 from pdr_est.records import CarryingMode, HeadingPrior, LoopClosure, Measurement, PositionFix, StepOdometry
 from pdr_est.track import Track
 
+SAME_S = 1e-9  # times that are no further apart are the same moment
+
 
 @dataclass(frozen=True)
 class Node:
@@ -54,7 +56,7 @@ class Timeline:
     def node_at(self, time_s: float) -> int:
         """Number of the last node at or before a time, or of the first one."""
         times = [node.time_s for node in self.nodes]
-        return max(bisect_right(times, time_s + 1e-9) - 1, 0)
+        return max(bisect_right(times, time_s + SAME_S) - 1, 0)
 
     @property
     def fixes(self) -> tuple[PositionFix, ...]:
@@ -174,7 +176,7 @@ def _split(step: StepOdometry, begin_s: float, inside: Sequence[_Moment]) -> lis
 def _attach_priors(nodes: list[Node], priors: Sequence[HeadingPrior]) -> list[Node]:
     """Each heading prior goes to the first pose at or after its time, or to the last."""
     times = np.array([node.time_s for node in nodes])
-    rows = np.searchsorted(times, np.array([prior.time_s for prior in priors]) - 1e-9)
+    rows = np.searchsorted(times, np.array([prior.time_s for prior in priors]) - SAME_S)
     for row, prior in zip(np.minimum(rows, len(nodes) - 1), priors, strict=True):
         nodes[row] = replace(nodes[row], priors=(*nodes[row].priors, prior))
     return nodes
