@@ -205,7 +205,6 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
 
     The magnetic field comes with it where the heading needs it; all else is the same with it and without.
     """
-    rate_hz = config.resample.rate_hz
     source = config.attitude.source
     own_attitude = source == "device" or (source == "auto" and better_attitude(device))
     channels = needed_channels(device, place, with_attitude=own_attitude)
@@ -213,6 +212,14 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
     if needs_magnetometer(config.heading):
         refuse_without_magnetometer(device, place)
         optional = (Channel.MAGNETIC_FIELD,)
+    return level_chain(channels, optional, own_attitude, config)
+
+
+def level_chain(
+    channels: tuple[Channel, ...], optional: tuple[Channel, ...], own_attitude: bool, config: Config
+) -> tuple[Resampler, Chain]:
+    """`levelling` for a device with these channels. own_attitude: whether to take the one that it recorded."""
+    rate_hz = config.resample.rate_hz
     resampler = Resampler(channels, config.resample, optional)
     if Channel.ROTATION_RATE not in channels:
         tilt = AccelerometerTilt(rate_hz, config.attitude)

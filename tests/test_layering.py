@@ -27,6 +27,7 @@ ORDER: list[set[str]] = [
     {"validation"},
     {"config"},
     {"profile", "pipeline"},
+    {"online"},
     {"calibrate"},
     {"simulate", "evaluate"},
     {"report"},

@@ -92,6 +92,15 @@ class LagWindow:
             raise _no_solution(error) from error
         return ready
 
+    def undo(self, count: int) -> int:
+        """Forget the last items, because they will come again in another form; return how many of them were given
+        out already, and must not come again."""
+        given_out = max(count - len(self._waiting), 0)
+        for _ in range(count - given_out):
+            self._waiting.pop()
+        self._graph = None
+        return given_out
+
     def until(self, time_s: float) -> list[LaggedPose]:
         """The poses before a time that were not given out yet, by what is known now."""
         ready = []

@@ -87,7 +87,7 @@ def build_timeline(
     first_mode = steps[0].mode if steps else CarryingMode.UNKNOWN
     begin_s = min([start_s, *(step.time_s for step in steps[:1])])
     nodes = [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, first_mode)]
-    pending = [_Moment(fix.time_s, (fix,)) for fix in fixes] + [_Moment(time_s, ()) for time_s in moments_s]
+    pending = [WantedMoment(fix.time_s, (fix,)) for fix in fixes] + [WantedMoment(time_s, ()) for time_s in moments_s]
     pending.sort(key=lambda moment: moment.time_s, reverse=True)
     for step in steps:
         begin = max(step.start_s, nodes[-1].time_s)
@@ -96,7 +96,7 @@ def build_timeline(
         inside = []
         while pending and pending[-1].time_s < step.time_s:
             inside.append(pending.pop())
-        nodes += _split(step, begin, inside)
+        nodes += split_step(step, begin, inside)
     while pending:
         nodes[-1] = _with_fixes(nodes[-1], pending.pop())
     closures = [m.sigma_m for m in given if isinstance(m, LoopClosure) and m.device == device]
@@ -136,18 +136,18 @@ def track_from_nodes(
 
 
 @dataclass(frozen=True)
-class _Moment:
+class WantedMoment:
     """A time at which a pose is wanted, with what was measured then."""
 
     time_s: float
     fixes: tuple[PositionFix, ...]
 
 
-def _with_fixes(node: Node, moment: _Moment) -> Node:
+def _with_fixes(node: Node, moment: WantedMoment) -> Node:
     return replace(node, fixes=(*node.fixes, *moment.fixes)) if moment.fixes else node
 
 
-def _split(step: StepOdometry, begin_s: float, inside: Sequence[_Moment]) -> list[Node]:
+def split_step(step: StepOdometry, begin_s: float, inside: Sequence[WantedMoment]) -> list[Node]:
     """The nodes of a step: one at each moment inside it, and its end. The walker's pace is even."""
     moments = [
         (time_s, tuple(fix for moment in group for fix in moment.fixes))

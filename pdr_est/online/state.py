@@ -1,0 +1,63 @@
+"""The state of the filter of all devices after a node, and the record of how it came about."""
+
+from dataclasses import dataclass
+
+from pdr_est.estimators.motion import STATES, Moments
+from pdr_est.estimators.timeline import Node
+from pdr_est.frames import Array
+from pdr_est.online.alone import Alone, Raw
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A node that the filter has to go through: the number of its step, when the movement to that began, and whether
+    this node or a later one tells the direction."""
+
+    time_s: float
+    device: int
+    node: Node
+    step: int
+    step_from_s: float
+    is_last: bool
+    told_later: bool
+
+
+@dataclass(frozen=True)
+class WalkState:
+    """alone: of each device by itself, None before its start; at: the last node of each; joint: of all together, None for a single device;
+    present: the devices that ever came into it. next_tie: number of the next moment at which tethers are asked for."""
+
+    alone: tuple[Alone | None, ...]
+    at: tuple[Pending | None, ...]
+    joint: Raw | None
+    present: frozenset[int]
+    next_tie: int
+
+    def moments(self, device: int) -> Moments:
+        """What is known of a device that has started: by all of them, or where its direction is open by itself."""
+        own = self.alone[device]
+        if own is None:
+            raise LookupError(f"device {device} has not started")
+        if self.joint is None or not own.directed:
+            return Moments(own.end.mean, own.end.covariance)
+        rows = slice(STATES * device, STATES * (device + 1))
+        covariance = self.joint[1][rows, rows]
+        return Moments(self.joint[0][rows], 0.5 * (covariance + covariance.T))
+
+
+@dataclass(frozen=True)
+class Record:
+    """A node that the filter went through. number: of the node in its device's log; time_s: its place in the order.
+
+    pulls: pairs of devices whose tethers were asked for before the node; pulled: the state after them, and before
+    the node. entered: with what the device came into the filter of all here, if it did.
+    """
+
+    pending: Pending
+    number: int
+    time_s: float
+    before: WalkState
+    pulls: tuple[tuple[int, int], ...]
+    pulled: WalkState
+    entered: Moments | None
+    after: WalkState
