@@ -22,7 +22,18 @@ try:
 except PackageNotFoundError:  # run from a source tree that is not installed
     __version__ = "0+unknown"
 
-__all__ = ["Config", "PdrError", "PositionFix", "Recording", "Track", "Tracker", "__version__", "load_config", "read", "smooth"]
+__all__ = [
+    "Config",
+    "PdrError",
+    "PositionFix",
+    "Recording",
+    "Track",
+    "Tracker",
+    "__version__",
+    "load_config",
+    "read",
+    "smooth",
+]
 
 _HOMES = {
     "Config": "pdr_est.config",

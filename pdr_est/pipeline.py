@@ -139,9 +139,7 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
 
     def track_from(devices: Sequence[DeviceMeasurements]) -> Track:
         start, sigma_scale, chosen = config.start.pose(), config.odometry.sigma_length_scale, config.estimator
-        return estimate_walk(
-            chosen.name, devices, start, sigma_scale, tethers, chosen.map_fusion, chosen.fixed_lag
-        )
+        return estimate_walk(chosen.name, devices, start, sigma_scale, tethers, chosen.map_fusion, chosen.fixed_lag)
 
     track = track_from(known)
     direction_rad = config.heading.dominant.direction_rad

@@ -73,9 +73,7 @@ class Seeking:
     covariance: Array
 
 
-def seek(
-    before: Seeking | None, node: Node, nodes: Sequence[Node], prior: Moments
-) -> tuple[Seeking, Moments | None]:
+def seek(before: Seeking | None, node: Node, nodes: Sequence[Node], prior: Moments) -> tuple[Seeking, Moments | None]:
     """Follow the walk to its next node; with the state there once the direction is known.
 
     before: None at the first node, where `prior` holds. nodes: all of them up to this one.

@@ -1,4 +1,4 @@
-"""Smoothing with a fixed delay in GTSAM's IncrementalFixedLagSmoother: each pose from all that came up to a lag after.
+"""Smoothing with a fixed delay in GTSAM's IncrementalFixedLagSmoother: each pose from what came up to a lag after.
 
 The factors are those of the batch graph. The walker's length scale would tie one variable to every step, so it comes
 from the filter that runs beside the smoother: steps have the scale that the filter believes in, and what the filter

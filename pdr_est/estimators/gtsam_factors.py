@@ -81,7 +81,7 @@ def anchors(
 
 
 def add_measurements(graph: gtsam.NonlinearFactorGraph, node: Node, key: int, reference: int | None) -> None:
-    """Add the fixes and heading priors of a node. reference: variable that relative priors of its device count from."""
+    """Add the fixes and heading priors of a node. reference: variable that relative priors count from."""
     for fix in node.fixes:
         graph.add(gtsam.PoseTranslationPrior2D(key, np.asarray(fix.position_m), _fix_noise(fix)))
     for heading in node.priors:

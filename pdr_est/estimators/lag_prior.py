@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import gtsam
 import numpy as np
@@ -89,7 +90,7 @@ def _in_own_frames(known: Known) -> Array:
     return np.asarray(turn @ covariance @ turn.T)
 
 
-def _conditional(covariance: Array, keys: Sequence[int], rows: Sequence[Array]) -> gtsam.JacobianFactor:
+def _conditional(covariance: Array, keys: Sequence[int], rows: Sequence[Any]) -> gtsam.JacobianFactor:
     """The first variable given the others. rows: of each in the covariance; a single one is a rotation."""
     own, others = rows[0], np.concatenate([*rows[1:], np.zeros(0, dtype=np.intp)]).astype(np.intp)
     gain = np.linalg.solve(covariance[np.ix_(others, others)], covariance[np.ix_(others, own)]).T
@@ -100,4 +101,6 @@ def _conditional(covariance: Array, keys: Sequence[int], rows: Sequence[Array]) 
     if len(own) == 1:
         blocks[0] = np.concatenate([np.zeros((1, 2)), blocks[0]], axis=1)
     pairs = [part for key, block in zip(keys, blocks, strict=True) for part in (key, block)]
-    return gtsam.JacobianFactor(*pairs, np.zeros(len(own)), gtsam.noiseModel.Unit.Create(len(own)))
+    arguments: list[Any] = [*pairs, np.zeros(len(own)), gtsam.noiseModel.Unit.Create(len(own))]
+    factor: gtsam.JacobianFactor = gtsam.JacobianFactor(*arguments)
+    return factor

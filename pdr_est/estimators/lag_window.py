@@ -195,7 +195,9 @@ class _Graph:
         self._keys.append(self._poses[item.device])
         self._update(graph, values)
 
-    def _enter(self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, devices: list[int], known: Known) -> None:
+    def _enter(
+        self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, devices: list[int], known: Known
+    ) -> None:
         """Add first poses of devices, with what is known of them."""
         keys, references = [], []
         for number, device in enumerate(devices):
@@ -216,8 +218,8 @@ class _Graph:
             a, b = self._poses.get(limit.device_a), self._poses.get(limit.device_b)
             if a is None or b is None:
                 continue
-            apart = self._smoother.calculateEstimatePose2(a).range(self._smoother.calculateEstimatePose2(b))
-            if apart > limit.max_distance_m:
+            between = self._smoother.calculateEstimatePose2(a).between(self._smoother.calculateEstimatePose2(b))
+            if np.hypot(between.x(), between.y()) > limit.max_distance_m:
                 noise = gtsam.noiseModel.Isotropic.Sigma(1, max(limit.sigma_m, LEAST_SIGMA))
                 graph = gtsam.NonlinearFactorGraph()
                 graph.add(gtsam.RangeFactorPose2(a, b, limit.max_distance_m, noise))
@@ -227,7 +229,7 @@ class _Graph:
     def _update(self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> None:
         """What later factors will refer to must not leave the window: the last poses, and the references."""
         alive = (*self._poses.values(), *self._references.values())
-        self._smoother.update(graph, values, {key: self._now_s for key in alive})
+        self._smoother.update(graph, values, dict.fromkeys(alive, self._now_s))
 
     def _new_key(self) -> int:
         self._next_key += 1

@@ -94,6 +94,4 @@ def _seek(before: Seeking | None, node: Node, nodes: Sequence[Node], number: int
 
 def _aligned(number: int, prior: Moments, workhorse: PoseFilter, entered: bool) -> Alone:
     end = workhorse.moments()
-    return Alone(
-        number, prior, None, unload(workhorse), end.mean[:3], end.covariance[:3, :3], end, entered=entered
-    )
+    return Alone(number, prior, None, unload(workhorse), end.mean[:3], end.covariance[:3, :3], end, entered=entered)

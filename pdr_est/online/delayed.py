@@ -19,7 +19,7 @@ class Delayed:
     def __init__(self, parameters: FixedLagParams, tether: TetherParams) -> None:
         self._window, self._tether = LagWindow(parameters), tether
         self._taken: list[bool] = []  # of the records that were taken, whether the smoother has them
-        self._given_s = -inf
+        self._given = (-inf, -1)  # time and device of the last pose that was given out
 
     @property
     def fed(self) -> int:
@@ -54,7 +54,7 @@ class Delayed:
 
     def _push(self, record: Record, pulls: Sequence[tuple[int, int]], state: WalkState) -> list[LaggedPose]:
         own = record.after.alone[record.pending.device]
-        smoothed = own is not None and own.directed and record.pending.time_s >= self._given_s
+        smoothed = own is not None and own.directed and (record.pending.time_s, record.pending.device) > self._given
         self._taken.append(smoothed)
         if not smoothed:
             return []
@@ -72,5 +72,5 @@ class Delayed:
             )
         )
         if found:
-            self._given_s = max(self._given_s, found[-1].node.time_s)
+            self._given = (found[-1].node.time_s, found[-1].device)
         return found

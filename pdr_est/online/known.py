@@ -59,9 +59,7 @@ class Known:
         """Divide the information of the fixes among so many devices."""
         self._devices = devices
         latest_first = sorted(self._given, key=lambda fix: fix.time_s, reverse=True)
-        self.fixes = tuple(
-            replace(fix, covariance_m2=fix.covariance_m2 * devices) for fix in reversed(latest_first)
-        )
+        self.fixes = tuple(replace(fix, covariance_m2=fix.covariance_m2 * devices) for fix in reversed(latest_first))
 
     def forget(self, before_s: float, most: int) -> None:
         """Forget the fixes before a time, which have been used, and keep no more than so many."""

@@ -59,7 +59,7 @@ class DeviceLog:
 
     def nodes_of(self, number: int, fixes: Fixes, moments_s: Sequence[float], reached_s: float) -> list[Node]:
         """The nodes of a step, or of the start. reached_s: no step that is still to come begins before that."""
-        standing = self._standing(number, fixes, reached_s)
+        standing = self.standing(number, fixes, reached_s)
         if number == 0:
             begin_s = self.step_end_s(0)
             mode = self._steps[0].mode if self._steps else CarryingMode.UNKNOWN
@@ -107,7 +107,7 @@ class DeviceLog:
         del self.nodes[:drop]
         self._first_node += drop
 
-    def _standing(self, number: int, fixes: Fixes, reached_s: float) -> tuple[PositionFix, ...]:
+    def standing(self, number: int, fixes: Fixes, reached_s: float) -> tuple[PositionFix, ...]:
         """The fixes at the end of a step and while the walker stands afterwards."""
         from_s = -np.inf if number == 0 else self.step_end_s(number)
         if number < self.count:

@@ -43,14 +43,15 @@ class Rows:
     def record(self, record: Record) -> None:
         """A node that the filter went through, and what tethers before it did to others."""
         self.pulled(record.pulled, record.pulls)
-        self._set(record.after, record.pending.device)
+        self.last(record.after, record.pending.device)
 
     def pulled(self, state: WalkState, pulls: Iterable[tuple[int, int]]) -> None:
         """Tethers changed the last poses of some devices."""
         for device in sorted({device for pair in pulls for device in pair}):
-            self._set(state, device)
+            self.last(state, device)
 
-    def _set(self, state: WalkState, device: int) -> None:
+    def last(self, state: WalkState, device: int) -> None:
+        """The last pose of a device, as a state has it."""
         pending, moments = state.at[device], state.moments(device)
         if pending is None or not pending.node.is_step:
             return

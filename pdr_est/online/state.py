@@ -1,11 +1,13 @@
 """The state of the filter of all devices after a node, and the record of how it came about."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pdr_est.estimators.motion import STATES, Moments
 from pdr_est.estimators.timeline import Node
-from pdr_est.frames import Array
 from pdr_est.online.alone import Alone, Raw
+
+_NEAR = 50  # records among which the nodes of a step are looked for
 
 
 @dataclass(frozen=True)
@@ -24,8 +26,9 @@ class Pending:
 
 @dataclass(frozen=True)
 class WalkState:
-    """alone: of each device by itself, None before its start; at: the last node of each; joint: of all together, None for a single device;
-    present: the devices that ever came into it. next_tie: number of the next moment at which tethers are asked for."""
+    """alone: of each device by itself, None before its start; at: the last node of each; joint: of all together, None
+    for a single device; present: the devices that ever came into it. next_tie: number of the next moment at which
+    tethers are asked for."""
 
     alone: tuple[Alone | None, ...]
     at: tuple[Pending | None, ...]
@@ -61,3 +64,15 @@ class Record:
     pulled: WalkState
     entered: Moments | None
     after: WalkState
+
+
+def whole_steps(history: Sequence[Record], count: int) -> int:
+    """So many of the oldest records or fewer, so that no step is cut in two."""
+    while 0 < count < len(history) and _cut(history, count):
+        count -= 1
+    return count
+
+
+def _cut(history: Sequence[Record], count: int) -> bool:
+    begun = {(record.pending.device, record.pending.step) for record in history[max(count - _NEAR, 0) : count]}
+    return any((one.pending.device, one.pending.step) in begun for one in history[count : count + _NEAR])

@@ -40,8 +40,8 @@ class Tracker:
         check(self._config)
         if self._config.heading.dominant.direction_rad is not None:
             raise ConfigError(
-                "heading.dominant.direction_rad: the directions of a building are found from the whole walk: leave it "
-                "out for tracking, or use `pdr-est smooth`"
+                "heading.dominant.direction_rad: the directions of a building are found from the whole walk: leave "
+                "it out for tracking, or use `pdr-est smooth`"
             )
         self._online = online
         self._names: list[str] = []
@@ -133,9 +133,7 @@ class Tracker:
         self._rows.pulled(state, self._walk.tail_pulls)
         found += self._filtered()
         if self._delayed is not None:
-            found += self._updates(
-                "delayed", self._delayed.finish(self._walk.history, self._walk.tail_pulls, state)
-            )
+            found += self._updates("delayed", self._delayed.finish(self._walk.history, self._walk.tail_pulls, state))
         return found
 
     def state(self) -> bytes:
@@ -148,7 +146,9 @@ class Tracker:
         something else."""
         tracker = pickle.loads(state)
         if not isinstance(tracker, Tracker):
-            raise EstimationError(f"the state is that of a {type(tracker).__name__}: give one that Tracker.state made")
+            raise EstimationError(
+                f"the state is that of a {type(tracker).__name__}: give one that Tracker.state made"
+            )
         return tracker
 
     def _refuse_flushed(self) -> None:
@@ -183,6 +183,8 @@ class Tracker:
         kept, recorded = self._walk.catch_up()
         if self._delayed is not None:
             self._delayed.undone(min(left, kept))
+        for state, device in self._walk.let_go(kept):
+            self._rows.last(state, device)
         for record in recorded:
             self._rows.record(record)
         found = self._filtered()

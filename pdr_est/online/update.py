@@ -20,9 +20,9 @@ class Update:
     """The pose of a device at the end of a step, or at its start.
 
     position_m (2,) east and north, covariance_m2 (2, 2), heading_rad counter-clockwise from east with its standard
-    deviation. kind: "filtered" from what is known by now, "delayed" from that up to the lag later. moving_from_s: when
-    the movement to this pose began. What comes late may change a pose: the last update of a kind, device and time
-    counts.
+    deviation. kind: "filtered" from what is known by now, "delayed" from that up to the lag later. moving_from_s:
+    when the movement to this pose began. What comes late may change a pose: the last update of a kind, device and
+    time counts.
     """
 
     device: str

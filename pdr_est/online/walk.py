@@ -5,12 +5,9 @@ Its states are those that `ekf.run_filter` and `joint_ekf.follow` would have for
 
 from collections.abc import Iterable
 from dataclasses import replace
-from itertools import combinations
-from math import ceil, floor, inf, nextafter
+from math import inf, nextafter
 
-import numpy as np
-
-from pdr_est.estimators.motion import STATES, Moments
+from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.ties import TetherParams
 from pdr_est.estimators.timeline import SAME_S
@@ -19,10 +16,9 @@ from pdr_est.online.alone import Alone
 from pdr_est.online.known import Known
 from pdr_est.online.log import DeviceLog
 from pdr_est.online.params import OnlineParams
-from pdr_est.online.state import Pending, Record, WalkState
+from pdr_est.online.state import Pending, Record, WalkState, whole_steps
+from pdr_est.online.tethering import Pair, Tethering
 from pdr_est.records import PositionFix
-
-Pair = tuple[int, int]
 
 
 class WalkFilter:
@@ -35,10 +31,12 @@ class WalkFilter:
     def __init__(self, known: Known, tether: TetherParams | None, parameters: OnlineParams) -> None:
         self._known, self._tether, self._parameters = known, tether, parameters
         self.logs: list[DeviceLog | None] = []
+        self._tethering = Tethering(None if tether is None else tether.every_s, self.logs)
         self.history: list[Record] = []
         self.state = WalkState((), (), None, frozenset(), 0)
         self.late = self.missed = 0
         self.tail_pulls: tuple[Pair, ...] = ()
+        self._let_go: set[int] = set()  # devices that a tether pulled at, which was undone
         self._forgotten_s = -inf
         self._one, self._all = PoseFilter(1), PoseFilter(1)
 
@@ -86,12 +84,9 @@ class WalkFilter:
         log = self.logs[device]
         if log is None:
             return
-        before_s, log.end_s = log.end_s, max(log.end_s, end_s)
-        for pair in combinations(range(len(self.logs)), 2):
-            if device in pair:
-                moment_s = self._first_moment_after(pair, before_s if log.ready else -inf, device)
-                if self.history and moment_s + SAME_S < self.history[-1].time_s:
-                    self.undo_after(moment_s)
+        moment_s = self._tethering.extend(device, end_s)
+        if self.history and moment_s + SAME_S < self.history[-1].time_s:
+            self.undo_after(moment_s)
 
     def undo_for_fix(self, fix: PositionFix, opens_start: bool) -> None:
         """Go back to before the nodes for which a fix makes a difference."""
@@ -117,6 +112,7 @@ class WalkFilter:
         """Undo all nodes later than a time, and the rest of the steps that they belong to."""
         while self.history and self.history[-1].time_s > after_s:
             record = self.history.pop()
+            self._let_go |= {device for pair in record.pulls for device in pair}
             after_s = min(after_s, record.pending.step_from_s)
             log = self.logs[record.pending.device]
             if log is not None:
@@ -127,6 +123,7 @@ class WalkFilter:
         """Go through all nodes that may be used by now; return how many of the records were there before, and those
         that were added."""
         self._release()
+        self._take_standing()
         queue = self._queue()
         while queue and self.history and _place(queue[0]) < self._head():
             self.undo_after(nextafter(queue[0].time_s, -inf))
@@ -135,6 +132,22 @@ class WalkFilter:
         for pending in queue:
             self._go(pending)
         return begin, self.history[begin:]
+
+    def let_go(self, left: int) -> list[tuple[WalkState, int]]:
+        """The states in which the last poses of devices were left, if a tether that pulled at them was undone. left:
+        how many records there were before all was gone through again."""
+        devices, self._let_go = self._let_go, set()
+        found = []
+        for record in reversed(self.history[:left]):
+            if record.pending.device in devices:
+                found.append((record.after, record.pending.device))
+                devices.discard(record.pending.device)
+            for device in {device for pair in record.pulls for device in pair} & devices:
+                found.append((record.pulled, device))
+                devices.discard(device)
+            if not devices:
+                break
+        return found
 
     def finish(self) -> WalkState:
         """Ask for the last tethers; nothing comes after."""
@@ -152,7 +165,7 @@ class WalkFilter:
             keep_s = min(keep_s, self.history[-1].time_s)
         most = self._parameters.remembered_steps
         count = sum(1 for record in self.history if record.time_s < keep_s) if keep_s > -inf else 0
-        count = self._whole_steps(min(max(count, len(self.history) - most), fed))
+        count = whole_steps(self.history, min(max(count, len(self.history) - most), fed))
         if count:
             self._forgotten_s = self.history[count - 1].time_s
             del self.history[:count]
@@ -172,20 +185,19 @@ class WalkFilter:
                 first = min([first, *(one.begin for one in begins if one is not None and not one.directed)])
                 log.forget(log.ready - 1 if own is None else own.pending.step - 1, first)
 
-    def _whole_steps(self, count: int) -> int:
-        """So many records or fewer, so that no step is cut in two."""
-        while 0 < count < len(self.history) and any(
-            record.pending.step_from_s < self.history[count - 1].time_s and self._begun_before(count, record)
-            for record in self.history[count : count + 50]
-        ):
-            count -= 1
-        return count
-
-    def _begun_before(self, count: int, record: Record) -> bool:
-        return any(
-            (other.pending.device, other.pending.step) == (record.pending.device, record.pending.step)
-            for other in self.history[max(count - 50, 0) : count]
-        )
+    def _take_standing(self) -> None:
+        """Go back for fixes of the time that a device has been standing, now that it is known to have been."""
+        for log in self.logs:
+            if log is None or log.ready == 0 or not log.nodes:
+                continue
+            step = log.ready - 1
+            standing = log.standing(step, self._known.fixes, self._known.reached_s(log.end_s))
+            if len(standing) != len(log.nodes[-1].fixes):
+                if log.step_end_s(step) > self._forgotten_s:
+                    self.undo_after(log.begin_s(step))
+                else:
+                    self.missed += 1
+                    log.nodes[-1] = replace(log.nodes[-1], fixes=standing)
 
     def _release(self) -> None:
         """Let the steps of each device be used for which all others have come so far, or were waited for."""
@@ -211,7 +223,7 @@ class WalkFilter:
 
     def _pending(self, device: int, log: DeviceLog, step: int) -> Iterable[Pending]:
         fixes, begin_s, end_s = self._known.fixes, log.begin_s(step), log.step_end_s(step)
-        moments_s = self._moments_between(begin_s, end_s) if step else []
+        moments_s = self._tethering.moments_between(begin_s, end_s) if step else []
         nodes = log.nodes_of(step, fixes, moments_s, self._known.reached_s(log.end_s))
         told = self._known.last_fix_s >= end_s or (log.flushed and log.home is not None)
         for i, node in enumerate(nodes):
@@ -257,51 +269,16 @@ class WalkFilter:
 
     def _pulled(self, state: WalkState, before_s: float) -> tuple[WalkState, tuple[Pair, ...]]:
         """The state after the tethers whose moment is before a time, and the pairs that were asked for."""
-        tether, next_tie, pulls = self._tether, state.next_tie, []
-        if tether is None or state.joint is None:
+        if self._tether is None or state.joint is None:
             return state, ()
+        pairs, next_tie = self._tethering.asked_for(state.next_tie, min(self.now_s, before_s), before_s)
+        pulls = tuple((a, b) for a, b in pairs if _directed(state, a) and _directed(state, b))
+        if not pulls:
+            return replace(state, next_tie=next_tie), ()
         single.load(self._all, state.joint)
-        last = floor(min(self.now_s, before_s) / tether.every_s)
-        next_tie = max(next_tie, ceil(self._least_begin_s() / tether.every_s))
-        while next_tie <= last and next_tie * tether.every_s + SAME_S < before_s:
-            for a, b in combinations(range(len(self.logs)), 2):
-                if self._is_wanted((a, b), next_tie) and _directed(state, a) and _directed(state, b):
-                    self._all.keep_together(a, b, tether.max_distance_m, tether.sigma_m)
-                    pulls.append((a, b))
-            next_tie += 1
-        joint = single.unload(self._all) if pulls else state.joint
-        return replace(state, joint=joint, next_tie=next_tie), tuple(pulls)
-
-    def _moments_between(self, begin_s: float, end_s: float) -> list[float]:
-        """Moments inside a step at which tethers of any pair are asked for."""
-        if self._tether is None or len(self.logs) < 2:
-            return []
-        every_s = self._tether.every_s
-        numbers = range(ceil(begin_s / every_s), floor(end_s / every_s) + 1)
-        pairs = list(combinations(range(len(self.logs)), 2))
-        return [k * every_s for k in numbers if any(self._is_wanted(pair, k) for pair in pairs)]
-
-    def _is_wanted(self, pair: Pair, number: int) -> bool:
-        """Whether the tether of a pair is asked for at a moment: while both record."""
-        a, b = self.logs[pair[0]], self.logs[pair[1]]
-        if a is None or b is None or self._tether is None:
-            return False
-        every_s = self._tether.every_s
-        return ceil(max(a.start_s, b.start_s) / every_s) <= number <= floor(min(a.end_s, b.end_s) / every_s)
-
-    def _first_moment_after(self, pair: Pair, before_s: float, device: int) -> float:
-        """The first moment of a pair that came to be asked for when the samples of a device went on from a time."""
-        a, b = self.logs[pair[0]], self.logs[pair[1]]
-        if a is None or b is None or self._tether is None:
-            return inf
-        other = b if pair[0] == device else a
-        reached_s, every_s = min(before_s, other.end_s), self._tether.every_s
-        number = ceil(max(a.start_s, b.start_s) / every_s)
-        number = number if reached_s == -inf else max(number, floor(reached_s / every_s) + 1)
-        return number * every_s if self._is_wanted(pair, number) else inf
-
-    def _least_begin_s(self) -> float:
-        return min(log.start_s for log in self.logs if log is not None)
+        for a, b in pulls:
+            self._all.keep_together(a, b, self._tether.max_distance_m, self._tether.sigma_m)
+        return replace(state, joint=single.unload(self._all), next_tie=next_tie), pulls
 
     def _head(self) -> tuple[float, int]:
         return self.history[-1].time_s, self.history[-1].pending.device

@@ -11,7 +11,14 @@ from pdr_est.estimators.lag_params import FixedLagParams
 from pdr_est.online import Tracker, Update, track_of
 from pdr_est.track import Track
 
-FIXES = [fix_at(1.5, 0.0, 0.3), fix_at(8.13, 6.0, 0.2), fix_at(15.0, 9.2, 0.1), fix_at(30.02, 14.0, 6.0)]
+# The third and the fourth while the walker stands.
+FIXES = [
+    fix_at(1.5, 0.0, 0.3),
+    fix_at(7.13, 6.0, 0.2),
+    fix_at(11.2, 9.2, 0.1),
+    fix_at(13.0, 8.9, 0.1),
+    fix_at(26.02, 14.0, 6.0),
+]
 
 
 def same_poses(updates: list[Update], whole: Track) -> None:
@@ -19,7 +26,15 @@ def same_poses(updates: list[Update], whole: Track) -> None:
     order = np.lexsort((track.time_s, track.device))
     expected = np.lexsort((whole.time_s, whole.device))
     assert track.time_s[order].tolist() == whole.time_s[expected].tolist()
-    for name in ("device", "position_m", "heading_rad", "covariance_m2", "sigma_heading_rad", "mode", "moving_from_s"):
+    for name in (
+        "device",
+        "position_m",
+        "heading_rad",
+        "covariance_m2",
+        "sigma_heading_rad",
+        "mode",
+        "moving_from_s",
+    ):
         assert np.array_equal(getattr(track, name)[order], getattr(whole, name)[expected]), name
 
 
@@ -97,7 +112,6 @@ def test_delayed_estimates_are_those_of_the_smoother(devices: int, late: bool) -
     track, whole = track_of(updates, "delayed"), offline(recording, config, FIXES)
     assert track.time_s.tolist() == whole.time_s.tolist()
     assert track.position_m == pytest.approx(whole.position_m, abs=0.02)
-    assert track.covariance_m2 == pytest.approx(whole.covariance_m2, rel=0.02, abs=1e-4)
+    assert track.covariance_m2 == pytest.approx(whole.covariance_m2, rel=0.02, abs=5e-3)
     delayed = [(update.device, update.time_s) for update in updates if update.kind == "delayed"]
     assert len(set(delayed)) == len(delayed)
-
