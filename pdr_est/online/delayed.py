@@ -6,8 +6,7 @@ from math import inf
 from pdr_est.estimators.lag_params import FixedLagParams
 from pdr_est.estimators.lag_window import Followed, LaggedPose, LagWindow, Limit
 from pdr_est.estimators.ties import TetherParams
-from pdr_est.online.state import Record, WalkState
-from pdr_est.online.walk import joint_moments
+from pdr_est.online.state import Record, WalkState, joint_moments
 
 
 class Delayed:

@@ -66,6 +66,13 @@ class Record:
     after: WalkState
 
 
+def joint_moments(state: WalkState) -> Moments:
+    """Mean (5 d,) and covariance (5 d, 5 d) of all devices; of a single one by itself."""
+    if state.joint is None:
+        return state.moments(0)
+    return Moments(state.joint[0].copy(), 0.5 * (state.joint[1] + state.joint[1].T))
+
+
 def whole_steps(history: Sequence[Record], count: int) -> int:
     """So many of the oldest records or fewer, so that no step is cut in two."""
     while 0 < count < len(history) and _cut(history, count):

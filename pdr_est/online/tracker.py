@@ -171,9 +171,12 @@ class Tracker:
             return []
         self._known.latency_s = max(self._known.latency_s, front.latency_s)
         log = self._walk.logs[number]
+        measurements = list(found)
+        if log is not None and not measurements and front.end_s == log.end_s:
+            return []  # the samples wait for those of another sensor
         if log is None:
             log = self._walk.logs[number] = DeviceLog(front.start_s)
-        for measurement in found:
+        for measurement in measurements:
             log.append(measurement)
         self._walk.extend(number, front.end_s)
         return self._catch_up(left)

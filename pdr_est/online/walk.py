@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import inf, nextafter
 
-from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.ties import TetherParams
 from pdr_est.estimators.timeline import SAME_S
@@ -241,13 +240,7 @@ class WalkFilter:
         alone = (*pulled.alone[:device], own, *pulled.alone[device + 1 :])
         joint = pulled.joint
         if joint is not None and own.directed:
-            single.load(self._all, joint)
-            if own.entered:
-                self._all.enter(own.end, device)
-            else:
-                self._all.advance(pending.node, device)
-                self._all.measure(pending.node, device)
-            joint = single.unload(self._all)
+            joint = _followed(self._all, joint, own, pending)
         present = pulled.present | {device} if own.directed else pulled.present
         at = (*pulled.at[:device], pending, *pulled.at[device + 1 :])
         self.state = WalkState(alone, at, joint, present, pulled.next_tie)
@@ -284,11 +277,15 @@ class WalkFilter:
         return self.history[-1].time_s, self.history[-1].pending.device
 
 
-def joint_moments(state: WalkState) -> Moments:
-    """Mean (5 d,) and covariance (5 d, 5 d) of all devices; of a single one by itself."""
-    if state.joint is None:
-        return state.moments(0)
-    return Moments(state.joint[0].copy(), 0.5 * (state.joint[1] + state.joint[1].T))
+def _followed(workhorse: PoseFilter, joint: single.Raw, own: Alone, pending: Pending) -> single.Raw:
+    """The joint filter after a node of one device."""
+    single.load(workhorse, joint)
+    if own.entered:
+        workhorse.enter(own.end, pending.device)
+    else:
+        workhorse.advance(pending.node, pending.device)
+        workhorse.measure(pending.node, pending.device)
+    return single.unload(workhorse)
 
 
 def _directed(state: WalkState, device: int) -> bool:
