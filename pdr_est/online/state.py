@@ -12,7 +12,7 @@ _NEAR = 50  # records among which the nodes of a step are looked for
 
 @dataclass(frozen=True)
 class Pending:
-    """A node that the filter has to go through: the number of its step, when the movement to that began, and whether
+    """A node that the filter has to go through: the number of its step, when that has its first node, and whether
     this node or a later one tells the direction."""
 
     time_s: float

@@ -112,7 +112,7 @@ class WalkFilter:
         while self.history and self.history[-1].time_s > after_s:
             record = self.history.pop()
             self._let_go |= {device for pair in record.pulls for device in pair}
-            after_s = min(after_s, record.pending.step_from_s)
+            after_s = min(after_s, nextafter(record.pending.step_from_s, -inf))
             log = self.logs[record.pending.device]
             if log is not None:
                 log.undo(record.pending.step, record.number)
@@ -227,7 +227,7 @@ class WalkFilter:
         told = self._known.last_fix_s >= end_s or (log.flushed and log.home is not None)
         for i, node in enumerate(nodes):
             later = told or any(other.fixes for other in nodes[i:])
-            yield Pending(node.time_s, device, node, step, begin_s, i == len(nodes) - 1, later)
+            yield Pending(node.time_s, device, node, step, nodes[0].time_s, i == len(nodes) - 1, later)
 
     def _go(self, pending: Pending) -> None:
         device, log, before = pending.device, self.logs[pending.device], self.state
