@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pdr_est.errors import PdrError
     from pdr_est.io.readers import read
     from pdr_est.io.recording import Recording
+    from pdr_est.online import Tracker
     from pdr_est.records import PositionFix
     from pdr_est.track import Track
 
@@ -21,7 +22,18 @@ try:
 except PackageNotFoundError:  # run from a source tree that is not installed
     __version__ = "0+unknown"
 
-__all__ = ["Config", "PdrError", "PositionFix", "Recording", "Track", "__version__", "load_config", "read", "smooth"]
+__all__ = [
+    "Config",
+    "PdrError",
+    "PositionFix",
+    "Recording",
+    "Track",
+    "Tracker",
+    "__version__",
+    "load_config",
+    "read",
+    "smooth",
+]
 
 _HOMES = {
     "Config": "pdr_est.config",
@@ -29,6 +41,7 @@ _HOMES = {
     "PositionFix": "pdr_est.records",
     "Recording": "pdr_est.io.recording",
     "Track": "pdr_est.track",
+    "Tracker": "pdr_est.online",
     "load_config": "pdr_est.config",
     "read": "pdr_est.io.readers",
 }

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import EstimatorName
+from pdr_est.estimators.lag_params import FixedLagParams
 from pdr_est.estimators.map_fusion import MapFusionParams
 from pdr_est.estimators.ties import TetherParams
 from pdr_est.front_end.attitude import AttitudeParams
@@ -53,10 +54,11 @@ class StartParams:
 
 @params
 class EstimatorParams:
-    """name: which estimator. map_fusion: of map-closed-form and map-general."""
+    """name: which estimator. map_fusion: of map-closed-form and map-general; fixed_lag: of fixed-lag."""
 
     name: EstimatorName = "factor-graph"
     map_fusion: MapFusionParams = MapFusionParams()
+    fixed_lag: FixedLagParams = FixedLagParams()
 
 
 @params

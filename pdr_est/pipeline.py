@@ -138,8 +138,8 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
     tethers = tethers_between(spans_s, config.devices.tether) if config.devices.tethered else []
 
     def track_from(devices: Sequence[DeviceMeasurements]) -> Track:
-        start, sigma_scale = config.start.pose(), config.odometry.sigma_length_scale
-        return estimate_walk(config.estimator.name, devices, start, sigma_scale, tethers, config.estimator.map_fusion)
+        start, sigma_scale, chosen = config.start.pose(), config.odometry.sigma_length_scale, config.estimator
+        return estimate_walk(chosen.name, devices, start, sigma_scale, tethers, chosen.map_fusion, chosen.fixed_lag)
 
     track = track_from(known)
     direction_rad = config.heading.dominant.direction_rad
@@ -203,7 +203,6 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
 
     The magnetic field comes with it where the heading needs it; all else is the same with it and without.
     """
-    rate_hz = config.resample.rate_hz
     source = config.attitude.source
     own_attitude = source == "device" or (source == "auto" and better_attitude(device))
     channels = needed_channels(device, place, with_attitude=own_attitude)
@@ -211,6 +210,14 @@ def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resa
     if needs_magnetometer(config.heading):
         refuse_without_magnetometer(device, place)
         optional = (Channel.MAGNETIC_FIELD,)
+    return level_chain(channels, optional, own_attitude, config)
+
+
+def level_chain(
+    channels: tuple[Channel, ...], optional: tuple[Channel, ...], own_attitude: bool, config: Config
+) -> tuple[Resampler, Chain]:
+    """`levelling` for a device with these channels. own_attitude: whether to take the one that it recorded."""
+    rate_hz = config.resample.rate_hz
     resampler = Resampler(channels, config.resample, optional)
     if Channel.ROTATION_RATE not in channels:
         tilt = AccelerometerTilt(rate_hz, config.attitude)

@@ -48,7 +48,8 @@ class Track:
     walker stands still before it); device: (n,) names; position_m: (n, 2) east and north;
     covariance_m2: (n, 2, 2) in the map frame; heading_rad: (n,) counter-clockwise from east;
     sigma_heading_rad, step_length_m: (n,); mode: (n,) values of CarryingMode.
-    kind: "filtered" (each pose from the past only) or "smoothed". length_scale: the walker's estimated step
+    kind: "filtered" (each pose from the past only), "smoothed" (from the whole walk) or "delayed" (from the past and
+    a fixed time after it). length_scale: the walker's estimated step
     length over the model's, with its standard deviation.
     """
 

@@ -27,6 +27,7 @@ ORDER: list[set[str]] = [
     {"validation"},
     {"config"},
     {"profile", "pipeline"},
+    {"online"},
     {"calibrate"},
     {"simulate", "evaluate"},
     {"report"},
@@ -41,7 +42,8 @@ STRANGERS = (("front_end", "estimators"), ("estimators", "front_end"), ("estimat
 LIBRARIES = {
     "gtsam": (
         "estimators.factor_graph",
-        "estimators.fixed_lag",
+        "estimators.lag_prior",
+        "estimators.lag_window",
         "estimators.gtsam_factors",
         "estimators.gtsam_marginals",
     ),

@@ -15,6 +15,7 @@ COMMANDS = (
     "inspect",
     "steps",
     "smooth",
+    "track",
     "calibrate",
     "benchmark",
     "experiment",

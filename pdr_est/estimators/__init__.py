@@ -6,16 +6,17 @@ from typing import Literal, get_args
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning, ekf, joint_ekf
+from pdr_est.estimators.lag_params import FixedLagParams
 from pdr_est.estimators.map_fusion import MapFusionParams, estimate_closed_form, estimate_general
 from pdr_est.estimators.timeline import Timeline, build_timeline
 from pdr_est.records import DeviceTether, Measurement, PositionFix, StartPose
 from pdr_est.track import Track, concatenate
 
-EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph"]
+EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 SMOOTHERS: tuple[EstimatorName, ...] = ("factor-graph",)  # each pose from the whole walk
 
-_MAP_FUSION = MapFusionParams()
+_MAP_FUSION, _FIXED_LAG = MapFusionParams(), FixedLagParams()
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ def estimate_walk(
     sigma_length_scale: float,
     tethers: Sequence[DeviceTether] = (),
     map_fusion: MapFusionParams = _MAP_FUSION,
+    fixed_lag: FixedLagParams = _FIXED_LAG,
 ) -> Track:
     """Tracks of all devices of one walk. sigma_length_scale: of the walker's own step length.
 
@@ -62,6 +64,10 @@ def estimate_walk(
             from pdr_est.estimators import factor_graph  # gtsam is slow to load: only when it is used
 
             return factor_graph.estimate(timelines, tethers, start, sigma_length_scale)
+        case "fixed-lag":
+            from pdr_est.estimators import fixed_lag as lagged  # likewise
+
+            return lagged.estimate(timelines, tethers, start, sigma_length_scale, fixed_lag)
     raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")
 
 

@@ -9,6 +9,7 @@ Before, the noise of a step is spread evenly over the directions it may have. On
 nodes are followed a second time with the noise where it belongs.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, sin
 
@@ -47,22 +48,45 @@ def align(nodes: tuple[Node, ...], prior: Moments) -> Alignment:
     prior: of the state at the first node; its heading is ignored. Until the direction is known, the heading is what
     the measurements favour, with the sigma of a uniform direction or less.
     """
-    heading_vector = _HeadingVectorFilter(prior)
+    seeking: Seeking | None = None
     poses: list[Array] = []
     covariances: list[Array] = []
     for i, node in enumerate(nodes):
-        heading_vector.follow(node, i == 0, None)
-        pose, covariance = heading_vector.pose()
-        poses.append(pose)
-        covariances.append(covariance)
-        if heading_vector.sigma_heading_rad() <= ALIGNED_SIGMA_RAD:
-            aligned = _follow_again(nodes[: i + 1], prior, float(pose[2])).state()
-            poses[-1], covariances[-1] = aligned.mean[:3], aligned.covariance[:3, :3]
+        seeking, aligned = seek(seeking, node, nodes[: i + 1], prior)
+        if aligned is not None:
+            poses.append(aligned.mean[:3])
+            covariances.append(aligned.covariance[:3, :3])
             return Alignment(np.array(poses), np.array(covariances), aligned)
+        poses.append(seeking.pose)
+        covariances.append(seeking.covariance)
     return Alignment(np.array(poses), np.array(covariances), None)
 
 
-def _follow_again(nodes: tuple[Node, ...], prior: Moments, heading_rad: float) -> "_HeadingVectorFilter":
+@dataclass(frozen=True)
+class Seeking:
+    """How far the search for the direction has come: the heading vector's mean (6,) and covariance (6, 6), and what
+    they say of the pose, (3,) and (3, 3)."""
+
+    vector: Array
+    vector_covariance: Array
+    pose: Array
+    covariance: Array
+
+
+def seek(before: Seeking | None, node: Node, nodes: Sequence[Node], prior: Moments) -> tuple[Seeking, Moments | None]:
+    """Follow the walk to its next node; with the state there once the direction is known.
+
+    before: None at the first node, where `prior` holds. nodes: all of them up to this one.
+    """
+    heading_vector = _HeadingVectorFilter(prior, before)
+    heading_vector.follow(node, before is None, None)
+    found = heading_vector.found()
+    if heading_vector.sigma_heading_rad() > ALIGNED_SIGMA_RAD:
+        return found, None
+    return found, _follow_again(nodes, prior, float(found.pose[2])).state()
+
+
+def _follow_again(nodes: Sequence[Node], prior: Moments, heading_rad: float) -> "_HeadingVectorFilter":
     """The filter at the last of some nodes, when the heading there is known about."""
     turns = np.array([node.heading_change_rad for node in nodes])
     headings = heading_rad - turns.sum() + turns.cumsum()
@@ -75,9 +99,12 @@ def _follow_again(nodes: tuple[Node, ...], prior: Moments, heading_rad: float) -
 class _HeadingVectorFilter:
     """Linear Kalman filter over (east, north, u, v, u at the start, v at the start)."""
 
-    def __init__(self, prior: Moments) -> None:
+    def __init__(self, prior: Moments, before: Seeking | None = None) -> None:
         self._prior = prior
         self._filter = KalmanFilter(dim_x=6, dim_z=2)
+        if before is not None:
+            self._filter.x, self._filter.P = before.vector, before.vector_covariance
+            return
         self._filter.x = np.array([*prior.mean[:2], 0.0, 0.0, 0.0, 0.0])
         self._filter.P = _UNIFORM_VARIANCE * np.eye(6)
         self._filter.P[_POSITION, _POSITION] = prior.covariance[:2, :2]
@@ -106,12 +133,12 @@ class _HeadingVectorFilter:
             if not prior.relative:
                 self._update_heading(prior)
 
-    def pose(self) -> tuple[Array, Array]:
-        """Mean (x, y, heading) and covariance (3, 3) for the track."""
+    def found(self) -> Seeking:
+        """With mean (x, y, heading) and covariance (3, 3) for the track."""
         x, y, u, v = self._filter.x[_NOW]
         covariance = np.diag([0.0, 0.0, min(self.sigma_heading_rad(), UNKNOWN_SIGMA_RAD) ** 2])
         covariance[:2, :2] = self._filter.P[_POSITION, _POSITION]
-        return np.array([x, y, np.arctan2(v, u)]), covariance
+        return Seeking(self._filter.x, self._filter.P, np.array([x, y, np.arctan2(v, u)]), covariance)
 
     def state(self) -> Moments:
         """The state for a heading vector that is known well enough for a first-order conversion."""

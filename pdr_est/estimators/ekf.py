@@ -17,7 +17,7 @@ from pdr_est.track import Track
 
 NAME = "ekf"
 REGULAR = 1e-12  # variance, far below anything that matters: parts of a state may be known exactly
-_LOST_VARIANCE = 0.25  # rad^2; with a turn this uncertain a heading is too far from Gaussian for an EKF
+LOST_VARIANCE = 0.25  # rad^2; with a turn this uncertain a heading is too far from Gaussian for an EKF
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def run_filter(timeline: Timeline, start: StartPose, sigma_length_scale: float) 
 def undecided_anchor(stretch: Stretch) -> tuple[int, Moments]:
     """The last node with a measurement and its state, if all of them together did not settle the direction."""
     anchor = max((i for i, node in enumerate(stretch.nodes) if node.tells_direction), default=0)
-    return anchor, _undecided(stretch.pose[anchor], stretch.covariance[anchor], stretch.end)
+    return anchor, undecided(stretch.pose[anchor], stretch.covariance[anchor], stretch.end)
 
 
 def alone_smoothed(stretches: Sequence[Stretch]) -> list[Moments]:
@@ -103,14 +103,19 @@ def _closed(timeline: Timeline, prior: StartPrior) -> tuple[Node, ...]:
     *before, last = timeline.nodes
     if timeline.closure_sigma_m is None or prior.position_open or prior.heading_open:
         return timeline.nodes
-    covariance = prior.moments.covariance[:2, :2] + max(timeline.closure_sigma_m, REGULAR) ** 2 * np.eye(2)
-    home = PositionFix(last.time_s, prior.moments.mean[:2], covariance, source="start")
+    home = home_fix(prior.moments, last.time_s, timeline.closure_sigma_m)
     return (*before, replace(last, fixes=(*last.fixes, home)))
+
+
+def home_fix(start: Moments, time_s: float, sigma_m: float) -> PositionFix:
+    """The start of a walk as a fix at its end. sigma_m: how near they are."""
+    covariance = start.covariance[:2, :2] + max(sigma_m, REGULAR) ** 2 * np.eye(2)
+    return PositionFix(time_s, start.mean[:2], covariance, source="start")
 
 
 def _between_lost_turns(nodes: tuple[Node, ...]) -> list[tuple[Node, ...]]:
     last = max((i for i, node in enumerate(nodes) if node.tells_direction), default=0)
-    lost = [i for i in range(1, last + 1) if nodes[i].covariance[2, 2] > _LOST_VARIANCE]
+    lost = [i for i in range(1, last + 1) if nodes[i].covariance[2, 2] > LOST_VARIANCE]
     return [nodes[i:j] for i, j in pairwise([0, *lost, len(nodes)])]
 
 
@@ -120,7 +125,7 @@ def _filter_stretch(nodes: tuple[Node, ...], prior: StartPrior) -> Stretch:
         return Stretch(nodes, 0, *_track_columns(states), tuple(states), states[-1])
     alignment = align(nodes, prior.moments)
     if alignment.aligned is None:
-        end = _undecided(alignment.pose[-1], alignment.covariance[-1], prior.moments)
+        end = undecided(alignment.pose[-1], alignment.covariance[-1], prior.moments)
         return Stretch(nodes, None, alignment.pose, alignment.covariance, (), end)
     aligned_from = len(alignment.pose) - 1
     states = _filter_poses(nodes[aligned_from:], alignment.aligned, update_first=False)
@@ -130,7 +135,7 @@ def _filter_stretch(nodes: tuple[Node, ...], prior: StartPrior) -> Stretch:
     return Stretch(nodes, aligned_from, pose, covariance, tuple(states), states[-1])
 
 
-def _undecided(pose: Array, covariance: Array, other: Moments) -> Moments:
+def undecided(pose: Array, covariance: Array, other: Moments) -> Moments:
     """The state for a pose whose direction is open, with the rest of another state."""
     state = np.diag([0.0, 0.0, 0.0, *np.diag(other.covariance)[3:]])
     state[:3, :3] = covariance

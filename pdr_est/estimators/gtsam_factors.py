@@ -78,10 +78,7 @@ def anchors(
             vague = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, VAGUE_SIGMA_RAD]))
             graph.add(gtsam.PriorFactorPose2(reference, reference_guess(guess), vague))
         for i, node in enumerate(timeline.nodes, first):
-            for fix in node.fixes:
-                graph.add(gtsam.PoseTranslationPrior2D(i, np.asarray(fix.position_m), _fix_noise(fix)))
-            for heading in node.priors:
-                graph.add(_heading_factor(i, reference, heading))
+            add_measurements(graph, node, i, reference)
         if timeline.closure_sigma_m is not None:
             last = first + len(timeline.nodes) - 1
             graph.add(_closure_factor(first, last, timeline.closure_sigma_m, guess))
@@ -94,6 +91,14 @@ def reference_guess(guess: Sequence[Moments]) -> gtsam.Pose2:
     east_m, north_m = guess[0].mean[:2]
     pose: gtsam.Pose2 = gtsam.Pose2(east_m, north_m, guess[-1].mean[4])
     return pose
+
+
+def add_measurements(graph: gtsam.NonlinearFactorGraph, node: Node, key: int, reference: int | None) -> None:
+    """Add the fixes and heading priors of a node. reference: variable that relative priors count from."""
+    for fix in node.fixes:
+        graph.add(gtsam.PoseTranslationPrior2D(key, np.asarray(fix.position_m), _fix_noise(fix)))
+    for heading in node.priors:
+        graph.add(_heading_factor(key, reference, heading))
 
 
 def motion_noise(nodes: Sequence[Node]) -> list[gtsam.noiseModel.Base]:

@@ -1,6 +1,7 @@
 """The filter of several devices on one body, their states side by side and kept within reach of each other, and its
 Rauch-Tung-Striebel smoother."""
 
+from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from pdr_est.estimators.ekf import NAME, REGULAR, Stretch, alone_smoothed, run_f
 from pdr_est.estimators.motion import STATES, Moments, linearise, move
 from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.ties import Tie, starts_of, ties_between
-from pdr_est.estimators.timeline import Timeline, track_from_nodes
+from pdr_est.estimators.timeline import SAME_S, Timeline, track_from_nodes
 from pdr_est.frames import Array
 from pdr_est.records import DeviceTether, StartPose
 from pdr_est.track import Track, concatenate
@@ -26,7 +27,7 @@ def estimate(
     ties, starts = ties_between(timelines, tethers), starts_of(timelines, start)
     alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
     filtered = [_Filtered(timeline, stretches) for timeline, stretches in zip(timelines, alone, strict=True)]
-    for moment in _follow(timelines, alone, ties):
+    for moment in follow(timelines, alone, ties):
         for device, node in moment.touched:
             filtered[device].record(node, _of_device(moment.mean, moment.covariance, device))
     return concatenate([one.track() for one in filtered])
@@ -39,7 +40,7 @@ def smoothed_states(
     is open, by what it tells itself."""
     alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
     states = [alone_smoothed(stretches) for stretches in alone]
-    moments = list(_follow(timelines, alone, ties))
+    moments = list(follow(timelines, alone, ties))
     if not moments:
         return states
     mean, covariance = moments[-1].mean, moments[-1].covariance
@@ -52,31 +53,32 @@ def smoothed_states(
 
 
 @dataclass(frozen=True)
-class _Moment:
-    """The joint filter after one node. touched: the node, and others at its time that a tie changed. entered: the
-    state that the device entered the filter with, if it did."""
+class Moment:
+    """The joint filter after one node. touched: the node, and others that a tie changed. ties: those that were
+    applied then. entered: the state that the device entered the filter with, if it did."""
 
     touched: tuple[End, ...]
+    ties: tuple[Tie, ...]
     entered: Moments | None
     mean: Array
     covariance: Array
 
 
-def _follow(
+def follow(
     timelines: Sequence[Timeline], alone: Sequence[Sequence[Stretch]], ties: Sequence[Tie]
-) -> Iterator[_Moment]:
+) -> Iterator[Moment]:
     """The nodes of all devices in order of time, but for those at which the direction of their device is open."""
     enters = [_enters(stretches) for stretches in alone]
-    tied: dict[End, list[Tie]] = defaultdict(list)
-    for tie in ties:
-        if all(_takes_part(alone[d], node) for d, node in ((tie.device_a, tie.node_a), (tie.device_b, tie.node_b))):
-            pair = (tie.device_a, tie.node_a), (tie.device_b, tie.node_b)
-            tied[max(pair, key=lambda end: _when(timelines, end))].append(tie)
+    ends = [
+        (device, i)
+        for device, timeline in enumerate(timelines)
+        for i in range(len(timeline.nodes))
+        if _takes_part(alone[device], i)
+    ]
+    ends.sort(key=lambda end: _when(timelines, end))
+    tied = _last_ends(ties, ends, timelines, alone)
     joint = PoseFilter(len(timelines))
-    ends = [(device, i) for device, timeline in enumerate(timelines) for i in range(len(timeline.nodes))]
-    for device, i in sorted(ends, key=lambda end: _when(timelines, end)):
-        if not _takes_part(alone[device], i):
-            continue
+    for device, i in ends:
         entered = enters[device].get(i)
         if entered is not None:
             joint.enter(entered, device)
@@ -87,7 +89,20 @@ def _follow(
         for tie in tied[device, i]:
             joint.keep_together(tie.device_a, tie.device_b, tie.max_distance_m, tie.sigma_m)
             touched += [end for end in ((tie.device_a, tie.node_a), (tie.device_b, tie.node_b)) if end not in touched]
-        yield _Moment(tuple(touched), entered, joint.x.copy(), 0.5 * (joint.P + joint.P.T))
+        yield Moment(tuple(touched), tuple(tied[device, i]), entered, joint.x.copy(), 0.5 * (joint.P + joint.P.T))
+
+
+def _last_ends(
+    ties: Sequence[Tie], ends: Sequence[End], timelines: Sequence[Timeline], alone: Sequence[Sequence[Stretch]]
+) -> dict[End, list[Tie]]:
+    """The ties of devices that take part, each at the last of all ends up to its time: a filter that runs along with
+    the walk knows no better."""
+    times = [timelines[device].nodes[node].time_s for device, node in ends]
+    tied: dict[End, list[Tie]] = defaultdict(list)
+    for tie in ties:
+        if all(_takes_part(alone[d], node) for d, node in ((tie.device_a, tie.node_a), (tie.device_b, tie.node_b))):
+            tied[ends[bisect_right(times, tie.time_s + SAME_S) - 1]].append(tie)
+    return tied
 
 
 def _when(timelines: Sequence[Timeline], end: End) -> tuple[float, int, int]:
@@ -121,7 +136,7 @@ def _of_device(mean: Array, covariance: Array, device: int) -> Moments:
 
 
 def _back(
-    before: _Moment, after: _Moment, timelines: Sequence[Timeline], mean: Array, covariance: Array
+    before: Moment, after: Moment, timelines: Sequence[Timeline], mean: Array, covariance: Array
 ) -> tuple[Array, Array]:
     """Smoothed mean and covariance at `before` from those at `after`."""
     device, node = after.touched[0]

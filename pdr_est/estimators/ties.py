@@ -48,6 +48,7 @@ def tethers_between(spans_s: Mapping[str, tuple[float, float]], parameters: Teth
 class Tie:
     """Two nodes at one moment, by number of device and of node, that are never farther apart than max_distance_m."""
 
+    time_s: float
     device_a: int
     node_a: int
     device_b: int
@@ -57,23 +58,24 @@ class Tie:
 
 
 def ties_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether]) -> list[Tie]:
-    """The tethers as ties, in order of time; those outside of the walk of one of their devices are left out.
+    """The tethers as ties, in order of time; those before the walk of one of their devices are left out. After its
+    last step a device stands.
 
     Raises EstimationError for devices of one name, and for a tether to a device that is not there.
     """
     names = [timeline.device for timeline in timelines]
     if len(set(names)) < len(names):
         raise EstimationError(f"devices {names}: each needs a name of its own")
-    spans = [(timeline.nodes[0].time_s, timeline.nodes[-1].time_s) for timeline in timelines]
+    begins_s = [timeline.nodes[0].time_s for timeline in timelines]
     ties = []
     for tether in sorted(tethers, key=lambda one: one.time_s):
         ends = (tether.device_a, tether.device_b)
         if not set(ends) <= set(names) or ends[0] == ends[1]:
             raise EstimationError(f"tether between {ends[0]!r} and {ends[1]!r}: name two of {names}")
         a, b = names.index(ends[0]), names.index(ends[1])
-        if all(spans[d][0] <= tether.time_s <= spans[d][1] for d in (a, b)):
+        if max(begins_s[a], begins_s[b]) <= tether.time_s:
             nodes = (timelines[d].node_at(tether.time_s) for d in (a, b))
-            ties.append(Tie(a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m))
+            ties.append(Tie(tether.time_s, a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m))
     return ties
 
 

@@ -16,6 +16,8 @@ from pdr_est.frames import Array, wrap_angle
 from pdr_est.records import CarryingMode, HeadingPrior, LoopClosure, Measurement, PositionFix, StepOdometry
 from pdr_est.track import Track
 
+SAME_S = 1e-9  # times that are no further apart are the same moment
+
 
 @dataclass(frozen=True)
 class Node:
@@ -54,7 +56,7 @@ class Timeline:
     def node_at(self, time_s: float) -> int:
         """Number of the last node at or before a time, or of the first one."""
         times = [node.time_s for node in self.nodes]
-        return max(bisect_right(times, time_s + 1e-9) - 1, 0)
+        return max(bisect_right(times, time_s + SAME_S) - 1, 0)
 
     @property
     def fixes(self) -> tuple[PositionFix, ...]:
@@ -86,7 +88,7 @@ def build_timeline(
     first_mode = steps[0].mode if steps else CarryingMode.UNKNOWN
     begin_s = min([start_s, *(step.time_s for step in steps[:1])])
     nodes = [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, first_mode)]
-    pending = [_Moment(fix.time_s, (fix,)) for fix in fixes] + [_Moment(time_s, ()) for time_s in moments_s]
+    pending = [WantedMoment(fix.time_s, (fix,)) for fix in fixes] + [WantedMoment(time_s, ()) for time_s in moments_s]
     pending.sort(key=lambda moment: moment.time_s, reverse=True)
     for step in steps:
         begin = max(step.start_s, nodes[-1].time_s)
@@ -95,7 +97,7 @@ def build_timeline(
         inside = []
         while pending and pending[-1].time_s < step.time_s:
             inside.append(pending.pop())
-        nodes += _split(step, begin, inside)
+        nodes += split_step(step, begin, inside)
     while pending:
         nodes[-1] = _with_fixes(nodes[-1], pending.pop())
     closure_sigma_m = min((closure.sigma_m for closure in closures), default=None)
@@ -135,18 +137,18 @@ def track_from_nodes(
 
 
 @dataclass(frozen=True)
-class _Moment:
+class WantedMoment:
     """A time at which a pose is wanted, with what was measured then."""
 
     time_s: float
     fixes: tuple[PositionFix, ...]
 
 
-def _with_fixes(node: Node, moment: _Moment) -> Node:
+def _with_fixes(node: Node, moment: WantedMoment) -> Node:
     return replace(node, fixes=(*node.fixes, *moment.fixes)) if moment.fixes else node
 
 
-def _split(step: StepOdometry, begin_s: float, inside: Sequence[_Moment]) -> list[Node]:
+def split_step(step: StepOdometry, begin_s: float, inside: Sequence[WantedMoment]) -> list[Node]:
     """The nodes of a step: one at each moment inside it, and its end. The walker's pace is even."""
     moments = [
         (time_s, tuple(fix for moment in group for fix in moment.fixes))
@@ -175,7 +177,7 @@ def _split(step: StepOdometry, begin_s: float, inside: Sequence[_Moment]) -> lis
 def _attach_priors(nodes: list[Node], priors: Sequence[HeadingPrior]) -> list[Node]:
     """Each heading prior goes to the first pose at or after its time, or to the last."""
     times = np.array([node.time_s for node in nodes])
-    rows = np.searchsorted(times, np.array([prior.time_s for prior in priors]) - 1e-9)
+    rows = np.searchsorted(times, np.array([prior.time_s for prior in priors]) - SAME_S)
     for row, prior in zip(np.minimum(rows, len(nodes) - 1), priors, strict=True):
         nodes[row] = replace(nodes[row], priors=(*nodes[row].priors, prior))
     return nodes

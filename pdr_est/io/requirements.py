@@ -11,7 +11,7 @@ from pdr_est.records import Channel
 
 _LONGEST_WALK_S = 366 * 86400.0  # what lies further apart is a wrong time stamp
 _MOST_IMPOSSIBLE = 0.5  # of the samples: more are no damage, their unit is another one
-_COARSE_S = 0.03  # between samples; integrated, those of a phone on a leg at 25 Hz drift three times as fast
+COARSE_S = 0.03  # between samples; integrated, those of a phone on a leg at 25 Hz drift three times as fast
 _LATE_S = 1.0
 _MANY_SAMPLES = 5  # of which some share a second
 _WORDS = {
@@ -47,7 +47,7 @@ def better_attitude(device: DeviceRecording) -> bool:
         return False
     apart_s = float(np.median(np.diff(rate.time_s)))
     late_s = max(attitude.time_s[0] - rate.time_s[0], rate.time_s[-1] - attitude.time_s[-1])
-    return bool(apart_s > _COARSE_S and late_s < _LATE_S)
+    return bool(apart_s > COARSE_S and late_s < _LATE_S)
 
 
 def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:

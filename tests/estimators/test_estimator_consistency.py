@@ -51,6 +51,8 @@ CASES = [
     ("ekf", False, range(25, STEPS + 1, 5)),  # the direction is known from step 15 on
     ("factor-graph", True, range(0, STEPS + 1, 10)),
     ("factor-graph", False, range(0, STEPS + 1, 10)),
+    ("fixed-lag", True, range(0, STEPS + 1, 10)),
+    ("fixed-lag", False, range(10, STEPS + 1, 10)),  # before, directions are traced back without the fixes there
     ("dead-reckoning", True, range(0, STEPS + 1, 10)),
     ("dead-reckoning", False, range(15, STEPS + 1, 10)),
 ]
@@ -67,7 +69,7 @@ def test_normalised_errors_are_chi_squared(name: EstimatorName, known: bool, ste
 
 
 @pytest.mark.parametrize("known", [True, False])
-@pytest.mark.parametrize("name", ["ekf", "factor-graph"])
+@pytest.mark.parametrize("name", ["ekf", "fixed-lag", "factor-graph"])
 def test_the_95_percent_regions_hold_95_percent(name: EstimatorName, known: bool) -> None:
     assert 0.92 <= coverage(outcomes(name, known), slice(None)) <= 0.98
 
@@ -114,7 +116,7 @@ def outcomes_with_gap(name: EstimatorName) -> list[tuple[Track, Array]]:
     return results
 
 
-@pytest.mark.parametrize("name", ["ekf", "factor-graph"])
+@pytest.mark.parametrize("name", ["ekf", "fixed-lag", "factor-graph"])
 def test_a_gap_in_which_the_direction_was_lost_leaves_an_honest_track(name: EstimatorName) -> None:
     results = outcomes_with_gap(name)
     assert coverage(results, slice(31, None)) >= 0.9

@@ -1,0 +1,8 @@
+"""The filter online: samples of phones in, estimates out, as they come."""
+
+from pdr_est.online.device import ExpectedDevice
+from pdr_est.online.params import OnlineParams
+from pdr_est.online.tracker import Tracker
+from pdr_est.online.update import Update, track_of
+
+__all__ = ["ExpectedDevice", "OnlineParams", "Tracker", "Update", "track_of"]

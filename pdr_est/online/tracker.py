@@ -1,0 +1,218 @@
+"""The tracker: samples of some devices, block by block, to estimates of where they are."""
+
+import pickle
+import warnings
+from collections.abc import Iterable, Sequence
+
+from pdr_est.config import Config, check
+from pdr_est.errors import ConfigError, EstimationError
+from pdr_est.online.device import DeviceFrontEnd, ExpectedDevice
+from pdr_est.online.known import Known
+from pdr_est.online.log import DeviceLog
+from pdr_est.online.params import OnlineParams
+from pdr_est.online.rows import Rows
+from pdr_est.online.update import Kind, Pose, Update, placed, update_of
+from pdr_est.online.walk import WalkFilter
+from pdr_est.records import HeadingPrior, PositionFix, SensorBlock, StepOdometry
+
+_ONLINE = OnlineParams()
+
+
+class Tracker:
+    """Follows a walk while it is recorded.
+
+    The estimates of kind "filtered" are those of the estimator `ekf` on all that is known by then: however the
+    recording is cut, and in whatever order the blocks of its devices come within `OnlineParams.wait_s` of each other,
+    the last update of each pose equals the pose of `ekf` on the whole recording with `devices.clock: given`. With
+    `estimator.name: fixed-lag` there are those of kind "delayed" besides.
+
+    devices: those that will send samples; others join when their first block comes. The walk's first device is the
+    first of them. refused_fixes: those that came later than the horizon.
+    """
+
+    def __init__(
+        self,
+        config: Config | None = None,
+        devices: Sequence[str | ExpectedDevice] = (),
+        online: OnlineParams = _ONLINE,
+    ) -> None:
+        self._config = Config() if config is None else config
+        check(self._config)
+        if self._config.heading.dominant.direction_rad is not None:
+            raise ConfigError(
+                "heading.dominant.direction_rad: the directions of a building are found from the whole walk: leave "
+                "it out for tracking, or use `pdr-est smooth`"
+            )
+        self._online = online
+        self._names: list[str] = []
+        self._fronts: list[DeviceFrontEnd] = []
+        start, sigma_scale = self._config.start.pose(), self._config.odometry.sigma_length_scale
+        self._known = Known(start, sigma_scale)
+        tether = self._config.devices.tether if self._config.devices.tethered else None
+        self._walk = WalkFilter(self._known, tether, online)
+        self._rows = Rows()
+        self._delayed = None
+        if self._config.estimator.name == "fixed-lag":
+            from pdr_est.online.delayed import Delayed  # gtsam is slow to load: only when it is used
+
+            self._delayed = Delayed(self._config.estimator.fixed_lag, self._config.devices.tether)
+        self._flushed = False
+        self.refused_fixes = 0
+        for device in devices:
+            self._join(ExpectedDevice(device) if isinstance(device, str) else device)
+
+    @property
+    def devices(self) -> tuple[str, ...]:
+        return tuple(self._names)
+
+    @property
+    def latency_s(self) -> float:
+        """How long after a step its first estimate comes, at most, in the data time of its device."""
+        return max((front.latency_s for front in self._fronts), default=0.0) + self._online.wait_s
+
+    @property
+    def lag_s(self) -> float | None:
+        """How long after a step its delayed estimate comes, once a later step is known; None without."""
+        if self._delayed is None:
+            return None
+        return self._online.settle_s + self._config.estimator.fixed_lag.lag_s
+
+    @property
+    def late_steps(self) -> int:
+        """Steps that came later than the horizon: they were used, but after what other devices did meanwhile."""
+        return self._walk.late
+
+    @property
+    def remembered(self) -> int:
+        """Nodes that can still be gone through again: what the memory of a long walk depends on."""
+        return len(self._walk.history)
+
+    def push(self, device: str, block: SensorBlock) -> list[Update]:
+        """Take consecutive samples of one channel of a device; return the estimates that are new or have changed.
+
+        Raises EstimationError after `flush`.
+        """
+        self._refuse_flushed()
+        if device not in self._names:
+            self._join(ExpectedDevice(device))
+        number = self._names.index(device)
+        front = self._fronts[number]
+        return self._take(number, front.push(block))
+
+    def push_fix(self, fix: PositionFix) -> list[Update]:
+        """Take a known position, of the past or of the future; return the estimates that it changes.
+
+        One from before the horizon is refused with a warning and counted. Raises EstimationError for one that cannot
+        be used, and after `flush`.
+        """
+        self._refuse_flushed()
+        horizon_s = self._walk.now_s - self._online.horizon_s
+        if fix.time_s < horizon_s:
+            self.refused_fixes += 1
+            warnings.warn(
+                f"fix ({fix.source}) at {fix.time_s:.3f} s came more than {self._online.horizon_s:g} s late, at "
+                f"{self._walk.now_s:.3f} s, and was refused: {self.refused_fixes} so far",
+                stacklevel=2,
+            )
+            return []
+        left = len(self._walk.history)
+        self._walk.undo_for_fix(fix, self._known.add(fix))
+        return self._catch_up(left)
+
+    def flush(self) -> list[Update]:
+        """The end of the walk: what was held back."""
+        self._refuse_flushed()
+        found: list[Update] = []
+        for number, front in enumerate(self._fronts):
+            found += self._take(number, front.flush())
+        self._flushed = True
+        left = len(self._walk.history)
+        self._walk.flush(self._config.start.sigma_closed_m if self._config.start.closed else None)
+        found += self._catch_up(left)
+        state = self._walk.finish()
+        self._rows.pulled(state, self._walk.tail_pulls)
+        found += self._filtered()
+        if self._delayed is not None:
+            found += self._updates("delayed", self._delayed.finish(self._walk.history, self._walk.tail_pulls, state))
+        return found
+
+    def state(self) -> bytes:
+        """Everything, for `restore`: with what comes then, the tracker goes on as if nothing had happened."""
+        return pickle.dumps(self)
+
+    @staticmethod
+    def restore(state: bytes) -> "Tracker":
+        """The tracker of a `state`, which must come from a trusted place: it is a pickle. Raises EstimationError for
+        something else."""
+        tracker = pickle.loads(state)
+        if not isinstance(tracker, Tracker):
+            raise EstimationError(
+                f"the state is that of a {type(tracker).__name__}: give one that Tracker.state made"
+            )
+        return tracker
+
+    def _refuse_flushed(self) -> None:
+        if self._flushed:
+            raise EstimationError("the walk was ended by flush(): begin another one with a new Tracker")
+
+    def _join(self, device: ExpectedDevice) -> None:
+        if device.name in self._names:
+            raise EstimationError(f"device {device.name!r} is expected twice: give each a name of its own")
+        self._names.append(device.name)
+        self._fronts.append(DeviceFrontEnd(device, self._config))
+        left = self._walk.add_device()
+        if self._delayed is not None:
+            self._delayed.undone(left)
+
+    def _take(self, number: int, found: Iterable[StepOdometry | HeadingPrior]) -> list[Update]:
+        """What the front end of a device found, and how far its samples reach now."""
+        front, left = self._fronts[number], len(self._walk.history)
+        if front.start_s is None or front.end_s is None:
+            return []
+        self._known.latency_s = max(self._known.latency_s, front.latency_s)
+        log = self._walk.logs[number]
+        measurements = list(found)
+        if log is not None and not measurements and front.end_s == log.end_s:
+            return []  # the samples wait for those of another sensor
+        if log is None:
+            log = self._walk.logs[number] = DeviceLog(front.start_s)
+        for measurement in measurements:
+            log.append(measurement)
+        self._walk.extend(number, front.end_s)
+        return self._catch_up(left)
+
+    def _catch_up(self, left: int) -> list[Update]:
+        """Bring all up to date. left: how many records the history had before something of it was undone."""
+        kept, recorded = self._walk.catch_up()
+        if self._delayed is not None:
+            self._delayed.undone(min(left, kept))
+        for state, device in self._walk.let_go(kept):
+            self._rows.last(state, device)
+        for record in recorded:
+            self._rows.record(record)
+        found = self._filtered()
+        if self._delayed is not None:
+            settled_s = self._walk.now_s - self._online.settle_s
+            found += self._updates("delayed", self._delayed.take(self._walk.history, settled_s))
+        if recorded:
+            fed = len(self._walk.history) if self._delayed is None else self._delayed.fed
+            forgotten = self._walk.forget(fed)
+            if self._delayed is not None:
+                self._delayed.forgotten(forgotten)
+            self._rows.forget(self._walk.now_s - 2.0 * self._online.horizon_s)
+        return found
+
+    def _filtered(self) -> list[Update]:
+        return self._updates("filtered", self._rows.changed())
+
+    def _updates(self, kind: Kind, poses: Sequence[Pose]) -> list[Update]:
+        """The ends of steps among some poses, where the devices sit on the body."""
+        found = []
+        for pose in poses:
+            if not pose.node.is_step:
+                continue
+            name = self._names[pose.device]
+            mounting = self._config.devices.mounting_of(name)
+            offset_m = (mounting.forward_m, mounting.left_m) if len(self._names) > 1 else (0.0, 0.0)
+            found.append(placed(update_of(pose, name, kind), offset_m))
+        return found

@@ -1,0 +1,117 @@
+"""The tracker gives what the filter gives on the whole recording, however its samples come."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from two_phones import GIVEN_CLOCK, KNOWN_START, fix_at, offline, push_all, recorded, slices, tracker_of
+
+from pdr_est.config import Config, EstimatorParams
+from pdr_est.estimators.lag_params import FixedLagParams
+from pdr_est.online import Tracker, Update, track_of
+from pdr_est.track import Track
+
+# The third and the fourth while the walker stands.
+FIXES = [
+    fix_at(1.5, 0.0, 0.3),
+    fix_at(7.13, 6.0, 0.2),
+    fix_at(11.2, 9.2, 0.1),
+    fix_at(13.0, 8.9, 0.1),
+    fix_at(26.02, 14.0, 6.0),
+]
+
+
+def same_poses(updates: list[Update], whole: Track) -> None:
+    track = track_of(updates)
+    order = np.lexsort((track.time_s, track.device))
+    expected = np.lexsort((whole.time_s, whole.device))
+    assert track.time_s[order].tolist() == whole.time_s[expected].tolist()
+    for name in (
+        "device",
+        "position_m",
+        "heading_rad",
+        "covariance_m2",
+        "sigma_heading_rad",
+        "mode",
+        "moving_from_s",
+    ):
+        assert np.array_equal(getattr(track, name)[order], getattr(whole, name)[expected]), name
+
+
+@pytest.mark.parametrize("devices", [1, 2])
+@pytest.mark.parametrize("config", [GIVEN_CLOCK, KNOWN_START], ids=["open", "known"])
+@pytest.mark.parametrize("fixes", [[], FIXES], ids=["bare", "fixes"])
+def test_whole_seconds_equal_the_filter(devices: int, config: Config, fixes: list) -> None:
+    recording = recorded(devices)
+    tracker = tracker_of(recording, config)
+    for fix in fixes:
+        tracker.push_fix(fix)
+    updates = push_all(tracker, slices(recording, [np.arange(1.0, 60.0)] * devices))
+    same_poses(updates, offline(recording, config, fixes))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_any_cut_and_interleaving_gives_the_same(seed: int) -> None:
+    recording, rng = recorded(2, gap=True), np.random.default_rng(seed)
+    cuts = [np.sort(rng.uniform(0.0, 60.0, count)) for count in (40, 300)]
+    tracker = tracker_of(recording, GIVEN_CLOCK, wait_s=float(rng.choice([0.0, 1.0, 20.0])))
+    for fix in FIXES:
+        tracker.push_fix(fix)
+    same_poses(push_all(tracker, slices(recording, cuts)), offline(recording, GIVEN_CLOCK, FIXES))
+
+
+def test_one_device_after_the_other_gives_the_same() -> None:
+    recording = recorded(2, gap=True)
+    tracker = tracker_of(recording, KNOWN_START, horizon_s=100.0)
+    blocks = [(device.name, block) for device in recording.devices for block in device.blocks()]
+    same_poses(push_all(tracker, blocks), offline(recording, KNOWN_START))
+
+
+def test_one_sample_at_a_time_with_a_restart_between() -> None:
+    recording = recorded(2, gap=True)
+    blocks = slices(recording, [np.arange(0.0, 60.0, 0.01)] * 2)
+    tracker, updates = tracker_of(recording, KNOWN_START), []
+    for number, (name, block) in enumerate(blocks):
+        if number % 3000 == 1500:
+            tracker = Tracker.restore(tracker.state())
+        updates += tracker.push(name, block)
+    updates += tracker.flush()
+    same_poses(updates, offline(recording, KNOWN_START))
+
+
+@pytest.mark.parametrize("config", [GIVEN_CLOCK, KNOWN_START], ids=["open", "known"])
+@pytest.mark.parametrize("devices", [1, 2])
+@pytest.mark.parametrize("late_s", [0.0, 3.0, 14.0])
+def test_fixes_that_come_late_take_their_place(config: Config, devices: int, late_s: float) -> None:
+    recording = recorded(devices, gap=True)
+    tracker, updates, waiting = tracker_of(recording, config), [], list(FIXES)
+    for name, block in slices(recording, [np.arange(0.2, 60.0, 0.2)] * devices):
+        while waiting and float(block.time_s[-1]) > waiting[0].time_s + late_s:
+            updates += tracker.push_fix(waiting.pop(0))
+        updates += tracker.push(name, block)
+    for fix in waiting:
+        updates += tracker.push_fix(fix)
+    updates += tracker.flush()
+    same_poses(updates, offline(recording, config, FIXES))
+    assert tracker.refused_fixes == 0
+
+
+@pytest.mark.parametrize("devices", [1, 2])
+@pytest.mark.parametrize("late", [False, True])
+def test_delayed_estimates_are_those_of_the_smoother(devices: int, late: bool) -> None:
+    recording = recorded(devices)
+    config = replace(KNOWN_START, estimator=EstimatorParams(name="fixed-lag", fixed_lag=FixedLagParams(lag_s=4.0)))
+    tracker, updates = tracker_of(recording, config), []
+    waiting = list(FIXES)
+    for name, block in slices(recording, [np.arange(0.2, 60.0, 0.2)] * devices):
+        while waiting and (not late or float(block.time_s[-1]) > waiting[0].time_s + 3.0):
+            updates += tracker.push_fix(waiting.pop(0))
+        updates += tracker.push(name, block)
+    updates += tracker.flush()
+    same_poses(updates, offline(recording, config.with_estimator("ekf"), FIXES))
+    track, whole = track_of(updates, "delayed"), offline(recording, config, FIXES)
+    assert track.time_s.tolist() == whole.time_s.tolist()
+    assert track.position_m == pytest.approx(whole.position_m, abs=0.02)
+    assert track.covariance_m2 == pytest.approx(whole.covariance_m2, rel=0.02, abs=5e-3)
+    delayed = [(update.device, update.time_s) for update in updates if update.kind == "delayed"]
+    assert len(set(delayed)) == len(delayed)

@@ -1,0 +1,91 @@
+"""A walk with two phones, and ways to push it into a tracker."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from pdr_est import pipeline
+from pdr_est.config import Config, DevicesParams, StartParams
+from pdr_est.frames import Array
+from pdr_est.io.recording import DeviceRecording, Recording
+from pdr_est.online import ExpectedDevice, Tracker, Update
+from pdr_est.records import PositionFix, SensorBlock
+from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, simulate_walk
+from pdr_est.track import Track
+
+GIVEN_CLOCK = Config(devices=DevicesParams(clock="given")).with_estimator("ekf")
+KNOWN_START = replace(GIVEN_CLOCK, start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
+
+
+@cache
+def recorded(devices: int = 2, gap: bool = False) -> Recording:
+    """About forty seconds around two corners with a pause; the second phone has a gap."""
+    names = ("left", "right", "back")[:devices]
+    scenario = Scenario(
+        path=PathParams(vertices_m=((0.0, 0.0), (14.0, 0.0), (14.0, 9.0), (4.0, 9.0))),
+        gait=GaitParams(lead_in_s=1.0, lead_out_s=1.0, pauses=(Pause(at_m=9.0, duration_s=6.0),)),
+        devices=tuple(
+            DeviceParams(name=name, sensors=SensorParams(gaps_s=((20.0, 21.5),) if gap and i == 1 else ()))
+            for i, name in enumerate(names)
+        ),
+        seed=5,
+    )
+    return simulate_walk(scenario).recording
+
+
+def offline(recording: Recording, config: Config, fixes: Sequence[PositionFix] = ()) -> Track:
+    """The estimator on the whole recording, without the track of the person."""
+    track = pipeline.smooth(recording, config, fixes).track
+    keep = np.isin(track.device, [device.name for device in recording.devices])
+    return replace(
+        track,
+        **{
+            name: getattr(track, name)[keep]
+            for name in (
+                "time_s",
+                "moving_from_s",
+                "device",
+                "position_m",
+                "heading_rad",
+                "covariance_m2",
+                "sigma_heading_rad",
+                "mode",
+                "step_length_m",
+            )
+        },
+    )
+
+
+def tracker_of(recording: Recording, config: Config, **online: float) -> Tracker:
+    from pdr_est.online import OnlineParams
+
+    return Tracker(config, [ExpectedDevice(device.name) for device in recording.devices], OnlineParams(**online))
+
+
+def fix_at(time_s: float, x_m: float, y_m: float, sigma_m: float = 0.5) -> PositionFix:
+    return PositionFix(time_s, np.array([x_m, y_m]), sigma_m**2 * np.eye(2))
+
+
+def slices(recording: Recording, cuts: Sequence[Array]) -> list[tuple[str, SensorBlock]]:
+    """All samples in the order of time, each device cut at its own times."""
+    pieces = [
+        (float(end), number, device.name, part)
+        for number, (device, borders) in enumerate(zip(recording.devices, cuts, strict=True))
+        for begin, end in zip([-np.inf, *borders], [*borders, np.inf], strict=True)
+        for part in _between(device, begin, end)
+    ]
+    return [(name, part) for _, _, name, part in sorted(pieces, key=lambda piece: piece[:2])]
+
+
+def _between(device: DeviceRecording, begin_s: float, end_s: float) -> Iterable[SensorBlock]:
+    for block in device.blocks():
+        keep = (block.time_s > begin_s) & (block.time_s <= end_s)
+        if keep.any():
+            yield SensorBlock(block.channel, block.time_s[keep], block.values[keep])
+
+
+def push_all(tracker: Tracker, blocks: Iterable[tuple[str, SensorBlock]]) -> list[Update]:
+    updates = [update for name, block in blocks for update in tracker.push(name, block)]
+    return updates + tracker.flush()
