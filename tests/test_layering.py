@@ -44,6 +44,7 @@ LIBRARIES = {
         "estimators.fixed_lag",
         "estimators.gtsam_factors",
         "estimators.gtsam_marginals",
+        "estimators.gtsam_newton",
     ),
     "filterpy": ("estimators.pose_filter", "estimators.alignment"),
     "sklearn": ("front_end.gait.training",),
