@@ -41,9 +41,7 @@ def tethers_between(spans_s: Mapping[str, tuple[float, float]], parameters: Teth
         times_s = [k * parameters.every_s for k in range(first, last + 1)]
         if end_s > begin_s and end_s not in times_s:
             times_s.append(end_s)
-        tethers += [
-            DeviceTether(a, b, time_s, parameters.max_distance_m, parameters.sigma_m) for time_s in times_s
-        ]
+        tethers += [DeviceTether(a, b, time_s, parameters.max_distance_m, parameters.sigma_m) for time_s in times_s]
     return tethers
 
 
