@@ -21,7 +21,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators.ekf import alone_smoothed, run_filter
 from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
-from pdr_est.estimators.gtsam_newton import EXACTLY, ROUGHLY, Tethers, led_together, linearised, minimised, poses_of
+from pdr_est.estimators.gtsam_newton import EXACTLY, ROUGHLY, SOFTENINGS, Tethers, linearised, minimised, poses_of
 from pdr_est.estimators.joint_ekf import smoothed_states
 from pdr_est.estimators.large_stack import with_large_stack
 from pdr_est.estimators.motion import Moments
@@ -34,7 +34,7 @@ from pdr_est.track import Track, concatenate
 NAME = "factor-graph"
 _LARGE_STACK_NODES = 5_000  # GTSAM's elimination recurses
 _SCALE_PROBE = 0.05  # how far from the scale the neighbouring systems are; of no influence, they are linear
-_ROUNDS = 30
+_ROUNDS, _SOFT_ROUNDS = 30, 2  # of finding the scales, with tethers as they are and while they are soft
 _SCALE_TOLERANCE = 1e-2  # of the scale's sigma; the rest is second order
 
 
@@ -99,20 +99,32 @@ def initial_states(
 def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":
     """The optimum over poses and length scales, and its covariances."""
     scale = _Scale.without_effect(np.array([guess[-1].mean[3] for guess in guesses]), graph.keys.poses)
-    values = graph.led_together(graph.initial_values(guesses), scale.value)
-    if sigma_length_scale > 0.0 and graph.tells_scale:
-        for _ in range(_ROUNDS):
-            before = scale.value
-            scale, values = _improve_scale(graph, values, before, sigma_length_scale)
-            if np.all(np.abs(scale.value - before) < _SCALE_TOLERANCE * np.sqrt(np.diag(scale.covariance))):
-                break
-            values = graph.optimised(values, scale.value, ROUGHLY)
+    values, strict = graph.initial_values(guesses), graph.tethers
+    for factor in SOFTENINGS if len(strict.ends) else (1.0,):
+        graph.tethers = strict.softened(factor)
+        values = graph.optimised(values, scale.value, ROUGHLY)
+        if sigma_length_scale > 0.0 and graph.tells_scale:
+            rounds = _ROUNDS if factor == 1.0 else _SOFT_ROUNDS
+            scale, values = _with_scale(graph, values, scale, sigma_length_scale, rounds)
     values = graph.optimised(values, scale.value, EXACTLY)
     if sigma_length_scale > 0.0 and not graph.tells_scale:
         scale = graph.untold_scale(values, scale.value, sigma_length_scale)
     pose, covariance = graph.marginals(values, scale.value)
     share = scale.pose_per_scale @ scale.covariance @ scale.pose_per_scale.transpose(0, 2, 1)
     return _Solution(pose, covariance + share, scale)
+
+
+def _with_scale(
+    graph: "_WalkGraph", values: gtsam.Values, scale: _Scale, sigma: float, rounds: int
+) -> tuple[_Scale, gtsam.Values]:
+    """The length scales and the poses near the optimum of both, after so many rounds at most."""
+    for _ in range(rounds):
+        before = scale.value
+        scale, values = _improve_scale(graph, values, before, sigma)
+        if np.all(np.abs(scale.value - before) < _SCALE_TOLERANCE * np.sqrt(np.diag(scale.covariance))):
+            break
+        values = graph.optimised(values, scale.value, ROUGHLY)
+    return scale, values
 
 
 @dataclass(frozen=True)
@@ -169,9 +181,6 @@ class _WalkGraph:
             if reference is not None:
                 values.insert(reference, gtsam.Pose2(0.0, 0.0, guess[-1].mean[4]))
         return values
-
-    def led_together(self, values: gtsam.Values, length_scale: Array) -> gtsam.Values:
-        return led_together(self.at(length_scale), self.tethers, values, self.keys.poses, self.order)
 
     def optimised(self, values: gtsam.Values, length_scale: Array, least_promise: float) -> gtsam.Values:
         return minimised(self.at(length_scale), self.tethers, values, self.keys.poses, self.order, least_promise)

@@ -24,7 +24,7 @@ _MOST_STEPS = 200
 EXACTLY, ROUGHLY = 1e-6, 1e-3  # promised falls of the error, half a chi square, behind which no step follows
 _HALVINGS = 20
 _ENOUGH = 1e-4  # share of the fall that the slope promises (Armijo)
-_SOFTENINGS = (64.0, 8.0, 1.0)  # of the tethers' sigmas, one after the other
+SOFTENINGS = (64.0, 8.0, 1.0)  # of the tethers' sigmas, one after the other
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,9 @@ class Tethers:
             np.array([tie.max_distance_m for tie in ties]),
             np.maximum(np.array([tie.sigma_m for tie in ties]), LEAST_SIGMA),
         )
+
+    def softened(self, factor: float) -> "Tethers":
+        return replace(self, sigma_m=factor * self.sigma_m)
 
     def error(self, pose: Array) -> float:
         """Half the sum of squares of what poses (n, 3) exceed, in sigmas."""
@@ -84,16 +87,6 @@ def linearised(
     if len(tethers.ends):
         linear.push_back(tethers.taut(poses_of(values, poses), resisting))
     return linear
-
-
-def led_together(
-    graph: gtsam.NonlinearFactorGraph, tethers: Tethers, values: gtsam.Values, poses: int, order: Sequence[int]
-) -> gtsam.Values:
-    """Values near those of least error, from any: through tethers that grow stricter. Arguments as `minimised`."""
-    for factor in _SOFTENINGS if len(tethers.ends) else (1.0,):
-        soft = replace(tethers, sigma_m=factor * tethers.sigma_m)
-        values = minimised(graph, soft, values, poses, order, ROUGHLY)
-    return values
 
 
 def minimised(
