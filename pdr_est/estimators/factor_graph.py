@@ -21,7 +21,16 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators.ekf import alone_smoothed, run_filter
 from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
-from pdr_est.estimators.gtsam_newton import EXACTLY, ROUGHLY, SOFTENINGS, Tethers, linearised, minimised, poses_of
+from pdr_est.estimators.gtsam_newton import (
+    EXACTLY,
+    EXACTLY_TETHERED,
+    ROUGHLY,
+    SOFTENINGS,
+    Tethers,
+    linearised,
+    minimised,
+    poses_of,
+)
 from pdr_est.estimators.joint_ekf import smoothed_states
 from pdr_est.estimators.large_stack import with_large_stack
 from pdr_est.estimators.motion import Moments
@@ -98,7 +107,8 @@ def initial_states(
 
 def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":
     """The optimum over poses and length scales, and its covariances."""
-    scale = _Scale.without_effect(np.array([guess[-1].mean[3] for guess in guesses]), graph.keys.poses)
+    expected = [guess[-1].mean[3] if graph.tells_scale else 1.0 for guess in guesses]
+    scale = _Scale.without_effect(np.array(expected), graph.keys.poses)
     values, strict = graph.initial_values(guesses), graph.tethers
     for factor in SOFTENINGS if len(strict.ends) else (1.0,):
         graph.tethers = strict.softened(factor)
@@ -106,7 +116,7 @@ def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_s
         if sigma_length_scale > 0.0 and graph.tells_scale:
             rounds = _ROUNDS if factor == 1.0 else _SOFT_ROUNDS
             scale, values = _with_scale(graph, values, scale, sigma_length_scale, rounds)
-    values = graph.optimised(values, scale.value, EXACTLY)
+    values = graph.optimised(values, scale.value, EXACTLY_TETHERED if len(strict.ends) else EXACTLY)
     if sigma_length_scale > 0.0 and not graph.tells_scale:
         scale = graph.untold_scale(values, scale.value, sigma_length_scale)
     pose, covariance = graph.marginals(values, scale.value)
@@ -153,7 +163,8 @@ class _WalkGraph:
         self._at: tuple[Array, gtsam.NonlinearFactorGraph] | None = None
         self.tethers = Tethers.of(ties, self.keys)
         self.order = _from_the_end(timelines, self.keys)
-        self.tells_scale = bool(ties) or any(one.fixes or one.closure_sigma_m is not None for one in timelines)
+        # Tethers alone would only shrink the walk: tracks that disagree are nearer to each other when all is smaller.
+        self.tells_scale = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
 
     def at(self, length_scale: Array) -> gtsam.NonlinearFactorGraph:
         """All factors but the tethers."""

@@ -21,7 +21,8 @@ from pdr_est.estimators.ties import Tie
 from pdr_est.frames import Array
 
 _MOST_STEPS = 200
-EXACTLY, ROUGHLY = 1e-6, 1e-3  # promised falls of the error, half a chi square, behind which no step follows
+# Promised falls of the error, half a chi square, behind which no step follows; with tethers the last digits are slow.
+EXACTLY, EXACTLY_TETHERED, ROUGHLY = 1e-6, 1e-4, 1e-3
 _HALVINGS = 20
 _ENOUGH = 1e-4  # share of the fall that the slope promises (Armijo)
 SOFTENINGS = (64.0, 8.0, 1.0)  # of the tethers' sigmas, one after the other
