@@ -74,6 +74,11 @@ class DeviceWalk:
         """Times of the first and the last sample that the front end could use."""
         return float(self.level[0].time_s[0]), float(self.level[-1].time_s[-1])
 
+    @property
+    def stepping_s(self) -> tuple[float, float]:
+        """Times of the first usable sample and of the end of the last step, or of the last sample without any."""
+        return self.start_s, max((m.time_s for m in self.odometry[-2:]), default=self.span_s[1])
+
 
 @dataclass(frozen=True)
 class SmoothedWalk:
@@ -134,7 +139,7 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
                 "leave this device out"
             )
     known = [_measured(walk, config, fixes) for walk in walks]
-    spans_s = {walk.device: walk.span_s for walk in walks}
+    spans_s = {walk.device: walk.stepping_s for walk in walks}
     tethers = tethers_between(spans_s, config.devices.tether) if config.devices.tethered else []
 
     def track_from(devices: Sequence[DeviceMeasurements]) -> Track:

@@ -46,6 +46,8 @@ LIBRARIES = {
         "estimators.lag_window",
         "estimators.gtsam_factors",
         "estimators.gtsam_marginals",
+        "estimators.gtsam_newton",
+        "benchmark.speed.smoothing",
     ),
     "filterpy": ("estimators.pose_filter", "estimators.alignment"),
     "sklearn": ("front_end.gait.training",),

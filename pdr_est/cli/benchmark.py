@@ -9,6 +9,8 @@ from rich.console import Console
 
 from pdr_est.benchmark.result import BenchmarkResult
 from pdr_est.benchmark.runner import run_benchmark
+from pdr_est.benchmark.speed import LENGTHS_MIN, print_speed, run_speed
+from pdr_est.benchmark.speed import NAME as SPEED
 from pdr_est.benchmark.suites import SUITES
 from pdr_est.benchmark.table import print_table
 from pdr_est.benchmark.variant import AXES, EVERY, comparison_of_choices
@@ -31,8 +33,8 @@ def _axis_options(command: Command) -> Command:
 
 
 @click.command()
-@click.argument("suite", type=click.Choice(sorted(suite.name for suite in SUITES)))
-@click.option("--data", type=PATH, required=True, metavar="DIR", help="Folder with the data sets.")
+@click.argument("suite", type=click.Choice(sorted([*(suite.name for suite in SUITES), SPEED])))
+@click.option("--data", type=PATH, metavar="DIR", help=f"Folder with the data sets; {SPEED} needs none.")
 @_axis_options
 @click.option("--json", "json_file", type=PATH, metavar="FILE", help="Write the numbers there as well.")
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
@@ -41,7 +43,7 @@ def _axis_options(command: Command) -> Command:
 @click.option("-q", "--quiet", is_flag=True, help="No progress bar.")
 def benchmark(
     suite: str,
-    data: Path,
+    data: Path | None,
     json_file: Path | None,
     jobs: int,
     limit: int | None,
@@ -49,7 +51,12 @@ def benchmark(
     quiet: bool,
     **options_of_axes: str | None,
 ) -> None:
-    """Score the walks of SUITE in DIR and print a table of its metrics."""
+    """Score the walks of SUITE in DIR and print a table of its metrics; SUITE speed measures what the chain costs."""
+    if suite == SPEED:
+        _speed(json_file, data, limit, config_file, quiet)
+        return
+    if data is None:
+        raise click.MissingParameter(param_type="option", param_hint="'--data'")
     choices = {name.replace("_", "-"): value for name, value in options_of_axes.items()}
     config = resolve_config(config_file)
     with nullcontext() if config_file is None else naming(config_file):
@@ -64,7 +71,21 @@ def benchmark(
     print_table(result, Console())
 
 
-def _staged_result(json_file: Path, data: Path, config_file: Path | None) -> AbstractContextManager[Path]:
+def _speed(
+    json_file: Path | None, data: Path | None, limit: int | None, config_file: Path | None, quiet: bool
+) -> None:
+    """The suite without walks. limit: how many of the lengths whose growth of cost is measured."""
+    config = resolve_config(config_file)
+    with ExitStack() as stack:
+        document = None if json_file is None else stack.enter_context(_staged_result(json_file, data, config_file))
+        bar = stack.enter_context(progress_bar(SPEED, total=None, quiet=quiet))
+        result = run_speed(config, LENGTHS_MIN[:limit], on_progress=bar.at)
+        if document is not None:
+            document.write_text(json.dumps(result.to_dict(), indent=2) + "\n", encoding="utf-8")
+    print_speed(result, Console())
+
+
+def _staged_result(json_file: Path, data: Path | None, config_file: Path | None) -> AbstractContextManager[Path]:
     """The place of the JSON document, which may replace an earlier one. Raises OutputError for any other file."""
     if json_file.is_file() and not _is_result(json_file):
         raise OutputError(f"{json_file}: is no result of an earlier benchmark: name another file")

@@ -2,8 +2,8 @@
 
 Poses are Pose2 variables; steps are BetweenFactorPose2, fixes PoseTranslationPrior2D, heading priors
 PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from, as is the end of a closed
-walk from its start; robust ones are under a Huber or Cauchy kernel. Two devices of one body have a RangeFactorPose2
-between them whose kernel ignores all distances that a body allows.
+walk from its start; robust ones are under a Huber or Cauchy kernel. Two devices of one body are tied by factors that
+cost nothing within the distances that a body allows (`gtsam_newton`).
 
 The walker's length scale would tie one variable to every step and make the system dense, so it stays outside, one a
 device: the graph is solved at one scale, linear systems at neighbouring scales tell where the best scale is, its
@@ -13,23 +13,24 @@ same as a variable in the graph.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.ekf import alone_smoothed, run_filter
-from pdr_est.estimators.gtsam_factors import (
-    Keys,
-    add_motion,
-    add_tethers,
-    add_tight,
-    anchors,
-    motion_noise,
-    reference_guess,
-)
+from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise, reference_guess
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
+from pdr_est.estimators.gtsam_newton import (
+    EXACTLY,
+    EXACTLY_TETHERED,
+    ROUGHLY,
+    SOFTENINGS,
+    Tethers,
+    linearised,
+    minimised,
+    poses_of,
+)
 from pdr_est.estimators.joint_ekf import smoothed_states
 from pdr_est.estimators.large_stack import with_large_stack
 from pdr_est.estimators.motion import Moments
@@ -41,10 +42,8 @@ from pdr_est.track import Track, concatenate
 
 NAME = "factor-graph"
 _LARGE_STACK_NODES = 5_000  # GTSAM's elimination recurses
-_LEADING_ITERATIONS = 15
-_SLACK_M = 1e-3
 _SCALE_PROBE = 0.05  # how far from the scale the neighbouring systems are; of no influence, they are linear
-_ROUNDS = 30
+_ROUNDS, _SOFT_ROUNDS = 30, 2  # of finding the scales, with tethers as they are and while they are soft
 _SCALE_TOLERANCE = 1e-2  # of the scale's sigma; the rest is second order
 
 
@@ -108,22 +107,34 @@ def initial_states(
 
 def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":
     """The optimum over poses and length scales, and its covariances."""
-    values = graph.initial_values(guesses)
-    scale = _Scale.without_effect(np.array([guess[-1].mean[3] for guess in guesses]), graph.keys.poses)
-    values = graph.led_together(values, scale.value)
-    for _ in range(_ROUNDS):
-        values = graph.optimised(values, scale.value)
-        settled = not graph.retie(values)
-        if settled and sigma_length_scale > 0.0:  # only then do linear systems tell about other scales
-            before = scale.value
-            scale, values = _improve_scale(graph, values, before, sigma_length_scale)
-            steady = np.abs(scale.value - before) < _SCALE_TOLERANCE * np.sqrt(np.diag(scale.covariance))
-            settled = bool(steady.all())
-        if settled:
-            break
+    expected = [guess[-1].mean[3] if graph.tells_scale else 1.0 for guess in guesses]
+    scale = _Scale.without_effect(np.array(expected), graph.keys.poses)
+    values, strict = graph.initial_values(guesses), graph.tethers
+    for factor in SOFTENINGS if len(strict.ends) else (1.0,):
+        graph.tethers = strict.softened(factor)
+        values = graph.optimised(values, scale.value, ROUGHLY)
+        if sigma_length_scale > 0.0 and graph.tells_scale:
+            rounds = _ROUNDS if factor == 1.0 else _SOFT_ROUNDS
+            scale, values = _with_scale(graph, values, scale, sigma_length_scale, rounds)
+    values = graph.optimised(values, scale.value, EXACTLY_TETHERED if len(strict.ends) else EXACTLY)
+    if sigma_length_scale > 0.0 and not graph.tells_scale:
+        scale = graph.untold_scale(values, scale.value, sigma_length_scale)
     pose, covariance = graph.marginals(values, scale.value)
     share = scale.pose_per_scale @ scale.covariance @ scale.pose_per_scale.transpose(0, 2, 1)
     return _Solution(pose, covariance + share, scale)
+
+
+def _with_scale(
+    graph: "_WalkGraph", values: gtsam.Values, scale: _Scale, sigma: float, rounds: int
+) -> tuple[_Scale, gtsam.Values]:
+    """The length scales and the poses near the optimum of both, after so many rounds at most."""
+    for _ in range(rounds):
+        before = scale.value
+        scale, values = _improve_scale(graph, values, before, sigma)
+        if np.all(np.abs(scale.value - before) < _SCALE_TOLERANCE * np.sqrt(np.diag(scale.covariance))):
+            break
+        values = graph.optimised(values, scale.value, ROUGHLY)
+    return scale, values
 
 
 @dataclass(frozen=True)
@@ -136,7 +147,7 @@ class _Solution:
 
 
 class _WalkGraph:
-    """The graph of a walk at any length scales. Tethers that are tight are distances, the others are left out."""
+    """The graph of a walk at any length scales."""
 
     def __init__(
         self,
@@ -146,20 +157,32 @@ class _WalkGraph:
         guesses: Sequence[list[Moments]],
     ) -> None:
         self.keys = Keys.of(timelines)
-        self._timelines, self._ties = timelines, ties
-        self._tight: frozenset[int] = frozenset()  # numbers of ties
+        self._timelines = timelines
         self._tied = anchors(timelines, self.keys, starts, guesses)
         self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
+        self._at: tuple[Array, gtsam.NonlinearFactorGraph] | None = None
+        self.tethers = Tethers.of(ties, self.keys)
         self.order = _from_the_end(timelines, self.keys)
+        # Tethers alone would only shrink the walk: tracks that disagree are nearer to each other when all is smaller.
+        self.tells_scale = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
 
     def at(self, length_scale: Array) -> gtsam.NonlinearFactorGraph:
-        graph = gtsam.NonlinearFactorGraph(self._tied)
-        add_tight(graph, [self._ties[i] for i in sorted(self._tight)], self.keys)
-        for timeline, first, noise, scale in zip(
-            self._timelines, self.keys.first, self._noises, length_scale, strict=True
-        ):
-            add_motion(graph, timeline.nodes, first, noise, float(scale))
-        return graph
+        """All factors but the tethers."""
+        if self._at is None or not np.array_equal(self._at[0], length_scale):
+            graph = gtsam.NonlinearFactorGraph(self._tied)
+            for timeline, first, noise, scale in zip(
+                self._timelines, self.keys.first, self._noises, length_scale, strict=True
+            ):
+                add_motion(graph, timeline.nodes, first, noise.models, float(scale))
+            self._at = length_scale, graph
+        return self._at[1]
+
+    def motion_per_scale(self) -> Array:
+        """Sum of the squares (d,) of what the lengths of each device's steps are in sigmas."""
+        lengths_m = [np.array([node.length_m for node in timeline.nodes[1:]]) for timeline in self._timelines]
+        return np.array(
+            [np.sum(own_m**2 * noise.information_ahead) for own_m, noise in zip(lengths_m, self._noises, strict=True)]
+        )
 
     def initial_values(self, guesses: Sequence[list[Moments]]) -> gtsam.Values:
         values = gtsam.Values()
@@ -170,41 +193,32 @@ class _WalkGraph:
                 values.insert(reference, reference_guess(guess))
         return values
 
-    def led_together(self, values: gtsam.Values, length_scale: Array) -> gtsam.Values:
-        """Near the optimum with all tethers, by kernels with a dead zone: these tell well which of them are tight,
-        but take many iterations to the end."""
-        if not self._ties:
-            return values
-        graph = self.at(length_scale)
-        add_tethers(graph, self._ties, self.keys)
-        values = _optimise(graph, values, self.order, _LEADING_ITERATIONS)
-        self.retie(values)
-        return values
+    def optimised(self, values: gtsam.Values, length_scale: Array, least_promise: float) -> gtsam.Values:
+        return minimised(self.at(length_scale), self.tethers, values, self.keys.poses, self.order, least_promise)
 
-    def optimised(self, values: gtsam.Values, length_scale: Array) -> gtsam.Values:
-        return _optimise(self.at(length_scale), values, self.order)
-
-    def retie(self, values: gtsam.Values) -> bool:
-        """Tighten the tethers that are exceeded and slacken those that push; return whether there were any."""
-        position = self.poses(values)[:, :2]
-        tight = set()
-        for i, tie in enumerate(self._ties):
-            a, b = self.keys.of_tie(tie)
-            excess_m = float(np.hypot(*(position[a] - position[b]))) - tie.max_distance_m
-            if excess_m > (0.0 if i in self._tight else _SLACK_M):
-                tight.add(i)
-        changed, self._tight = tight != self._tight, frozenset(tight)
-        return changed
+    def linear(self, values: gtsam.Values, length_scale: Array, resisting: bool) -> gtsam.GaussianFactorGraph:
+        return linearised(self.at(length_scale), self.tethers, values, self.keys.poses, resisting)
 
     def poses(self, values: gtsam.Values) -> Array:
         """Poses (n, 3)."""
-        return np.asarray(gtsam.utilities.extractPose2(values)[: self.keys.poses])
+        return poses_of(values, self.keys.poses)
+
+    def untold_scale(self, values: gtsam.Values, length_scale: Array, sigma: float) -> _Scale:
+        """Of a walk in which no position is measured: as before, and each pose moves with the steps up to it."""
+        heading = self.poses(values)[:, 2]
+        moved = np.zeros((self.keys.poses, 3, len(length_scale)))
+        for d, (timeline, first) in enumerate(zip(self._timelines, self.keys.first, strict=True)):
+            length_m, turn_rad = np.array([[node.length_m, node.heading_change_rad] for node in timeline.nodes]).T
+            ahead = heading[first : first + len(length_m) - 1] + turn_rad[1:]
+            steps = length_m[1:, None] * np.stack([np.cos(ahead), np.sin(ahead)], axis=1)
+            moved[first + 1 : first + len(length_m), :2, d] = np.cumsum(steps, axis=0)
+        return _Scale(length_scale, sigma**2 * np.eye(len(length_scale)), moved)
 
     def marginals(self, values: gtsam.Values, length_scale: Array) -> tuple[Array, Array]:
         """Poses (n, 3) and their covariances (n, 3, 3) in the map frame."""
         pose = self.poses(values)
         rotation = to_map(pose[:, 2])
-        own = marginal_covariances(self.at(length_scale), values, self.order)[: self.keys.poses]
+        own = marginal_covariances(self.linear(values, length_scale, resisting=False), self.order)[: self.keys.poses]
         return pose, rotation @ own @ rotation.transpose(0, 2, 1)
 
 
@@ -215,46 +229,32 @@ def _from_the_end(timelines: Sequence[Timeline], keys: Keys) -> list[int]:
     return [*latest_first.tolist(), *keys.present_references]
 
 
-def _optimise(
-    graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, order: Sequence[int], most_iterations: int = 100
-) -> gtsam.Values:
-    params = gtsam.LevenbergMarquardtParams()
-    params.setMaxIterations(most_iterations)
-    params.setLinearSolverType("MULTIFRONTAL_QR")
-    params.setOrdering(ordering_of(order))
-    params.setRelativeErrorTol(1e-6)
-    params.setAbsoluteErrorTol(1e-6)
-    return gtsam.LevenbergMarquardtOptimizer(graph, values, params).optimize()
-
-
 def _improve_scale(
     graph: _WalkGraph, values: gtsam.Values, scale: Array, sigma: float
 ) -> tuple[_Scale, gtsam.Values]:
     """One Newton step on the length scales, and the poses moved along. values: optimum at `scale`; sigma: prior's.
 
-    The least error over the poses is a paraboloid in the scales; a few linear systems give its slope and curvature.
+    The error of a linear system with the lengths of a device scaled is quadratic in their scale, with a known bend
+    (`motion_per_scale`), so that its values at two scales give the slope. The least error over the poses has the same
+    slope as that of the optimum's poses, and bends by how the slope changes as the poses follow.
     """
-    axes = _SCALE_PROBE * np.eye(len(scale))
+    here, change = _solved(graph, values, scale)
+    others = [_solved(graph, values, scale + axis) for axis in _SCALE_PROBE * np.eye(len(scale))]
+    direct = graph.motion_per_scale()
 
-    def least_error(offset: Array) -> tuple[float, gtsam.VectorValues]:
-        return _least_error(graph.at(scale + offset), values, graph.order)
+    def slopes(at: gtsam.VectorValues) -> Array:
+        differences = [(there.error(at) - here.error(at)) / _SCALE_PROBE for there, _ in others]
+        return np.array(differences) - 0.5 * _SCALE_PROBE * direct
 
-    here = least_error(np.zeros(len(scale)))
-    above, below = [least_error(axis) for axis in axes], [least_error(-axis) for axis in axes]
-    slope = np.array([(a[0] - b[0]) / (2.0 * _SCALE_PROBE) for a, b in zip(above, below, strict=True)])
-    bend = np.diag([a[0] - 2.0 * here[0] + b[0] for a, b in zip(above, below, strict=True)])
-    for i, j in combinations(range(len(scale)), 2):
-        both = least_error(axes[i] + axes[j])
-        bend[i, j] = bend[j, i] = both[0] - above[i][0] - above[j][0] + here[0]
-    curvature = _not_concave(bend) / _SCALE_PROBE**2 + np.eye(len(scale)) / sigma**2
-    slope += (scale - 1.0) / sigma**2
-    step: Array = -np.linalg.solve(curvature, slope)
-    per_scale = [a[1].subtract(b[1]).scale(0.5 / _SCALE_PROBE) for a, b in zip(above, below, strict=True)]
-    change = here[1]
+    slope: Array = slopes(change)
+    bend = np.array([(slopes(followed) - slope) / _SCALE_PROBE for _, followed in others]) + np.diag(direct)
+    curvature = _not_concave(0.5 * (bend + bend.T)) + np.eye(len(scale)) / sigma**2
+    step: Array = np.asarray(-np.linalg.solve(curvature, slope + (scale - 1.0) / sigma**2))
+    per_scale = [followed.subtract(change).scale(1.0 / _SCALE_PROBE) for _, followed in others]
     for amount, direction in zip(step, per_scale, strict=True):
         change = change.add(direction.scale(float(amount)))
     heading = graph.poses(values)[:, 2]
-    moved = np.stack([in_map(direction, heading) for direction in per_scale], axis=2)
+    moved: Array = np.stack([in_map(direction, heading) for direction in per_scale], axis=2)
     improved = _Scale(np.asarray(scale + step), np.asarray(np.linalg.inv(curvature)), moved)
     return improved, values.retract(change)
 
@@ -265,10 +265,9 @@ def _not_concave(bend: Array) -> Array:
     return np.asarray((axes * np.maximum(variance, 0.0)) @ axes.T)
 
 
-def _least_error(
-    graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, order: Sequence[int]
-) -> tuple[float, gtsam.VectorValues]:
-    """Least error of the graph linearised at `values`, and the change of the variables that leads there."""
-    linear = graph.linearize(values)
-    change = linear.optimize(ordering_of(order), gtsam.EliminateQR)
-    return linear.error(change), change
+def _solved(
+    graph: _WalkGraph, values: gtsam.Values, scale: Array
+) -> tuple[gtsam.GaussianFactorGraph, gtsam.VectorValues]:
+    """The graph at some length scales, linear about `values`, and the change of the variables of least error."""
+    linear = graph.linear(values, scale, resisting=True)
+    return linear, linear.optimize(ordering_of(graph.order), gtsam.EliminateQR)

@@ -4,7 +4,7 @@ Poses are Pose2 variables, all nodes of one device after those of the other; the
 heading priors, one a device that has some, come last. Every factor is one of GTSAM's own.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, sin
 
@@ -16,6 +16,7 @@ from pdr_est.estimators.robust import HUBER
 from pdr_est.estimators.start import VAGUE_SIGMA_RAD, start_prior
 from pdr_est.estimators.ties import Tie
 from pdr_est.estimators.timeline import Node, Timeline
+from pdr_est.frames import Array
 from pdr_est.records import HeadingPrior, PositionFix, StartPose
 
 LEAST_SIGMA = 1e-4  # m or rad; smaller ones make the elimination fail
@@ -101,12 +102,23 @@ def add_measurements(graph: gtsam.NonlinearFactorGraph, node: Node, key: int, re
         graph.add(_heading_factor(key, reference, heading))
 
 
-def motion_noise(nodes: Sequence[Node]) -> list[gtsam.noiseModel.Base]:
-    """Of the motion to every node but the first, in no direction below the least sigma."""
+@dataclass(frozen=True)
+class MotionNoise:
+    """Of the motion to every node but the first, in no direction below the least sigma. information_ahead: (n,) about
+    the length of each step if it turned and moved aside as measured, 1/m^2."""
+
+    models: list[gtsam.noiseModel.Base]
+    information_ahead: Array
+
+
+def motion_noise(nodes: Sequence[Node]) -> MotionNoise:
+    """From the covariances of the nodes."""
     covariance = np.array([node.covariance for node in nodes[1:]]).reshape(-1, 3, 3)
     variance, axes = np.linalg.eigh(covariance)
-    regular = (axes * np.maximum(variance, LEAST_SIGMA**2)[:, None, :]) @ axes.transpose(0, 2, 1)
-    return [gtsam.noiseModel.Gaussian.Covariance(one) for one in regular]
+    variance = np.maximum(variance, LEAST_SIGMA**2)
+    regular = (axes * variance[:, None, :]) @ axes.transpose(0, 2, 1)
+    ahead = np.sum(axes[:, 0, :] ** 2 / variance, axis=1)
+    return MotionNoise([gtsam.noiseModel.Gaussian.Covariance(one) for one in regular], ahead)
 
 
 def add_motion(
@@ -119,23 +131,6 @@ def add_motion(
     """Add the steps of one device, whose first node has the key `first`, at a length scale."""
     for i, node in enumerate(nodes[1:]):
         graph.add(gtsam.BetweenFactorPose2(first + i, first + i + 1, displacement(node, length_scale), noise[i]))
-
-
-def add_tethers(graph: gtsam.NonlinearFactorGraph, ties: Sequence[Tie], keys: Keys) -> None:
-    """Add the distances between poses at one moment: of zero, under a kernel that ignores all distances within the
-    tether."""
-    for tie in ties:
-        sigma_m = max(tie.sigma_m, LEAST_SIGMA)
-        dead_zone = gtsam.noiseModel.mEstimator.L2WithDeadZone.Create(tie.max_distance_m / sigma_m)
-        noise = gtsam.noiseModel.Robust.Create(dead_zone, gtsam.noiseModel.Isotropic.Sigma(1, sigma_m))
-        graph.add(gtsam.RangeFactorPose2(*keys.of_tie(tie), 0.0, noise))
-
-
-def add_tight(graph: gtsam.NonlinearFactorGraph, ties: Iterable[Tie], keys: Keys) -> None:
-    """Add tethers that are tight: their distance is the largest one."""
-    for tie in ties:
-        noise = gtsam.noiseModel.Isotropic.Sigma(1, max(tie.sigma_m, LEAST_SIGMA))
-        graph.add(gtsam.RangeFactorPose2(*keys.of_tie(tie), tie.max_distance_m, noise))
 
 
 def displacement(node: Node, length_scale: float) -> gtsam.Pose2:

@@ -157,7 +157,7 @@ class _Graph:
             key = self._new_key()
             moved = displacement(item.node, scale)
             values.insert(key, self._smoother.calculateEstimatePose2(before).compose(moved))
-            graph.add(gtsam.BetweenFactorPose2(before, key, moved, motion_noise((item.node, item.node))[0]))
+            graph.add(gtsam.BetweenFactorPose2(before, key, moved, motion_noise((item.node, item.node)).models[0]))
             add_measurements(graph, item.node, key, self._references.get(item.device))
             self._poses[item.device] = key
         else:

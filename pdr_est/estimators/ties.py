@@ -29,7 +29,8 @@ class TetherParams:
 
 
 def tethers_between(spans_s: Mapping[str, tuple[float, float]], parameters: TetherParams) -> list[DeviceTether]:
-    """The tethers of all pairs of devices, at multiples of an interval on the common clock.
+    """The tethers of all pairs of devices, at multiples of an interval on the common clock, and at the end: what the
+    last steps led to would else be held by nothing.
 
     spans_s: first and last time of each device.
     """
@@ -37,10 +38,10 @@ def tethers_between(spans_s: Mapping[str, tuple[float, float]], parameters: Teth
     for a, b in combinations(spans_s, 2):
         begin_s, end_s = max(spans_s[a][0], spans_s[b][0]), min(spans_s[a][1], spans_s[b][1])
         first, last = ceil(begin_s / parameters.every_s), floor(end_s / parameters.every_s)
-        tethers += [
-            DeviceTether(a, b, k * parameters.every_s, parameters.max_distance_m, parameters.sigma_m)
-            for k in range(first, last + 1)
-        ]
+        times_s = [k * parameters.every_s for k in range(first, last + 1)]
+        if end_s > begin_s and end_s not in times_s:
+            times_s.append(end_s)
+        tethers += [DeviceTether(a, b, time_s, parameters.max_distance_m, parameters.sigma_m) for time_s in times_s]
     return tethers
 
 

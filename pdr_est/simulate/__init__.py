@@ -13,6 +13,7 @@ from pdr_est.simulate.phone import HeldPhone
 from pdr_est.simulate.pocket import PocketPhone
 from pdr_est.simulate.presets import PRESETS, mmpdr_indoor, mmpdr_mode_walks, park_348, preset
 from pdr_est.simulate.presets_psp import PSP_TESTS, Trajectory, psp_path, psp_walks
+from pdr_est.simulate.presets_robust_dr import ROBUST_DR_TRIALS, robust_dr_trials, waypoint_passes
 from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors import PERFECT, PHONE_MAGNETOMETER, SensorErrors, SensorParams
 from pdr_est.simulate.swing import SwingingPhone
@@ -24,6 +25,7 @@ __all__ = [
     "PHONE_MAGNETOMETER",
     "PRESETS",
     "PSP_TESTS",
+    "ROBUST_DR_TRIALS",
     "BodyParams",
     "DeviceParams",
     "EarthField",
@@ -50,7 +52,9 @@ __all__ = [
     "preset",
     "psp_path",
     "psp_walks",
+    "robust_dr_trials",
     "sample_person",
     "scattered_irons",
     "simulate_walk",
+    "waypoint_passes",
 ]

@@ -42,7 +42,7 @@ class SensorParams:
     perfect fusion would.
     """
 
-    rate_hz: Annotated[float, Ge(25.0), Le(500.0)] = 100.0
+    rate_hz: Annotated[float, Ge(20.0), Le(500.0)] = 100.0
     accelerometer: SensorErrors = SensorErrors(noise_std=0.05, bias_std=0.05, scale_std=0.003)
     gyroscope: SensorErrors = SensorErrors(
         noise_std=0.005, bias_std=float(np.deg2rad(0.05)), bias_walk=2e-5, scale_std=0.003

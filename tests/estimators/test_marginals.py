@@ -32,7 +32,7 @@ def test_they_are_those_of_gtsam(closed: bool, with_references: bool) -> None:
     keys = Keys.of([timeline])
     assert keys.present_references == ([len(timeline.nodes)] if with_references else [])
     graph = anchors([timeline], keys, [start], [states])
-    add_motion(graph, timeline.nodes, 0, motion_noise(timeline.nodes), 1.0)
+    add_motion(graph, timeline.nodes, 0, motion_noise(timeline.nodes).models, 1.0)
     values = gtsam.Values()
     for i, state in enumerate(states):
         values.insert(i, gtsam.Pose2(*state.mean[:3]))

@@ -1,0 +1,44 @@
+"""The suite `speed` measures all its parts, and what it compares is comparable."""
+
+import numpy as np
+
+from pdr_est.benchmark.speed import run_speed
+from pdr_est.benchmark.speed.odometry import START, walk_of
+from pdr_est.benchmark.speed.smoothing import smoothing_seconds
+from pdr_est.config import Config
+from pdr_est.estimators import ESTIMATORS, estimate_walk
+
+
+def test_every_part_is_measured() -> None:
+    calls = []
+    result = run_speed(
+        Config(), lengths_min=(1.0,), on_progress=lambda *at: calls.append(at), recorded_min=0.5, smoothed_steps=(50,)
+    )
+    assert calls[-1] == (5, 5)
+    document = result.to_dict()
+    assert {"clock", "Resampler", "VqfAttitude", "Odometry", *ESTIMATORS} <= document[
+        "stage_seconds_per_minute"
+    ].keys()
+    assert all(seconds >= 0.0 for seconds in document["stage_seconds_per_minute"].values())
+    assert [(row["devices"], row["steps"]) for row in document["smoothing"]] == [(1, 50), (2, 50)]
+    assert [(row["devices"], row["steps"]) for row in document["growth"]] == [(1, 109.0), (2, 218.0)]
+    assert document["online"] is None
+
+
+def test_smoothing_is_hardly_slower_than_bare_gtsam() -> None:
+    """1.25 is the aim; the best of some tries, with room for a busy machine."""
+    assert min(smoothing_seconds(1_000, 1)["ratio"] for _ in range(3)) < 1.6
+
+
+def test_tethers_hold_where_the_tracks_of_the_devices_would_part() -> None:
+    known, tethers = walk_of(300, 2)
+    alone = estimate_walk("factor-graph", known, START, 0.11)
+    together = estimate_walk("factor-graph", known, START, 0.11, tethers)
+    at_s = np.array([tether.time_s for tether in tethers])
+
+    def apart_m(track: object) -> float:
+        one, two = (track.of_device(name).at(at_s)[0] for name in ("phone1", "phone2"))  # type: ignore[attr-defined]
+        return float(np.linalg.norm(one - two, axis=1).max())
+
+    assert apart_m(alone) > 3.0
+    assert apart_m(together) < 1.1 * 0.5
