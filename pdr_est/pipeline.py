@@ -140,7 +140,8 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
             )
     known = [_measured(walk, config, fixes) for walk in walks]
     spans_s = {walk.device: walk.stepping_s for walk in walks}
-    tethers = tethers_between(spans_s, config.devices.tether) if config.devices.tethered else []
+    smooths = config.estimator.name in SMOOTHERS
+    tethers = tethers_between(spans_s, config.devices.tether, at_end=smooths) if config.devices.tethered else []
 
     def track_from(devices: Sequence[DeviceMeasurements]) -> Track:
         start, sigma_scale, chosen = config.start.pose(), config.odometry.sigma_length_scale, config.estimator

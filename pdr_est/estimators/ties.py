@@ -28,18 +28,20 @@ class TetherParams:
     every_s: Annotated[float, Ge(0.2), Le(600.0)] = 2.0
 
 
-def tethers_between(spans_s: Mapping[str, tuple[float, float]], parameters: TetherParams) -> list[DeviceTether]:
-    """The tethers of all pairs of devices, at multiples of an interval on the common clock, and at the end: what the
-    last steps led to would else be held by nothing.
+def tethers_between(
+    spans_s: Mapping[str, tuple[float, float]], parameters: TetherParams, at_end: bool = False
+) -> list[DeviceTether]:
+    """The tethers of all pairs of devices, at multiples of an interval on the common clock.
 
-    spans_s: first and last time of each device.
+    spans_s: first and last time of each device. at_end: also where the walk of a pair ends, for those who know when
+    that is: what the last steps led to would else be held by nothing.
     """
     tethers = []
     for a, b in combinations(spans_s, 2):
         begin_s, end_s = max(spans_s[a][0], spans_s[b][0]), min(spans_s[a][1], spans_s[b][1])
         first, last = ceil(begin_s / parameters.every_s), floor(end_s / parameters.every_s)
         times_s = [k * parameters.every_s for k in range(first, last + 1)]
-        if end_s > begin_s and end_s not in times_s:
+        if at_end and end_s > begin_s and end_s not in times_s:
             times_s.append(end_s)
         tethers += [DeviceTether(a, b, time_s, parameters.max_distance_m, parameters.sigma_m) for time_s in times_s]
     return tethers

@@ -10,7 +10,7 @@ import pytest
 from cli_recordings import Walk, ilc20_log
 from cli_runs import PROGRAM, interrupt, refused, run
 
-ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph"]
+ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 LENGTH_MODELS = ["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
 DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
 METRICS = {
@@ -146,7 +146,7 @@ def test_ctrl_c_ends_all_processes(data: Path, tmp_path: Path) -> None:
         (("ilc21",), r"'ilc21' is not one of .*'ilc20', .* see pdr-est benchmark --help"),
         (
             ("ilc20", "--estimator", "kalman"),
-            r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', .* 'factor-graph', 'all'",
+            r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', .* 'fixed-lag', 'all'",
         ),
         (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'zero-crossing', 'all'"),
         (

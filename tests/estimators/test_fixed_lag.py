@@ -45,7 +45,7 @@ def test_headings_relative_to_a_direction_that_lives_on() -> None:
     priors = [relative(k, 0.3) for k in range(2, 80, 3)]
     late, whole = lagged([*walk.measurements, *priors], ORIGIN, 5.0), batch([*walk.measurements, *priors], ORIGIN)
     bare = lagged(walk.measurements, ORIGIN, 5.0)
-    assert np.abs(late.heading_rad - whole.heading_rad).max() < np.abs(bare.heading_rad - whole.heading_rad).max()
+    assert np.abs(late.heading_rad - whole.heading_rad).max() < 1e-4
     assert late.sigma_heading_rad[40] < 0.7 * bare.sigma_heading_rad[40]
     assert late.position_m[-1] == pytest.approx(whole.position_m[-1], abs=0.3)
 
