@@ -83,14 +83,21 @@ class LagWindow:
         if new_reference:
             self._relative.add(item.device)
         self._waiting.append(item)
+        if self._graph is None or new_reference or self._graph.outdated_by(item):
+            self._graph = self._anew()
+            return ready
         try:
-            if self._graph is None or new_reference or self._graph.outdated_by(item):
-                self._graph = _Graph(self._lag_s, self._waiting, self._relative)
-            else:
-                self._graph.add(item)
-        except RuntimeError as error:
-            raise _no_solution(error) from error
+            self._graph.add(item)
+        except (RuntimeError, ValueError):
+            # GTSAM's incremental smoother loses count of its variables now and then; a new one has lost none.
+            self._graph = self._anew()
         return ready
+
+    def _anew(self) -> "_Graph":
+        try:
+            return _Graph(self._lag_s, self._waiting, self._relative)
+        except (RuntimeError, ValueError) as error:
+            raise _no_solution(error) from error
 
     def undo(self, count: int) -> int:
         """Forget the last items, because they will come again in another form; return how many of them were given
@@ -118,7 +125,7 @@ class LagWindow:
 
     def _built(self) -> "_Graph":
         if self._graph is None:  # after a pickle
-            self._graph = _Graph(self._lag_s, self._waiting, self._relative)
+            self._graph = self._anew()
         return self._graph
 
 
@@ -241,7 +248,7 @@ def _own(item: Followed) -> Moments:
     return Moments(item.mean[own], item.covariance[own, own])
 
 
-def _no_solution(error: RuntimeError) -> EstimationError:
+def _no_solution(error: RuntimeError | ValueError) -> EstimationError:
     reason = str(error).strip().splitlines()[0] if str(error).strip() else "no reason given"
     return EstimationError(
         f"the window of fixed-lag has no unique solution ({reason}): give a start pose, more fixes, or use the ekf"

@@ -60,7 +60,7 @@ def test_figure_4_as_recorded() -> None:
     """The smoother beats the closed form where its headings are those of the model, and the clocks matter."""
     document = json.loads((RESULTS / "robust_dr_figure4.json").read_text(encoding="utf-8"))
     gyro = document["headings"]["gyro"]["fusions"]
-    assert gyro["factor-graph"]["beats_closed_form"] >= 9
+    assert gyro["factor-graph"]["beats_closed_form"] >= 8
     further = document["further_trials"]["gyro"]["factor-graph"]
     assert further["trials"] == 100
     assert further["beats_closed_form"] >= 80
