@@ -180,6 +180,11 @@ def _refuse_contradictions(config: Config, place: str) -> None:
         config.start.pose()
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from error
+    if config.start.closed and config.estimator.name not in ("ekf", "factor-graph"):
+        raise ConfigError(
+            f"{place}: start.closed: {config.estimator.name} makes no use of a walk that ends where it began: choose "
+            "the estimator factor-graph or ekf"
+        )
     try:
         step_detector(config.resample.rate_hz, config.steps)
     except ConfigError as error:

@@ -4,9 +4,8 @@ import json
 import sys
 import time
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -15,10 +14,11 @@ import click
 from pdr_est.cli.fixes import chosen_fixes
 from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
 from pdr_est.config import Config
-from pdr_est.errors import OutputError, RecordingError
+from pdr_est.errors import OutputError, PdrError, RecordingError
 from pdr_est.io import read
-from pdr_est.io.recording import DeviceRecording, Recording
+from pdr_est.io.recording import Recording
 from pdr_est.io.sensor_logger_live import LiveNews, LiveReader, Platform
+from pdr_est.io.together import together
 from pdr_est.online import Tracker, Update
 from pdr_est.online.replay import expected, moments
 from pdr_est.records import PositionFix
@@ -60,17 +60,20 @@ def track(
         return
     if platform is not None:
         raise click.UsageError("--platform is for the phones that send to -; recordings tell theirs")
-    found = [(path, read(path)) for path in recordings]
-    known = [fix for path, recording in found for fix in chosen_fixes(fixes, recording, path)]
+    read_in = [read(path) for path in recordings]
+    recorded = together(read_in)
+    if len(read_in) > 1 and any(one.epoch_s is None for one in read_in):
+        click.echo("warning: not every recording tells its date: they are taken to begin at once", err=True)
+    known = chosen_fixes(fixes, recorded, recordings[0])
     with _lines(output, overwrite) as stream:
-        _replay(found, known, config, realtime, stream)
+        _replay(recorded, known, config, realtime, stream)
 
 
 def _replay(
-    found: list[tuple[Path, Recording]], fixes: list[PositionFix], config: Config, realtime: bool, stream: TextIO
+    recorded: Recording, fixes: Sequence[PositionFix], config: Config, realtime: bool, stream: TextIO
 ) -> None:
-    devices = _devices(found)
-    tracker = Tracker(config, expected(devices, ", ".join(str(path) for path, _ in found), config))
+    devices = recorded.devices
+    tracker = Tracker(config, expected(devices, recorded.name, config))
     begun_s: float | None = None
     for moment in moments(devices, fixes):
         if realtime:
@@ -83,24 +86,12 @@ def _replay(
     _write(tracker.flush(), stream)
 
 
-def _devices(found: list[tuple[Path, Recording]]) -> list[DeviceRecording]:
-    """All devices, with the name of their file where their own are not different."""
-    devices = [(path, device) for path, recording in found for device in recording.devices]
-    names = [device.name for _, device in devices]
-    if len(set(names)) < len(names):
-        devices = [(path, replace(device, name=f"{path.stem}/{device.name}")) for path, device in devices]
-    names = [device.name for _, device in devices]
-    if len(set(names)) < len(names):
-        raise RecordingError(f"{', '.join(names)}: phones of one walk need names of their own: rename the files")
-    return [device for _, device in devices]
-
-
 def _follow_live(
     lines: Iterable[str], config: Config, platform: Platform | None, with_fixes: bool, stream: TextIO
 ) -> None:
     reader, tracker = LiveReader(platform), Tracker(config)
     number = bad = 0
-    last = ""
+    last, heard = "", False
     for number, line in enumerate(lines, start=1):
         try:
             news = reader.push(line)
@@ -108,13 +99,17 @@ def _follow_live(
             bad, last = bad + 1, str(error)
             click.echo(f"warning: line {number}: {error}: left out, {bad} so far", err=True)
             continue
+        heard = heard or bool(news.blocks)
         _take(news, tracker, with_fixes, stream)
-    if bad == number:
+    rest = reader.flush()
+    if not heard and not rest.blocks:
         reason = (
-            "standard input is empty" if number == 0 else f"none of {number} lines could be read, the last: {last}"
+            "standard input is empty"
+            if number == 0
+            else f"none of {number} lines holds samples, the last bad one: {last}"
         )
         raise RecordingError(f"-: {reason}: send the messages of Sensor Logger's HTTP push, one a line")
-    _take(reader.flush(), tracker, with_fixes, stream)
+    _take(rest, tracker, with_fixes, stream)
     _write(tracker.flush(), stream)
 
 
@@ -149,8 +144,13 @@ def _lines(output: Path | None, overwrite: bool) -> Iterator[TextIO]:
         raise OutputError(f"{output}: exists: choose another name, or give --overwrite") from None
     except OSError as error:
         raise OutputError(f"{output}: cannot be written ({error.strerror}): choose another name") from error
-    with stream:
-        yield stream
+    try:
+        with stream:
+            yield stream
+    except PdrError:
+        if not output.stat().st_size:
+            output.unlink()
+        raise
 
 
 def _write(updates: Iterable[Update], stream: TextIO) -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from pdr_est.errors import RecordingError
 from pdr_est.io.recording import DeviceRecording, Recording, Signal
 
@@ -14,8 +16,10 @@ def together(recordings: Sequence[Recording]) -> Recording:
 
     Devices of one name get that of their recording. The times of the others are put on the time zero of the
     first as far as the recorders tell the date; what is still wrong with the clocks is found later, from the walk.
+    A recording that is given twice, such as a set whose every table brings the other phone's along, counts once.
     Raises RecordingError for devices that cannot be told apart.
     """
+    recordings = _once(recordings)
     first, *others = recordings
     if not others:
         return first
@@ -31,6 +35,28 @@ def together(recordings: Sequence[Recording]) -> Recording:
         raise RecordingError(f"{first.name}: two of the recordings are alike in name and device: name each file once")
     named = tuple(replace(device, name=name) for device, name in zip(devices, names, strict=True))
     return replace(first, name=" + ".join(recording.name for recording in recordings), devices=named)
+
+
+def _once(recordings: Sequence[Recording]) -> list[Recording]:
+    kept: list[Recording] = []
+    for recording in recordings:
+        if not any(_same(recording, other) for other in kept):
+            kept.append(recording)
+    return kept
+
+
+def _same(a: Recording, b: Recording) -> bool:
+    """Whether two recordings hold the same devices with the same samples."""
+    if (a.name, [one.name for one in a.devices]) != (b.name, [one.name for one in b.devices]):
+        return False
+    signals = [(one.specific_force, other.specific_force) for one, other in zip(a.devices, b.devices, strict=True)]
+    return all(
+        one is not None
+        and other is not None
+        and np.array_equal(one.time_s, other.time_s)
+        and np.array_equal(one.values, other.values, equal_nan=True)
+        for one, other in signals
+    )
 
 
 def _on_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRecording, ...]:

@@ -40,6 +40,7 @@ def outs(tmp_path: Path) -> Path:
         (("--start", "0", "1e300"), r"--start: start\.y_m = 1e\+300: .* less than or equal to 100000000; .* metres"),
         (("--estimator", "kalman"), r"'kalman' is not one of 'dead-reckoning', "),
         (("--attitude", "magic"), r"'magic' is not one of 'auto', 'vqf', 'device'"),
+        (("--closed", "--estimator", "dead-reckoning"), r"--closed: start\.closed: dead-reckoning makes no use of"),
         (("--overwrit",), r"No such option '--overwrit'.* '--overwrite'"),
         (("again.csv",), r"again\.csv: .*no such file"),
     ],

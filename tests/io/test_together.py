@@ -1,0 +1,46 @@
+"""Recordings of several devices as one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.recording import DeviceRecording, Recording, Signal
+from pdr_est.io.together import together
+
+
+def recording(name: str, value: float = 1.0, epoch_s: float | None = None, devices: int = 1) -> Recording:
+    signal = Signal(np.arange(5.0), np.full((5, 3), value))
+    own = tuple(DeviceRecording(name=f"phone{k}" if k else "device", specific_force=signal) for k in range(devices))
+    return Recording(name=name, format="test", devices=own, epoch_s=epoch_s)
+
+
+def test_devices_of_one_name_get_that_of_their_recording() -> None:
+    both = together([recording("a"), recording("b", 2.0)])
+    assert [device.name for device in both.devices] == ["a", "b"]
+    assert both.name == "a + b"
+
+
+def test_dates_put_the_second_recording_where_it_began() -> None:
+    both = together([recording("a", epoch_s=1000.0), recording("b", 2.0, epoch_s=1030.0)])
+    moved = both.devices[1].specific_force
+    assert moved is not None
+    np.testing.assert_allclose(moved.time_s, 30.0 + np.arange(5.0))
+
+
+def test_without_dates_times_stay_as_they_are() -> None:
+    both = together([recording("a", epoch_s=1000.0), recording("b", 2.0)])
+    kept = both.devices[1].specific_force
+    assert kept is not None
+    np.testing.assert_allclose(kept.time_s, np.arange(5.0))
+
+
+def test_a_recording_that_is_given_twice_counts_once() -> None:
+    one = recording("walk", devices=2)
+    assert together([one, replace(one)]) is one
+
+
+def test_recordings_that_cannot_be_told_apart_are_refused() -> None:
+    with pytest.raises(RecordingError, match="alike in name and device"):
+        together([recording("a"), recording("a", 2.0)])
