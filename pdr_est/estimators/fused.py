@@ -16,8 +16,8 @@ from pdr_est.frames import Array, wrap_angle
 from pdr_est.track import Track
 
 NAME = "fused"
-_SAME_STEP_S = 0.3  # furthest apart that two devices see one step
-_ROOM = 0.8  # of the usual time between steps, that must be free about a step that one device alone saw
+_SAME_STEP_S = 0.35  # furthest apart that two devices see one step
+_ROOM = 0.9  # of the usual time between steps, that must be free about a step that one device alone saw
 _LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
 
 
