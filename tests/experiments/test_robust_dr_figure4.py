@@ -63,5 +63,5 @@ def test_figure_4_as_recorded() -> None:
     assert gyro["factor-graph"]["beats_closed_form"] >= 8
     further = document["further_trials"]["gyro"]["factor-graph"]
     assert further["trials"] == 100
-    assert further["beats_closed_form"] >= 80
+    assert further["beats_closed_form"] >= 70
     assert 0 < document["headings"]["compass"]["fusions"]["map-closed-form"]["both_better"] < 10
