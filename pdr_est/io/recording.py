@@ -1,7 +1,7 @@
 """What a reader returns: the signals of the devices of one walk, with truth and fixes if the recorder kept any."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,9 @@ class Signal:
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+
+_CHANNELS = ("specific_force", "rotation_rate", "magnetic_field", "attitude", "pressure")
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,15 @@ class DeviceRecording:
     pressure: Signal | None = None
     decisions: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+
+    def with_times(self, moved: Callable[[Array], Array]) -> "DeviceRecording":
+        """The same with the times (n,) of every channel as `moved` gives them."""
+        signals = {name: getattr(self, name) for name in _CHANNELS}
+        on_them: dict[str, Any] = {
+            name: None if signal is None else Signal(moved(signal.time_s), signal.values)
+            for name, signal in signals.items()
+        }
+        return replace(self, **on_them)
 
     def blocks(self) -> Iterator[SensorBlock]:
         """The signals that the front end uses, each as one block; first those that a resampler does not wait for."""

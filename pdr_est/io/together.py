@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.recording import DeviceRecording, Recording, Signal
-
-_SIGNALS = ("specific_force", "rotation_rate", "magnetic_field", "attitude", "pressure")
+from pdr_est.io.recording import DeviceRecording, Recording
 
 
 def together(recordings: Sequence[Recording]) -> Recording:
@@ -63,13 +61,4 @@ def _on_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRecording
     if first.epoch_s is None or recording.epoch_s is None:
         return recording.devices
     later_s = recording.epoch_s - first.epoch_s
-    return tuple(_shifted(device, later_s) for device in recording.devices)
-
-
-def _shifted(device: DeviceRecording, later_s: float) -> DeviceRecording:
-    signals: dict[str, Signal | None] = {name: getattr(device, name) for name in _SIGNALS}
-    moved = {
-        name: None if signal is None else Signal(signal.time_s + later_s, signal.values)
-        for name, signal in signals.items()
-    }
-    return replace(device, **moved)  # type: ignore[arg-type]
+    return tuple(device.with_times(lambda time_s: time_s + later_s) for device in recording.devices)

@@ -7,7 +7,7 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.recording import DeviceRecording, Signal
+from pdr_est.io.recording import DeviceRecording
 from pdr_est.records import PositionFix
 from pdr_est.synchronise.line import fit_line
 
@@ -98,12 +98,7 @@ def apply_clock(device: DeviceRecording, clock: ClockEstimate) -> DeviceRecordin
         f"clock ({clock.method}): ahead by {clock.offset_s:.4f} s at {clock.at_s:.1f} s, {clock.skew * 1e6:+.1f} ppm"
     )
     return replace(
-        device,
-        specific_force=_moved(device.specific_force, clock),
-        rotation_rate=_moved(device.rotation_rate, clock),
-        magnetic_field=_moved(device.magnetic_field, clock),
-        attitude=_moved(device.attitude, clock),
-        pressure=_moved(device.pressure, clock),
+        device.with_times(clock.to_reference),
         decisions=(*device.decisions, note),
         warnings=(*device.warnings, *(f"clock: {doubt}" for doubt in clock.doubts)),
     )
@@ -113,7 +108,3 @@ def move_fixes(fixes: Sequence[PositionFix], clock: ClockEstimate) -> tuple[Posi
     """Fixes that the other device kept, on the reference clock."""
     times_s = clock.to_reference(np.array([fix.time_s for fix in fixes], dtype=np.float64))
     return tuple(replace(fix, time_s=float(time_s)) for fix, time_s in zip(fixes, times_s, strict=True))
-
-
-def _moved(signal: Signal | None, clock: ClockEstimate) -> Signal | None:
-    return None if signal is None else Signal(clock.to_reference(signal.time_s), signal.values)

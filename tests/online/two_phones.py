@@ -13,7 +13,7 @@ from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.online import ExpectedDevice, Tracker, Update
 from pdr_est.records import PositionFix, SensorBlock
 from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, simulate_walk
-from pdr_est.track import Track
+from pdr_est.track import Track, concatenate
 
 GIVEN_CLOCK = Config(devices=DevicesParams(clock="given")).with_estimator("ekf")
 KNOWN_START = replace(GIVEN_CLOCK, start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
@@ -38,24 +38,7 @@ def recorded(devices: int = 2, gap: bool = False) -> Recording:
 def offline(recording: Recording, config: Config, fixes: Sequence[PositionFix] = ()) -> Track:
     """The estimator on the whole recording, without the track of the person."""
     track = pipeline.smooth(recording, config, fixes).track
-    keep = np.isin(track.device, [device.name for device in recording.devices])
-    return replace(
-        track,
-        **{
-            name: getattr(track, name)[keep]
-            for name in (
-                "time_s",
-                "moving_from_s",
-                "device",
-                "position_m",
-                "heading_rad",
-                "covariance_m2",
-                "sigma_heading_rad",
-                "mode",
-                "step_length_m",
-            )
-        },
-    )
+    return concatenate([track.of_device(device.name) for device in recording.devices])
 
 
 def tracker_of(recording: Recording, config: Config, **online: float) -> Tracker:
