@@ -12,12 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdr_est.estimators.person_steps import steps_of_person
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.track import Track
 
 NAME = "fused"
-_SAME_STEP_S = 0.35  # furthest apart that two devices see one step
-_ROOM = 0.9  # of the usual time between steps, that must be free about a step that one device alone saw
 _LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
 
 
@@ -25,8 +24,8 @@ def fuse(track: Track) -> Track:
     """The track of the person, with device `NAME`, from the track of several devices; one row a step."""
     tracks = [track.of_device(device) for device in track.devices]
     begin_s = min(float(one.time_s[0]) for one in tracks)
-    step_s, from_s = _steps_of_person(tracks)
-    time_s = np.concatenate([[begin_s], step_s])
+    steps = steps_of_person(tracks)
+    time_s = np.concatenate([[begin_s], steps.time_s])
     at_times = [one.at(time_s) for one in tracks]
     position, covariance = _intersect(
         np.stack([place for place, _ in at_times]), np.stack([spread for _, spread in at_times])
@@ -37,7 +36,7 @@ def fuse(track: Track) -> Track:
     lengths = [np.interp(time_s, one.time_s, one.step_length_m) for one in tracks]
     return Track(
         time_s=time_s,
-        moving_from_s=np.concatenate([[begin_s], from_s]),
+        moving_from_s=np.concatenate([[begin_s], steps.moving_from_s]),
         device=np.array([NAME] * len(time_s)),
         position_m=position,
         heading_rad=np.asarray(wrap_angle(heading)),
@@ -81,32 +80,3 @@ def _headings(tracks: Sequence[Track], time_s: Array) -> tuple[Array, Array]:
         variances.append(np.interp(time_s, one.time_s, one.sigma_heading_rad) ** 2)
     mean, variance = _intersect(np.stack(headings)[..., None], np.stack(variances)[..., None, None])
     return mean[:, 0], variance[:, 0, 0]
-
-
-def _steps_of_person(tracks: Sequence[Track]) -> tuple[Array, Array]:
-    """Times (n,) of the person's steps, and when the movement to each began (n,)."""
-    seen = sorted(
-        (float(time), number, float(begin))
-        for number, one in enumerate(tracks)
-        for time, begin in zip(one.time_s[1:], one.moving_from_s[1:], strict=True)
-    )
-    groups: list[list[tuple[float, int, float]]] = []
-    for event in seen:
-        same = groups and event[0] - groups[-1][0][0] <= _SAME_STEP_S
-        if same and all(event[1] != other[1] for other in groups[-1]):
-            groups[-1].append(event)
-        else:
-            groups.append([event])
-    times = np.array([np.mean([time for time, _, _ in group]) for group in groups])
-    begins = np.array([np.mean([begin for _, _, begin in group]) for group in groups])
-    agreed = np.array([len(group) > 1 for group in groups], dtype=np.bool_)
-    if not agreed.any():
-        return times, begins
-    usual_s = float(np.median(np.diff(times[agreed]))) if agreed.sum() > 1 else _SAME_STEP_S
-    kept: list[int] = []
-    for i in range(len(groups)):
-        next_agreed = next((times[j] for j in range(i + 1, len(groups)) if agreed[j]), np.inf)
-        free_before = not kept or times[i] - times[kept[-1]] >= _ROOM * usual_s
-        if agreed[i] or (free_before and next_agreed - times[i] >= _ROOM * usual_s):
-            kept.append(i)
-    return times[kept], begins[kept]
