@@ -11,8 +11,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pdr_est.estimators.person_steps import steps_of_person
+from pdr_est.estimators.person_heading import heading_of_person
+from pdr_est.estimators.person_steps import SAME_STEP_S, present_at, steps_of_person
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.track import Track
 
@@ -26,11 +28,12 @@ def fuse(track: Track) -> Track:
     begin_s = min(float(one.time_s[0]) for one in tracks)
     steps = steps_of_person(tracks)
     time_s = np.concatenate([[begin_s], steps.time_s])
+    present = present_at(tracks, time_s, SAME_STEP_S)
     at_times = [one.at(time_s) for one in tracks]
     position, covariance = _intersect(
-        np.stack([place for place, _ in at_times]), np.stack([spread for _, spread in at_times])
+        np.stack([place for place, _ in at_times]), np.stack([spread for _, spread in at_times]), present
     )
-    heading, variance = _headings(tracks, time_s)
+    heading, variance = heading_of_person(tracks, time_s, present)
     surest = min(tracks, key=lambda one: float(np.mean(one.sigma_heading_rad)))
     rows = np.minimum(np.searchsorted(surest.time_s, time_s - 1e-9), len(surest) - 1)
     lengths = [np.interp(time_s, one.time_s, one.step_length_m) for one in tracks]
@@ -61,22 +64,11 @@ def carried(track: Track, offset_m: tuple[float, float]) -> Track:
     return replace(track, position_m=track.position_m + moved)
 
 
-def _intersect(mean: Array, covariance: Array) -> tuple[Array, Array]:
-    """Covariance intersection with equal weights of estimates (d, n, k) with covariances (d, n, k, k)."""
-    information = np.linalg.inv(covariance + _LEAST_VARIANCE * np.eye(mean.shape[-1]))
-    joined = np.linalg.inv(information.mean(axis=0))
-    weighted = np.einsum("dnij,dnj->ni", information, mean) / len(mean)
+def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Covariance intersection with equal weights of the estimates (d, n, k) with covariances (d, n, k, k) that are
+    present (d, n)."""
+    weights = present / present.sum(axis=0)
+    information = weights[..., None, None] * np.linalg.inv(covariance + _LEAST_VARIANCE * np.eye(mean.shape[-1]))
+    joined = np.linalg.inv(information.sum(axis=0))
+    weighted = np.einsum("dnij,dnj->ni", information, mean)
     return np.einsum("nij,nj->ni", joined, weighted), joined
-
-
-def _headings(tracks: Sequence[Track], time_s: Array) -> tuple[Array, Array]:
-    """Heading and variance (n,) of the person: those of the devices likewise, each unwrapped beside the first."""
-    headings: list[Array] = []
-    variances: list[Array] = []
-    for one in tracks:
-        own = np.interp(time_s, one.time_s, np.unwrap(one.heading_rad))
-        beside = own if not headings else headings[0] + wrap_angle(own - headings[0])
-        headings.append(np.asarray(beside))
-        variances.append(np.interp(time_s, one.time_s, one.sigma_heading_rad) ** 2)
-    mean, variance = _intersect(np.stack(headings)[..., None], np.stack(variances)[..., None, None])
-    return mean[:, 0], variance[:, 0, 0]

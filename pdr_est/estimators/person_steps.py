@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.track import Track
 
-_SAME_STEP_S = 0.35  # furthest apart that two devices see one step
+SAME_STEP_S = 0.35  # furthest apart that two devices see one step
 # An extra step leaves half the usual time to its neighbour, a real one the whole, a missed one twice as much. The
 # borders lie in the middle, the upper one near enough for a walker who changes pace.
 _ROOM, _STRIDES_ON = 0.75, 1.25
@@ -48,6 +48,12 @@ def steps_of_person(tracks: Sequence[Track]) -> PersonSteps:
     kept = sure | _in_rhythm(seen, time_s, sure, tracks)
     moving_from_s = np.array(np.nanmean(begins[kept], axis=1)) if kept.any() else np.empty(0)
     return PersonSteps(time_s[kept], moving_from_s)
+
+
+def present_at(tracks: Sequence[Track], time_s: Array, within_s: float = 0.0) -> NDArray[np.bool_]:
+    """Which of the tracks tell something at some times (n,): those between their first and last pose, or within_s of
+    it, (d, n)."""
+    return np.array([(one.time_s[0] - within_s <= time_s) & (time_s <= one.time_s[-1] + within_s) for one in tracks])
 
 
 def nearest_pairs(a_s: Array, b_s: Array, within_s: float) -> list[tuple[int, int]]:
@@ -93,7 +99,7 @@ def _aligned(times_s: Sequence[Array]) -> Array:
     """When each device saw each step of anyone, (n, d), NaN where it did not; the rows in order of their mean."""
     seen = times_s[0][:, None]
     for time_s in times_s[1:]:
-        pairs = nearest_pairs(np.nanmean(seen, axis=1) if len(seen) else np.empty(0), time_s, _SAME_STEP_S)
+        pairs = nearest_pairs(np.nanmean(seen, axis=1) if len(seen) else np.empty(0), time_s, SAME_STEP_S)
         column = np.full(len(seen), np.nan)
         column[[i for i, _ in pairs]] = time_s[[j for _, j in pairs]]
         alone = np.delete(time_s, [j for _, j in pairs])
@@ -105,11 +111,8 @@ def _aligned(times_s: Sequence[Array]) -> Array:
 
 def _sure(seen: Array, time_s: Array, tracks: Sequence[Track]) -> NDArray[np.bool_]:
     """Whether two devices saw a step, or there was one only that could."""
-    present = [
-        (one.time_s[0] - _SAME_STEP_S <= time_s) & (time_s <= one.time_s[-1] + _SAME_STEP_S) for one in tracks
-    ]
     witnesses = np.sum(~np.isnan(seen), axis=1)
-    return np.asarray((witnesses > 1) | (np.sum(present, axis=0) == 1))
+    return np.asarray((witnesses > 1) | (present_at(tracks, time_s).sum(axis=0) == 1))
 
 
 def _in_rhythm(seen: Array, time_s: Array, sure: NDArray[np.bool_], tracks: Sequence[Track]) -> NDArray[np.bool_]:
