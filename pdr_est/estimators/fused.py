@@ -3,8 +3,9 @@
 Errors of devices on one body depend on each other in a way that their marginals do not tell: their tethers and the
 fixes are common. The tracks are therefore joined by covariance intersection (Julier and Uhlmann 1997) with equal
 weights, which is honest for any dependence: the information is the mean of theirs, so that a bad device has little
-say, and nothing is counted twice. A step of the person is one that devices agree on, or that one of them saw where
-the rhythm of the others leaves room for it.
+say, and nothing is counted twice. Whose steps count is told in `person_steps`, what the heading is in
+`person_heading`. Both look a few steps ahead, so that the last rows of a walk that goes on may still change; the
+weights of the headings are those of the track that is given.
 """
 
 from collections.abc import Sequence
@@ -20,10 +21,14 @@ from pdr_est.track import Track
 
 NAME = "fused"
 _LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
+_SAME_S = 1e-9  # times that are no further apart are the same moment
 
 
 def fuse(track: Track) -> Track:
-    """The track of the person, with device `NAME`, from the track of several devices; one row a step."""
+    """The track of the person, with device `NAME`, from the track of several devices: the start, then a row a step.
+
+    A device has a say from its start to its last pose: one that comes later or stops earlier is left out elsewhere.
+    """
     tracks = [track.of_device(device) for device in track.devices]
     begin_s = min(float(one.time_s[0]) for one in tracks)
     steps = steps_of_person(tracks)
@@ -34,9 +39,7 @@ def fuse(track: Track) -> Track:
         np.stack([place for place, _ in at_times]), np.stack([spread for _, spread in at_times]), present
     )
     heading, variance = heading_of_person(tracks, time_s, present)
-    surest = min(tracks, key=lambda one: float(np.mean(one.sigma_heading_rad)))
-    rows = np.minimum(np.searchsorted(surest.time_s, time_s - 1e-9), len(surest) - 1)
-    lengths = [np.interp(time_s, one.time_s, one.step_length_m) for one in tracks]
+    lengths = np.stack([np.interp(time_s, one.time_s, one.step_length_m) for one in tracks])
     return Track(
         time_s=time_s,
         moving_from_s=np.concatenate([[begin_s], steps.moving_from_s]),
@@ -45,8 +48,8 @@ def fuse(track: Track) -> Track:
         heading_rad=np.asarray(wrap_angle(heading)),
         covariance_m2=covariance,
         sigma_heading_rad=np.sqrt(variance),
-        mode=surest.mode[rows],
-        step_length_m=np.mean(lengths, axis=0),
+        mode=_modes(tracks, time_s, present),
+        step_length_m=np.sum(lengths * present, axis=0) / present.sum(axis=0),
         kind=track.kind,
         estimator=track.estimator,
         length_scale=track.length_scale,
@@ -72,3 +75,12 @@ def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tu
     joined = np.linalg.inv(information.sum(axis=0))
     weighted = np.einsum("dnij,dnj->ni", information, mean)
     return np.einsum("nij,nj->ni", joined, weighted), joined
+
+
+def _modes(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """The carrying mode (n,) of the device that is surest of its heading, of those that are present (d, n)."""
+    sigma = np.array([float(np.mean(one.sigma_heading_rad)) for one in tracks])
+    whose = np.argmin(np.where(present, sigma[:, None], np.inf), axis=0)
+    rows = [np.minimum(np.searchsorted(one.time_s, time_s - _SAME_S), len(one) - 1) for one in tracks]
+    modes = np.stack([one.mode[row] for one, row in zip(tracks, rows, strict=True)])
+    return np.asarray(modes[whose, np.arange(len(time_s))])

@@ -3,7 +3,7 @@
 Two things of it are ours. The weights of the devices are the same through the walk. With weights from the variance of
 each moment, the first device would have all the say at the start, where its direction defines the frame and is known
 exactly, and share it at the end: by how much the others set off in another direction would become a turn that no
-device saw. And the person's direction is that of two strides: hips and phones turn to and fro with the legs, and a
+device saw. And the person's direction is that of a few strides: hips and phones turn to and fro with the legs, and a
 walk sets off and ends with steps that are not yet like the others. Walkers who turn are not averaged.
 """
 
@@ -30,32 +30,36 @@ def heading_of_person(tracks: Sequence[Track], time_s: Array, present: NDArray[n
 
 
 def over_strides(heading_rad: Array, variance: Array) -> tuple[Array, Array]:
-    """Headings (n,), not wrapped, at the start and at the ends of steps, averaged over two strides, with variances.
+    """Headings (n,), not wrapped, at the start and at the ends of steps, averaged over whole strides, with variances.
 
     The outer steps weigh half, so that what changes from one step to the next cancels. The first and the last steps
-    get the mean of the first and the last two strides; where there is a bend in these, of one stride; where there is
-    a bend in that too, they keep their heading. What the averaged headings vary by is part of the variance.
+    get the mean of the first and the last strides. What the averaged headings vary by is part of the variance. Where
+    there is a bend in every window, and at a start in a known direction, the heading stays as it is.
     """
     mean, spread = heading_rad.copy(), variance.copy()
     undecided = np.ones(len(heading_rad), dtype=np.bool_)
+    undecided[0] = variance[0] > _LEAST_VARIANCE
     for half in _HALF_WINDOWS:
         width = 2 * half + 1
         if len(heading_rad) < width + 1:  # the start is no step
             continue
-        weights = np.ones(width)
-        weights[[0, -1]] = 0.5
-        weights /= weights.sum()
-        steps = np.lib.stride_tricks.sliding_window_view(heading_rad[1:], width)
-        variances = np.lib.stride_tricks.sliding_window_view(variance[1:], width)
-        means = steps @ weights
-        spreads = variances @ weights + np.square(steps - means[:, None]) @ weights
-        nearest = np.clip(np.arange(len(heading_rad)) - 1 - half, 0, len(steps) - 1)
-        straight = undecided & (
-            np.maximum(np.ptp(steps, axis=1)[nearest], np.abs(heading_rad - means[nearest])) < _BEND_RAD
-        )
-        mean[straight], spread[straight] = means[nearest][straight], spreads[nearest][straight]
+        nearest = np.clip(np.arange(len(heading_rad)) - 1 - half, 0, len(heading_rad) - 1 - width)
+        means, spreads, ranges = (part[nearest] for part in _windows(heading_rad[1:], variance[1:], width))
+        straight = undecided & (np.maximum(ranges, np.abs(heading_rad - means)) < _BEND_RAD)
+        mean[straight], spread[straight] = means[straight], spreads[straight]
         undecided &= ~straight
     return mean, spread
+
+
+def _windows(heading_rad: Array, variance: Array, width: int) -> tuple[Array, Array, Array]:
+    """Mean, variance and range of the headings (n,) in every window of that many steps, (n - width + 1,) each."""
+    weights = np.ones(width)
+    weights[[0, -1]] = 0.5
+    weights /= weights.sum()
+    headings = np.lib.stride_tricks.sliding_window_view(heading_rad, width)
+    mean = headings @ weights
+    within = np.lib.stride_tricks.sliding_window_view(variance, width) @ weights
+    return mean, within + np.square(headings - mean[:, None]) @ weights, np.ptp(headings, axis=1)
 
 
 def _of_devices(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -75,4 +79,4 @@ def _of_devices(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool
     usual = np.sum(variance * present, axis=1) / np.maximum(present.sum(axis=1), 1)
     say = present / (usual + _LEAST_VARIANCE)[:, None]
     say /= say.sum(axis=0)
-    return np.sum(say * np.stack(headings), axis=0), np.sum(say * variance, axis=0)
+    return np.unwrap(np.sum(say * np.stack(headings), axis=0)), np.sum(say * variance, axis=0)

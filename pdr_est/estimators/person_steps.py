@@ -20,7 +20,7 @@ SAME_STEP_S = 0.35  # furthest apart that two devices see one step
 # An extra step leaves half the usual time to its neighbour, a real one the whole, a missed one twice as much. The
 # borders lie in the middle, the upper one near enough for a walker who changes pace.
 _ROOM, _STRIDES_ON = 0.75, 1.25
-_RHYTHM_STEPS = 4  # to either side, of which the median interval is a device's rhythm
+_RHYTHM_STEPS = 8  # to either side, whose median stride is a device's rhythm
 _WALK_STEPS = 10  # that one device saw alone, in its rhythm and one after the other: they are a walk
 
 
@@ -35,8 +35,8 @@ class PersonSteps:
 def steps_of_person(tracks: Sequence[Track]) -> PersonSteps:
     """The steps of the person who carries the devices of these tracks, each of one device.
 
-    A track tells nothing of the time before its start and after its last pose: there the others decide. The time of
-    a step is the mean over those who saw it.
+    A track tells nothing of the time before its start, nor of what comes more than a step after its last pose: there
+    the others decide. The time of a step is the mean over those who saw it.
     """
     seen = _aligned([one.time_s[1:] for one in tracks])
     begins = np.full(seen.shape, np.nan)
@@ -83,7 +83,7 @@ def nearest_pairs(a_s: Array, b_s: Array, within_s: float) -> list[tuple[int, in
 
 
 def _followed_back(choices: Sequence[Sequence[str]], first: Sequence[int], number: int) -> list[tuple[int, int]]:
-    """The pairs that a table of choices leads to. choices[i][j - first[i]]: of the first i + 1 and the first j + 1."""
+    """The pairs that a table of choices leads to. choices[i][j - first[i]]: what was best up to i and j."""
     pairs = []
     i, j = len(choices) - 1, number - 1
     while i >= 0 and j >= 0:
@@ -110,9 +110,15 @@ def _aligned(times_s: Sequence[Array]) -> Array:
 
 
 def _sure(seen: Array, time_s: Array, tracks: Sequence[Track]) -> NDArray[np.bool_]:
-    """Whether two devices saw a step, or there was one only that could."""
+    """Whether two devices saw a step, or there was one only that could: the others had not started, or are silent for
+    good since more than a step."""
     witnesses = np.sum(~np.isnan(seen), axis=1)
-    return np.asarray((witnesses > 1) | (present_at(tracks, time_s).sum(axis=0) == 1))
+    could = np.zeros(len(time_s), dtype=np.int64)
+    for one in tracks:
+        usual_s, _ = _rhythm(one.time_s[1:])
+        next_s = _STRIDES_ON * usual_s[-1] if len(usual_s) > 2 else 0.0
+        could += (one.time_s[0] <= time_s) & (time_s <= one.time_s[-1] + next_s)
+    return np.asarray((witnesses > 1) | (could <= 1))
 
 
 def _in_rhythm(seen: Array, time_s: Array, sure: NDArray[np.bool_], tracks: Sequence[Track]) -> NDArray[np.bool_]:
@@ -136,22 +142,26 @@ def _in_rhythm(seen: Array, time_s: Array, sure: NDArray[np.bool_], tracks: Sequ
 
 def _rhythm(time_s: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Of the steps (n,) of one device: the usual time between them there, (n,), and whether each follows and is
-    followed by another one about as soon as that."""
-    if len(time_s) < 2:
+    followed by another one about as soon as that.
+
+    The usual time is half of that of a stride, which is the same for both feet. Fewer than three steps are no rhythm.
+    """
+    if len(time_s) < 3:
         return np.full(len(time_s), np.inf), np.zeros(len(time_s), dtype=np.bool_)
+    around = np.pad(0.5 * (time_s[2:] - time_s[:-2]), _RHYTHM_STEPS + 1, constant_values=np.nan)
+    usual_s = np.nanmedian(np.lib.stride_tricks.sliding_window_view(around, 2 * _RHYTHM_STEPS + 1), axis=1)
     between = np.diff(time_s)
-    around = np.pad(between, (_RHYTHM_STEPS, _RHYTHM_STEPS), constant_values=np.nan)
-    usual_s = np.nanmedian(np.lib.stride_tricks.sliding_window_view(around, 2 * _RHYTHM_STEPS), axis=1)
     longest = np.maximum(np.append(np.inf, between), np.append(between, np.inf))
     return np.asarray(usual_s), np.asarray(longest <= _STRIDES_ON * usual_s)
 
 
 def _others_move(seen: Array, time_s: Array, tracks: Sequence[Track]) -> NDArray[np.bool_]:
-    """Whether a device that did not see a step was moving on its way to its next one, and may have missed it."""
+    """Whether a device that did not see a step was moving on its way to its next one, and may have missed it; after
+    its last pose it may have, too."""
     moves = np.zeros(len(time_s), dtype=np.bool_)
     for number, one in enumerate(tracks):
         after = np.searchsorted(one.time_s, time_s)
-        from_s = np.append(one.moving_from_s, np.inf)[after]
+        from_s = np.append(one.moving_from_s, -np.inf)[after]
         moves |= np.isnan(seen[:, number]) & (after > 0) & (from_s < time_s)
     return moves
 
