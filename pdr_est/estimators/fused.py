@@ -3,48 +3,53 @@
 Errors of devices on one body depend on each other in a way that their marginals do not tell: their tethers and the
 fixes are common. The tracks are therefore joined by covariance intersection (Julier and Uhlmann 1997) with equal
 weights, which is honest for any dependence: the information is the mean of theirs, so that a bad device has little
-say, and nothing is counted twice. A step of the person is one that devices agree on, or that one of them saw where
-the rhythm of the others leaves room for it.
+say, and nothing is counted twice. Whose steps count is told in `person_steps`, what the heading is in
+`person_heading`. Both look a few steps ahead, so that the last rows of a walk that goes on may still change; the
+weights of the headings are those of the track that is given.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from pdr_est.estimators.person_heading import heading_of_person
+from pdr_est.estimators.person_steps import SAME_STEP_S, present_at, steps_of_person
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.track import Track
 
 NAME = "fused"
-_SAME_STEP_S = 0.35  # furthest apart that two devices see one step
-_ROOM = 0.9  # of the usual time between steps, that must be free about a step that one device alone saw
 _LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
+_SAME_S = 1e-9  # times that are no further apart are the same moment
 
 
 def fuse(track: Track) -> Track:
-    """The track of the person, with device `NAME`, from the track of several devices; one row a step."""
+    """The track of the person, with device `NAME`, from the track of several devices: the start, then a row a step.
+
+    A device has a say from its start to its last pose: one that comes later or stops earlier is left out elsewhere.
+    """
     tracks = [track.of_device(device) for device in track.devices]
     begin_s = min(float(one.time_s[0]) for one in tracks)
-    step_s, from_s = _steps_of_person(tracks)
-    time_s = np.concatenate([[begin_s], step_s])
+    steps = steps_of_person(tracks)
+    time_s = np.concatenate([[begin_s], steps.time_s])
+    present = present_at(tracks, time_s, SAME_STEP_S)
     at_times = [one.at(time_s) for one in tracks]
     position, covariance = _intersect(
-        np.stack([place for place, _ in at_times]), np.stack([spread for _, spread in at_times])
+        np.stack([place for place, _ in at_times]), np.stack([spread for _, spread in at_times]), present
     )
-    heading, variance = _headings(tracks, time_s)
-    surest = min(tracks, key=lambda one: float(np.mean(one.sigma_heading_rad)))
-    rows = np.minimum(np.searchsorted(surest.time_s, time_s - 1e-9), len(surest) - 1)
-    lengths = [np.interp(time_s, one.time_s, one.step_length_m) for one in tracks]
+    heading, variance = heading_of_person(tracks, time_s, present)
+    lengths = np.stack([np.interp(time_s, one.time_s, one.step_length_m) for one in tracks])
     return Track(
         time_s=time_s,
-        moving_from_s=np.concatenate([[begin_s], from_s]),
+        moving_from_s=np.concatenate([[begin_s], steps.moving_from_s]),
         device=np.array([NAME] * len(time_s)),
         position_m=position,
         heading_rad=np.asarray(wrap_angle(heading)),
         covariance_m2=covariance,
         sigma_heading_rad=np.sqrt(variance),
-        mode=surest.mode[rows],
-        step_length_m=np.mean(lengths, axis=0),
+        mode=_modes(tracks, time_s, present),
+        step_length_m=np.sum(lengths * present, axis=0) / present.sum(axis=0),
         kind=track.kind,
         estimator=track.estimator,
         length_scale=track.length_scale,
@@ -62,51 +67,20 @@ def carried(track: Track, offset_m: tuple[float, float]) -> Track:
     return replace(track, position_m=track.position_m + moved)
 
 
-def _intersect(mean: Array, covariance: Array) -> tuple[Array, Array]:
-    """Covariance intersection with equal weights of estimates (d, n, k) with covariances (d, n, k, k)."""
-    information = np.linalg.inv(covariance + _LEAST_VARIANCE * np.eye(mean.shape[-1]))
-    joined = np.linalg.inv(information.mean(axis=0))
-    weighted = np.einsum("dnij,dnj->ni", information, mean) / len(mean)
+def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Covariance intersection with equal weights of the estimates (d, n, k) with covariances (d, n, k, k) that are
+    present (d, n)."""
+    weights = present / present.sum(axis=0)
+    information = weights[..., None, None] * np.linalg.inv(covariance + _LEAST_VARIANCE * np.eye(mean.shape[-1]))
+    joined = np.linalg.inv(information.sum(axis=0))
+    weighted = np.einsum("dnij,dnj->ni", information, mean)
     return np.einsum("nij,nj->ni", joined, weighted), joined
 
 
-def _headings(tracks: Sequence[Track], time_s: Array) -> tuple[Array, Array]:
-    """Heading and variance (n,) of the person: those of the devices likewise, each unwrapped beside the first."""
-    headings: list[Array] = []
-    variances: list[Array] = []
-    for one in tracks:
-        own = np.interp(time_s, one.time_s, np.unwrap(one.heading_rad))
-        beside = own if not headings else headings[0] + wrap_angle(own - headings[0])
-        headings.append(np.asarray(beside))
-        variances.append(np.interp(time_s, one.time_s, one.sigma_heading_rad) ** 2)
-    mean, variance = _intersect(np.stack(headings)[..., None], np.stack(variances)[..., None, None])
-    return mean[:, 0], variance[:, 0, 0]
-
-
-def _steps_of_person(tracks: Sequence[Track]) -> tuple[Array, Array]:
-    """Times (n,) of the person's steps, and when the movement to each began (n,)."""
-    seen = sorted(
-        (float(time), number, float(begin))
-        for number, one in enumerate(tracks)
-        for time, begin in zip(one.time_s[1:], one.moving_from_s[1:], strict=True)
-    )
-    groups: list[list[tuple[float, int, float]]] = []
-    for event in seen:
-        same = groups and event[0] - groups[-1][0][0] <= _SAME_STEP_S
-        if same and all(event[1] != other[1] for other in groups[-1]):
-            groups[-1].append(event)
-        else:
-            groups.append([event])
-    times = np.array([np.mean([time for time, _, _ in group]) for group in groups])
-    begins = np.array([np.mean([begin for _, _, begin in group]) for group in groups])
-    agreed = np.array([len(group) > 1 for group in groups], dtype=np.bool_)
-    if not agreed.any():
-        return times, begins
-    usual_s = float(np.median(np.diff(times[agreed]))) if agreed.sum() > 1 else _SAME_STEP_S
-    kept: list[int] = []
-    for i in range(len(groups)):
-        next_agreed = next((times[j] for j in range(i + 1, len(groups)) if agreed[j]), np.inf)
-        free_before = not kept or times[i] - times[kept[-1]] >= _ROOM * usual_s
-        if agreed[i] or (free_before and next_agreed - times[i] >= _ROOM * usual_s):
-            kept.append(i)
-    return times[kept], begins[kept]
+def _modes(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """The carrying mode (n,) of the device that is surest of its heading, of those that are present (d, n)."""
+    sigma = np.array([float(np.mean(one.sigma_heading_rad)) for one in tracks])
+    whose = np.argmin(np.where(present, sigma[:, None], np.inf), axis=0)
+    rows = [np.minimum(np.searchsorted(one.time_s, time_s - _SAME_S), len(one) - 1) for one in tracks]
+    modes = np.stack([one.mode[row] for one, row in zip(tracks, rows, strict=True)])
+    return np.asarray(modes[whose, np.arange(len(time_s))])

@@ -1,5 +1,7 @@
 """The person's track from those of the devices: exact answers of covariance intersection, and whose steps count."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -71,3 +73,24 @@ def test_steps_seen_a_little_apart_are_one() -> None:
 def test_a_device_is_seen_where_it_sits_on_the_body() -> None:
     moved = carried(track("a", STEPS_S, heading_rad=np.pi / 2.0), (0.1, 0.2))
     assert moved.position_m[3] - track("a", STEPS_S).position_m[3] == pytest.approx([-0.2, 0.1])
+
+
+def test_a_device_that_stops_earlier_does_not_hold_the_person_back() -> None:
+    person = fuse(concatenate([track("a", STEPS_S, 1.0), track("b", STEPS_S[:10], -1.0)]))
+    np.testing.assert_allclose(person.time_s, STEPS_S)
+    np.testing.assert_allclose(person.position_m[:10, 1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(person.position_m[10:, 0], 1.4 * STEPS_S[10:], rtol=1e-6)
+    np.testing.assert_allclose(person.position_m[10:, 1], 1.0, rtol=1e-6)
+
+
+def test_the_mode_is_that_of_the_surest_device_that_is_there() -> None:
+    hand = track("b", STEPS_S[:10], variance=0.01)
+    hand = replace(hand, mode=np.full(10, CarryingMode.HOLDING, dtype=np.int8))
+    person = fuse(concatenate([track("a", STEPS_S), hand]))
+    assert set(person.mode[:10]) == {CarryingMode.HOLDING}
+    assert set(person.mode[10:]) == {CarryingMode.POCKET}
+
+
+def test_a_walk_without_steps_has_a_start() -> None:
+    person = fuse(concatenate([track("a", STEPS_S[:1]), track("b", STEPS_S[:1])]))
+    assert (len(person), person.devices) == (1, (NAME,))
