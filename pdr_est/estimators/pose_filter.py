@@ -14,6 +14,7 @@ from pdr_est.records import HeadingPrior, PositionFix
 _POSITION = np.eye(2, STATES)
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
 _RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
+_LENGTH_SCALE = 3  # place in the state
 _TETHER_ROUNDS = 3  # a distance is not linear in the positions
 
 
@@ -79,7 +80,9 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         """Devices that are farther apart than they can be are brought to that distance; others are left alone.
 
         The distance is measured as the largest one, with sigma_m, and linearised anew where that led to (iterated
-        EKF).
+        EKF). It tells how the devices' length scales differ and nothing of what they have in common: tracks that
+        disagree are nearer to each other when both are smaller, whatever the truth is. That much is left out of the
+        gain; the covariance is that of the gain which is used (Joseph's form).
         """
         a, b = _rows(device_a), _rows(device_b)
         before, at = self.x.copy(), self.x.copy()
@@ -96,7 +99,10 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
             seen = max_distance_m - distance_m - float(jacobian[0] @ (before - at))
             gain = self.P @ jacobian[0] / float(jacobian[0] @ self.P @ jacobian[0] + sigma_m**2)
             at = before + gain * seen
-        self._correct(np.array([seen]), jacobian, np.array([[sigma_m**2]]), lambda z, _: z)
+        gain[_LENGTH_SCALE::STATES] -= gain[_LENGTH_SCALE::STATES].mean()
+        rest = np.eye(len(at)) - np.outer(gain, jacobian[0])
+        self.x = before + gain * seen
+        self.P = rest @ self.P @ rest.T + sigma_m**2 * np.outer(gain, gain)
 
     def _of_device(self, jacobian: Array, device: int) -> Array:
         whole = np.zeros((len(jacobian), len(self.x)))
