@@ -7,8 +7,7 @@ import pytest
 from signals import RATE_HZ, level, levels_of, run
 
 from pdr_est.frames import Array
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps, horizontal_rate
-from pdr_est.front_end.steps.rhythm import Rhythm
+from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps, _Rhythm, horizontal_rate
 from pdr_est.records import CarryingMode, LevelBlock, StepEvent
 from pdr_est.simulate import mmpdr_indoor, simulate_walk
 
@@ -81,7 +80,7 @@ def test_who_stands_while_the_mode_changes_takes_no_hidden_step() -> None:
 
 def rhythm(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
     """What the rhythm makes of steps at some times in some modes."""
-    found = Rhythm(memory=0.8, standstill_s=2.0)
+    found = _Rhythm(memory=0.8, standstill_s=2.0)
     return [
         event
         for time_s, mode in steps
@@ -119,50 +118,3 @@ def test_a_walker_s_double_knock_is_one_step() -> None:
     walking_s = np.arange(2.0, 20.0, 0.7)
     knocks = humps(walking_s, 22.0, 4.0) + humps(walking_s + 0.26, 22.0, 4.0)
     assert len(events(level(knocks))) == len(walking_s)
-
-
-STRIDE_S = 1.7
-
-
-def in_pocket(vertical_mps2: Array) -> LevelBlock:
-    return with_modes(level(vertical_mps2), CarryingMode.POCKET, CarryingMode.POCKET)
-
-
-def slow_pocket(duration_s: float = 40.0) -> LevelBlock:
-    """Two humps a stride from the trunk and a third one, in the middle of every other step, from the leg's swing."""
-    strikes_s = np.arange(2.0, duration_s - 2.0, 0.5 * STRIDE_S)
-    swings_s = strikes_s[::2] + 0.25 * STRIDE_S
-    return in_pocket(humps(strikes_s, duration_s, 4.0) + humps(swings_s, duration_s, 3.5))
-
-
-def test_the_third_hump_in_a_slow_stride_is_no_step() -> None:
-    found_s = np.array([event.time_s for event in events(slow_pocket())])
-    known_s = found_s[(found_s > 6.0) & (found_s < 37.0)]  # two strides tell what an interval is
-    np.testing.assert_allclose(np.diff(known_s), 0.5 * STRIDE_S, atol=0.03)
-    naive = run(AutoSteps(RATE_HZ, AutoStepParams(low_share=0.0)), [slow_pocket()])
-    assert len(naive) == pytest.approx(3 * 36.0 / STRIDE_S, abs=3)
-
-
-def test_a_quick_low_step_of_a_limp_is_one() -> None:
-    """Intervals of 0.42 and 0.68 s by turns, the step after the short one lower."""
-    strong_s = np.arange(2.0, 30.0, 1.1)
-    block = in_pocket(humps(strong_s, 32.0, 4.0) + humps(strong_s + 0.42, 32.0, 3.0))
-    assert len(events(block)) == 2 * len(strong_s)
-
-
-def test_doubtful_humps_that_lie_in_all_intervals_are_steps() -> None:
-    """Slow steps, then ones twice as fast and half as strong: the detector is not locked to every other one."""
-    slow_s, quick_s = np.arange(2.0, 12.0, 0.9), np.arange(11.9, 32.0, 0.45)
-    block = in_pocket(humps(slow_s, 34.0, 5.0) + humps(quick_s, 34.0, 2.4))
-    found_s = np.array([event.time_s for event in events(block)])
-    late_s = found_s[found_s > 18.0]
-    np.testing.assert_allclose(np.diff(late_s), 0.45, atol=0.05)
-
-
-def test_a_doubtful_last_step_comes_at_the_end() -> None:
-    strong_s = np.arange(2.0, 12.0, 0.9)
-    block = in_pocket(humps(strong_s, 13.0, 4.0) + humps(np.array([strong_s[-1] + 0.5]), 13.0, 2.0))
-    pushed, stage = [], AutoSteps(RATE_HZ, AutoStepParams())
-    pushed += stage.push(block)
-    assert len(pushed) + len(stage.flush()) == len(strong_s) + 1
-    assert len(pushed) == len(strong_s)

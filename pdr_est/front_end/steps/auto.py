@@ -9,14 +9,11 @@ people altogether, and only strides are left in the vertical acceleration. While
 takes the place of the acceleration. It is smallest at the ends of the arc, near the strikes, whatever the arm's
 strength or the phone's orientation.
 
-Who walks slowly hardly bounces, and a leg's swing leaves a third hump in every other step. It lies between two that
-are as far apart as steps, so a low hump soon after another one is a step only if the next does not follow as soon.
-
 Where the mode changes, arm and trunk may hide a step from each other. A pause of two steps between two steps in
 different known modes is filled with the one in between, unless it is long enough for a standstill.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +22,6 @@ from pdr_est.front_end.signal.filters import CausalBandPass
 from pdr_est.front_end.signal.peaks import local_maxima
 from pdr_est.front_end.signal.trigger import far_enough
 from pdr_est.front_end.signal.vectors import dot
-from pdr_est.front_end.steps.rhythm import Rhythm
 from pdr_est.front_end.steps.undecided import UndecidedSamples
 from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.records import CarryingMode, LevelBlock, StepEvent
@@ -42,9 +38,7 @@ class AutoStepParams:
     single jolt is no step; the first of them is a step if it has first_share of the second's height.
     strike_lead_s: the foot strikes the ground this long before the trunk's acceleration crests; a step's time is
     that of the strike. swing_gain_mps: acceleration in m/s^2 that counts as much as a rate of rotation of 1
-    rad/s while the phone swings. early_share: a hump within this share of the usual interval after a step, and
-    lower than low_share of the recent ones, is doubtful; it is none if another one, not lower, follows within
-    pair_share of the usual interval after that step."""
+    rad/s while the phone swings."""
 
     low_hz: Positive = 0.3
     high_hz: Positive = 2.0
@@ -60,23 +54,9 @@ class AutoStepParams:
     first_share: Fraction = 0.4
     strike_lead_s: NonNegative = 0.08
     swing_gain_mps: Positive = 2.0
-    early_share: Fraction = 0.7
-    low_share: NonNegative = 1.0
-    pair_share: Positive = 1.25
 
 
 _SWING = np.int8(CarryingMode.SWING)
-
-
-@dataclass(frozen=True)
-class _Doubtful:
-    """A hump that the next one decides on. previous_s: time of the step before; until_s: when it is a step for want
-    of a next one."""
-
-    event: StepEvent
-    height: float
-    previous_s: float
-    until_s: float
 
 
 class AutoSteps:
@@ -96,24 +76,21 @@ class AutoSteps:
         self.latency_s = delay_s + max(parameters.first_interval_s, 0.5 * parameters.standstill_s) + 1.0 / rate_hz
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
-        ended = []
         if item.segment != self._samples.segment:
-            ended = self._released(np.inf)
             self._samples.begin(item)
             self._filter.reset()
             self._begin_walk()
         self._samples.append(item, self._humps(item))
-        return [*ended, *self._decide()]
+        return self._decide()
 
     def flush(self) -> list[StepEvent]:
-        return self._released(np.inf)
+        return []
 
     def _begin_walk(self) -> None:
         self._last_crest_s = -np.inf
         self._recent_height = 0.0  # of the walk under way; 0 before its second step
         self._first: tuple[StepEvent, float] | None = None
-        self._doubtful: _Doubtful | None = None
-        self._rhythm = Rhythm(self._parameters.memory, self._parameters.standstill_s)
+        self._rhythm = _Rhythm(self._parameters.memory, self._parameters.standstill_s)
 
     def _humps(self, block: LevelBlock) -> Array:
         """The signal with one hump a step, (n,)."""
@@ -132,70 +109,69 @@ class AutoSteps:
         if len(signal) < 3:
             return []
         crests = np.flatnonzero(local_maxima(signal) & (signal > self._parameters.threshold_mps2))
-        events = [event for i in crests for event in self._judge(int(i))]
-        events += self._released(self._samples.time_s(len(signal) - 2))
+        events = [step for i in crests for event in self._judge(int(i)) for step in self._rhythm.completed(event)]
         self._samples.drop(len(signal) - 2)
         return events
 
     def _judge(self, i: int) -> list[StepEvent]:
-        """The steps that crest i makes certain: a doubtful one before it, its own, and with the second of a walk also
-        the first."""
-        time_s, height = self._samples.time_s(i), float(self._samples.signal[i])
-        released = self._released(time_s)
-        doubtful = self._doubtful
-        if doubtful is not None and height < doubtful.height:
-            return released
-        previous_s = self._last_crest_s if doubtful is None else doubtful.previous_s
-        threshold = self._threshold(i, time_s - previous_s)
-        if not far_enough(time_s - previous_s, self._min_interval_s()) or height < threshold:
-            return released
-        if doubtful is not None:
-            self._rhythm.was_split()
-        self._last_crest_s, self._doubtful = time_s, None
-        event = self._samples.event(i, confidence=1.0 - (threshold / height) ** 2)
-        if self._is_doubtful(time_s - previous_s, height):
-            until_s = previous_s + self._parameters.pair_share * self._rhythm.usual_s
-            self._doubtful = _Doubtful(event, height, previous_s, until_s)
-            return released
-        return [*released, *self._walked(event, height)]
-
-    def _threshold(self, i: int, elapsed_s: float) -> float:
-        """Least height of crest i; after a standstill a walk begins anew."""
-        p = self._parameters
-        if elapsed_s > p.standstill_s:
+        """The steps that crest i makes certain: its own, and with the second of a walk also the first."""
+        p, time_s, height = self._parameters, self._samples.time_s(i), float(self._samples.signal[i])
+        elapsed = time_s - self._last_crest_s
+        if not far_enough(elapsed, self._min_interval_s()):
+            return []
+        if elapsed > p.standstill_s:
             self._recent_height, self._first = 0.0, None
         held = int(self._samples.mode[i]) == CarryingMode.HOLDING
         share = p.relative_threshold_holding if held else p.relative_threshold
-        return max(p.threshold_mps2, share * self._recent_height)
-
-    def _is_doubtful(self, elapsed_s: float, height: float) -> bool:
-        early = elapsed_s < self._parameters.early_share * self._rhythm.usual_s
-        return early and height < self._parameters.low_share * self._recent_height
-
-    def _released(self, time_s: float) -> list[StepEvent]:
-        """The doubtful step, if no other one can take its place from that time on."""
-        doubtful = self._doubtful
-        if doubtful is None or time_s <= doubtful.until_s:
+        threshold = max(p.threshold_mps2, share * self._recent_height)
+        if height < threshold:
             return []
-        self._doubtful = None
-        return self._walked(doubtful.event, doubtful.height)
-
-    def _walked(self, event: StepEvent, height: float) -> list[StepEvent]:
-        """The steps that are certain once this one is: the first of a walk waits for the second."""
-        p = self._parameters
+        self._last_crest_s = time_s
+        event = self._samples.event(i, confidence=1.0 - (threshold / height) ** 2)
         if self._recent_height > 0.0:
             self._recent_height = p.memory * self._recent_height + (1.0 - p.memory) * height
-            return self._rhythm.completed(event)
+            return [event]
         first, self._first = self._first, (event, height)
-        if first is None or event.time_s - first[0].time_s > p.first_interval_s:
+        if first is None or time_s - first[0].time_s > p.first_interval_s:
             return []
         self._recent_height, self._first = 0.5 * (first[1] + height), None
-        certain = [first[0], event] if first[1] >= p.first_share * height else [event]
-        return [step for one in certain for step in self._rhythm.completed(one)]
+        return [first[0], event] if first[1] >= p.first_share * height else [event]
 
     def _min_interval_s(self) -> float:
         p = self._parameters
         return max(p.running_interval_s, min(p.min_interval_s, p.interval_share * self._rhythm.interval_s))
+
+
+class _Rhythm:
+    """The time between steps, which tells the step that a change of the mode hid.
+
+    interval_s: mean of the recent ones with weights that fall off; infinite for who has just set off.
+    """
+
+    def __init__(self, memory: float, standstill_s: float) -> None:
+        self._memory = memory
+        self._standstill_s = standstill_s
+        self._previous: StepEvent | None = None
+        self.interval_s = np.inf
+
+    def completed(self, event: StepEvent) -> list[StepEvent]:
+        """The next step, and before it the hidden one if two intervals passed while the mode changed."""
+        previous, self._previous = self._previous, event
+        if previous is None:
+            return [event]
+        elapsed_s = event.time_s - previous.time_s
+        if elapsed_s > self._standstill_s:
+            self.interval_s = np.inf
+            return [event]
+        changed = event.mode is not previous.mode and CarryingMode.UNKNOWN not in (event.mode, previous.mode)
+        if changed and 1.5 < elapsed_s / self.interval_s < 2.5:
+            middle = previous.index + (event.index - previous.index) // 2
+            return [replace(event, index=middle, time_s=event.time_s - 0.5 * elapsed_s, confidence=0.0), event]
+        if self.interval_s == np.inf:
+            self.interval_s = elapsed_s
+        else:
+            self.interval_s = self._memory * self.interval_s + (1.0 - self._memory) * elapsed_s
+        return [event]
 
 
 def horizontal_rate(block: LevelBlock) -> Array:
