@@ -156,3 +156,7 @@ class Recording:
     origin: GeoOrigin | None = None
     epoch_s: float | None = None
     notes: tuple[str, ...] = ()
+
+    def place_of(self, device: DeviceRecording) -> str:
+        """What to call a device of this recording in messages."""
+        return f"{self.name} ({device.name})"
