@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import yaml
 from annotated_types import Ge, Le
@@ -23,6 +23,7 @@ from pdr_est.front_end.steps import StepsParams, step_detector
 from pdr_est.io.resample import ResampleParams
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import StartPose
+from pdr_est.synchronise import ClockMethod, GivenClock
 from pdr_est.validation import explain
 from pdr_est.yaml_file import Lines, Location, load_yaml_lines
 
@@ -73,9 +74,11 @@ class Mounting:
 @params
 class DevicesParams:
     """Several devices on one body. clock: "walk" finds the clocks of the others against the first one's from what
-    they recorded, "given" takes them as they are. mountings: of devices that sit elsewhere than in the centre."""
+    they recorded, "messages" from messages that they exchanged, "given" takes them from `clocks`, "none" takes the
+    times as they are. mountings: of devices that sit elsewhere than in the centre."""
 
-    clock: Literal["walk", "given"] = "walk"
+    clock: ClockMethod = "walk"
+    clocks: tuple[GivenClock, ...] = ()
     tethered: bool = True
     tether: TetherParams = TetherParams()
     mountings: tuple[Mounting, ...] = ()
@@ -194,6 +197,11 @@ def _refuse_contradictions(config: Config, place: str) -> None:
         raise ConfigError(
             f"{place}: mode.mmpdr.window_s = {watched_s:g} and steps.mmpdr.transition_s = {compensated_s:g} are both "
             "the length of a transition: give them one value"
+        )
+    if config.devices.clocks and config.devices.clock != "given":
+        raise ConfigError(
+            f"{place}: devices.clocks: devices.clock = {config.devices.clock} makes no use of clocks that are given: "
+            "choose given (--clock given), or leave them out"
         )
     heading = config.heading
     gives_priors = heading.method == "auto" and heading.dominant.enabled and heading.use == "priors"

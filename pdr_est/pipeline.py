@@ -43,12 +43,11 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
 def analyse(recording: Recording, config: Config) -> tuple[DeviceWalk, ...]:
     """The front end on every device of a recording; one without gyroscope has steps without heading.
 
-    Raises RecordingError if a device has no accelerometer, or samples that cannot be used.
+    Raises RecordingError if a device has no accelerometer, or samples that cannot be used, and when the devices or
+    their clocks do not belong together.
     """
-    finds_clocks = config.devices.clock == "walk"
-    devices = on_one_clock(recording.devices) if finds_clocks else [(device, None) for device in recording.devices]
     walks = []
-    for device, clock in devices:
+    for device, clock in on_one_clock(recording, config.devices.clock, config.devices.clocks):
         walk = analyse_device(device, recording.place_of(device), config)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))
     return tuple(walks)

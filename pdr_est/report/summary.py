@@ -185,8 +185,8 @@ def _counts(devices: Sequence[DeviceWalk]) -> Json:
 
 
 def _clock(device: str, clock: ClockEstimate) -> Json:
-    """What a device's clock was found to be ahead of the first one's, and how well; used unless it is doubtful."""
-    return {"device": device, "used": not clock.poor} | asdict(clock)
+    """What a device's clock is ahead of the first one's, and how well that is known; a poor one may be unused."""
+    return {"device": device, "used": clock.used} | asdict(clock)
 
 
 def _device_track(track: Track) -> Json:
