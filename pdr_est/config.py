@@ -1,6 +1,7 @@
 """The configuration: one frozen record that nests the parameters of every stage, YAML in and out."""
 
 from dataclasses import asdict, replace
+from math import degrees
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -207,9 +208,10 @@ def _refuse_contradictions(config: Config, place: str) -> None:
     gives_priors = heading.method == "auto" and heading.dominant.enabled and heading.use == "priors"
     if heading.dominant.direction_rad is not None and not gives_priors:
         raise ConfigError(
-            f"{place}: heading.dominant.direction_rad = {heading.dominant.direction_rad:g}: is a direction in the "
-            "map, which only heading.method auto with heading.use priors and heading.dominant.enabled makes use of: "
-            "choose these, or leave it out"
+            f"{place}: heading.dominant.direction_rad = {heading.dominant.direction_rad:g} (--corridors "
+            f"{degrees(heading.dominant.direction_rad):g}): is a direction in the map, of which heading.method = "
+            f"{heading.method} (--heading-method) with heading.use = {heading.use} and heading.dominant.enabled = "
+            f"{str(heading.dominant.enabled).lower()} makes no use: choose auto, priors and true, or leave it out"
         )
     if config.gait.model is not None:
         try:

@@ -13,7 +13,7 @@ from pdr_est.io.requirements import refuse_without_track
 from pdr_est.records import PositionFix
 from pdr_est.synchronise import on_one_clock
 from pdr_est.track import Track
-from pdr_est.walk_warnings import warnings_of
+from pdr_est.walk_warnings import mismatches, warnings_of
 
 __all__ = ["DeviceWalk", "SmoothedWalk", "analyse", "estimate", "smooth"]
 
@@ -36,7 +36,7 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=warnings_of(recording, devices),
+        warnings=(*warnings_of(recording, devices), *mismatches(devices, config, fixes)),
     )
 
 
