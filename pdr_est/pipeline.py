@@ -25,7 +25,7 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
     """
     check(config)
     for device in recording.devices:
-        refuse_without_track(device, recording.place_of(device))
+        refuse_without_track(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
     started = time.process_time()
     devices = analyse(recording, config)
     analysed = time.process_time()

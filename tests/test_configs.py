@@ -78,7 +78,7 @@ def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
         ({"heading": {"use": "increments", "dominant": {"direction_rad": 0.5}}}, "with heading.use = increments"),
         (
             {"heading": {"dominant": {"direction_rad": 0.5, "enabled": False}}},
-            "heading.dominant.enabled = false makes no use",
+            "dominant.enabled = false makes no use",
         ),
         ({"heading": {"dominant": {"straight": {"piece_steps": 0}}}}, "heading.dominant.straight.piece_steps = 0"),
         ({"heading": {"dominant": {"straight": {"turn_rad": -1.0}}}}, "heading.dominant.straight.turn_rad = -1.0"),

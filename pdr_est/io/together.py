@@ -30,7 +30,10 @@ def together(recordings: Sequence[Recording]) -> Recording:
             for device in recording.devices
         ]
     if len(set(names)) < len(names):
-        raise RecordingError(f"{first.name}: two of the recordings are alike in name and device: name each file once")
+        twice = next(name for name in names if names.count(name) > 1)
+        raise RecordingError(
+            f"{twice}: two of the recordings are alike in name and device, and differ: rename one of the files"
+        )
     named = tuple(replace(device, name=name) for device, name in zip(devices, names, strict=True))
     messages = tuple(one for recording in recordings for one in recording.messages)
     name = " + ".join(recording.name for recording in recordings)

@@ -9,6 +9,7 @@ from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.synchronise.clock import ClockEstimate, apply_clock
 from pdr_est.synchronise.given import GivenClock, clocks_given
 from pdr_est.synchronise.messages import clocks_by_messages
+from pdr_est.synchronise.overlap import outside_others, refuse_apart
 from pdr_est.synchronise.same_walk import LEAST_AGREEMENT
 from pdr_est.synchronise.walk import clock_and_steps
 
@@ -24,8 +25,19 @@ def on_one_clock(
     method: "walk" finds the clocks from what was recorded, "messages" from the recording's messages, "given" takes
     those of `given`, "none" leaves the times as they are. A poor estimate from the walk changes nothing: the clock
     stays as the recording has it, and a warning says so. Raises RecordingError for recordings that are not of one
-    walk ("walk") and for messages that cannot be used, ConfigError for given clocks that cannot.
+    walk ("walk"), for messages that cannot be used, and for a device that hardly recorded together with another;
+    ConfigError for given clocks that cannot be used.
     """
+    aligned = _aligned(recording, method, given)
+    devices = [device for device, _ in aligned]
+    refuse_apart(devices)
+    outside = outside_others(devices)
+    return [(_doubted(device, *outside.get(device.name, ())), clock) for device, clock in aligned]
+
+
+def _aligned(
+    recording: Recording, method: ClockMethod, given: Sequence[GivenClock]
+) -> list[tuple[DeviceRecording, ClockEstimate | None]]:
     first, *others = recording.devices
     if method == "none":
         return [(device, None) for device in recording.devices]
@@ -56,5 +68,5 @@ def _by_walk(reference: DeviceRecording, other: DeviceRecording) -> tuple[Device
     return apply_clock(other, clock), clock
 
 
-def _doubted(device: DeviceRecording, warning: str) -> DeviceRecording:
-    return replace(device, warnings=(*device.warnings, warning))
+def _doubted(device: DeviceRecording, *warnings: str) -> DeviceRecording:
+    return replace(device, warnings=(*device.warnings, *warnings))

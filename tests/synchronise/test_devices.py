@@ -18,7 +18,7 @@ from pdr_est.simulate import (
     Scenario,
     simulate_walk,
 )
-from pdr_est.synchronise import GivenClock, on_one_clock
+from pdr_est.synchronise import ClockMethod, GivenClock, on_one_clock
 
 TIMES_S = np.linspace(0.0, 100.0, 11)
 EPOCH_S = 1.7e9
@@ -147,7 +147,7 @@ def test_given_clocks_that_cannot_be_are_refused() -> None:
 
 
 def test_without_a_method_times_stay_as_they_are() -> None:
-    both = recorded(device("a"), device("b", 7.0))
+    both = recorded(device("a"), device("b", 4.0))
     assert on_one_clock(both, "none") == [(both.devices[0], None), (both.devices[1], None)]
 
 
@@ -170,13 +170,40 @@ def test_walks_of_two_people_are_refused_wherever_their_clocks_are(late_s: float
         on_one_clock(recorded(hand, stranger.with_times(lambda time_s: time_s + late_s)))
 
 
-@pytest.mark.parametrize("late_s", [0.0, 3600.0])
-def test_a_clock_that_jumps_by_seconds_is_still_of_one_walk(late_s: float) -> None:
+def test_a_clock_that_jumps_by_seconds_is_still_of_one_walk() -> None:
     hand, pocket = walked(1, 1.8)
     middle_s = float(times_of(pocket).mean())
-    jumped = pocket.with_times(lambda time_s: time_s + late_s + np.where(time_s < middle_s, 0.0, 3.3))
+    jumped = pocket.with_times(lambda time_s: time_s + np.where(time_s < middle_s, 0.0, 3.3))
     _, (_, clock) = on_one_clock(recorded(hand, jumped))
     assert clock is not None
+    an_hour_late = jumped.with_times(lambda time_s: time_s + 3600.0)
+    with pytest.raises(RecordingError, match="less than 5 s of it together"):  # one walk, but nobody knows how
+        on_one_clock(recorded(hand, an_hour_late))
+
+
+@pytest.mark.parametrize("method", ["none", "given", "messages"])
+@pytest.mark.parametrize("late_s", [97.0, 3600.0])
+def test_devices_that_hardly_recorded_together_are_refused(method: ClockMethod, late_s: float) -> None:
+    messages = [exchanged(name, 0.0) for name in "bc"]
+    apart = recorded(device("a"), device("b", -50.0), device("c", late_s), messages=messages)
+    given = [GivenClock(device="a", offset_s=0.0)] if method == "given" else []
+    pattern = rf"c recorded from {late_s} to .* less than 5 s of it .* \(a from 0\.0 to 100\.0 s, b .* one by one"
+    with pytest.raises(RecordingError, match=pattern):
+        on_one_clock(apart, method, given)
+
+
+def test_devices_that_begin_late_or_end_early_are_told() -> None:
+    (a, _), (b, _), (c, _) = on_one_clock(recorded(device("a"), device("b", 50.0), device("c", 120.0)), "none")
+    assert [len(moved.warnings) for moved in (a, b, c)] == [1, 2, 1]
+    assert a.warnings[0].startswith("ended 120.0 s before another device and is taken to stand")
+    assert c.warnings[0].startswith("began to record 120.0 s after another device: its track is taken to begin at")
+    (a, _), (b, _) = on_one_clock(recorded(device("a"), device("b", 4.0)), "none")
+    assert (a.warnings, b.warnings) == ((), ())
+
+
+def test_two_short_recordings_may_be_together() -> None:
+    short = [device(name).with_times(lambda time_s: 0.03 * time_s) for name in "ab"]
+    assert len(on_one_clock(recorded(*short), "none")) == 2
 
 
 def test_a_device_left_on_a_table_is_only_doubted() -> None:
