@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pdr_est import pipeline
+from pdr_est.chains import levelling
 from pdr_est.config import Config, ModeParams
 from pdr_est.frames import Array
 from pdr_est.front_end.mode import mode_stage
@@ -29,7 +29,7 @@ def level_samples(config: Config) -> LevelBlock:
     """The samples of a walk with their modes not yet recognised."""
     walk = simulate_walk(mmpdr_mode_walks(3, 0)[1])
     device = walk.recording.devices[0]
-    _, to_level = pipeline.levelling(device, "simulated", replace(config, mode=ModeParams(method="fixed")))
+    _, to_level = levelling(device, "simulated", replace(config, mode=ModeParams(method="fixed")))
     blocks = [block for item in device.blocks() for block in to_level.push(item)] + to_level.flush()
     return join(blocks)
 

@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from pdr_est.chains import levelling, stepping
 from pdr_est.config import Config, load_config
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
@@ -24,7 +25,6 @@ from pdr_est.front_end.step_length import StepLength
 from pdr_est.front_end.steps import DETECTORS, step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.pipeline import levelling, stepping
 from pdr_est.stage import Chain, Stage
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -1,8 +1,9 @@
 """The configuration: one frozen record that nests the parameters of every stage, YAML in and out."""
 
 from dataclasses import asdict, replace
+from math import degrees
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import yaml
 from annotated_types import Ge, Le
@@ -23,6 +24,7 @@ from pdr_est.front_end.steps import StepsParams, step_detector
 from pdr_est.io.resample import ResampleParams
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import StartPose
+from pdr_est.synchronise import ClockMethod, GivenClock
 from pdr_est.validation import explain
 from pdr_est.yaml_file import Lines, Location, load_yaml_lines
 
@@ -73,9 +75,11 @@ class Mounting:
 @params
 class DevicesParams:
     """Several devices on one body. clock: "walk" finds the clocks of the others against the first one's from what
-    they recorded, "given" takes them as they are. mountings: of devices that sit elsewhere than in the centre."""
+    they recorded, "messages" from messages that they exchanged, "given" takes them from `clocks`, "none" takes the
+    times as they are. mountings: of devices that sit elsewhere than in the centre."""
 
-    clock: Literal["walk", "given"] = "walk"
+    clock: ClockMethod = "walk"
+    clocks: tuple[GivenClock, ...] = ()
     tethered: bool = True
     tether: TetherParams = TetherParams()
     mountings: tuple[Mounting, ...] = ()
@@ -195,13 +199,19 @@ def _refuse_contradictions(config: Config, place: str) -> None:
             f"{place}: mode.mmpdr.window_s = {watched_s:g} and steps.mmpdr.transition_s = {compensated_s:g} are both "
             "the length of a transition: give them one value"
         )
+    if config.devices.clocks and config.devices.clock != "given":
+        raise ConfigError(
+            f"{place}: devices.clocks: devices.clock = {config.devices.clock} makes no use of clocks that are given: "
+            "choose given (--clock given), or leave them out"
+        )
     heading = config.heading
     gives_priors = heading.method == "auto" and heading.dominant.enabled and heading.use == "priors"
     if heading.dominant.direction_rad is not None and not gives_priors:
         raise ConfigError(
-            f"{place}: heading.dominant.direction_rad = {heading.dominant.direction_rad:g}: is a direction in the "
-            "map, which only heading.method auto with heading.use priors and heading.dominant.enabled makes use of: "
-            "choose these, or leave it out"
+            f"{place}: heading.dominant.direction_rad = {heading.dominant.direction_rad:g} (--corridors "
+            f"{degrees(heading.dominant.direction_rad):g}): is a direction in the map, of which heading.method = "
+            f"{heading.method} (--heading-method) with heading.use = {heading.use} and heading.dominant.enabled = "
+            f"{str(heading.dominant.enabled).lower()} makes no use: choose auto, priors and true, or leave it out"
         )
     if config.gait.model is not None:
         try:

@@ -73,10 +73,13 @@ def test_unknown_key_names_the_nearest(tmp_path: Path) -> None:
         ),
         (
             {"heading": {"method": "psp", "dominant": {"direction_rad": 0.5}}},
-            "heading.dominant.direction_rad = 0.5: is a direction in the map, which only heading.method auto",
+            r"heading.dominant.direction_rad = 0.5 \(--corridors 28.6479\): .* heading.method = psp .* no use",
         ),
-        ({"heading": {"use": "increments", "dominant": {"direction_rad": 0.5}}}, "with heading.use priors"),
-        ({"heading": {"dominant": {"direction_rad": 0.5, "enabled": False}}}, "heading.dominant.enabled makes use"),
+        ({"heading": {"use": "increments", "dominant": {"direction_rad": 0.5}}}, "with heading.use = increments"),
+        (
+            {"heading": {"dominant": {"direction_rad": 0.5, "enabled": False}}},
+            "dominant.enabled = false makes no use",
+        ),
         ({"heading": {"dominant": {"straight": {"piece_steps": 0}}}}, "heading.dominant.straight.piece_steps = 0"),
         ({"heading": {"dominant": {"straight": {"turn_rad": -1.0}}}}, "heading.dominant.straight.turn_rad = -1.0"),
         ([1, 2], "top level"),

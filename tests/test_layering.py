@@ -26,7 +26,9 @@ ORDER: list[set[str]] = [
     {"yaml_file"},
     {"validation"},
     {"config"},
-    {"profile", "pipeline"},
+    {"profile", "device_walk"},
+    {"chains", "estimation", "walk_warnings"},
+    {"pipeline"},
     {"online"},
     {"calibrate"},
     {"simulate", "evaluate"},
@@ -58,6 +60,7 @@ LIBRARIES = {
     "click": ("cli",),
 }
 MOST_LINES, MOST_FUNCTION_LINES = 300, 60
+MOST_LINES_OF_THE_TOP = 80  # pipeline.py reads as the algorithm
 
 
 @dataclass(frozen=True)
@@ -172,6 +175,7 @@ def test_the_package_imports_neither_experiments_nor_tests() -> None:
 def test_modules_are_small() -> None:
     lines = {name: path.read_text(encoding="utf-8").count("\n") for name, path in MODULES.items()}
     assert {name: count for name, count in lines.items() if count >= MOST_LINES} == {}
+    assert lines["pipeline"] <= MOST_LINES_OF_THE_TOP
 
 
 def test_functions_are_small() -> None:

@@ -26,7 +26,8 @@ from partitions import (
     run,
 )
 
-from pdr_est import front_end, pipeline
+from pdr_est import front_end
+from pdr_est.chains import levelling, stepping
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
@@ -160,8 +161,8 @@ def with_field() -> Chain:
 
 
 def whole_chain(config: Config, rate_hz: float) -> Chain:
-    _, to_level = pipeline.levelling(device(rate_hz), "messy", config)
-    return Chain([*to_level.stages, *pipeline.stepping(config).stages, Odometry("device", config.odometry)])
+    _, to_level = levelling(device(rate_hz), "messy", config)
+    return Chain([*to_level.stages, *stepping(config).stages, Odometry("device", config.odometry)])
 
 
 def randomly_cut(items: Sequence[Any], rng: np.random.Generator) -> list[Any]:
@@ -280,7 +281,7 @@ def changing_modes() -> tuple[LevelBlock, ...]:
     begins within a transition."""
     device = with_magnetometer()
     config = Config(mode=ModeParams(method="mmpdr"), heading=HeadingParams(method="magnetometer"))
-    block = join(run(pipeline.levelling(device, "changing", config)[1], device.blocks())[0])
+    block = join(run(levelling(device, "changing", config)[1], device.blocks())[0])
     middle = int(np.flatnonzero(block.mode == CarryingMode.TRANS)[-20])
     late = part(block, middle + 100, len(block))
     return part(block, 0, middle), replace(late, segment=1)
@@ -303,7 +304,7 @@ def test_cuts_where_modes_change(heading: HeadingName) -> None:
 
     def chain() -> Chain:
         mode = MmpdrMode(WORKING_HZ, MmpdrModeParams())
-        return Chain([mode, *pipeline.stepping(config).stages, Odometry("device", config.odometry)])
+        return Chain([mode, *stepping(config).stages, Odometry("device", config.odometry)])
 
     cuttings = [randomly_cut(changing_modes(), rng) for _ in range(3)]
     assert_cuts_do_not_matter(chain, changing_modes(), cuttings, rng)
@@ -327,7 +328,7 @@ def test_cuts_of_the_chain_without_gyroscope(detector: DetectorName) -> None:
     rng = np.random.default_rng(7)
 
     def chain() -> Chain:
-        return Chain([*pipeline.levelling(bare, "messy", config)[1].stages, *pipeline.stepping(config).stages])
+        return Chain([*levelling(bare, "messy", config)[1].stages, *stepping(config).stages])
 
     assert_cuts_do_not_matter(chain, items, [randomly_cut(items, rng), one_by_one(items)], rng)
 
@@ -357,8 +358,8 @@ def test_cuts_of_the_chain_with_a_magnetometer() -> None:
     items, rng = tuple(fitted.blocks()), np.random.default_rng(13)
 
     def chain() -> Chain:
-        _, to_level = pipeline.levelling(fitted, "fitted", config)
-        return Chain([*to_level.stages, *pipeline.stepping(config).stages, Odometry("device", config.odometry)])
+        _, to_level = levelling(fitted, "fitted", config)
+        return Chain([*to_level.stages, *stepping(config).stages, Odometry("device", config.odometry)])
 
     cuttings = [
         in_bursts([one_by_one([block]) for block in items], 1.9, rng),

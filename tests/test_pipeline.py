@@ -23,6 +23,7 @@ from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.records import CarryingMode, Gap
 from pdr_est.simulate import DeviceParams, SensorParams, SimulatedWalk, preset, simulate_walk
+from pdr_est.walk_warnings import warnings_of
 
 DEAD_RECKONING = Config(estimator=EstimatorParams(name="dead-reckoning"))
 
@@ -223,7 +224,7 @@ def test_an_accelerometer_alone_gives_steps_with_length_and_without_heading(miss
     assert {step.event.mode for step in part.steps} == {CarryingMode.UNKNOWN}
     length_m, expected_m = (sum(step.length_m for step in walk.steps) for walk in (part, full))
     assert length_m == pytest.approx(expected_m, rel=0.05)
-    assert pipeline.warnings_of(simulated().recording, [part]) == ()
+    assert warnings_of(simulated().recording, [part]) == ()
 
 
 def test_a_given_mode_is_used_without_gyroscope_too() -> None:
@@ -242,10 +243,10 @@ def test_a_gap_of_both_sensors_is_one_and_as_long_as_it_is() -> None:
     recording = some(with_hours)
     walks = pipeline.analyse(recording, Config())
     assert len(walks[0].gaps) == 2
-    (words,) = pipeline.warnings_of(recording, walks)
+    (words,) = warnings_of(recording, walks)
     assert words.startswith("device: 1 gap or clock jump, 3600.0 s in all")
     later = Gap("rotation_rate", 4000.0, 4001.0, "gap")
-    (words,) = pipeline.warnings_of(recording, [replace(walks[0], gaps=(*walks[0].gaps, later))])
+    (words,) = warnings_of(recording, [replace(walks[0], gaps=(*walks[0].gaps, later))])
     assert words.startswith("device: 2 gaps or clock jumps, 3601.0 s in all")
 
 

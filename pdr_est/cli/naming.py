@@ -8,7 +8,7 @@ from pdr_est.errors import PdrError
 
 
 @contextmanager
-def naming(path: Path) -> Iterator[None]:
+def naming(path: Path | str) -> Iterator[None]:
     """Errors of what knows a recording by its name only are told with its path."""
     try:
         yield

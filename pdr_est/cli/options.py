@@ -19,6 +19,22 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
 
 
+class _Degrees(click.FloatRange):
+    """A direction in degrees; click takes "nan" for a number in any range."""
+
+    def __init__(self) -> None:
+        super().__init__(-360.0, 360.0)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        direction_deg = super().convert(value, param, ctx)
+        if np.isnan(direction_deg):
+            self.fail(f"{value} is no direction: give degrees, -360 to 360", param, ctx)
+        return direction_deg
+
+
+DEGREES = _Degrees()
+
+
 def config_option(command: Command) -> Command:
     """--config FILE.yaml"""
     option = click.option(
@@ -80,7 +96,7 @@ def walker_options(command: Command) -> Command:
             click.option(
                 "--heading",
                 "heading_deg",
-                type=click.FloatRange(-360.0, 360.0),
+                type=DEGREES,
                 metavar="DEG",
                 help="Start heading, degrees counter-clockwise from east (the x axis).",
             ),
@@ -88,7 +104,7 @@ def walker_options(command: Command) -> Command:
             click.option(
                 "--corridors",
                 "corridors_deg",
-                type=click.FloatRange(-360.0, 360.0),
+                type=DEGREES,
                 metavar="DEG",
                 help="Direction of the building's corridors, which cross at right angles, in degrees like --heading.",
             ),

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from pdr_est import pipeline
+from pdr_est.cli.clocks import clock_options, with_clocks, with_messages
 from pdr_est.cli.fixes import chosen_fixes
 from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
@@ -17,6 +18,7 @@ from pdr_est.io.digest import file_digests
 from pdr_est.io.output import staged_folder
 from pdr_est.io.together import together
 from pdr_est.profile import Profile, load_profile
+from pdr_est.synchronise import ClockMethod
 
 
 @click.command()
@@ -26,6 +28,7 @@ from pdr_est.profile import Profile, load_profile
 @click.option("--profile", type=PATH, metavar="FILE.yaml", help="The walker's own, made by `pdr-est calibrate`.")
 @config_option
 @walker_options
+@clock_options
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
 @click.option("-q", "--quiet", is_flag=True, help="No progress bar and no closing lines; warnings are still shown.")
 def smooth(
@@ -33,6 +36,9 @@ def smooth(
     output: Path,
     fixes: str | None,
     profile: Path | None,
+    clock: ClockMethod | None,
+    clock_offsets: tuple[tuple[str, float], ...],
+    messages: Path | None,
     overwrite: bool,
     quiet: bool,
     **settings: Any,
@@ -42,9 +48,9 @@ def smooth(
     Several recordings are those of devices that one person carried at once.
     """
     walker = None if profile is None else load_profile(profile)
-    config = resolve_config(**settings, profile=walker)
+    config = with_clocks(resolve_config(**settings, profile=walker), clock, clock_offsets, messages)
     with progress_bar("reading", total=4, quiet=quiet) as bar, staged_folder(output, overwrite) as folder:
-        summary = smooth_into(folder, recordings, fixes, config, bar, walker)
+        summary = smooth_into(folder, recordings, fixes, config, bar, walker, messages)
     for warning in summary["warnings"]:
         click.echo(f"warning: {warning}", err=True)
     if not quiet:
@@ -54,16 +60,22 @@ def smooth(
 
 
 def smooth_into(
-    folder: Path, paths: Sequence[Path], fixes: str | None, config: Config, bar: Bar, profile: Profile | None = None
+    folder: Path,
+    paths: Sequence[Path],
+    fixes: str | None,
+    config: Config,
+    bar: Bar,
+    profile: Profile | None = None,
+    messages: Path | None = None,
 ) -> dict[str, Any]:
     """Read, smooth and write the recordings of one walk; return the summary. profile: what the configuration was made
-    with."""
+    with. messages: by which the devices compared their clocks."""
     from pdr_est.report.results import write_results  # matplotlib is slow to load
 
-    recorded = together([read(path) for path in paths])
+    recorded = with_messages(together([read(path) for path in paths]), messages)
     known = chosen_fixes(fixes, recorded, paths[0])
     bar.doing("walking")
-    with naming(paths[0] if len(paths) == 1 else paths[0].parent):
+    with naming(", ".join(map(str, paths))):
         walk = pipeline.smooth(recorded, config, known)
     bar.doing("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}

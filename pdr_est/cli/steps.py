@@ -18,6 +18,7 @@ from pdr_est.io.output import staged_file
 from pdr_est.io.writers import write_steps_csv
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import Step
+from pdr_est.walk_warnings import warnings_of
 
 Json = dict[str, Any]
 
@@ -65,7 +66,7 @@ def _walks(path: Path, config: Config) -> Sequence[DeviceWalk]:
     recording = read(path)
     with naming(path):
         walks = pipeline.analyse(recording, config)
-    for warning in pipeline.warnings_of(recording, walks):
+    for warning in warnings_of(recording, walks):
         click.echo(f"warning: {path}: {warning}", err=True)
     return walks
 

@@ -15,6 +15,8 @@ from pdr_est.track import Track, concatenate
 EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 SMOOTHERS: tuple[EstimatorName, ...] = ("factor-graph",)  # each pose from the whole walk
+# These find a start that is not given from the fixes, and use them for nothing else.
+RECKONERS: tuple[EstimatorName, ...] = ("dead-reckoning", "map-closed-form", "map-general")
 
 _MAP_FUSION, _FIXED_LAG = MapFusionParams(), FixedLagParams()
 
@@ -91,6 +93,7 @@ def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measureme
 
 __all__ = [
     "ESTIMATORS",
+    "RECKONERS",
     "SMOOTHERS",
     "DeviceMeasurements",
     "EstimatorName",

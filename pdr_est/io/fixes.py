@@ -114,11 +114,8 @@ def _times(table: Table, recording: Recording) -> Array:
 
 def _span_s(recording: Recording) -> tuple[float, float]:
     """When the first and the last sample of any sensor was taken."""
-    times = [block.time_s for device in recording.devices for block in device.blocks()]
-    return (
-        min((float(time_s.min()) for time_s in times), default=-np.inf),
-        max((float(time_s.max()) for time_s in times), default=np.inf),
-    )
+    spans = [span for device in recording.devices if (span := device.span_s) is not None]
+    return min((begin for begin, _ in spans), default=-np.inf), max((end for _, end in spans), default=np.inf)
 
 
 def _positions(table: Table, recording: Recording) -> Array:

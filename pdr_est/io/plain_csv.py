@@ -158,7 +158,9 @@ def _in_si(reading: _Reading, quantity: Quantity, detect: Callable[[Array], unit
     converted = signal if columns.factor == 1.0 else Signal(signal.time_s, signal.values * columns.factor)
     found = detect(converted.values)
     if found.factor != 1.0:
-        reading.warnings.append(f"the header ({columns.titles[0]}) contradicts the values: {found.decision}")
+        reading.warnings.append(
+            f"the header ({columns.titles[0]}) contradicts the values: {found.decision}; correct one of them"
+        )
     elif quantity is Quantity.FORCE:
         reading.warnings += found.warnings
     return converted

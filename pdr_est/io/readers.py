@@ -1,5 +1,6 @@
 """Reads a recording of any known format, recognised by its content."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -17,6 +18,7 @@ from pdr_est.io import (
     stride_length,
     weallwalk,
 )
+from pdr_est.io.clock_messages import with_recorded_messages
 from pdr_est.io.recording import Recording
 from pdr_est.io.source import Source
 
@@ -58,12 +60,12 @@ def read(path: str | Path) -> Recording:
     Raises RecordingError, in one line with the file, the place and a remedy, when the format is unknown, when
     several walks are inside, or when the data are damaged.
     """
-    source = Source.open(path)
+    source, messages = with_recorded_messages(Source.open(path))
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: empty (0 bytes of content); export the recording again")
     for known in FORMATS:
         if known.sniff(source):
-            return known.read(source)
+            return replace(known.read(source), messages=messages)
     if any(source.head(member, 2) in _UTF16_MARKS for member in source.members):
         raise RecordingError(f"{source.path}: UTF-16 text; save it as UTF-8")
     names = ", ".join(known.NAME for known in FORMATS)

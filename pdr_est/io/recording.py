@@ -31,7 +31,8 @@ class DeviceRecording:
     magnetic field uT, all (n, 3) in device axes; attitude (n, 4) w first, device -> frame with z up;
     pressure (n, 1) Pa.
 
-    decisions: how units and signs were found, in words. warnings: what looks wrong with the data.
+    decisions: how units and signs were found, in words. warnings: what looks wrong with the data. moved_s: what the
+    recorder's own times were moved by to start from the time zero of the recording.
     """
 
     name: str = "device"
@@ -44,6 +45,16 @@ class DeviceRecording:
     pressure: Signal | None = None
     decisions: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    moved_s: float = 0.0
+
+    @property
+    def span_s(self) -> tuple[float, float] | None:
+        """When the first and the last sample of any sensor of the front end was taken; None without any."""
+        times = [block.time_s[np.isfinite(block.time_s)] for block in self.blocks()]
+        known = [time_s for time_s in times if len(time_s)]
+        if not known:
+            return None
+        return min(float(time_s.min()) for time_s in known), max(float(time_s.max()) for time_s in known)
 
     def with_times(self, moved: Callable[[Array], Array]) -> "DeviceRecording":
         """The same with the times (n,) of every channel as `moved` gives them."""
@@ -135,6 +146,19 @@ class Truth:
 
 
 @dataclass(frozen=True)
+class ClockMessages:
+    """Exchanges by which devices compared their clocks, (n,) each. device: who answered; t1_s, t3_s: when the first
+    device asked and got the answer, on its own clock; t2_s: when the other answered, on its own. Stamps are as
+    recorded: seconds of the device's recording or Unix time. place: the file, for messages."""
+
+    place: str
+    device: tuple[str, ...]
+    t1_s: Array
+    t2_s: Array
+    t3_s: Array
+
+
+@dataclass(frozen=True)
 class GeoOrigin:
     """Where the map frame's origin lies on WGS 84, degrees."""
 
@@ -146,6 +170,7 @@ class GeoOrigin:
 class Recording:
     """One walk. time stamps are seconds; `epoch_s` is the Unix time of time zero, None when the recorder does
     not tell. fixes: positions that the recorder itself kept (GPS, annotations), never the truth of a data set.
+    messages: by which its devices compared their clocks.
     """
 
     name: str
@@ -156,3 +181,8 @@ class Recording:
     origin: GeoOrigin | None = None
     epoch_s: float | None = None
     notes: tuple[str, ...] = ()
+    messages: tuple[ClockMessages, ...] = ()
+
+    def place_of(self, device: DeviceRecording) -> str:
+        """What to call a device of this recording in messages."""
+        return f"{self.name} ({device.name})"

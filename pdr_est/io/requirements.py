@@ -1,12 +1,15 @@
 """What steps and what a track need of a device's recording, and in words why a recording does not have it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 
 from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
 from pdr_est.io.limits import LIMITS, impossible
 from pdr_est.io.recording import DeviceRecording, Signal
+from pdr_est.io.units import Finding, acceleration_unit, rotation_unit
 from pdr_est.records import Channel
 
 _LONGEST_WALK_S = 366 * 86400.0  # what lies further apart is a wrong time stamp
@@ -19,6 +22,12 @@ _WORDS = {
     Channel.ROTATION_RATE: "gyroscope",
     Channel.ATTITUDE: "attitude",
 }
+_UNITS: Mapping[Channel, tuple[Callable[[Array], Finding], str, str]] = MappingProxyType(
+    {
+        Channel.SPECIFIC_FORCE: (acceleration_unit, "m/s^2", "acc_x (g)"),
+        Channel.ROTATION_RATE: (rotation_unit, "rad/s", "gyr_x (deg/s)"),
+    }
+)
 
 
 def has_gyroscope(device: DeviceRecording) -> bool:
@@ -26,16 +35,17 @@ def has_gyroscope(device: DeviceRecording) -> bool:
     return _signal(device, Channel.ROTATION_RATE) is not None
 
 
-def refuse_without_track(device: DeviceRecording, place: str) -> None:
+def refuse_without_track(device: DeviceRecording, place: str, one_of_several: bool = False) -> None:
     """Raises RecordingError when a device lacks a sensor without which there is no track, whatever the settings.
 
-    place: what to call the device in messages.
+    place: what to call the device in messages. one_of_several: whether others could make a track without it.
     """
     _specific_force(device, place)
     if not has_gyroscope(device):
         raise RecordingError(
             f"{place}: no gyroscope{_reasons(device)}, so steps could be found but no heading and no track: "
-            "record it too; `pdr-est steps` still finds the steps"
+            f"record it too{', or leave this device out' if one_of_several else ''}; `pdr-est steps` still finds the "
+            "steps"
         )
 
 
@@ -54,12 +64,13 @@ def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) ->
     """The channels that the front end takes: the accelerometer alone where there is no gyroscope.
 
     with_attitude: whether the device's own attitude is one of them. place: what to call the device in messages.
-    Raises RecordingError when one of them is missing, has a single sample, has no running clock, or when they never
-    run at the same time.
+    Raises RecordingError when one of them is missing, has a single sample, has no running clock, is in a wrong unit,
+    or when they never run at the same time.
     """
     signals = _needed_signals(device, place, with_attitude)
     for channel, signal in signals.items():
         _refuse_useless_clock(signal, _WORDS[channel], place)
+        _refuse_wrong_unit(channel, signal, place)
     start_s = max(float(signal.time_s.min()) for signal in signals.values())
     end_s = min(float(signal.time_s.max()) for signal in signals.values())
     if start_s >= end_s:
@@ -173,6 +184,22 @@ def _refuse_useless_clock(signal: Signal, words: str, place: str) -> None:
         raise RecordingError(
             f"{place}: the {words} spans {_seconds(time_s.min())} to {_seconds(time_s.max())} s, more than a year: "
             f"correct the time of sample {wrong + 1}, {_seconds(time_s[wrong])} s, or give the time in seconds"
+        )
+
+
+def _refuse_wrong_unit(channel: Channel, signal: Signal, place: str) -> None:
+    """Refuse values that are surely in another unit than they were read in: all that follows would be nonsense."""
+    if channel not in _UNITS:
+        return
+    detect, right, title = _UNITS[channel]
+    usable = np.isfinite(signal.values).all(axis=1) & ~impossible(channel, signal.values)
+    if usable.sum() < _MANY_SAMPLES:
+        return
+    found = detect(signal.values[usable])
+    if found.factor != 1.0:
+        raise RecordingError(
+            f"{place}: the {_WORDS[channel]} was read as {right}, but {found.decision}: convert the values, or write "
+            f"their unit into the header, as in {title}"
         )
 
 

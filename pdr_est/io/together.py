@@ -30,9 +30,14 @@ def together(recordings: Sequence[Recording]) -> Recording:
             for device in recording.devices
         ]
     if len(set(names)) < len(names):
-        raise RecordingError(f"{first.name}: two of the recordings are alike in name and device: name each file once")
+        twice = next(name for name in names if names.count(name) > 1)
+        raise RecordingError(
+            f"{twice}: two of the recordings are alike in name and device, and differ: rename one of the files"
+        )
     named = tuple(replace(device, name=name) for device, name in zip(devices, names, strict=True))
-    return replace(first, name=" + ".join(recording.name for recording in recordings), devices=named)
+    messages = tuple(one for recording in recordings for one in recording.messages)
+    name = " + ".join(recording.name for recording in recordings)
+    return replace(first, name=name, devices=named, messages=messages)
 
 
 def _once(recordings: Sequence[Recording]) -> list[Recording]:
@@ -61,4 +66,5 @@ def _on_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRecording
     if first.epoch_s is None or recording.epoch_s is None:
         return recording.devices
     later_s = recording.epoch_s - first.epoch_s
-    return tuple(device.with_times(lambda time_s: time_s + later_s) for device in recording.devices)
+    moved = (device.with_times(lambda time_s: time_s + later_s) for device in recording.devices)
+    return tuple(replace(device, moved_s=later_s) for device in moved)

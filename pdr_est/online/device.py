@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdr_est.chains import level_chain, stepping
 from pdr_est.config import Config
 from pdr_est.front_end.heading import needs_magnetometer
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.io.requirements import COARSE_S
-from pdr_est.pipeline import level_chain, stepping
 from pdr_est.records import Channel, HeadingPrior, LevelBlock, SensorBlock, StepOdometry
 from pdr_est.stage import Chain
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from pdr_est.estimators import RECKONERS
 from pdr_est.evaluate.consistency import CHI2_95_2D
 from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording, Recording, Truth
@@ -83,7 +84,7 @@ def summarise(
         "gait_model_sha256": gait_model_sha256,
         "start": start,
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
-        "fixes": _fixes(walk.fixes),
+        "fixes": _fixes(walk.fixes, track.estimator, start),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
@@ -185,8 +186,8 @@ def _counts(devices: Sequence[DeviceWalk]) -> Json:
 
 
 def _clock(device: str, clock: ClockEstimate) -> Json:
-    """What a device's clock was found to be ahead of the first one's, and how well; used unless it is doubtful."""
-    return {"device": device, "used": not clock.poor} | asdict(clock)
+    """What a device's clock is ahead of the first one's, and how well that is known; a poor one may be unused."""
+    return {"device": device, "used": clock.used} | asdict(clock)
 
 
 def _device_track(track: Track) -> Json:
@@ -233,5 +234,13 @@ def radius95_m(covariance_m2: Array) -> Array:
     return np.where(finite, radius, np.nan)
 
 
-def _fixes(fixes: Sequence[PositionFix]) -> Json:
-    return {"used": len(fixes), "sources": dict(Counter(fix.source for fix in fixes))}
+def _fixes(fixes: Sequence[PositionFix], estimator: str, start: StartPose | None) -> Json:
+    """How many there are and what became of them: measurements of the track, or what its start was found from."""
+    reckoned = estimator in RECKONERS
+    known = start is not None and start.position_m is not None and start.heading_rad is not None
+    return {
+        "given": len(fixes),
+        "used": 0 if reckoned else len(fixes),
+        "aligned_with": len(fixes) if reckoned and not known else 0,
+        "sources": dict(Counter(fix.source for fix in fixes)),
+    }

@@ -1,11 +1,14 @@
 """Clocks of the devices of one walk: found from their recordings or messages, and brought onto one of them."""
 
 from pdr_est.synchronise.clock import ClockEstimate, apply_clock, from_messages, move_fixes
-from pdr_est.synchronise.devices import on_one_clock
+from pdr_est.synchronise.devices import ClockMethod, on_one_clock
+from pdr_est.synchronise.given import GivenClock
 from pdr_est.synchronise.walk import WalkClockParams, estimate_clock
 
 __all__ = [
     "ClockEstimate",
+    "ClockMethod",
+    "GivenClock",
     "WalkClockParams",
     "apply_clock",
     "estimate_clock",

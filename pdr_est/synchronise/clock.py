@@ -9,9 +9,9 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording
 from pdr_est.records import PositionFix
-from pdr_est.synchronise.line import fit_line
+from pdr_est.synchronise.line import SIGMA_SKEW, fit_line
 
-SIGMA_SKEW = 1e-4  # of a phone's clock: quartz of some tens of ppm, colder or warmer than its twin; ours
+_LEAST_SHARE = 0.75  # of the exchanges, on the line of a clock that does not jump; ours
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,11 @@ class ClockEstimate:
     @property
     def poor(self) -> bool:
         return bool(self.doubts)
+
+    @property
+    def used(self) -> bool:
+        """A poor estimate from the walk may be wrong by steps; poor messages are still the best that is known."""
+        return not self.poor or self.method != "walk"
 
     def offset_at(self, time_s: Array) -> Array:
         """What the other clock is ahead at times (n,) of the reference clock."""
@@ -77,18 +82,21 @@ def from_messages(t1_s: Array, t2_s: Array, t3_s: Array) -> ClockEstimate:
     bound_s = float(np.median(half_s))
     line = fit_line(middle_s, t2_s[quick] - middle_s, SIGMA_SKEW, max(bound_s / np.sqrt(3.0), 1e-4))
     asymmetry_s = bound_s / np.sqrt(3.0)
-    doubts = (
-        () if bound_s < 0.1 else (f"messages took {2.0 * bound_s:.3f} s there and back: offsets within half of it",)
-    )
+    share = float(np.mean(line.on_it))
+    doubts = []
+    if bound_s >= 0.1:
+        doubts.append(f"messages took {2.0 * bound_s:.3f} s there and back: offsets within half of it")
+    if share < _LEAST_SHARE:
+        doubts.append(f"{line.on_it.sum()} of {len(line.on_it)} exchanges fit one line: a clock that jumps")
     return ClockEstimate(
         offset_s=line.offset_s,
         skew=line.slope,
         sigma_s=max(asymmetry_s, float(np.sqrt(line.covariance[0, 0]))),
         sigma_skew=float(np.sqrt(line.covariance[1, 1])),
         at_s=line.at_s,
-        quality=float(np.mean(line.on_it)),
+        quality=share,
         method="messages",
-        doubts=doubts,
+        doubts=tuple(doubts),
     )
 
 

@@ -52,7 +52,8 @@ def common_signals(device: DeviceRecording) -> CommonSignals:
     span_s = float(force.time_s[-1] - force.time_s[0])
     if span_s < _LEAST_S:
         raise RecordingError(
-            f"device {device.name!r}: {span_s:.1f} s are too short to find its clock by, 5 s at least"
+            f"device {device.name!r}: {span_s:.3f} s of accelerometer, less than the {_LEAST_S:g} s that its clock "
+            "can be found from"
         )
     time_s = np.arange(force.time_s[0], force.time_s[-1], 1.0 / RATE_HZ)
     on_grid = _resampled(force, time_s)

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 
+SIGMA_SKEW = 1e-4  # of a phone's clock: quartz of some tens of ppm, colder or warmer than its twin; ours
+
 _HUBER = 1.345  # standard deviations; 95 % efficient for Gaussian errors
 _WRONG = 4.0  # standard deviations beyond which a difference is no measurement of the line at all
 _ITERATIONS = 30

@@ -9,21 +9,21 @@ the second look's answer counts.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import fftconvolve
 
 from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording
 from pdr_est.params import Fraction, Positive, params
-from pdr_est.synchronise.clock import SIGMA_SKEW, ClockEstimate
+from pdr_est.synchronise.clock import ClockEstimate
 from pdr_est.synchronise.common_signals import RATE_HZ, CommonSignals, common_signals
-from pdr_est.synchronise.line import Line, fit_line
+from pdr_est.synchronise.line import SIGMA_SKEW, Line, fit_line
 from pdr_est.synchronise.same_step import same_step
+from pdr_est.synchronise.same_walk import best_minute
+from pdr_est.synchronise.stretches import level_line, stretches
 
 _LEAST_S = 4.0  # of a window
 _MOVING = 0.5  # of the strikes' usual rms: below it there is nothing to compare
-_PEAK_S = 0.5  # half width of the peak of effort and turns over all shifts
 _LAG_S = 0.01  # between the lags that are tried; the best is interpolated
 
 
@@ -71,9 +71,25 @@ def estimate_clock(
     Both must have recorded parts of the same walk. Where the recordings do not tell, `doubts` says why. Raises
     RecordingError for a device without accelerometer, or with too little of it.
     """
+    return clock_and_steps(reference, other, parameters)[0]
+
+
+def clock_and_steps(
+    reference: DeviceRecording, other: DeviceRecording, parameters: WalkClockParams | None = None
+) -> tuple[ClockEstimate, float | None]:
+    """`estimate_clock`, and how well the steps agree in the best minute (see `best_minute`), also with the clocks as
+    they were recorded."""
     chosen = parameters or WalkClockParams()
     one, two = common_signals(reference), common_signals(other)
     shift_s, agreement, lead = _over_all_shifts(one, two, chosen.near_s)
+    clock = _refined(one, two, shift_s, agreement, lead, chosen)
+    return clock, best_minute(one, two, (shift_s, 0.0))
+
+
+def _refined(
+    one: CommonSignals, two: CommonSignals, shift_s: float, agreement: float, lead: float, chosen: WalkClockParams
+) -> ClockEstimate:
+    """The second and the third look, from the shift that the first one found, its agreement and its lead."""
     rough, step_lead = _steps(one, two, shift_s, chosen)
     strikes = _windows(one, two, rough, chosen)
     agree = strikes.agreement >= chosen.least_agreement
@@ -131,8 +147,8 @@ def _over_all_shifts(one: CommonSignals, two: CommonSignals, near_s: float) -> t
 
 def _steps(one: CommonSignals, two: CommonSignals, shift_s: float, chosen: WalkClockParams) -> tuple[Line, float]:
     """The line of the second look, and the median lead of its windows; without any, what the first look knows."""
-    level = Line(0.0, shift_s, 0.0, np.diag([_PEAK_S**2, SIGMA_SKEW**2]), _PEAK_S, np.zeros(0, dtype=np.bool_))
-    windows = _stretches(one, two, level, chosen.step_window_s, 0.0)
+    level = level_line(shift_s)
+    windows = stretches(one, two, level, chosen.step_window_s, 0.0, _LEAST_S)
     found = [same_step(one, two, rows, shift_s) for rows in windows]
     if not found:
         return level, 0.0
@@ -141,25 +157,15 @@ def _steps(one: CommonSignals, two: CommonSignals, shift_s: float, chosen: WalkC
     return line, float(np.median([step.lead for step in found]))
 
 
-def _stretches(
-    one: CommonSignals, two: CommonSignals, line: Line, window_s: float, reach_s: float
-) -> list[NDArray[np.int64]]:
-    """Samples of `one`, in windows of at least window_s if it has so much, that `two` has up to reach_s about."""
-    there_s = one.time_s + line.value(one.time_s)
-    both = np.flatnonzero((there_s >= two.time_s[0] + reach_s) & (there_s <= two.time_s[-1] - reach_s))
-    windows = np.array_split(both, max(1, int(len(both) / (window_s * RATE_HZ))))
-    return [rows for rows in windows if len(rows) >= _LEAST_S * RATE_HZ]
-
-
 def _windows(one: CommonSignals, two: CommonSignals, line: Line, chosen: WalkClockParams) -> _Windows:
     """Lags of the heel strikes in consecutive windows, close to a line."""
     there = CubicSpline(two.time_s, two.strikes)
     reach_s = chosen.strike_search_s
     lags_s = np.arange(-reach_s, reach_s + 0.5 * _LAG_S, _LAG_S)
-    stretches = _stretches(one, two, line, chosen.strike_window_s, reach_s)
-    sizes = np.array([np.std(one.strikes[rows]) for rows in stretches])
+    windows = stretches(one, two, line, chosen.strike_window_s, reach_s, _LEAST_S)
+    sizes = np.array([np.std(one.strikes[rows]) for rows in windows])
     found = []
-    for rows, size in zip(stretches, sizes, strict=True):
+    for rows, size in zip(windows, sizes, strict=True):
         if size < _MOVING * float(np.median(sizes)):
             continue
         time_s = one.time_s[rows]

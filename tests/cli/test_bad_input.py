@@ -223,11 +223,20 @@ def test_a_gyroscope_of_zeros_is_a_warning(walk: Walk, tmp_path: Path) -> None:
     assert "warning: device: all values of the gyroscope are zero, the sensor is absent or fake" in stderr
 
 
-def test_units_that_contradict_the_header_are_a_warning(walk: Walk, tmp_path: Path) -> None:
-    columns = columns_of(walk, force=walk.force / 9.80665, rate=np.rad2deg(walk.rate))
-    stderr = smoothed(save(tmp_path / "walk.csv", lines_of(columns)), tmp_path / "out").stderr
-    assert "the header (acc_x_mps2) contradicts the values: acceleration is in g" in stderr
-    assert "the header (gyr_x_radps) contradicts the values: rotation rate is in deg/s" in stderr
+@pytest.mark.parametrize(
+    ("force", "rate", "pattern"),
+    [
+        (1.0 / 9.80665, 1.0, r"accelerometer was read as m/s\^2, but acceleration is in g: .* as in acc_x \(g\)"),
+        (1.0, 180.0 / np.pi, r"gyroscope was read as rad/s, but rotation rate is in deg/s: .* as in gyr_x \(deg/s\)"),
+    ],
+    ids=["g", "deg/s"],
+)
+def test_units_that_contradict_the_header(
+    force: float, rate: float, pattern: str, walk: Walk, tmp_path: Path, outs: Path
+) -> None:
+    path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, force=force * walk.force, rate=rate * walk.rate)))
+    assert "contradicts the values" in only_inspected(path, outs, pattern)
+    assert re.search(pattern, refused("steps", path))
 
 
 def test_units_without_a_header_are_found(walk: Walk, tmp_path: Path) -> None:

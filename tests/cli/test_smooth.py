@@ -168,9 +168,22 @@ def test_fixes_of_a_file_draw_the_track(good: Path, tmp_path: Path, walk: Walk) 
     smoothed(good, tmp_path / "out", "--fixes", fixes)
     last = table(tmp_path / "out")[-1]
     assert (float(last["x_m"]), float(last["y_m"])) == pytest.approx((100.0, 61.0), abs=0.3)
-    assert document(tmp_path / "out")["fixes"] == {"used": 2, "sources": {"file": 2}}
+    assert document(tmp_path / "out")["fixes"] == {"given": 2, "used": 2, "aligned_with": 0, "sources": {"file": 2}}
     features = document(tmp_path / "out", "track.geojson")["features"]
     assert [feature["properties"]["feature"] for feature in features] == ["track", "fix", "fix"]
+
+
+def test_fixes_that_only_align_are_told(good: Path, tmp_path: Path) -> None:
+    fixes = save(tmp_path / "fixes.csv", ["time_s,x_m,y_m", "1,100,50", "8,100,55"])
+    result = smoothed(good, tmp_path / "out", "--fixes", fixes, "--estimator", "dead-reckoning")
+    assert "warning: dead-reckoning only aligns the track with the position fixes: choose" in result.stderr
+    assert document(tmp_path / "out")["fixes"]["aligned_with"] == 2
+
+
+@pytest.mark.parametrize("method", ["gyro", "hde", "psp"])
+def test_a_heading_method_for_pockets_warns_of_a_held_phone(method: str, good: Path, tmp_path: Path) -> None:
+    stderr = smoothed(good, tmp_path / "out", "--heading-method", method).stderr
+    assert f"the heading method {method} is for a phone upright in a trouser pocket, but it was HOLDING for" in stderr
 
 
 def test_fixes_of_the_recording_place_the_track_on_the_globe(export_zip: Path, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est import pipeline
+from pdr_est.chains import levelling
 from pdr_est.config import Config
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.io.resample import ResampleParams
@@ -53,7 +53,7 @@ def levels_of(walk: SimulatedWalk, config: Config | None = None, rate_hz: float 
     """The level samples of a simulated walk's first device."""
     config = replace(config or Config(), resample=ResampleParams(rate_hz=rate_hz))
     device = walk.recording.devices[0]
-    _, to_level = pipeline.levelling(device, "simulated", config)
+    _, to_level = levelling(device, "simulated", config)
     return run(to_level, device.blocks())
 
 

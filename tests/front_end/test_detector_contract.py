@@ -11,7 +11,7 @@ from partitions import content, cut, messy_device, one_by_one, part
 from partitions import run as run_restoring
 from signals import RATE_HZ, corner_walk, joined, levels_of, run
 
-from pdr_est import pipeline
+from pdr_est.chains import levelling
 from pdr_est.config import Config
 from pdr_est.front_end.signal.blocks import join
 from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
@@ -50,7 +50,7 @@ def walked(
 @cache
 def messy_levels(rate_hz: float) -> tuple[LevelBlock, ...]:
     """A walk with gaps, lost samples and a clock that jumps: several segments."""
-    _, to_level = pipeline.levelling(messy_device(rate_hz, seed=1), "messy", Config())
+    _, to_level = levelling(messy_device(rate_hz, seed=1), "messy", Config())
     return tuple(run(to_level, messy_device(rate_hz, seed=1).blocks()))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from signals import RATE_HZ, corner_walk, levels_of, run
 
-from pdr_est import pipeline
+from pdr_est.chains import stepping
 from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams
@@ -21,7 +21,7 @@ WITHOUT_FIELD = [method for method in HEADINGS if method != "magnetometer"]  # w
 @cache
 def plain_steps() -> tuple[Step, ...]:
     """Steps of a held phone, without heading."""
-    return tuple(replace(s, heading_rad=np.nan) for s in run(pipeline.stepping(Config()), levels_of(corner_walk())))
+    return tuple(replace(s, heading_rad=np.nan) for s in run(stepping(Config()), levels_of(corner_walk())))
 
 
 @pytest.mark.parametrize("use", get_args(HeadingUse))

@@ -7,7 +7,7 @@ import pytest
 from heading_steps import SAMPLES, block, step_of
 from signals import corner_walk, levels_of, run
 
-from pdr_est import pipeline
+from pdr_est import chains
 from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.attitude import AttitudeParams
@@ -176,7 +176,7 @@ def test_a_simulated_held_phone() -> None:
     """The true directions of the legs of the walk are 0 and 90 degrees in the frame of the recorded attitude."""
     walk = corner_walk()
     config = Config(attitude=AttitudeParams(source="device"), heading=HeadingParams(method="principal-axis"))
-    steps = run(pipeline.stepping(config), levels_of(walk, config))
+    steps = run(chains.stepping(config), levels_of(walk, config))
     middle_s = np.array([0.5 * (step.start_s + step.event.time_s) for step in steps])
     error = wrap_angle(np.array([step.heading_rad for step in steps]) - walk.heading_at(middle_s))
     assert np.rad2deg(np.median(np.abs(error))) < 6.0

@@ -93,6 +93,15 @@ def test_the_first_step_begins_no_earlier_than_the_recording() -> None:
     (step,) = steps_at(0.25)
     assert step.start_s == 0.0
     assert step.samples.time_s[0] == 0.0
+    assert step.recorded_share == pytest.approx(0.25 / 0.6)
+
+
+def test_only_a_step_that_had_begun_before_its_segment_is_a_part() -> None:
+    assert [step.recorded_share for step in steps_at(1.0, 1.5, 9.0)] == [1.0, 1.0, 1.0]
+    stage = StepSegmentation(Script([(1.0, 0), (1.95, 0), (2.8, 1), (3.1, 1)]), SegmentationParams())
+    old, new = level(np.zeros(100)), level(np.ones(100), segment=1, first_index=125)
+    steps = [step for block in (old, new) for step in stage.push(block)]
+    assert [step.recorded_share for step in steps] == pytest.approx([1.0, 1.0, 0.5, 1.0])
 
 
 @pytest.mark.parametrize("times_s", [(1.0, 1.5, 2.1, 7.0), (1.003, 1.517, 2.111, 7.008), (0.997, 1.485, 2.095, 6.99)])

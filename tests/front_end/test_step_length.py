@@ -316,3 +316,12 @@ def test_beyond_the_cadences_of_walking_the_personal_factor_stays() -> None:
     person = replace(MAN, length_scale=1.1, cadence_exponent=1.0, reference_cadence_hz=1.75)
     found = [person.personal_factor(cadence_hz) for cadence_hz in (0.1, 0.7, 1.75, 2.5, 9.0)]
     assert found == pytest.approx([0.44, 0.44, 1.1, 1.1 * 2.5 / 1.75, 1.1 * 2.5 / 1.75])
+
+
+@pytest.mark.parametrize("model", LENGTH_MODELS)
+def test_a_step_that_had_begun_before_counts_for_its_part(model: str) -> None:
+    whole = with_vertical(3.0 * np.sin(np.linspace(0.0, 2.0 * np.pi, 40)))
+    stage = StepLength(RATE_HZ, MAN, StepLengthParams(model=model))  # type: ignore[arg-type]
+    ((full,), (part,)) = (stage.push(item) for item in (whole, replace(whole, recorded_share=0.25)))
+    assert part.length_m == pytest.approx(0.25 * full.length_m)
+    assert part.sigma_length_m == full.sigma_length_m

@@ -15,7 +15,7 @@ from pdr_est.records import PositionFix, SensorBlock
 from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, simulate_walk
 from pdr_est.track import Track, concatenate
 
-GIVEN_CLOCK = Config(devices=DevicesParams(clock="given")).with_estimator("ekf")
+GIVEN_CLOCK = Config(devices=DevicesParams(clock="none")).with_estimator("ekf")
 KNOWN_START = replace(GIVEN_CLOCK, start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
 
 

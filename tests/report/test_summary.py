@@ -42,7 +42,7 @@ def test_counts_distance_and_duration_of_two_devices(make_walk) -> None:
     assert summary["config"] == CONFIG
     assert summary["length_scale"]["value"] == 1.034
     assert summary["length_scale"]["sigma"] == 0.012
-    assert summary["fixes"] == {"used": 4, "sources": {"waypoint": 4}}
+    assert summary["fixes"] == {"given": 4, "used": 4, "aligned_with": 0, "sources": {"waypoint": 4}}
     assert summary["recording"]["time_zero"] == "2023-11-14T22:13:20.000+00:00"
 
 
@@ -126,3 +126,13 @@ def test_versions_name_the_libraries_that_shape_the_numbers() -> None:
 def test_the_scale_in_words(make_walk, scale, sigma, with_fixes, with_profile, words) -> None:
     track = replace(make_walk()[0].track, length_scale=scale, sigma_length_scale=sigma)
     assert scale_in_words(track, with_fixes, with_profile) == words
+
+
+@pytest.mark.parametrize(
+    ("start", "aligned_with"), [(None, 4), (StartPose((1.0, 2.0), None), 4), (StartPose((1.0, 2.0), 0.3), 0)]
+)
+def test_reckoned_tracks_are_aligned_with_fixes_and_do_not_use_them(make_walk, start, aligned_with) -> None:
+    walk, recording = make_walk(steps=10)
+    reckoned = replace(walk, track=replace(walk.track, estimator="map-general"))
+    fixes = strict(summarise(reckoned, recording, CONFIG, {}, {}, start=start))["fixes"]
+    assert fixes == {"given": 4, "used": 0, "aligned_with": aligned_with, "sources": {"waypoint": 4}}

@@ -137,5 +137,5 @@ def test_unusable_recordings_are_refused() -> None:
         estimate_clock(one, replace(two, specific_force=None))
     assert two.specific_force is not None
     short = Signal(two.specific_force.time_s[:50], two.specific_force.values[:50])
-    with pytest.raises(RecordingError, match="too short"):
+    with pytest.raises(RecordingError, match="less than the 5 s that its clock"):
         estimate_clock(one, replace(two, specific_force=short))

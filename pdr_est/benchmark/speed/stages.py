@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from pdr_est import pipeline
+from pdr_est.chains import levelling, stepping
 from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import hindsight_stage
@@ -32,11 +33,11 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
     """CPU seconds by stage for a minute of the recording, both phones together; the clock and the estimators, each by
     name, are parts of the chain like the stages."""
     spent: dict[str, float] = {}
-    devices = timed(spent, "clock", lambda: on_one_clock(recording.devices)) if len(recording.devices) > 1 else []
+    devices = timed(spent, "clock", lambda: on_one_clock(recording)) if len(recording.devices) > 1 else []
     for device, _ in devices:
-        _, to_level = pipeline.levelling(device, recording.name, config)
+        _, to_level = levelling(device, recording.name, config)
         whole_walk = hindsight_stage(config.heading)
-        stages: list[Stage] = [*to_level.stages, *pipeline.stepping(config).stages]
+        stages: list[Stage] = [*to_level.stages, *stepping(config).stages]
         stages += [whole_walk] if whole_walk is not None else []
         items: list[Any] = list(device.blocks())
         for stage in [*stages, Odometry(device.name, config.odometry)]:

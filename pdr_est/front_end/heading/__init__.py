@@ -20,6 +20,8 @@ HeadingName = Literal[
     "auto", "step-yaw", "mmpdr", "gyro", "hde", "psp", "acceleration-integration", "principal-axis", "magnetometer"
 ]
 HEADINGS: tuple[HeadingName, ...] = get_args(HeadingName)
+# These integrate the rotation of a phone that stands upright in a trouser pocket.
+IN_POCKETS: tuple[HeadingName, ...] = ("gyro", "hde", "psp")
 HeadingUse = Literal["increments", "priors"]
 
 

@@ -53,6 +53,9 @@ class StepLength:
     error that all of them share, this gives too little: constants that do not fit the walker, or somebody who is in
     doubt between walking and running all along. `odometry.sigma_length_scale` stands for that, as found on walkers.
     A runner's scale is less certain than it says, by nobody knows how much: there is no recording of one.
+
+    A step that had begun before the recording, or its segment, counts for the part that was recorded, with the
+    standard deviation of a whole one.
     """
 
     latency_s = 0.0
@@ -72,7 +75,8 @@ class StepLength:
             (running_m, self._parameters.sigma_running * running_m),
         )
         factor = self._walker.personal_factor(pace.cadence_hz)
-        return [replace(item, length_m=factor * mean_m, sigma_length_m=factor * sigma_m)]
+        length_m = factor * mean_m * item.recorded_share
+        return [replace(item, length_m=length_m, sigma_length_m=factor * sigma_m)]
 
     def flush(self) -> list[Step]:
         return []

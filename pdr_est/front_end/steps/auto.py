@@ -9,6 +9,10 @@ people altogether, and only strides are left in the vertical acceleration. While
 takes the place of the acceleration. It is smallest at the ends of the arc, near the strikes, whatever the arm's
 strength or the phone's orientation.
 
+In a pocket, a slow leg adds a third hump to the two of a stride: its swing has the third and fourth harmonics of the
+stride, which lie in the band of cadences for who walks slowly. Humps that follow too soon for a step of the strides
+that the signal shows are refused, unless they are much higher, as a runner's.
+
 Where the mode changes, arm and trunk may hide a step from each other. A pause of two steps between two steps in
 different known modes is filled with the one in between, unless it is long enough for a standstill.
 """
@@ -22,6 +26,7 @@ from pdr_est.front_end.signal.filters import CausalBandPass
 from pdr_est.front_end.signal.peaks import local_maxima
 from pdr_est.front_end.signal.trigger import far_enough
 from pdr_est.front_end.signal.vectors import dot
+from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.front_end.steps.undecided import UndecidedSamples
 from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.records import CarryingMode, LevelBlock, StepEvent
@@ -37,8 +42,9 @@ class AutoStepParams:
     long without a step the walk is over. A walk begins with two crests at most first_interval_s apart, so that a
     single jolt is no step; the first of them is a step if it has first_share of the second's height.
     strike_lead_s: the foot strikes the ground this long before the trunk's acceleration crests; a step's time is
-    that of the strike. swing_gain_mps: acceleration in m/s^2 that counts as much as a rate of rotation of 1
-    rad/s while the phone swings."""
+    that of the strike. pocket_interval_share: of half a stride (see `StridePeriod`), between steps of a phone in a
+    pocket, unless the later one is higher than twice the recent ones. swing_gain_mps: acceleration in m/s^2 that
+    counts as much as a rate of rotation of 1 rad/s while the phone swings."""
 
     low_hz: Positive = 0.3
     high_hz: Positive = 2.0
@@ -54,9 +60,12 @@ class AutoStepParams:
     first_share: Fraction = 0.4
     strike_lead_s: NonNegative = 0.08
     swing_gain_mps: Positive = 2.0
+    pocket_interval_share: Fraction = 0.6
+    stride: StridePeriodParams = StridePeriodParams()
 
 
 _SWING = np.int8(CarryingMode.SWING)
+_HIGH = 2.0  # times the recent humps: not one between two steps
 
 
 class AutoSteps:
@@ -71,6 +80,7 @@ class AutoSteps:
         self._filter = CausalBandPass(parameters.low_hz, parameters.high_hz, rate_hz)
         delay_s = self._filter.delay_s + parameters.strike_lead_s
         self._samples = UndecidedSamples(rate_hz, delay_s)
+        self._stride = StridePeriod(rate_hz, parameters.stride)
         self._begin_walk()
         # The first step of a walk waits for the second one, a hidden one for the next.
         self.latency_s = delay_s + max(parameters.first_interval_s, 0.5 * parameters.standstill_s) + 1.0 / rate_hz
@@ -79,8 +89,11 @@ class AutoSteps:
         if item.segment != self._samples.segment:
             self._samples.begin(item)
             self._filter.reset()
+            self._stride.clear()
             self._begin_walk()
-        self._samples.append(item, self._humps(item))
+        humps = self._humps(item)
+        self._samples.append(item, humps)
+        self._stride.append(humps, len(self._samples.signal))
         return self._decide()
 
     def flush(self) -> list[StepEvent]:
@@ -124,7 +137,7 @@ class AutoSteps:
         held = int(self._samples.mode[i]) == CarryingMode.HOLDING
         share = p.relative_threshold_holding if held else p.relative_threshold
         threshold = max(p.threshold_mps2, share * self._recent_height)
-        if height < threshold:
+        if height < threshold or self._between_steps(i, elapsed, height):
             return []
         self._last_crest_s = time_s
         event = self._samples.event(i, confidence=1.0 - (threshold / height) ** 2)
@@ -136,6 +149,19 @@ class AutoSteps:
             return []
         self._recent_height, self._first = 0.5 * (first[1] + height), None
         return [first[0], event] if first[1] >= p.first_share * height else [event]
+
+    def _between_steps(self, i: int, elapsed: float, height: float) -> bool:
+        """Whether a hump in a pocket comes too soon to be a step of the strides before it."""
+        p = self._parameters
+        longest_s = 0.5 * p.pocket_interval_share * p.stride.longest_s
+        if (
+            int(self._samples.mode[i]) != CarryingMode.POCKET
+            or elapsed >= longest_s
+            or height > _HIGH * self._recent_height
+        ):
+            return False
+        stride_s = self._stride.before(len(self._samples.signal) - 1 - i)
+        return np.isfinite(stride_s) and not far_enough(elapsed, 0.5 * p.pocket_interval_share * stride_s)
 
     def _min_interval_s(self) -> float:
         p = self._parameters

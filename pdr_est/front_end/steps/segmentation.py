@@ -16,7 +16,7 @@ from pdr_est.stage import Stage
 @params
 class SegmentationParams:
     """standstill_s: without a step for this long the walker stands (MMPDR section III-C: 2 s).
-    initial_step_s: how long the first step after a standstill takes."""
+    initial_step_s: how long the first step after a standstill takes, or one that a segment begins in."""
 
     standstill_s: Positive = 2.0
     initial_step_s: Positive = 0.6
@@ -63,11 +63,13 @@ class StepSegmentation:
         self._previous_s = event.time_s
         stop = max(int(np.searchsorted(samples.time_s, event.time_s, side="right")), 1)
         first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
+        start_s = min(max(start, float(samples.time_s[0])), event.time_s)
         return Step(
             event=event,
-            start_s=min(max(start, float(samples.time_s[0])), event.time_s),
+            start_s=start_s,
             frequency_hz=self._frequency_at(event),
             samples=part(samples, first, stop),
+            recorded_share=(event.time_s - start_s) / (event.time_s - start) if start < start_s else 1.0,
         )
 
     def _frequency_at(self, event: StepEvent) -> float:

@@ -1,0 +1,70 @@
+"""Options about the clocks of several devices, and what they do to the configuration and the recording."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+import click
+
+from pdr_est.cli.options import PATH
+from pdr_est.config import Config, config_from_dict, config_to_dict
+from pdr_est.errors import ConfigError
+from pdr_est.io.clock_messages import read_messages
+from pdr_est.io.recording import Recording
+from pdr_est.synchronise import ClockMethod
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def clock_options(command: Command) -> Command:
+    """--clock METHOD, --clock-offset DEVICE SECONDS and --messages FILE.csv"""
+    for option in (
+        click.option(
+            "--messages",
+            type=PATH,
+            metavar="FILE.csv",
+            help="Messages by which the devices compared their clocks: device,t1_s,t2_s,t3_s.",
+        ),
+        click.option(
+            "--clock-offset",
+            "clock_offsets",
+            type=(str, float),
+            multiple=True,
+            metavar="DEVICE SECONDS",
+            help="What a device's clock is ahead of the first one's; may be given several times.",
+        ),
+        click.option(
+            "--clock",
+            type=click.Choice(get_args(ClockMethod)),
+            help="How the clocks of several devices are brought together. Default: walk.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def with_clocks(
+    config: Config, clock: ClockMethod | None, offsets: tuple[tuple[str, float], ...], messages: Path | None
+) -> Config:
+    """The configuration with what the options say. Raises ConfigError for options that contradict each other."""
+    if messages is not None and offsets:
+        raise ConfigError("--messages and --clock-offset both tell the clocks: give one of them")
+    wanted: ClockMethod | None = "messages" if messages is not None else "given" if offsets else clock
+    option = "--messages" if messages is not None else "--clock-offset" if offsets else "--clock"
+    if clock is not None and clock != wanted:
+        raise ConfigError(f"--clock {clock}: makes no use of {option}: give --clock {wanted}, or leave {option} out")
+    if wanted is None:
+        return config
+    settings = config_to_dict(config)
+    settings["devices"]["clock"] = wanted
+    if offsets:
+        settings["devices"]["clocks"] = [{"device": name, "offset_s": offset_s} for name, offset_s in offsets]
+    elif wanted != "given":
+        settings["devices"]["clocks"] = []  # those of the file are overruled with the method
+    return config_from_dict(settings, option)
+
+
+def with_messages(recording: Recording, messages: Path | None) -> Recording:
+    """The recording with the messages of a table, where one is given, in place of its own."""
+    return recording if messages is None else replace(recording, messages=(read_messages(messages),))

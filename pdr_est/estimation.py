@@ -1,0 +1,62 @@
+"""Between the front end and the estimators: the measurements of each device, and the person's track from theirs."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pdr_est.config import Config
+from pdr_est.device_walk import DeviceWalk
+from pdr_est.errors import EstimationError
+from pdr_est.estimators import SMOOTHERS, DeviceMeasurements, estimate_walk
+from pdr_est.estimators.fused import carried, fuse
+from pdr_est.estimators.known_directions import tied_to_map
+from pdr_est.estimators.ties import tethers_between
+from pdr_est.records import DeviceTether, LoopClosure, PositionFix
+from pdr_est.track import Track, concatenate
+
+
+def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
+    """Raise EstimationError for a device without gyroscope."""
+    for walk in walks:
+        if not walk.has_heading:
+            raise EstimationError(
+                f"{walk.device}: no gyroscope, so its {len(walk.steps)} steps have no direction and make no track: "
+                "leave this device out"
+            )
+
+
+def measured(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix]) -> DeviceMeasurements:
+    """What the configured estimator gets of a device: what the whole walk tells only if it smooths."""
+    own = walk.hindsight if config.estimator.name in SMOOTHERS else walk.odometry
+    closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
+    return DeviceMeasurements(walk.device, walk.start_s, (*own, *closure, *fixes))
+
+
+def tethers(walks: Sequence[DeviceWalk], config: Config) -> list[DeviceTether]:
+    """What holds the devices together, as configured."""
+    if not config.devices.tethered:
+        return []
+    spans_s = {walk.device: walk.stepping_s for walk in walks}
+    return tethers_between(spans_s, config.devices.tether, at_end=config.estimator.name in SMOOTHERS)
+
+
+def track_of(devices: Sequence[DeviceMeasurements], ties: Sequence[DeviceTether], config: Config) -> Track:
+    """The configured estimator on the measurements of every device. Raises what `estimate_walk` raises."""
+    chosen, start = config.estimator, config.start.pose()
+    sigma_scale = config.odometry.sigma_length_scale
+    return estimate_walk(chosen.name, devices, start, sigma_scale, ties, chosen.map_fusion, chosen.fixed_lag)
+
+
+def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float) -> DeviceMeasurements:
+    """The measurements with the walk's directions tied to one that is known in the map. track: without that."""
+    if walk.directions is None:
+        return known
+    own = track.of_device(walk.device)
+    tied = tied_to_map(known.measurements, own, direction_rad, walk.directions.spacing_rad)
+    return replace(known, measurements=tuple(tied))
+
+
+def with_person(track: Track, config: Config) -> Track:
+    """The tracks of the devices, each where it sits on the body, and that of the person."""
+    mountings = {name: config.devices.mounting_of(name) for name in track.devices}
+    offsets_m = {name: (one.forward_m, one.left_m) for name, one in mountings.items()}
+    return concatenate([*(carried(track.of_device(name), offsets_m[name]) for name in track.devices), fuse(track)])
