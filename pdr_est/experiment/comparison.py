@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pdr_est.errors import ConfigError, OutputError
+from pdr_est.evaluate.definitions import unit_of
 from pdr_est.evaluate.paired import Paired, paired
 from pdr_est.experiment.output import PROVENANCE, RESULTS
 from pdr_est.io.parquet import read_parquet
@@ -18,28 +19,51 @@ from pdr_est.validation import nearest
 Values = Mapping[str, Mapping[str, Mapping[str, float]]]
 """metric -> variant -> walk -> value, the mean over the tracks of the walk."""
 
-HEADINGS = ("metric", "A", "B", "walks", "mean A", "mean B", "B - A", "low", "high", "A wins", "B wins", "ties")
+HEADINGS = (
+    "metric",
+    "unit",
+    "A",
+    "B",
+    "walks",
+    "mean A",
+    "mean B",
+    "B - A",
+    "low",
+    "high",
+    "A wins",
+    "B wins",
+    "ties",
+)
+
+TEXTS = 4  # of these columns, from the left, are words; the others are numbers
 
 
-def read_values(folders: Sequence[Path]) -> Values:
+def read_values(folders: Sequence[Path], track: str | None = None) -> Values:
     """The results in the folders of experiments. With several folders a variant is called `FOLDER:VARIANT`.
 
-    Raises OutputError for a folder without results, and for folders in which walks or data of one name differ: they
-    cannot be compared walk by walk.
+    track: only that of this device, or of the person (`fused`), of walks with several phones; else a walk has the
+    mean over its tracks. Raises OutputError for a folder without results, and for folders in which walks or data of
+    one name differ: they cannot be compared walk by walk; ConfigError for a track that no folder has.
     """
     names = _names(folders)
     _refuse_other_walks(folders)
     collected: dict[str, dict[str, dict[str, list[float]]]] = {}
+    tracks: dict[str, None] = {}
     for folder, prefix in zip(folders, names, strict=True):
         if not (folder / RESULTS).is_file():
             raise OutputError(f"{folder}: holds no {RESULTS}: run `pdr-est experiment CONFIG -o {folder}` to its end")
         table = read_parquet(folder / RESULTS)
-        columns = (table[name] for name in ("metric", "variant", "walk", "value"))
-        for metric, variant, walk, value in zip(*columns, strict=True):
+        columns = (table[name] for name in ("metric", "variant", "walk", "track", "value"))
+        for metric, variant, walk, of, value in zip(*columns, strict=True):
+            tracks[str(of)] = None
+            if track not in (None, of):
+                continue
             name = f"{prefix}{variant}"
             walks = collected.setdefault(str(metric), {}).setdefault(name, {})
             if value is not None:
                 walks.setdefault(str(walk), []).append(float(value))
+    if track is not None and track not in tracks:
+        raise ConfigError(f"unknown track {track!r}: {nearest(track, list(tracks))}")
     return {
         metric: {
             variant: {walk: float(np.mean(values)) for walk, values in walks.items()}
@@ -99,6 +123,7 @@ def as_rows(pairs: Iterable[Paired]) -> list[tuple[str, ...]]:
     return [
         (
             pair.metric,
+            unit_of(pair.metric),
             pair.first,
             pair.second,
             str(pair.n),
@@ -121,14 +146,14 @@ def as_csv(pairs: Iterable[Paired]) -> str:
 
 def as_markdown(pairs: Iterable[Paired]) -> str:
     """The comparisons as a Markdown table, with what its columns mean."""
-    rows = [HEADINGS, tuple("---" if i < 3 else "---:" for i in range(len(HEADINGS))), *as_rows(pairs)]
+    rows = [HEADINGS, tuple("---" if i < TEXTS else "---:" for i in range(len(HEADINGS))), *as_rows(pairs)]
     lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
     return "\n".join(lines) + f"\n\n{NOTE}\n"
 
 
 NOTE = (
     "B - A: mean over walks of how much farther B is from the metric's ideal value than A; negative: B is better. "
-    "low, high: its 95 % bootstrap interval over walks."
+    "low, high: its 95 % bootstrap interval over walks, too narrow for fewer than about 20."
 )
 
 

@@ -11,10 +11,10 @@ from pdr_est.benchmark.files import recordings, suite_folder
 from pdr_est.benchmark.runner import with_truth
 from pdr_est.benchmark.suite import Suite, WalkFile
 from pdr_est.errors import ConfigError
-from pdr_est.experiment.config import DataParams, SimulatedParams
+from pdr_est.experiment.config import DataParams, Series, SimulatedParams
 from pdr_est.io import read
 from pdr_est.io.recording import Recording
-from pdr_est.simulate import PRESETS, Scenario, preset, simulate_walk
+from pdr_est.simulate import PRESETS, Scenario, preset, psp_walks, robust_dr_trials, simulate_walk
 from pdr_est.simulate.population import population
 
 
@@ -81,10 +81,21 @@ def _matching(folder: Path, patterns: Sequence[str]) -> list[Walk]:
 
 
 def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
-    if len(set(parameters.presets)) < len(parameters.presets):
-        raise ConfigError(f"presets {', '.join(parameters.presets)}: one stands twice: use repeats instead")
+    if parameters.presets and parameters.series:
+        raise ConfigError("presets and series are given: name one of them")
+    for what in ("presets", "series"):
+        names: Sequence[str] = getattr(parameters, what)
+        if len(set(names)) < len(names):
+            more = "repeats" if what == "presets" else "number"
+            raise ConfigError(f"{what} {', '.join(names)}: one stands twice: use {more} instead")
     chosen = seed if parameters.seed is None else parameters.seed
     every_s = parameters.truth_every_s
+    if parameters.series:
+        return [
+            Walk(f"{series}/{scenario.name}", {"series": series}, scenario, every_s)
+            for series in parameters.series
+            for scenario in _of_series(series, parameters.number, chosen)
+        ]
     if not parameters.presets:
         return [
             Walk(
@@ -100,6 +111,16 @@ def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
         for name in parameters.presets
         for number in range(parameters.repeats)
     ]
+
+
+def _of_series(series: Series, number: int, seed: int) -> tuple[Scenario, ...]:
+    match series:
+        case "robust-dr":
+            return robust_dr_trials(seed, number)
+        case "psp-I":
+            return psp_walks("I", number, seed)
+        case "psp-II":
+            return psp_walks("II", number, seed)
 
 
 def _again(scenario: Scenario, seed: int, number: int) -> Scenario:
