@@ -117,4 +117,6 @@ def _pairs(output: Path) -> tuple[Paired, ...]:
     """Each variant with each; of many, the first one with every other."""
     values = read_values([output])
     variants = list(dict.fromkeys(name for of_metric in values.values() for name in of_metric))
+    if len(variants) < 2:
+        return ()
     return compare_variants(values, reference=variants[0] if len(variants) > _MOST_PAIRED else None)
