@@ -74,7 +74,7 @@ def _tiles(content: Content) -> list[tuple[str, str]]:
 
 def _tables(content: Content, metrics: Sequence[str]) -> list[tables.Table]:
     compared = {pair.first for pair in content.pairs}
-    first_only = "The first variant is compared with the others; `pdr-est compare` has all pairs."
+    first_only = "The first variant is compared with the others; pdr-est compare has all pairs."
     note = first_only if len(content.variants) > 2 and len(compared) == 1 else ""
     made = [tables.pairs(content.pairs, note)] if any(pair.ties < pair.n for pair in content.pairs) else []
     made += [tables.groups(content.outcomes, content.variants, metrics, key) for key in content.group_by]
