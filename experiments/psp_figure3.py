@@ -107,7 +107,7 @@ def as_text(panels: Sequence[Panel]) -> str:
 def draw(panels: Sequence[Panel]) -> Figure:
     """A row a kind of legs."""
     figure = Figure(figsize=(18.0, 9.0), layout="constrained")
-    rows = figure.subplots(2, len(panels) // 2)
+    rows = figure.subplots(2, len(panels) // 2, squeeze=False)
     for axes, one in zip(rows.flat, panels, strict=True):
         axes.plot(*one.walk.truth_position_m.T, "--", color="0.3", linewidth=1.0, label="true path")
         for method, track in one.tracks.items():
