@@ -42,7 +42,8 @@ def find_walks(data: DataParams, folder: Path, suite: Suite | None, seed: int) -
     is missing.
     """
     if data.simulated is not None:
-        walks = _simulated(data.simulated, seed)
+        first = None if data.only else data.limit  # a large population takes its time
+        walks = _simulated(data.simulated, seed, first)
     elif suite is not None:
         walks = [_from_file(file) for file in suite.find(suite_folder(folder, suite.folder))]
     else:
@@ -80,7 +81,8 @@ def _matching(folder: Path, patterns: Sequence[str]) -> list[Walk]:
     return [Walk(name, _folder_label(name), WalkFile(name, path)) for name, path in sorted(found.items())]
 
 
-def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
+def _simulated(parameters: SimulatedParams, seed: int, limit: int | None) -> list[Walk]:
+    """The walks of the section. limit: more than so many are not needed."""
     if parameters.presets and parameters.series:
         raise ConfigError("presets and series are given: name one of them")
     for what in ("presets", "series"):
@@ -90,11 +92,12 @@ def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
             raise ConfigError(f"{what} {', '.join(names)}: one stands twice: use {more} instead")
     chosen = seed if parameters.seed is None else parameters.seed
     every_s = parameters.truth_every_s
+    number = min(parameters.number, limit or parameters.number)
     if parameters.series:
         return [
             Walk(f"{series}/{scenario.name}", {"series": series}, scenario, every_s)
             for series in parameters.series
-            for scenario in _of_series(series, parameters.number, chosen)
+            for scenario in _of_series(series, number, chosen)
         ]
     if not parameters.presets:
         return [
@@ -104,7 +107,7 @@ def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
                 member.scenario,
                 every_s,
             )
-            for member in population(parameters, seed)
+            for member in population(replace(parameters, number=number), seed)
         ]
     return [
         Walk(f"{name}/{number + 1}", {"preset": name}, _again(preset(name), chosen, number), every_s)
