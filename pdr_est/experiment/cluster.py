@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -19,7 +20,8 @@ PATIENCE_S = 5.0  # until the scheduler must have answered
 def connected(address: str) -> Iterator[Any]:
     """A Dask client of the scheduler at an address, `tcp://HOST:PORT`.
 
-    Raises ConfigError when Dask is not installed or no scheduler answers within `PATIENCE_S`.
+    Warns when it has no workers yet, for which the walks wait. Raises ConfigError when Dask is not installed or no
+    scheduler answers within `PATIENCE_S`.
     """
     try:
         from distributed import Client
@@ -37,6 +39,8 @@ def connected(address: str) -> Iterator[Any]:
     if kind != "Scheduler":
         raise ConfigError(f"--cluster {address!r}: is a Dask {kind.lower()}: give the address of its scheduler")
     with Client(address, timeout=4.0 * PATIENCE_S, set_as_default=False) as client:  # type: ignore[no-untyped-call]
+        if not client.scheduler_info()["workers"]:
+            warnings.warn(f"{address} has no worker yet: walks wait for `dask worker {address}`", stacklevel=2)
         yield client
 
 

@@ -10,6 +10,7 @@ from experiment_files import SMALL, experiment_file
 
 from pdr_est.errors import ConfigError
 from pdr_est.experiment import load_experiment, run_experiment
+from pdr_est.experiment.cluster import connected
 
 distributed = pytest.importorskip("distributed")
 
@@ -50,6 +51,15 @@ def test_a_worker_is_no_scheduler(tmp_path: Path, cluster: "distributed.LocalClu
     with pytest.raises(ConfigError, match=r"is a Dask worker: give the address of its scheduler"):
         run_experiment(experiment, tmp_path / "out", cluster=worker)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_scheduler_without_workers_is_told_of() -> None:
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as empty,
+        pytest.warns(UserWarning, match="has no worker yet: walks wait for `dask worker"),
+        connected(empty.scheduler_address),
+    ):
+        pass
 
 
 @pytest.fixture
