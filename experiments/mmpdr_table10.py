@@ -2,7 +2,7 @@
 
     python experiments/mmpdr_table10.py [--seeds 0 1 2 3 4 5]
 
-The walks of `mmpdr_tables8_9.py`, reckoned from the known start by these chains: `paper` (modes, steps and headings
+The walks of `mmpdr_walks.py`, reckoned from the known start by these chains: `paper` (modes, steps and headings
 of MMPDR), `mmpdr` (its headings on the modes and steps of the defaults) and `default`; `step-yaw` is the default with
 the plain yaw of each step, for the park: what looks for straight paths must not bend curved ones.
 
@@ -14,13 +14,11 @@ percentile over all steps of all walks, and the mean position error in percent o
 Writes experiments/results/mmpdr_table10.json and .txt.
 """
 
-import argparse
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
+from mmpdr_walks import POCKET, ROWS, SWING, Row, tabulate
 
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array, wrap_angle
@@ -28,15 +26,11 @@ from pdr_est.front_end.heading import HeadingParams
 from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams, TrainedOffset
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.steps import StepsParams
-from pdr_est.pipeline import smooth
+from pdr_est.pipeline import SmoothedWalk, smooth
 from pdr_est.records import CarryingMode, Step
-from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, park_348, simulate_walk
+from pdr_est.simulate import SimulatedWalk
 
-RESULTS = Path(__file__).parent / "results"
-HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
-START = Config(
-    estimator=EstimatorParams(name="dead-reckoning"),
-)
+START = Config(estimator=EstimatorParams(name="dead-reckoning"))
 CHAINS: dict[str, Config] = {
     "paper": replace(
         START,
@@ -50,33 +44,20 @@ CHAINS: dict[str, Config] = {
 }
 
 
-@dataclass(frozen=True)
-class Row:
-    """A kind of walk. modes: in the order of carrying; park: there instead of indoors. paper: its walks, each with
-    largest and median heading error, deg, and mean position error, m; none for the park."""
-
-    words: str
-    modes: tuple[CarryingMode, ...]
-    paper: tuple[tuple[float, float, float], ...] = ()
-    park: bool = False
-
-    def scenario(self, seed: int) -> Scenario:
-        """The walk of one walker."""
-        return park_348(*self.modes, seed=seed) if self.park else mmpdr_indoor(*self.modes, seed=seed)
-
-
-ROWS = (
-    Row("indoor HOLDING", (HOLDING,), ((14.23, 1.96, 0.75),)),
-    Row("indoor SWING", (SWING,), ((14.8, 4.63, 1.33),)),
-    Row("indoor POCKET", (POCKET,), ((10.58, 3.16, 0.71),)),
-    Row(
-        "indoor, all modes",
-        (HOLDING, SWING, HOLDING, POCKET),
-        ((17.0, 3.41, 1.34), (15.98, 5.0, 2.0), (13.52, 3.58, 0.83), (11.22, 2.97, 1.01), (9.91, 1.94, 0.3)),
+# Of the paper, for each of its walks of a row: largest and median heading error, deg, and mean position error, m.
+PAPER: Mapping[str, tuple[tuple[float, float, float], ...]] = {
+    "indoor HOLDING": ((14.23, 1.96, 0.75),),
+    "indoor SWING": ((14.8, 4.63, 1.33),),
+    "indoor POCKET": ((10.58, 3.16, 0.71),),
+    "indoor, all modes": (
+        (17.0, 3.41, 1.34),
+        (15.98, 5.0, 2.0),
+        (13.52, 3.58, 0.83),
+        (11.22, 2.97, 1.01),
+        (9.91, 1.94, 0.3),
     ),
-    Row("indoor HOLDING, POCKET", (HOLDING, POCKET), ((6.43, 0.94, 0.84),)),
-    Row("park, all modes", (HOLDING, SWING, POCKET), park=True),
-)
+    "indoor HOLDING, POCKET": ((6.43, 0.94, 0.84),),
+}
 SUMMARY = {"single mode": ROWS[:3], "multi-mode": ROWS[3:5]}
 PAPER_X = {"single mode": (2.84, 3.88, 10.94, 99.03), "multi-mode": (2.88, 4.24, 12.06, 98.91)}
 PAPER_OFFSETS_DEG = {
@@ -95,31 +76,18 @@ class Errors:
     offsets: tuple[TrainedOffset, ...]
 
 
-Table = dict[str, dict[str, list[Errors]]]
-
-
-def main() -> None:
-    """Simulate, reckon, print and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(6)))
-    seeds = parser.parse_args().seeds
-    table = {row.words: measured(row, seeds) for row in ROWS}
-    text = as_text(table, seeds)
-    document = json.dumps(as_document(table, seeds), indent=2)
-    (RESULTS / "mmpdr_table10.json").write_text(document + "\n", encoding="utf-8")
-    (RESULTS / "mmpdr_table10.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
+Table = Mapping[str, dict[str, list[Errors]]]
 
 
 def measured(row: Row, seeds: Sequence[int]) -> dict[str, list[Errors]]:
     """The errors of the walkers of all seeds, by chain."""
-    walks = [simulate_walk(row.scenario(seed)) for seed in seeds]
+    walks = row.walks(seeds)
     return {name: [errors_of(walk, config) for walk in walks] for name, config in CHAINS.items()}
 
 
 def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
     """What one chain makes of a walk."""
-    smoothed = smooth(walk.recording, replace(config, start=start_of(walk)))
+    smoothed = reckoned(walk, config)
     track, steps = smoothed.track, smoothed.devices[0].steps
     middle_s = np.array([0.5 * (step.start_s + step.event.time_s) for step in steps])
     off = wrap_angle(track.heading_rad[1:] - walk.heading_at(middle_s))
@@ -132,6 +100,11 @@ def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
         length_m=walk.distance_m,
         offsets=trained(steps) if config.heading.method == "mmpdr" else (),
     )
+
+
+def reckoned(walk: SimulatedWalk, config: Config) -> SmoothedWalk:
+    """A walk by one chain, from the known start."""
+    return smooth(walk.recording, replace(config, start=start_of(walk)))
 
 
 def start_of(walk: SimulatedWalk) -> StartParams:
@@ -203,11 +176,11 @@ def as_text(table: Table, seeds: Sequence[int]) -> str:
     for row in ROWS:
         if row.words not in table:
             continue
-        if row.paper:
-            largest, median, position_m = np.median(row.paper, axis=0)
+        if row.words in PAPER:
+            largest, median, position_m = np.median(PAPER[row.words], axis=0)
             lines.append(f"{row.words:24}{'paper':10}{largest:8.2f}{median:8.2f}{'':8}{position_m:8.2f}")
         for name, walks in table[row.words].items():
-            label = row.words if name == "paper" and not row.paper else ""
+            label = row.words if name == "paper" and row.words not in PAPER else ""
             lines.append(f"{label:24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in of_row(walks)))
     lines += ["", f"{'Table X':34}{'median':>8}{'mean':>8}{'95 %':>8}{'pos. %':>8}"]
     for words, rows in SUMMARY.items():
@@ -226,4 +199,4 @@ def as_text(table: Table, seeds: Sequence[int]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    tabulate("mmpdr_table10", __doc__, measured, as_text, as_document)

@@ -10,54 +10,29 @@ over walks of |counted - taken| / taken, in which too many here does not make up
 Writes experiments/results/mmpdr_tables8_9.json and .txt. The tables' headings and positions are not in it.
 """
 
-import argparse
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from mmpdr_walks import ROWS, Row, tabulate
 from numpy.typing import NDArray
 
 from pdr_est.config import Config
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.steps import StepsParams
 from pdr_est.pipeline import analyse
-from pdr_est.records import CarryingMode
-from pdr_est.simulate import Scenario, mmpdr_indoor, park_348, simulate_walk
 
-RESULTS = Path(__file__).parent / "results"
 METHODS: tuple[Literal["mmpdr", "auto"], ...] = ("mmpdr", "auto")
-HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
-
-
-@dataclass(frozen=True)
-class Row:
-    """A kind of walk. modes: in the order of carrying; park: there instead of indoors. paper: (counted, taken)."""
-
-    words: str
-    modes: tuple[CarryingMode, ...]
-    paper: tuple[tuple[int, int], ...]
-    park: bool = False
-
-    def scenario(self, seed: int) -> Scenario:
-        """The walk of one walker."""
-        return park_348(*self.modes, seed=seed) if self.park else mmpdr_indoor(*self.modes, seed=seed)
-
-
-ROWS = (
-    Row("indoor HOLDING", (HOLDING,), ((131, 131),)),
-    Row("indoor SWING", (SWING,), ((127, 128),)),
-    Row("indoor POCKET", (POCKET,), ((126, 128),)),
-    Row(
-        "indoor, all modes",
-        (HOLDING, SWING, HOLDING, POCKET),
-        ((139, 140), (141, 140), (137, 140), (124, 130), (127, 133)),
-    ),
-    Row("indoor HOLDING, POCKET", (HOLDING, POCKET), ((125, 128),)),
-    Row("park, all modes", (HOLDING, SWING, POCKET), ((447, 458),), park=True),
-)
+# Of the paper, for each of its walks of a row: steps counted, steps taken.
+PAPER: Mapping[str, tuple[tuple[int, int], ...]] = {
+    "indoor HOLDING": ((131, 131),),
+    "indoor SWING": ((127, 128),),
+    "indoor POCKET": ((126, 128),),
+    "indoor, all modes": ((139, 140), (141, 140), (137, 140), (124, 130), (127, 133)),
+    "indoor HOLDING, POCKET": ((125, 128),),
+    "park, all modes": ((447, 458),),
+}
 
 
 @dataclass(frozen=True)
@@ -76,22 +51,9 @@ class Counts:
         return 100.0 * float(np.mean(np.abs(self.counted[method] - self.taken) / self.taken))
 
 
-def main() -> None:
-    """Simulate, count, print and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(6)))
-    seeds = parser.parse_args().seeds
-    table = {row.words: measured(row, seeds) for row in ROWS}
-    text = as_text(table, seeds)
-    document = json.dumps(as_document(table, seeds), indent=2)
-    (RESULTS / "mmpdr_tables8_9.json").write_text(document + "\n", encoding="utf-8")
-    (RESULTS / "mmpdr_tables8_9.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
-
-
 def measured(row: Row, seeds: Sequence[int]) -> Counts:
     """Steps taken and counted by the walkers of all seeds."""
-    walks = [simulate_walk(row.scenario(seed)) for seed in seeds]
+    walks = row.walks(seeds)
     configs = {
         method: replace(Config(), mode=ModeParams(method=method), steps=StepsParams(detector=method))
         for method in METHODS
@@ -107,11 +69,11 @@ def measured(row: Row, seeds: Sequence[int]) -> Counts:
 
 def paper_ratio(row: Row) -> float:
     """Steps counted / steps taken in the paper, percent."""
-    counted, taken = np.sum(row.paper, axis=0)
+    counted, taken = np.sum(PAPER[row.words], axis=0)
     return 100.0 * float(counted / taken)
 
 
-def as_document(table: dict[str, Counts], seeds: Sequence[int]) -> dict[str, object]:
+def as_document(table: Mapping[str, Counts], seeds: Sequence[int]) -> dict[str, object]:
     """The numbers of the text, in percent, and the counts of each walk."""
     rows = {
         row.words: {
@@ -131,7 +93,7 @@ def as_document(table: dict[str, Counts], seeds: Sequence[int]) -> dict[str, obj
     return {"seeds": list(seeds), "rows": rows}
 
 
-def as_text(table: dict[str, Counts], seeds: Sequence[int]) -> str:
+def as_text(table: Mapping[str, Counts], seeds: Sequence[int]) -> str:
     """A line a row: the paper's ratio, then ratio and error of each method."""
     lines = [
         f"MMPDR Tables VIII, IX and the park, percent of the steps taken; {len(seeds)} walkers a row",
@@ -147,4 +109,4 @@ def as_text(table: dict[str, Counts], seeds: Sequence[int]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    tabulate("mmpdr_tables8_9", __doc__, measured, as_text, as_document)

@@ -35,8 +35,8 @@ OVERVIEW = """\
 | MMPDR Table VIII, one mode | simulated | `python experiments/mmpdr_tables8_9.py`, `python experiments/mmpdr_table10.py` | HOLDING, by the paper's method: steps 100.00 / {steps[indoor HOLDING][mmpdr][ratio]:.2f} %, heading 1.96 / {t10[indoor HOLDING][paper][heading_median_deg]:.2f}°, position 0.75 / {t10[indoor HOLDING][paper][position_m]:.2f} m | [steps](#mmpdr-tables-viii-and-ix), [headings](#mmpdr-tables-viii-to-x-headings-and-positions); travelled distance is not recorded |
 | MMPDR Table IX, changing modes | simulated | the same | steps 97.80 / {steps[indoor, all modes][mmpdr][ratio]:.2f} %, heading 3.41 / {t10[indoor, all modes][paper][heading_median_deg]:.2f}°, position 1.01 / {t10[indoor, all modes][paper][position_m]:.2f} m, and the offsets | the same |
 | MMPDR Table X, summary | simulated | `python experiments/mmpdr_table10.py` | median heading error and others: [below](#mmpdr-tables-viii-to-x-headings-and-positions) | the same; the other works in the table are theirs |
-| MMPDR Figs 10 and 13, paths | simulated | – | missing: only numbers are recorded | the walks are those of Tables VIII and IX; `pdr-est demo --preset mmpdr_indoor_multi` draws one |
-| MMPDR Fig. 11, position error along the path | simulated | – | below 0.6 m on the first 45 m, 2.5 m at most / missing as a curve | Table VIII has the mean of the same error |
+| MMPDR Figs 10 and 13, paths | simulated | `python experiments/mmpdr_figures.py` | pictures / [Fig. 10](results/mmpdr_figure10.png), [Fig. 13](results/mmpdr_figure13.png) | [below](#mmpdr-figures-10-11-and-13) |
+| MMPDR Fig. 11, position error along the path | simulated | the same | at most 0.6 m on the first 45 m / {f11[paper][mean][straight_most_m]:.2f} m, {f11[default][mean][straight_most_m]:.2f} m (default); at most 2.5 m / {f11[paper][mean][most_m]:.2f} m, {f11[default][mean][most_m]:.2f} m; [curve](results/mmpdr_figure11.png) | [below](#mmpdr-figures-10-11-and-13) |
 | MMPDR Fig. 12 | – | – | photographs of pockets | nothing to compute |
 | MMPDR Fig. 14, time of an iteration | simulated | `python experiments/front_end_cost.py` | 14.7 ms at most on the phone / median 0.004 ms, 99th percentile 0.258 ms, one sample a push | another machine and no drawing; ours are modes and steps only |
 | MMPDR Fig. 15, park | simulated | `python experiments/mmpdr_tables8_9.py`, `python experiments/mmpdr_table10.py` | steps 97.60 / {steps[park, all modes][mmpdr][ratio]:.2f} %; no error of the path in the paper / {t10[park, all modes][paper][heading_median_deg]:.2f}°, {t10[park, all modes][paper][position_m]:.2f} m | below, last rows |
@@ -45,9 +45,9 @@ OVERVIEW = """\
 | UPTIME Table IV, gaits | MotionSense, SisFall | `python experiments/uptime_table4.py --data DIR` | 97.74 / {gaits[gait_accuracy]:.2f} % of three gaits, 98.13 / {gaits[walking_accuracy]:.2f} % of walking against faster (`uptime`) | [below](#uptime-table-iv): people left out, labels that disagree |
 | UPTIME Fig. 7, error along a trip | simulated, known-distance, stride-length | `python experiments/uptime_figure7.py --data DIR` | a curve without numbers / at the end of the simulated trip {trip[auto][final_percent]:+.1f} % (`auto`), {trip[static][final_percent]:+.1f} % (`static`) | [below](#uptime-figure-7): nobody runs in our trips |
 | PSP Table I, return errors | simulated | `python experiments/psp_table1.py` | `psp` with planar legs: trajectory I 0.96 / {psp[I]:.2f} %, II 1.33 / {psp[II]:.2f} % | [below](#psp-table-i) |
-| PSP Fig. 3, paths | simulated | – | missing: only numbers are recorded | one user's paths in the paper |
-| Robust DR Fig. 4, ten trials | simulated | `python experiments/robust_dr_figure4.py` | error cut by up to 73.7 % / see the script | see the script |
-| Robust DR Figs 5 to 8, errors and paths of trials 6 and 7 | simulated | `python experiments/robust_dr_figure4.py` | curves / see the script | see the script |"""
+| PSP Fig. 3, paths | simulated | `python experiments/psp_figure3.py` | pictures / [Fig. 3](results/psp_figure3.png) | [below](#psp-figure-3): where its circle lies is not in our text |
+| Robust DR Fig. 4, ten trials | simulated | `python experiments/robust_dr_figure4.py --trials 100` | a phone's error cut by up to 73.7 / {fusions[map-closed-form][greatest_reduction]:.1f} % (`map-closed-form`), {fusions[ekf][greatest_reduction]:.1f} % (`ekf`); both phones better in 5 / {fusions[map-closed-form][both_better]} of 10 trials | [below](#robust-dr-figures-4-to-8) |
+| Robust DR Figs 5 to 8, errors and paths of trials 6 and 7 | simulated | the same | curves without numbers / [curves](results/robust_dr_figure4.png) of the trials with the greatest and the median reduction | [below](#robust-dr-figures-4-to-8): other trials, our path |"""
 
 
 def main() -> None:
@@ -72,6 +72,8 @@ def paper_tables() -> dict[str, str]:
         "mmpdr table 10": mmpdr_table_10,
         "mmpdr offsets": mmpdr_offsets,
         "psp table 1": psp_table_1,
+        "psp figure 3": psp_figure_3,
+        "robust dr figure 4": robust_dr_figure_4,
     }
     return {name: table() for name, table in tables.items()}
 
@@ -89,6 +91,8 @@ def overview() -> str:
         "fsm": result("uptime_table3")["hand and pocket"]["measured_percent"]["uptime-fsm"],
         "gaits": gaits["percent"],
         "trip": result("uptime_figure7")["simulated"]["as_it_is"],
+        "f11": result("mmpdr_figures")["chains"],
+        "fusions": result("robust_dr_figure4")["headings"]["compass"]["fusions"],
         "psp": {name: 100.0 * one["methods"]["psp"]["mean_m"] / one["length_m"] for name, one in planar.items()},
     }
     return OVERVIEW.format(**facts)
@@ -179,8 +183,9 @@ def psp_table_1() -> str:
     for trajectory in dict.fromkeys(block["trajectory"] for block in document["blocks"]):
         blocks = [block for block in document["blocks"] if block["trajectory"] == trajectory]
         length_m = blocks[0]["length_m"]
-        papers = (100.0 * blocks[0]["methods"][method]["paper_m"] / length_m for method in methods)
-        rows.append((f"{trajectory}, paper", *(f"{percent:.2f}" for percent in papers)))
+        papers_m = [blocks[0]["methods"][method]["paper_m"] for method in methods]
+        papers = ("–" if paper_m is None else f"{100.0 * paper_m / length_m:.2f}" for paper_m in papers_m)
+        rows.append((f"{trajectory}, paper", *papers))
         rows += [
             (
                 f"{trajectory}, {block['legs']}",
@@ -189,6 +194,38 @@ def psp_table_1() -> str:
             for block in blocks
         ]
     return as_table(("trajectory, % of the way", *(f"`{method}`" for method in methods)), rows)
+
+
+def psp_figure_3() -> str:
+    """Return position errors of the paths that are drawn, percent of the way."""
+    walks = result("psp_figure3")["return_error_percent"]
+    methods = [key for key in walks[0] if key not in ("trajectory", "legs", "way")]
+    rows = [
+        (f"{one['trajectory']}, {one['way']}, {one['legs']}", *(f"{one[method]:.2f}" for method in methods))
+        for one in walks
+    ]
+    return as_table(("left pocket, % of the way", *(f"`{method}`" for method in methods)), rows)
+
+
+def robust_dr_figure_4() -> str:
+    """What fusion makes of the errors of both phones, by kind of headings, ten trials and more of them."""
+    document = result("robust_dr_figure4")
+    blocks = {f"{chain}, 10 trials": block["fusions"] for chain, block in document["headings"].items()}
+    if document["further_trials"] is not None:
+        blocks |= {
+            f"{chain}, {next(iter(of.values()))['trials']} more": of
+            for chain, of in document["further_trials"].items()
+        }
+    names = tuple(next(iter(blocks.values())))
+    rows = []
+    for words, of in blocks.items():
+        cells = (
+            f"{of[name]['before_m']:.2f} → {of[name]['after_m']:.2f}; {of[name]['greatest_reduction']:.1f} %; "
+            f"{of[name]['both_better']}"
+            for name in names
+        )
+        rows.append((words, *cells))
+    return as_table(("headings", *(f"`{name}`" for name in names)), rows)
 
 
 def beside(paper: float | None, ours: float) -> str:

@@ -139,7 +139,7 @@ def config_from_dict(data: Any, place: str, lines: Lines | None = None) -> Confi
         config = _ADAPTER.validate_python(data)
     except ValidationError as error:
         raise ConfigError(f"{place}: {explain(error, Config, known)}") from error
-    _refuse_contradictions(config, place)
+    _refuse_contradictions(config, place, known)
     return config
 
 
@@ -162,7 +162,8 @@ def merged(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
     """The base with what stands in `over`, section by section."""
     result = dict(base)
     for key, value in over.items():
-        result[key] = merged(base[key], value) if isinstance(base.get(key), dict) else value
+        sections = isinstance(base.get(key), dict) and isinstance(value, dict)
+        result[key] = merged(base[key], value) if sections else value
     return result
 
 
@@ -178,37 +179,41 @@ def _refuse_booleans(data: Any, defaults: Any, place: str, lines: Lines, section
         _refuse_booleans(data[name], defaults[name], place, lines, key)
 
 
-def _refuse_contradictions(config: Config, place: str) -> None:
+def _refuse_contradictions(config: Config, place: str, lines: Lines) -> None:
     """Raises ConfigError for settings that are in range one by one but not together."""
     try:
         config.start.pose()
     except ConfigError as error:
-        raise ConfigError(f"{place}: {error}") from error
+        raise ConfigError(f"{place}: {lines.words(('start',))}{error}") from error
     if config.start.closed and config.estimator.name not in ("ekf", "factor-graph"):
         raise ConfigError(
-            f"{place}: start.closed: {config.estimator.name} makes no use of a walk that ends where it began: choose "
+            f"{place}: {lines.words(('start', 'closed'))}start.closed: "
+            f"{config.estimator.name} makes no use of a walk that ends where it began: choose "
             "the estimator factor-graph or ekf"
         )
     try:
         step_detector(config.resample.rate_hz, config.steps)
     except ConfigError as error:
-        raise ConfigError(f"{place}: steps.{config.steps.detector.replace('-', '_')}: {error}") from error
+        section = config.steps.detector.replace("-", "_")
+        raise ConfigError(f"{place}: {lines.words(('steps', section))}steps.{section}: {error}") from error
     watched_s, compensated_s = config.mode.mmpdr.window_s, config.steps.mmpdr.transition_s
     if config.mode.method == config.steps.detector == "mmpdr" and watched_s != compensated_s:
         raise ConfigError(
-            f"{place}: mode.mmpdr.window_s = {watched_s:g} and steps.mmpdr.transition_s = {compensated_s:g} are both "
+            f"{place}: {lines.words(('mode', 'mmpdr', 'window_s'))}"
+            f"mode.mmpdr.window_s = {watched_s:g} and steps.mmpdr.transition_s = {compensated_s:g} are both "
             "the length of a transition: give them one value"
         )
     if config.devices.clocks and config.devices.clock != "given":
         raise ConfigError(
-            f"{place}: devices.clocks: devices.clock = {config.devices.clock} makes no use of clocks that are given: "
-            "choose given (--clock given), or leave them out"
+            f"{place}: {lines.words(('devices', 'clocks'))}devices.clocks: devices.clock = {config.devices.clock} "
+            "makes no use of clocks that are given: choose given (--clock given), or leave them out"
         )
     heading = config.heading
     gives_priors = heading.method == "auto" and heading.dominant.enabled and heading.use == "priors"
     if heading.dominant.direction_rad is not None and not gives_priors:
         raise ConfigError(
-            f"{place}: heading.dominant.direction_rad = {heading.dominant.direction_rad:g} (--corridors "
+            f"{place}: {lines.words(('heading', 'dominant', 'direction_rad'))}"
+            f"heading.dominant.direction_rad = {heading.dominant.direction_rad:g} (--corridors "
             f"{degrees(heading.dominant.direction_rad):g}): is a direction in the map, of which heading.method = "
             f"{heading.method} (--heading-method) with heading.use = {heading.use} and heading.dominant.enabled = "
             f"{str(heading.dominant.enabled).lower()} makes no use: choose auto, priors and true, or leave it out"
@@ -217,4 +222,4 @@ def _refuse_contradictions(config: Config, place: str) -> None:
         try:
             gait_model(config.gait)
         except ConfigError as error:
-            raise ConfigError(f"{place}: gait.model: {error}") from error
+            raise ConfigError(f"{place}: {lines.words(('gait', 'model'))}gait.model: {error}") from error

@@ -22,10 +22,15 @@ _UNIT_WORDS: Mapping[str, str] = MappingProxyType(
 def explain(error: ValidationError, record: type, lines: Lines) -> str:
     """What pydantic found wrong, each with its line where that is known. record: the class that was validated."""
     details = error.errors()
-    words = [lines.words(detail["loc"]) + _explain(detail, record) for detail in details[:_MOST_ERRORS]]
+    words = [lines.words(_place(detail["loc"])) + _explain(detail, record) for detail in details[:_MOST_ERRORS]]
     if len(details) > _MOST_ERRORS:
         words.append(f"and {len(details) - _MOST_ERRORS} more")
     return "; ".join(words)
+
+
+def _place(location: Location) -> Location:
+    """Where it stands in the file: what is wrong with a key, such as a number, stands at the key as a text."""
+    return (*location[:-2], str(location[-2])) if location[-1:] == ("[key]",) else location
 
 
 def nearest(name: str, known: list[str]) -> str:
@@ -50,7 +55,7 @@ def _kinds(hint: Any) -> list[Any]:
 
 def _explain(detail: ErrorDetails, record: type) -> str:
     location = detail["loc"]
-    key = ".".join(str(part) for part in location) or "top level"
+    key = ".".join(str(part) for part in location if part != "[key]") if location else "top level"
     value = brief(detail["input"])
     match detail["type"]:
         case "unexpected_keyword_argument" | "extra_forbidden" | "invalid_key":
@@ -64,6 +69,14 @@ def _explain(detail: ErrorDetails, record: type) -> str:
             return f"{key}: is missing: give it"
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal" | "finite_number":
             return f"{key} = {value}: {detail['msg']}{_unit_hint(key)}"
+        case "tuple_type" | "list_type":
+            return f"{key} = {value}: is no list: write its values in brackets, [a, b]"
+        case "dict_type":
+            return f"{key} = {value}: is no section: write keys and values below it"
+        case "string_type":
+            return f"{key} = {value}: is no text: put it in quotes"
+        case "too_short":
+            return f"{key} = {value}: is empty: give at least one value"
     return f"{key} = {value}: {detail['msg']}"
 
 

@@ -23,7 +23,11 @@ class Lines:
     numbers: Mapping[Location, int] = field(default_factory=lambda: _NO_LINES)
 
     def of(self, location: Location) -> int | None:
-        """Line of the value, else of the nearest one that it would lie in; None when no line is known."""
+        """Line of the value, else of the first one below it, else of the nearest one that it would lie in; None when
+        no line is known."""
+        below = [line for key, line in self.numbers.items() if key[: len(location)] == location]
+        if location not in self.numbers and below:
+            return min(below)
         for length in range(len(location), -1, -1):
             if location[:length] in self.numbers:
                 return self.numbers[location[:length]]

@@ -162,8 +162,7 @@ def test_what_a_page_names_exists(page: Path) -> None:
     for target in re.findall(r"\]\((?!https?://|#)([^)#]+)", prose):
         assert (page.parent / target).exists(), f"{page.name}: {target}"
     for path, words in re.findall(r"`python (experiments/\w+\.py)([^`]*)`", prose):
-        if path not in NOT_YET or (ROOT / path).exists():
-            check_script(path, words.split())
+        check_script(path, words.split())
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
@@ -175,9 +174,6 @@ def test_settings_that_a_page_names_exist(page: Path) -> None:
             assert isinstance(section, dict), f"{page.name}: {name}"
             assert key in section, f"{page.name}: {name}"
             section = section[key]
-
-
-NOT_YET = {"experiments/robust_dr_figure4.py"}
 
 
 def test_every_page_is_reached_from_the_readme() -> None:

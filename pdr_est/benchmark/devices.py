@@ -1,4 +1,4 @@
-"""What the suites say of one device of a walk, put together from parts: each metric family makes one."""
+"""What the suites say of one track of a walk, put together from parts: each metric family makes one."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pdr_est.benchmark.suite import Scores, Walked
+from pdr_est.estimators.fused import NAME as FUSED
 from pdr_est.evaluate import metrics
 from pdr_est.evaluate.walking import durations_s, mode_shares
 from pdr_est.frames import Array
@@ -29,7 +30,16 @@ class Part:
 def device_scores(walk: Walked, device: DeviceWalk, *parts: Part) -> Scores:
     """The scores of a device, from its parts."""
     name = device.device if len(walk.devices) > 1 else "device"
-    return track_scores(name, next(iter(mode_shares(device.steps)), CarryingMode.UNKNOWN).name, *parts)
+    return track_scores(name, _mode_of(device), *parts)
+
+
+def person_scores(walk: Walked, *parts: Part) -> Scores:
+    """The scores of the person who carries several devices, from their parts; the mode is that of the first one."""
+    return track_scores(FUSED, _mode_of(walk.devices[0]), *parts)
+
+
+def _mode_of(device: DeviceWalk) -> str:
+    return next(iter(mode_shares(device.steps)), CarryingMode.UNKNOWN).name
 
 
 def step_times_s(device: DeviceWalk) -> Array:

@@ -1,4 +1,4 @@
-"""Metrics of a device whose true positions are known."""
+"""Metrics of a track whose true positions are known."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.benchmark.devices import Part, device_scores, mode_part
+from pdr_est.benchmark.devices import Part, device_scores, mode_part, person_scores
 from pdr_est.benchmark.suite import Scores, Walked
 from pdr_est.errors import RecordingError
+from pdr_est.estimators.fused import NAME as FUSED
 from pdr_est.evaluate import metrics, open_loop
 from pdr_est.evaluate.association import Association, associate
 from pdr_est.evaluate.consistency import coverage95, nees_mean
@@ -16,7 +17,6 @@ from pdr_est.evaluate.heldout import EVERY, LEAST_POINTS, WAYPOINT_SIGMA_M, fixe
 from pdr_est.evaluate.open_loop import open_metrics
 from pdr_est.frames import Array
 from pdr_est.io.recording import TruePositions
-from pdr_est.pipeline import DeviceWalk
 from pdr_est.records import PositionFix
 from pdr_est.track import Track
 
@@ -67,25 +67,32 @@ def score_waypoints(walk: Walked) -> list[Scores]:
 
 
 def score_positions(walk: Walked, held_out: HeldOut | None) -> list[Scores]:
-    """`OPEN_METRICS` and `mode_accuracy` of each device, and `HELDOUT_METRICS` if points are held out."""
+    """`OPEN_METRICS` and `mode_accuracy` of each device, and `HELDOUT_METRICS` if points are held out; the same
+    without `mode_accuracy` of the person who carries several devices."""
     truth, track = _truth(walk), walk.track()
-    return [
-        device_scores(walk, device, *position_parts(walk, device, track, truth, held_out), mode_part(walk, device))
+    scores = [
+        device_scores(
+            walk, device, *position_parts(walk, device.device, track, truth, held_out), mode_part(walk, device)
+        )
         for device in walk.devices
     ]
+    if FUSED in track.devices:
+        scores.append(person_scores(walk, *position_parts(walk, FUSED, track, truth, held_out)))
+    return scores
 
 
 def position_parts(
-    walk: Walked, device: DeviceWalk, track: Track, truth: TruePositions, held_out: HeldOut | None
+    walk: Walked, name: str, track: Track, truth: TruePositions, held_out: HeldOut | None
 ) -> tuple[Part, ...]:
-    """The metrics of a device's true positions. track: of all devices, from nothing but the sensors.
+    """The metrics of the true positions for one device, or for the person. track: of all of them, from nothing but
+    the sensors.
 
     Raises RecordingError when fewer than two truth points lie within the recording.
     """
-    own = track.of_device(device.device)
-    pairs = _pairs(walk, device, own, truth)
+    own = track.of_device(name)
+    pairs = _pairs(walk, name, own, truth)
     opened = _open_part(own, pairs, truth)
-    return (opened,) if held_out is None else (opened, _heldout_part(walk, device, pairs, held_out))
+    return (opened,) if held_out is None else (opened, _heldout_part(walk, name, pairs, held_out))
 
 
 def _open_part(track: Track, pairs: Association, truth: TruePositions) -> Part:
@@ -93,13 +100,13 @@ def _open_part(track: Track, pairs: Association, truth: TruePositions) -> Part:
     return Part(open_metrics(track, pairs, truth.source), counts)
 
 
-def _heldout_part(walk: Walked, device: DeviceWalk, pairs: Association, held_out: HeldOut) -> Part:
+def _heldout_part(walk: Walked, name: str, pairs: Association, held_out: HeldOut) -> Part:
     """Metrics at the held-out points of a track that was given the others as fixes."""
     given = held_out.given(pairs)
     if len(pairs) < LEAST_POINTS or given.all():
         return Part(missing=dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_POINTS} truth points"))
-    track = walk.track(held_out.fixes(pairs)).of_device(device.device)
-    held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], device.span_s)
+    track = walk.track(held_out.fixes(pairs)).of_device(name)
+    held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], walk.span_of(name))
     error_m = held.track_m - held.truth_m
     return Part(
         {
@@ -117,11 +124,11 @@ def _truth(walk: Walked) -> TruePositions:
     return positions
 
 
-def _pairs(walk: Walked, device: DeviceWalk, track: Track, truth: TruePositions) -> Association:
-    pairs = associate(track, truth.time_s, truth.position_m, device.span_s)
+def _pairs(walk: Walked, name: str, track: Track, truth: TruePositions) -> Association:
+    pairs = associate(track, truth.time_s, truth.position_m, walk.span_of(name))
     if len(pairs) < open_loop.LEAST_POINTS:
         raise RecordingError(
             f"{walk.recording.name}: {len(pairs)} of {len(truth.time_s)} truth points within the recording of "
-            f"{device.device}: at least {open_loop.LEAST_POINTS} are needed"
+            f"{name}: at least {open_loop.LEAST_POINTS} are needed"
         )
     return pairs

@@ -13,6 +13,20 @@ class Definition:
     ideal: float = 0.0
 
 
+_UNITS: Mapping[str, str] = MappingProxyType({"_m": "m", "_deg": "deg", "_per_min": "1/min"})
+
+
+def unit_of(metric: str) -> str:
+    """The unit of a metric, as the end of its name says; empty for ratios and shares."""
+    return next((unit for ending, unit in _UNITS.items() if metric.endswith(ending)), "")
+
+
+def with_unit(metric: str) -> str:
+    """The metric as a heading: `error_open_m (m)`; ratios and shares have none."""
+    unit = unit_of(metric)
+    return f"{metric} ({unit})" if unit else metric
+
+
 _START = "after moving the first true position onto the track and turning to the first one at least 20 m away"
 _HELD = "of a track that was given the other true positions as fixes"
 _CALIBRATED = "after calibrating the walker on other walks of the set"

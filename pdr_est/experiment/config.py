@@ -11,17 +11,22 @@ from pdr_est.simulate.population import PopulationParams
 
 Count = Annotated[int, Ge(1), Le(1_000_000)]
 Protocol = Literal["none", "heldout", "every"]
+Series = Literal["robust-dr", "psp-I", "psp-II"]
 
 
 @params
 class SimulatedParams(PopulationParams):
-    """Walks whose truth is exact: the named ones if there are any, else a population of people in corridors.
+    """Walks whose truth is exact: those of a series or named ones if there are any, else a population of people in
+    corridors.
 
-    presets: names of simulated walks; the keys of a population do not apply to them, but `seed` does. repeats: how
-    often each of those is walked, every time with other errors of the sensors. truth_every_s: the distance of the
-    true positions that score the tracks and serve as fixes.
+    series: the walks of papers' experiments, `number` of each: two pocket phones in a laboratory (`robust-dr`), a
+    pocket phone on a closed path of straight legs (`psp-I`) or with a circle (`psp-II`). presets: names of simulated
+    walks. Of the keys of a population, only `number` and `seed` apply to a series, and only `seed` to presets.
+    repeats: how often each preset is walked, every time with other errors of the sensors. truth_every_s: the distance
+    of the true positions that score the tracks and serve as fixes.
     """
 
+    series: tuple[Series, ...] = ()
     presets: tuple[str, ...] = ()
     repeats: Count = 1
     truth_every_s: Annotated[float, Ge(0.1), Le(600.0)] = 5.0

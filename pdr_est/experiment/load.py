@@ -1,7 +1,7 @@
 """Reads an experiment file and checks all of it before anything runs."""
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -81,6 +81,8 @@ def load_experiment(path: str | Path, data: Path | None = None, limit: int | Non
     folder = path.parent / config.data.folder if data is None else data
     walks = _walks(config, folder, known, path, lines)
     _check_groups(config, walks, path, lines)
+    for key in ("metrics", "group_by"):
+        _refuse_twice(getattr(config, key), (key,), path, lines)
     return Experiment(path, config, folder, suite, variants, walks, metrics)
 
 
@@ -99,7 +101,7 @@ def _suite(data: DataParams, path: Path, lines: Lines) -> Suite | None:
     if data.simulated is not None and "simulated" not in given:
         given.append("simulated")
     if len(given) != 1:
-        words = "none is given" if not given else f"{' and '.join(given)} are given"
+        words = "none is given, or nothing below it" if not given else f"{' and '.join(given)} are given"
         raise ConfigError(f"{path}: {lines.words(('data',))}data: {words}: name one of suite, recordings, simulated")
     if data.simulated is not None:
         for place, name in enumerate(data.simulated.presets):
@@ -150,6 +152,12 @@ def _check_groups(config: ExperimentConfig, walks: Iterable[Walk], path: Path, l
     known = list(dict.fromkeys([*(key for walk in walks for key in walk.labels), *_ALWAYS]))
     for place, key in enumerate(config.group_by):
         _refuse_unknown(key, known, "key to group by", path, lines.words(("group_by", place)))
+
+
+def _refuse_twice(names: Sequence[str], section: Location, path: Path, lines: Lines) -> None:
+    for place, name in enumerate(names):
+        if name in names[:place]:
+            raise ConfigError(f"{path}: {lines.words((*section, place))}{name} stands twice: remove one")
 
 
 def _refuse_unknown(name: str, known: list[str], what: str, path: Path, where: str) -> None:

@@ -18,7 +18,6 @@ from pdr_est.evaluate.walking import mode_shares
 from pdr_est.experiment.scoring import Judge
 from pdr_est.frames import Array
 from pdr_est.io.recording import TruePositions
-from pdr_est.pipeline import DeviceWalk
 from pdr_est.report.comparison.outcome import TrackOutcome
 from pdr_est.track import Track
 
@@ -36,7 +35,7 @@ def outcomes_of(
         # The person's own track has no device; when it was recorded and how carried is told by the first one.
         own = str(track.device[0])
         device = next((one for one in walked.devices if one.device == own), walked.devices[0])
-        position_m, along = _beside_truth(walked, device, track, judge if fixes else None)
+        position_m, along = _beside_truth(walked, own, track, judge if fixes else None)
         yield TrackOutcome(
             walk=walk,
             track=scores.track,
@@ -63,28 +62,28 @@ def _finite(scores: Scores, name: str) -> float | None:
 
 def _shown(walked: Walked) -> list[tuple[Track, bool]]:
     """The track of each device, and then of the person if several are, as shown, and whether it was given fixes: each
-    device has fixes of its own."""
+    has fixes of its own."""
     opened = [track for fixes, track in walked.estimates if not fixes]
     tied = [track for fixes, track in walked.estimates if fixes]
-    chosen = tied if len(tied) == len(walked.devices) else opened[:1] * len(walked.devices)
-    fixed = chosen is tied and bool(tied)
-    shown = [(track.of_device(device.device), fixed) for track, device in zip(chosen, walked.devices, strict=True)]
-    person = [(opened[0].of_device(FUSED), False)] if opened and FUSED in opened[0].devices else []
-    return shown + person
+    names = [device.device for device in walked.devices]
+    names += [FUSED] if opened and FUSED in opened[0].devices else []
+    fixed = len(tied) == len(names)
+    chosen = tied if fixed else opened[:1] * len(names)
+    return [(track.of_device(name), fixed) for track, name in zip(chosen, names, strict=True)]
 
 
 def _beside_truth(
-    walked: Walked, device: DeviceWalk, track: Track, judge: Judge | None
+    walked: Walked, name: str, track: Track, judge: Judge | None
 ) -> tuple[Array, tuple[Array, Array, Array]]:
     """The track in the frame of the truth, and way, error and squared error at the points that judge it.
 
-    judge: None for a track without fixes, which is aligned at its start.
+    name: of the device. judge: None for a track without fixes, which is aligned at its start.
     """
     truth = walked.recording.truth.positions
     nothing = (_NOTHING, _NOTHING, _NOTHING)
     if truth is None:
         return track.position_m, nothing
-    pairs = associate(track, truth.time_s, truth.position_m, device.span_s)
+    pairs = associate(track, truth.time_s, truth.position_m, walked.span_of(name))
     if len(pairs) < LEAST_POINTS:
         return track.position_m, nothing
     if judge is None:

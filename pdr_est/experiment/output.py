@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from pdr_est.errors import OutputError
+from pdr_est.experiment.parts import SUFFIX
 
 PROVENANCE, CONFIG, RESULTS, TIMINGS = "provenance.json", "config.yaml", "results.parquet", "timings.parquet"
 FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT = "failed.csv", "report.html", "compare.csv", "compare.md"
@@ -15,8 +16,9 @@ _FILES = (CONFIG, RESULTS, TIMINGS, FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT,
 def begin(folder: Path, document: dict[str, Any], config: str, overwrite: bool) -> Path:
     """Make the folder ready and give the one of its parts; document: the provenance of this run.
 
-    Raises OutputError when the folder holds something else: files of other origin, or the results of another
-    configuration, other data or other code, which are removed if they may be overwritten.
+    Parts without provenance are of a run of which nothing is known, and are removed. Raises OutputError when the
+    folder holds something else: files of other origin, or the results of another configuration, other data or other
+    code, which are removed if they may be overwritten.
     """
     earlier = _earlier(folder)
     if earlier is not None and earlier.get("fingerprint") != document["fingerprint"]:
@@ -26,7 +28,7 @@ def begin(folder: Path, document: dict[str, Any], config: str, overwrite: bool) 
                 "choose another folder"
             )
         earlier = None
-    if overwrite:
+    if earlier is None or overwrite:
         _clear(folder)
     try:
         (folder / PARTS).mkdir(parents=True, exist_ok=True)
@@ -57,19 +59,24 @@ def _earlier(folder: Path) -> dict[str, Any] | None:
             return document
     except (OSError, ValueError):
         pass
-    foreign = sorted(path.name for path in folder.iterdir() if not _ours(path))
-    if foreign:
-        raise OutputError(f"{folder}: holds files of other origin ({foreign[0]}): choose a new or an empty folder")
+    _refuse_foreign(folder)
     return None
 
 
-def _ours(path: Path) -> bool:
-    """Whether a file may come from a run that was killed in its first moment."""
-    return path.name in (PARTS, CONFIG) or path.name.endswith(".half")
+def _refuse_foreign(folder: Path) -> None:
+    """What is not from a run that was killed in its first moment stays untouched."""
+    inside = list((folder / PARTS).iterdir()) if (folder / PARTS).is_dir() else []
+    names = [path.name for path in folder.iterdir() if path.name not in (PARTS, CONFIG)]
+    names += [f"{PARTS}/{path.name}" for path in inside if not path.name.endswith(SUFFIX)]
+    foreign = sorted(name for name in names if not name.endswith(".half"))
+    if foreign:
+        raise OutputError(f"{folder}: holds files of other origin ({foreign[0]}): choose a new or an empty folder")
 
 
 def _clear(folder: Path) -> None:
-    for path in [*(folder / name for name in _FILES), *(folder / PARTS).glob("*")]:
+    """Remove the results, the provenance last: a run that is killed meanwhile leaves no part without its origin."""
+    parts = [*(folder / PARTS).glob(f"*{SUFFIX}"), *(folder / PARTS).glob("*.half")]
+    for path in [*parts, *(folder / name for name in _FILES)]:
         path.unlink(missing_ok=True)
 
 

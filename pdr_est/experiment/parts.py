@@ -14,7 +14,7 @@ import numpy as np
 from pdr_est.report.comparison.outcome import TrackOutcome
 
 _DIGITS = {"position_m": 2, "truth_m": 2, "way_m": 1, "error_m": 3, "squared": 4}  # a plot shows no more
-_SUFFIX = ".json.gz"
+SUFFIX = ".json.gz"
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def decode(content: bytes) -> Part:
 def part_file(folder: Path, walk: str) -> Path:
     """Where the part of a walk lies; the digest keeps apart names that are alike as file names."""
     plain = "".join(sign if sign.isascii() and (sign.isalnum() or sign in "-_.") else "-" for sign in walk)
-    return folder / f"{plain[-60:]}-{hashlib.sha256(walk.encode()).hexdigest()[:10]}{_SUFFIX}"
+    return folder / f"{plain[-60:]}-{hashlib.sha256(walk.encode()).hexdigest()[:10]}{SUFFIX}"
 
 
 def store(folder: Path, walk: str, content: bytes) -> None:

@@ -1,23 +1,26 @@
 """Runs an experiment: what is missing of its walks, then the tables and the report."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pdr_est.errors import ConfigError
 from pdr_est.evaluate.paired import Paired
-from pdr_est.experiment.cluster import run_on_cluster
+from pdr_est.experiment.cluster import connected, run_on_cluster
 from pdr_est.experiment.comparison import compare_variants, read_values
 from pdr_est.experiment.load import Experiment
-from pdr_est.experiment.local import run_locally
+from pdr_est.experiment.local import Done, run_locally
 from pdr_est.experiment.output import REPORT, begin, write
 from pdr_est.experiment.parts import Part, decode, store, stored
 from pdr_est.experiment.provenance import provenance
 from pdr_est.experiment.results import ordered, write_tables
-from pdr_est.experiment.work import work_of
+from pdr_est.experiment.walks import Walk
+from pdr_est.experiment.work import Work, work_of
 
 Progress = Callable[[int, int], None]
+Run = Callable[[Work, Sequence[Walk]], Iterator[Done]]
 
 _MOST_PAIRED = 4  # variants that the page compares each with each; of more, the first one with every other
 
@@ -55,27 +58,40 @@ def run_experiment(
     """
     if workers < 1:
         raise ConfigError(f"workers = {workers}: must be at least 1")
+    with _runner(workers, cluster) as run:  # before the folder: who cannot be reached leaves nothing behind
+        return _run(experiment, output, run, overwrite, on_progress or _unheard)
+
+
+def _run(experiment: Experiment, output: Path, run: Run, overwrite: bool, on_progress: Progress) -> Finished:
     document = provenance(experiment)
     folder = begin(output, document, experiment.to_yaml(), overwrite)
     parts = stored(folder, (walk.name for walk in experiment.walks))
     resumed = len(parts)
     missing = [walk for walk in experiment.walks if walk.name not in parts]
-    work = work_of(experiment)
-    if on_progress is not None:
-        on_progress(resumed, len(experiment.walks))
-    if missing:
-        many = min(workers, len(missing))
-        runs = run_locally(work, missing, many) if cluster is None else run_on_cluster(work, missing, cluster)
-        for done in runs:
-            if done.keep:
-                store(folder, done.walk.name, done.content)
-            parts[done.walk.name] = decode(done.content)
-            if on_progress is not None:
-                on_progress(len(parts), len(experiment.walks))
+    on_progress(resumed, len(experiment.walks))
+    for done in run(work_of(experiment), missing) if missing else ():
+        if done.keep:
+            store(folder, done.walk.name, done.content)
+        parts[done.walk.name] = decode(done.content)
+        on_progress(len(parts), len(experiment.walks))
     in_order = tuple(parts[walk.name] for walk in experiment.walks)
     write_tables(output, experiment, in_order)
     _write_report(output, experiment, in_order, document)
     return Finished(in_order, resumed)
+
+
+def _unheard(_done: int, _total: int) -> None:
+    """Progress that nobody asked for."""
+
+
+@contextmanager
+def _runner(workers: int, cluster: str | None) -> Iterator[Run]:
+    """What does the work: processes of this computer, or a cluster that has answered."""
+    if cluster is None:
+        yield lambda work, walks: run_locally(work, walks, min(workers, len(walks)))
+        return
+    with connected(cluster) as client:
+        yield lambda work, walks: run_on_cluster(work, walks, client)
 
 
 def _write_report(output: Path, experiment: Experiment, parts: tuple[Part, ...], document: dict[str, Any]) -> None:
@@ -101,4 +117,6 @@ def _pairs(output: Path) -> tuple[Paired, ...]:
     """Each variant with each; of many, the first one with every other."""
     values = read_values([output])
     variants = list(dict.fromkeys(name for of_metric in values.values() for name in of_metric))
+    if len(variants) < 2:
+        return ()
     return compare_variants(values, reference=variants[0] if len(variants) > _MOST_PAIRED else None)

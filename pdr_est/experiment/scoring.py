@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pdr_est.benchmark.annotated_steps import heading_part, step_part
-from pdr_est.benchmark.devices import MODE_METRIC, Part, device_scores, mode_part, step_times_s
+from pdr_est.benchmark.devices import MODE_METRIC, Part, device_scores, mode_part, person_scores, step_times_s
 from pdr_est.benchmark.positions import (
     HELDOUT_METRICS,
     HeldOut,
@@ -18,6 +18,7 @@ from pdr_est.benchmark.positions import (
     score_waypoints,
 )
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.estimators.fused import NAME as FUSED
 from pdr_est.evaluate.headings import HEADING_METRICS
 from pdr_est.evaluate.heldout import WAYPOINT_SIGMA_M
 from pdr_est.evaluate.open_loop import OPEN_METRICS
@@ -25,6 +26,7 @@ from pdr_est.evaluate.steps import STEP_METRICS
 from pdr_est.experiment.config import FixesParams
 from pdr_est.frames import Array
 from pdr_est.io.recording import TruePositions
+from pdr_est.track import Track
 
 _NO_POSITIONS, _NO_STEPS = "the true positions are not known", "no annotated step"
 
@@ -76,22 +78,36 @@ def _score_positions(walk: Walked, judge: Judge) -> list[Scores]:
 
 
 def _score_known(walk: Walked, judge: Judge) -> list[Scores]:
-    """Every metric that the truth of the recording allows."""
-    truth, track = walk.recording.truth, walk.track()
-    scores = []
-    for device in walk.devices:
-        parts: list[Part] = [mode_part(walk, device)]
-        if truth.positions is None or not len(truth.positions.time_s):
-            parts.append(Part(missing=dict.fromkeys((*OPEN_METRICS, *HELDOUT_METRICS), _NO_POSITIONS)))
-        else:
-            held_out = judge.held_out(truth.positions)
-            parts += position_parts(walk, device, track, truth.positions, held_out)
-        if truth.steps is None or not len(truth.steps.time_s):
-            parts.append(Part(missing=dict.fromkeys((*STEP_METRICS, *HEADING_METRICS), _NO_STEPS)))
-        else:
-            parts += [step_part(walk, step_times_s(device)), heading_part(walk, track.of_device(device.device))]
-        scores.append(device_scores(walk, device, *parts))
+    """Every metric that the truth of the recording allows, of each device and of the person who carries several."""
+    track = walk.track()
+    scores = [
+        device_scores(
+            walk,
+            device,
+            mode_part(walk, device),
+            *_known_parts(walk, device.device, step_times_s(device), track, judge),
+        )
+        for device in walk.devices
+    ]
+    if FUSED in track.devices:
+        step_s = track.of_device(FUSED).time_s[1:]
+        scores.append(person_scores(walk, *_known_parts(walk, FUSED, step_s, track, judge)))
     return scores
+
+
+def _known_parts(walk: Walked, name: str, step_s: Array, track: Track, judge: Judge) -> list[Part]:
+    """Of one device, or of the person. step_s: (n,) times of the steps; track: of all, from the sensors only."""
+    truth = walk.recording.truth
+    parts: list[Part] = []
+    if truth.positions is None or not len(truth.positions.time_s):
+        parts.append(Part(missing=dict.fromkeys((*OPEN_METRICS, *HELDOUT_METRICS), _NO_POSITIONS)))
+    else:
+        parts += position_parts(walk, name, track, truth.positions, judge.held_out(truth.positions))
+    if truth.steps is None or not len(truth.steps.time_s):
+        parts.append(Part(missing=dict.fromkeys((*STEP_METRICS, *HEADING_METRICS), _NO_STEPS)))
+    else:
+        parts += [step_part(walk, step_s), heading_part(walk, track.of_device(name))]
+    return parts
 
 
 def _no_walk(_folder: Path) -> list[WalkFile]:

@@ -45,7 +45,9 @@ def expand(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Variant,
         for words, choice in _combinations(config.sweep, path, lines):
             full = " ".join(part for part in (name, *words) if part) or "default"
             if full in variants:
-                raise ConfigError(f"{path}: {lines.words(place)}two variants are called {full!r}: rename one")
+                swept = max(choice.lines.values(), default=None)
+                words_of = lines.words(place) if swept is None else f"line {swept}: "
+                raise ConfigError(f"{path}: {words_of}two variants are called {full!r}: rename one or leave it out")
             chosen = choice.over(settings)
             complete = merged(config_to_dict(start), dict(chosen.values))
             variants[full] = Variant(
@@ -97,13 +99,15 @@ def _sections(given: Mapping[str, Any], path: Path, place: Location, lines: Line
         nested, location = _nested(str(key), value)
         below = lines.below((*place, str(key))).numbers
         inner = {(*location, *rest): line for rest, line in below.items()}
-        if _holds(settings.values, location) and not (isinstance(value, dict) and "." not in str(key)):
-            raise ConfigError(f"{path}: {lines.words((*place, str(key)))}{key} stands twice: remove one")
+        for leaf in _leaves(value, location):
+            if any(_ends_at(settings.values, leaf[:size]) for size in range(1, len(leaf) + 1)):
+                words = lines.words((*place, str(key)))
+                raise ConfigError(f"{path}: {words}{'.'.join(leaf)} stands twice: remove one")
         settings = _Settings(nested, inner).over(settings)
     return settings
 
 
-def _nested(key: str, value: Any) -> tuple[dict[str, Any], Location]:
+def _nested(key: str, value: Any) -> tuple[dict[str, Any], tuple[str, ...]]:
     parts = key.split(".")
     nested: Any = value
     for part in reversed(parts):
@@ -111,9 +115,19 @@ def _nested(key: str, value: Any) -> tuple[dict[str, Any], Location]:
     return nested, tuple(parts)
 
 
-def _holds(values: Any, location: Location) -> bool:
+def _leaves(value: Any, location: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    """Where the values stand that are no sections."""
+    if isinstance(value, dict) and value:
+        for key, inner in value.items():
+            yield from _leaves(inner, (*location, str(key)))
+    else:
+        yield location
+
+
+def _ends_at(values: Any, location: tuple[str, ...]) -> bool:
+    """Whether a value that is no section, or all of one, stands there."""
     for part in location:
         if not isinstance(values, dict) or part not in values:
             return False
         values = values[part]
-    return True
+    return not isinstance(values, dict)

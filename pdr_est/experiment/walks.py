@@ -11,10 +11,10 @@ from pdr_est.benchmark.files import recordings, suite_folder
 from pdr_est.benchmark.runner import with_truth
 from pdr_est.benchmark.suite import Suite, WalkFile
 from pdr_est.errors import ConfigError
-from pdr_est.experiment.config import DataParams, SimulatedParams
+from pdr_est.experiment.config import DataParams, Series, SimulatedParams
 from pdr_est.io import read
 from pdr_est.io.recording import Recording
-from pdr_est.simulate import PRESETS, Scenario, preset, simulate_walk
+from pdr_est.simulate import PRESETS, Scenario, preset, psp_walks, robust_dr_trials, simulate_walk
 from pdr_est.simulate.population import population
 
 
@@ -42,7 +42,8 @@ def find_walks(data: DataParams, folder: Path, suite: Suite | None, seed: int) -
     is missing.
     """
     if data.simulated is not None:
-        walks = _simulated(data.simulated, seed)
+        first = None if data.only else data.limit  # a large population takes its time
+        walks = _simulated(data.simulated, seed, first)
     elif suite is not None:
         walks = [_from_file(file) for file in suite.find(suite_folder(folder, suite.folder))]
     else:
@@ -80,11 +81,24 @@ def _matching(folder: Path, patterns: Sequence[str]) -> list[Walk]:
     return [Walk(name, _folder_label(name), WalkFile(name, path)) for name, path in sorted(found.items())]
 
 
-def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
-    if len(set(parameters.presets)) < len(parameters.presets):
-        raise ConfigError(f"presets {', '.join(parameters.presets)}: one stands twice: use repeats instead")
+def _simulated(parameters: SimulatedParams, seed: int, limit: int | None) -> list[Walk]:
+    """The walks of the section. limit: more than so many are not needed."""
+    if parameters.presets and parameters.series:
+        raise ConfigError("presets and series are given: name one of them")
+    for what in ("presets", "series"):
+        names: Sequence[str] = getattr(parameters, what)
+        if len(set(names)) < len(names):
+            more = "repeats" if what == "presets" else "number"
+            raise ConfigError(f"{what} {', '.join(names)}: one stands twice: use {more} instead")
     chosen = seed if parameters.seed is None else parameters.seed
     every_s = parameters.truth_every_s
+    number = min(parameters.number, limit or parameters.number)
+    if parameters.series:
+        return [
+            Walk(f"{series}/{scenario.name}", {"series": series}, scenario, every_s)
+            for series in parameters.series
+            for scenario in _of_series(series, number, chosen)
+        ]
     if not parameters.presets:
         return [
             Walk(
@@ -93,13 +107,23 @@ def _simulated(parameters: SimulatedParams, seed: int) -> list[Walk]:
                 member.scenario,
                 every_s,
             )
-            for member in population(parameters, seed)
+            for member in population(replace(parameters, number=number), seed)
         ]
     return [
         Walk(f"{name}/{number + 1}", {"preset": name}, _again(preset(name), chosen, number), every_s)
         for name in parameters.presets
         for number in range(parameters.repeats)
     ]
+
+
+def _of_series(series: Series, number: int, seed: int) -> tuple[Scenario, ...]:
+    match series:
+        case "robust-dr":
+            return robust_dr_trials(seed, number)
+        case "psp-I":
+            return psp_walks("I", number, seed)
+        case "psp-II":
+            return psp_walks("II", number, seed)
 
 
 def _again(scenario: Scenario, seed: int, number: int) -> Scenario:

@@ -199,8 +199,19 @@ def test_cpu_time_adds_up_front_end_and_estimates(data):
     walk = Walked(recording, pipeline.analyse(recording, Config()), Config().with_estimator("ekf"), 100.0)
     walk.track()
     once = walk.seconds
-    walk.track()
+    walk.track([PositionFix(1.0, np.zeros(2), np.eye(2))])
     assert 100.0 < once < walk.seconds < 110.0
+
+
+def test_the_estimator_runs_once_for_the_same_fixes(data):
+    recording = read(data / "ilc20/site1/F1/one.txt")
+    walk = Walked(recording, pipeline.analyse(recording, Config()), Config().with_estimator("ekf"))
+    first, other = (walk.track([PositionFix(1.0, np.full(2, x), np.eye(2))]) for x in (0.0, 1.0))
+    seconds = walk.seconds
+    assert walk.track([PositionFix(1.0, np.zeros(2), np.eye(2))]) is first
+    assert other is not first
+    assert walk.seconds == seconds
+    assert len(walk.estimates) == 3
 
 
 @pytest.mark.slow

@@ -1,7 +1,9 @@
 """`experiment`, `compare` and `config` from the command line."""
 
+import csv
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -52,8 +54,30 @@ def test_compare_prints_and_writes_who_is_better(small: Path, tmp_path: Path) ->
     assert "dead-reckoning" in result.stdout
     lines = (tmp_path / "compare.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 2
-    assert lines[1].startswith("error_heldout_m,dead-reckoning,ekf,2,")
-    assert (tmp_path / "compare.md").read_text(encoding="utf-8").startswith("| metric | A | B |")
+    assert lines[1].startswith("error_heldout_m,m,dead-reckoning,ekf,2,")
+    assert (tmp_path / "compare.md").read_text(encoding="utf-8").startswith("| metric | unit | A | B |")
+
+
+@pytest.mark.parametrize("columns", [60, 100, 160])
+def test_compare_is_readable_in_a_terminal(small: Path, tmp_path: Path, columns: int, monkeypatch: Any) -> None:
+    """No line is wider than it, or than 100 columns; units stand in the headings, and numbers are whole."""
+    monkeypatch.setenv("COLUMNS", str(columns))
+    result = run("compare", small.parent / "out", "-o", tmp_path)
+    lines = result.stdout.splitlines()
+    assert max(len(line) for line in lines) <= max(columns, 100)
+    assert lines[0].startswith("error_heldout_m (m), ideal value 0")
+    assert "(m)" in lines[3]
+    assert any(line.startswith("The same with all variants on every walk: error_open_m, ") for line in lines)
+    with (tmp_path / "compare.csv").open(encoding="utf-8") as stream:
+        row = next(row for row in csv.DictReader(stream) if row["metric"] == "error_heldout_m")
+    assert f"{float(row['mean A']):.3f}" in result.stdout
+    assert f"{float(row['low']):+.3f} … {float(row['high']):+.3f}" in result.stdout
+
+
+def test_compare_of_one_track(small: Path, tmp_path: Path) -> None:
+    assert run("compare", small.parent / "out", "--track", "device", "-o", tmp_path).exit_code == 0
+    line = refused("compare", small.parent / "out", "--track", "fused", "-o", tmp_path)
+    assert line == "unknown track 'fused': known are device"
 
 
 def test_what_is_wrong_in_a_file_is_one_line_with_its_line_number(tmp_path: Path) -> None:

@@ -1,5 +1,7 @@
 """The same work on a Dask cluster, also when a worker is killed."""
 
+import socket
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,6 +10,7 @@ from experiment_files import SMALL, experiment_file
 
 from pdr_est.errors import ConfigError
 from pdr_est.experiment import load_experiment, run_experiment
+from pdr_est.experiment.cluster import connected
 
 distributed = pytest.importorskip("distributed")
 
@@ -42,8 +45,40 @@ def test_a_killed_worker_changes_nothing(tmp_path: Path, cluster: "distributed.L
         assert (tmp_path / "there" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
 
 
-def test_an_address_where_nobody_answers_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_is_no_scheduler(tmp_path: Path, cluster: "distributed.LocalCluster") -> None:
+    (worker, *_) = cluster.scheduler_info["workers"]
+    experiment = load_experiment(experiment_file(tmp_path))
+    with pytest.raises(ConfigError, match=r"is a Dask worker: give the address of its scheduler"):
+        run_experiment(experiment, tmp_path / "out", cluster=worker)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_scheduler_without_workers_is_told_of() -> None:
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as empty,
+        pytest.warns(UserWarning, match="has no worker yet: walks wait for `dask worker"),
+        connected(empty.scheduler_address),
+    ):
+        pass
+
+
+@pytest.fixture
+def silent_server() -> Iterator[str]:
+    """The address of somebody who accepts connections and says nothing."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+
+
+@pytest.mark.parametrize(
+    "address", ["tcp://127.0.0.1:9", "tcp://127.0.0.1", "no address", "http://127.0.0.1:9", None]
+)
+def test_an_address_where_nobody_answers_is_refused_soon_and_leaves_nothing(
+    tmp_path: Path, address: str | None, silent_server: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("pdr_est.experiment.cluster.PATIENCE_S", 1.0)
     experiment = load_experiment(experiment_file(tmp_path))
-    with pytest.raises(ConfigError, match=r"--cluster tcp://127.0.0.1:9: no Dask scheduler answers"):
-        run_experiment(experiment, tmp_path / "out", cluster="tcp://127.0.0.1:9")
+    given, begun_s = address or silent_server, time.monotonic()
+    with pytest.raises(ConfigError, match=rf"--cluster '{given}': no Dask scheduler answers .* within 1 s: give the"):
+        run_experiment(experiment, tmp_path / "out", cluster=given)
+    assert time.monotonic() - begun_s < 10.0
+    assert not (tmp_path / "out").exists()

@@ -72,7 +72,7 @@ def test_walks_of_one_name_that_differ_are_not_compared(results: Path, tmp_path:
 
 def test_the_tables_hold_the_same_numbers(results: Path) -> None:
     pairs = compare_variants(read_values([results]))
-    cells = "error_open_m,x,y,2,4.0000,3.5000,-0.5000,-2.0000,1.0000,1,1,0"
+    cells = "error_open_m,m,x,y,2,4.0000,3.5000,-0.5000,-2.0000,1.0000,1,1,0"
     assert as_csv(pairs).splitlines()[1] == cells
     assert as_markdown(pairs).splitlines()[2] == "| " + cells.replace(",", " | ") + " |"
 
@@ -80,8 +80,43 @@ def test_the_tables_hold_the_same_numbers(results: Path) -> None:
 def test_unknown_names_are_told_with_the_nearest(results: Path, tmp_path: Path) -> None:
     values = read_values([results])
     with pytest.raises(ConfigError, match="unknown metric 'error_opn_m': did you mean 'error_open_m'"):
-        compare_variants(values, metrics=("error_opn_m",))
+        read_values([results], metrics=("error_opn_m",))
+    with pytest.raises(ConfigError, match=r"unknown track '2L': (did you mean|known are)"):
+        read_values([results], track="2L")
+    with pytest.raises(ConfigError, match="first: is given twice"):
+        read_values([results, results.parent / "first"])
     with pytest.raises(ConfigError, match="unknown variant 'z': known are x, y"):
         compare_variants(values, reference="z")
     with pytest.raises(OutputError, match=r"holds no results.parquet: run `pdr-est experiment"):
+        read_values([tmp_path])
+
+
+def test_one_track_of_several(results: Path) -> None:
+    (pair,) = compare_variants(read_values([results], track="2R"))
+    assert (pair.n, pair.mean_first, pair.mean_second) == (1, 4.0, 1.0)
+
+
+def test_metrics_of_different_fixes_are_not_compared(results: Path, tmp_path: Path) -> None:
+    """At held-out positions only; what needs no fixes is the same with any."""
+    second = tmp_path / "second"
+    second.mkdir()
+    table = {"walk": "ab", "track": "11", "variant": "xx", "metric": ["error_heldout_m", "error_open_m"]}
+    for folder, every in ((results, 3), (second, 6)):
+        write_parquet(folder / "results.parquet", table, {"value": [1.0, 2.0]})
+        (folder / "config.yaml").write_text(f"fixes: {{protocol: every, every: {every}}}\n", encoding="utf-8")
+    with pytest.raises(OutputError, match=r"first and .*second: error_heldout_m are of different fixes: .*--metric"):
+        read_values([results, second])
+    assert set(read_values([results, second], metrics=("error_open_m",))) == {"error_open_m"}
+    assert set(read_values([second])) == {"error_heldout_m", "error_open_m"}
+
+
+def test_one_variant_is_nothing_to_compare(results: Path) -> None:
+    values = {"error_open_m": {"x": read_values([results])["error_open_m"]["x"]}}
+    with pytest.raises(ConfigError, match="one variant only: give several"):
+        compare_variants(values)
+
+
+def test_another_table_is_refused(tmp_path: Path) -> None:
+    write_parquet(tmp_path / "results.parquet", {"colour": ["red"]}, {})
+    with pytest.raises(OutputError, match=r"results.parquet: has no column 'metric': it is none of"):
         read_values([tmp_path])

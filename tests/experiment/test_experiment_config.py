@@ -14,6 +14,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.experiment import load_experiment
 from pdr_est.experiment.schema import experiment_schema, settings_schema
 from pdr_est.experiment.work import work_of
+from pdr_est.simulate import psp_walks, robust_dr_trials
 
 BARE = "data:\n  simulated:\n    number: 1\n"
 
@@ -60,6 +61,32 @@ BARE = "data:\n  simulated:\n    number: 1\n"
             r"line 4: steps.detector stands twice",
         ),
         (BARE + "variants:\n  ekf: 3\n", r"line 5: variants.ekf"),
+        (BARE + "sweep:\n  estimatr.name: [ekf]\n", r"line 5: unknown key 'estimatr': did you mean 'estimator'"),
+        (BARE + "sweep:\n  estimator: [ekf]\n", r"line 5: estimator = 'ekf': is a section, give it keys"),
+        (BARE + "sweep:\n  resample.rate_hz: 50\n", r"line 5: sweep.resample.rate_hz = 50: is no list: write its"),
+        (BARE + "sweep:\n  estimator.name: [ekf, ekf]\n", r"line 5: two variants are called 'ekf': rename one"),
+        (BARE + "sweep: [ekf]\n", r"line 4: sweep = \['ekf'\]: is no section: write keys"),
+        (BARE + "variants:\n  1: {}\n", r"line 5: variants.1 = 1: is no text: put it in quotes"),
+        (BARE + "variants:\n  a: {}\n  a: {}\n", r"line 6: is not valid YAML \('a' stands twice\)"),
+        (BARE + "variants:\n  a: {'': 3}\n", r"line 5: unknown key ''"),
+        (BARE + "settings: {estimator: ekf}\n", r"line 4: estimator = 'ekf': is a section"),
+        (
+            BARE + "settings: {estimator.name: ekf, estimator: {name: ekf}}\n",
+            r"line 4: estimator.name stands twice: remove one",
+        ),
+        (BARE + "settings:\n  start.x_m: 1.0\n", r"line 5: start: x_m and y_m belong together"),
+        (BARE + "settings: {walker.height_m: 173}\n", r"line 4: walker.height_m = 173: .*; the unit is metres"),
+        (BARE + "settings_file: other.yaml\n", r"line 4: settings_file = 'other.yaml': no such file"),
+        (BARE + "seed: -1\n", r"line 4: seed = -1: Input should be greater than or equal to 0"),
+        (BARE + "metrics: [count_error, count_error]\n", r"line 4: count_error stands twice: remove one"),
+        (BARE + "metrics: count_error\n", r"line 4: metrics = 'count_error': is no list: write its values in"),
+        (BARE + "group_by: [person, person]\n", r"line 4: person stands twice"),
+        ("data:\n  simulated: {seed: -3}\n", r"line 2: data.simulated.seed = -3"),
+        ("data:\n  simulated: {carrying: []}\n", r"line 2: data.simulated.carrying = \[\]: is empty: give at least"),
+        ("data:\n  simulated:\n", r"line 1: data: none is given, or nothing below it: name one of"),
+        ("data:\n  simulated: {series: [psp-I, psp-I]}\n", r"line 1: series psp-I, psp-I: .* use number instead"),
+        ("data:\n  simulated: {series: [psp-I], presets: [straight]}\n", r"line 1: presets and series are given"),
+        ("data:\n  simulated: {series: [psp]}\n", r"line 2: data.simulated.series.0 = 'psp': Input should be"),
         ("data:\n  suite: ilc2\n", r"line 2: unknown suite 'ilc2': did you mean 'ilc20'"),
         (
             "data:\n  suite: ilc20\n  folder: nowhere\n",
@@ -72,7 +99,7 @@ BARE = "data:\n  simulated:\n    number: 1\n"
             r"line 1: recordings: '../\*.csv' is no pattern inside",
         ),
         ("data:\n  simulated: {presets: [straight, straight]}\n", r"line 1: presets straight, straight: one stands"),
-        ("data: {}\n", r"line 1: data: none is given: name one of suite, recordings, simulated"),
+        ("data: {}\n", r"line 1: data: none is given, or nothing below it: name one of suite, recordings, simulated"),
         ("data:\n  suite: ilc20\n  simulated: {}\n", r"suite and simulated are given"),
         (
             "data:\n  simulated: {presets: [office]}\n",
@@ -153,6 +180,18 @@ def test_recordings_that_would_be_one_walk_are_refused(tmp_path: Path) -> None:
 def test_the_limit_takes_the_first_walks_and_leaves_them_as_they_are(tmp_path: Path) -> None:
     path = experiment_file(tmp_path)
     assert load_experiment(path, limit=2).walks == load_experiment(path).walks[:2]
+
+
+def test_the_walks_of_a_paper(tmp_path: Path) -> None:
+    text = "data:\n  simulated: {series: [psp-I, robust-dr], number: 3}\nseed: 4\n"
+    walks = load_experiment(experiment_file(tmp_path, text)).walks
+    assert [walk.labels["series"] for walk in walks] == ["psp-I"] * 3 + ["robust-dr"] * 3
+    assert [walk.source for walk in walks] == [*psp_walks("I", 3, 4), *robust_dr_trials(4, 3)]
+
+
+def test_a_limit_spares_the_rest_of_a_population(tmp_path: Path) -> None:
+    text = BARE.replace("number: 1", "number: 100000")
+    assert len(load_experiment(experiment_file(tmp_path, text), limit=2).walks) == 2
 
 
 def test_schemas_know_the_keys() -> None:

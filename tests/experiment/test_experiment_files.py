@@ -24,6 +24,39 @@ def test_the_promised_files_are_there() -> None:
     assert promised <= set(CONTENTS)
 
 
+@pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
+def test_a_file_says_what_question_it_answers(path: Path) -> None:
+    comment = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("# "):
+            break
+        comment.append(line)
+    assert "?" in " ".join(comment)
+
+
+@pytest.mark.parametrize(
+    ("stem", "key", "values"),
+    [
+        ("robust-dr", "estimator", {"map-closed-form", "map-general", "ekf", "factor-graph"}),
+        ("two-phones", "estimator", {"map-closed-form", "map-general", "ekf", "factor-graph"}),
+        ("psp", "heading", {"psp", "hde", "gyro", "magnetometer", "auto"}),
+        ("mmpdr", "heading", {"mmpdr", "step-yaw", "auto"}),
+        ("uptime", "steps", {"uptime-fsm", "local-variance", "zero-crossing", "auto"}),
+    ],
+)
+def test_the_methods_that_a_paper_is_compared_with(stem: str, key: str, values: set[str]) -> None:
+    path = next(path for path in FILES if path.stem == stem)
+    configs = [variant.config for variant in load_experiment(path, limit=1).variants]
+    found = {
+        "estimator": {config.estimator.name for config in configs},
+        "heading": {config.heading.method for config in configs},
+        "steps": {config.steps.detector for config in configs},
+    }
+    assert values <= found[key]
+    if stem in ("robust-dr", "two-phones"):
+        assert {config.estimator.map_fusion.feedback for config in configs} == {False, True}
+
+
 def named(paths: list[Path]) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("path", paths, ids=[path.stem for path in paths])
 
@@ -59,6 +92,8 @@ def check(experiment: Experiment, out: Path) -> None:
     assert finished.failed == 0
     table = pl.read_parquet(out / "results.parquet")
     assert set(table["variant"]) == {variant.name for variant in experiment.variants}
+    tracks = set(table["track"])
+    assert ("fused" in tracks) == (len(tracks) > 1), "the person has a track of his own"
     asked = table.filter(pl.col("metric").is_in(list(experiment.config.metrics)))
     assert asked["value"].null_count() == 0
     assert table["value"].null_count() < len(table)

@@ -147,6 +147,73 @@ def test_folders_with_other_files_are_left_alone(whole: Path, tmp_path: Path) ->
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
 
+@pytest.mark.parametrize("moment", range(1, 7))
+def test_a_run_that_dies_while_it_writes_goes_on(
+    whole: Path, tmp_path: Path, moment: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At whichever file: configuration, provenance, a part, and the tables and the report at the end."""
+    out = tmp_path / "out"
+    begins = moment <= 2
+    if not begins:
+        shutil.copytree(whole / "out", out)
+        part_file(out / "parts", "walk_0002").unlink()
+    intact, calls = Path.replace, []
+
+    def deadly(path: Path, target: Path) -> Path:
+        calls.append(path)
+        if len(calls) == (moment if begins else moment - 2):
+            raise SystemExit
+        return intact(path, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", deadly)
+        with pytest.raises(SystemExit):
+            run_experiment(load_experiment(whole / "small.yaml"), out)
+    run_experiment(load_experiment(whole / "small.yaml"), out)
+    assert same_tables(whole / "out", out)
+    assert [path.name for path in out.glob("*.half")] == []
+
+
+def test_parts_without_provenance_are_of_unknown_origin(whole: Path, tmp_path: Path) -> None:
+    """What a killed --overwrite may leave is not taken for the walks of another configuration."""
+    out = tmp_path / "out"
+    shutil.copytree(whole / "out" / "parts", out / "parts")
+    other = load_experiment(experiment_file(tmp_path, SMALL.replace("[dead-reckoning, ekf]", "[ekf]")))
+    assert run_experiment(other, out).resumed == 0
+
+
+def test_overwriting_removes_the_provenance_last(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole / "out", out)
+    removed: list[str] = []
+    intact = Path.unlink
+
+    def noted(path: Path, missing_ok: bool = False) -> None:
+        removed.append(path.name)
+        if len(removed) == 2:
+            raise SystemExit
+        intact(path, missing_ok)
+
+    other = load_experiment(experiment_file(tmp_path, SMALL.replace("seed: 7", "seed: 8")))
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", noted)
+        with pytest.raises(SystemExit):
+            run_experiment(other, out, overwrite=True)
+    with pytest.raises(OutputError, match="another configuration: allow overwriting"):
+        run_experiment(other, out)
+
+
+def test_a_folder_of_that_name_with_other_files_is_left_alone(whole: Path, tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "wing.step").write_text("x", encoding="utf-8")
+    for overwrite in (False, True):
+        with pytest.raises(OutputError, match=r"files of other origin \(parts/wing.step\)"):
+            run_experiment(load_experiment(whole / "small.yaml"), tmp_path, overwrite=overwrite)
+    assert (tmp_path / "parts" / "wing.step").is_file()
+
+
 RECORDINGS = """\
 data:
   recordings: ["*.csv"]

@@ -14,7 +14,7 @@ def test_psp_table_1_of_two_tests() -> None:
     table = experiment("psp_table1")
     returns = table.measured("I", "planar legs", tests=2, seed=0, increments=(0.002,))
     assert returns.group == ("left, clockwise", "left, counter-clockwise")
-    assert set(returns.error_m) == {"psp", "hde", "gyro", "magnetometer"}
+    assert set(returns.error_m) == {"psp", "hde", "gyro", "magnetometer", "auto"}
     assert set(returns.others_m) == {("psp", 0.002), ("hde", 0.002)}
     assert returns.percent("psp") == pytest.approx(returns.error_m["psp"].mean() / 2.04)
     assert returns.mean_m("psp") < returns.mean_m("magnetometer")

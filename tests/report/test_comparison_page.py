@@ -10,6 +10,7 @@ import pytest
 from pdr_est.evaluate.paired import paired
 from pdr_est.report.comparison.outcome import TrackOutcome
 from pdr_est.report.comparison.page import Content, render_comparison
+from pdr_est.report.comparison.plots import plot_distribution, plot_growth
 from pdr_est.report.comparison.tables import averages, groups, modes, steps
 
 METRICS = ("error_heldout_m", "coverage95")
@@ -117,9 +118,9 @@ def test_every_part_is_there(content: Content) -> None:
         "Distribution of the errors",
         "Error against distance",
         "Honesty of the covariance",
-        "Best walk: walk1",
-        "Median walk: walk3",
-        "Worst walk: walk6",
+        "Worst walk by error_heldout_m: walk6",
+        "Median walk by error_heldout_m: walk3",
+        "Best walk by error_heldout_m: walk1",
         "Walk by walk",
         "Means by group",
         "Steps",
@@ -141,7 +142,7 @@ def test_walks_without_true_positions_have_a_page_without_plots_of_errors(conten
     words = Page(render_comparison(replace(content, outcomes=tuple(without_truth(content)), failures=()))).words
     assert "Distribution of the errors" not in words
     assert "Honesty of the covariance" not in words
-    assert "Best walk: walk1" in words
+    assert "Best walk by error_heldout_m: walk1" in words
 
 
 def test_an_experiment_without_any_outcome_has_a_page(content: Content) -> None:
@@ -159,12 +160,44 @@ def test_more_variants_than_colours_are_told_apart_by_dashes(content: Content) -
 
 def test_the_tables_hold_the_numbers(content: Content) -> None:
     table = averages(content.outcomes, content.variants, METRICS)
-    assert [cell.text for cell in table.rows[0]] == ["error_heldout_m", "far", "3.500", "3.500", "5.500", "6"]
+    assert [cell.text for cell in table.rows[0]] == ["error_heldout_m (m)", "far", "3.500", "3.500", "5.500", "6"]
     assert [row[2].strong for row in table.rows] == [False, True, False, False]  # equal means: none is best
     rows = groups(content.outcomes, content.variants, METRICS, "group").rows
-    assert [cell.text for cell in rows[0]] == ["error_heldout_m", "a", "3", "4.000", "0.400"]
+    assert [cell.text for cell in rows[0]] == ["error_heldout_m (m)", "a", "3", "4.000", "0.400"]
     counted = steps(content.outcomes, content.variants).rows[0]
-    assert [cell.text for cell in counted] == ["HOLDING", "far", "6", "420", "432", "2.8 %"]
+    assert [cell.text for cell in counted] == ["HOLDING", "all variants", "6", "420", "432", "2.8 %"]
+    other = replace(content.outcomes[0], steps=71)
+    rows = steps((other, *content.outcomes[1:]), content.variants).rows
+    assert [[cell.text for cell in row[1:4]] for row in rows] == [["far", "6", "421"], ["near", "6", "420"]]
     shares = modes(content.outcomes, content.variants)
     assert [cell.text for cell in shares.headings] == ["variant", "HOLDING", "SWING"]
-    assert [cell.text for cell in shares.rows[1]] == ["near", "75.0 %", "25.0 %"]
+    assert [[cell.text for cell in row] for row in shares.rows] == [["all variants", "75.0 %", "25.0 %"]]
+
+
+def test_many_variants_stand_below_each_other(content: Content) -> None:
+    names = tuple(f"v{number}" for number in range(7))
+    outcomes = tuple(outcome(walk, name, 1.0 + i) for walk in (1, 2, 4) for i, name in enumerate(names))
+    table = groups(outcomes, names, METRICS, "group")
+    assert [cell.text for cell in table.headings] == ["metric", "variant", "a", "b"]
+    assert [cell.text for cell in table.rows[1]] == ["error_heldout_m (m)", "v1", "2.000", "2.000"]
+    assert [cell.strong for cell in table.rows[0]] == [False, False, True, True]
+    assert table.note == "Number of tracks: a 2, b 1."
+
+
+@pytest.mark.parametrize("points", [1, 3, 10])
+def test_few_errors_are_drawn_one_by_one(content: Content, points: int) -> None:
+    """Where no median can be told yet, the plot is not empty."""
+    short = [replace(one, way_m=one.way_m[:points], error_m=one.error_m[:points]) for one in content.outcomes[:2]]
+    axes = plot_growth(short, content.variants).axes[0]
+    dots = [line for line in axes.lines if line.get_marker() == "."]
+    assert [len(line.get_xdata()) for line in dots] == [points, points]
+    many = [replace(one, way_m=np.arange(200.0), error_m=np.ones(200)) for one in short]
+    assert all(line.get_marker() != "." for line in plot_growth(many, content.variants).axes[0].lines)
+
+
+def test_a_variant_with_a_few_great_errors_does_not_press_the_others_together(content: Content) -> None:
+    near, far = content.outcomes[1], content.outcomes[0]
+    outlying = replace(far, error_m=np.concatenate([np.full(8, 0.3), [20.0, 30.0]]))
+    near = replace(near, error_m=np.full(10, 0.3))
+    assert plot_distribution([outlying, near], content.variants).axes[0].get_xscale() == "log"
+    assert plot_distribution([near], content.variants).axes[0].get_xscale() == "linear"

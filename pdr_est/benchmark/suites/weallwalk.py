@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 
 from pdr_est.benchmark.annotated_steps import heading_part, step_part
-from pdr_est.benchmark.devices import device_scores, step_times_s, track_scores
+from pdr_est.benchmark.devices import device_scores, person_scores, step_times_s
 from pdr_est.benchmark.files import recordings
 from pdr_est.benchmark.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.estimators.fused import NAME as FUSED
@@ -43,8 +43,7 @@ def score(walk: Walked) -> list[Scores]:
     ]
     if FUSED in track.devices:
         person = track.of_device(FUSED)
-        parts = step_part(walk, person.time_s[1:]), heading_part(walk, person)
-        scores.append(track_scores(FUSED, scores[0].mode, *parts))
+        scores.append(person_scores(walk, step_part(walk, person.time_s[1:]), heading_part(walk, person)))
     return scores
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from pdr_est.evaluate.definitions import DEFINITIONS
+from pdr_est.evaluate.definitions import DEFINITIONS, with_unit
 from pdr_est.evaluate.paired import Paired
 from pdr_est.report import svg
 from pdr_est.report.comparison import tables
@@ -18,7 +18,7 @@ from pdr_est.report.html import environment
 from pdr_est.report.legend import LegendEntry
 from pdr_est.report.panels import Panel
 
-_TRUTH = LegendEntry("truth", "muted", "truth")
+_TRUTH = LegendEntry("truth", "muted", "true positions")
 _RIGHT = LegendEntry("line", "muted", "right", (1.6, 1.0))
 _MOST_FAILURES = 100  # shown
 
@@ -73,7 +73,10 @@ def _tiles(content: Content) -> list[tuple[str, str]]:
 
 
 def _tables(content: Content, metrics: Sequence[str]) -> list[tables.Table]:
-    made = [tables.pairs(content.pairs)] if any(pair.ties < pair.n for pair in content.pairs) else []
+    compared = {pair.first for pair in content.pairs}
+    first_only = "The first variant is compared with the others; pdr-est compare has all pairs."
+    note = first_only if len(content.variants) > 2 and len(compared) == 1 else ""
+    made = [tables.pairs(content.pairs, note)] if any(pair.ties < pair.n for pair in content.pairs) else []
     made += [tables.groups(content.outcomes, content.variants, metrics, key) for key in content.group_by]
     made += [tables.steps(content.outcomes, content.variants), tables.modes(content.outcomes, content.variants)]
     return made
@@ -89,7 +92,7 @@ def _panels(content: Content) -> list[Panel]:
         figure = plot_distribution(outcomes, variants)
         caption = f"Errors {where}, of all walks together. The least and the largest 2 % may lie outside."
         panels.append(_panel("Distribution of the errors", "cdf", figure, legend, caption))
-        caption = f"Errors {where}. Thick: median, thin: 90th percentile, where there are at least 5 positions."
+        caption = f"Errors {where}. Thick: median, thin: 90th percentile; dots: the positions, where they are few."
         figure = plot_growth(outcomes, variants)
         panels.append(_panel("Error against distance", "growth", figure, legend, caption))
     if any(len(one.squared) for one in outcomes):
@@ -100,7 +103,7 @@ def _panels(content: Content) -> list[Panel]:
 
 
 def _gallery(content: Content, metrics: Sequence[str]) -> list[Panel]:
-    """The best, the median and the worst walk by the first metric of the tracks shown, mean over the variants."""
+    """The worst, the median and the best walk by the first metric of the tracks shown, mean over the variants."""
     if not metrics:
         return []
     held_out = "error_heldout_m"
@@ -118,7 +121,7 @@ def _gallery(content: Content, metrics: Sequence[str]) -> list[Panel]:
     scored.sort()
     if not scored:
         return []
-    places = {"Best": 0, "Median": (len(scored) - 1) // 2, "Worst": len(scored) - 1}
+    places = {"Worst": len(scored) - 1, "Median": (len(scored) - 1) // 2, "Best": 0}
     chosen: dict[int, str] = {}
     for word, place in places.items():
         chosen[place] = f"{chosen[place]} and {word.lower()}" if place in chosen else word
@@ -126,10 +129,14 @@ def _gallery(content: Content, metrics: Sequence[str]) -> list[Panel]:
     for place, word in chosen.items():
         (walk, track), rows = scored[place][1], by_track[scored[place][1]]
         name = walk if track == "device" else f"{walk}, {track}"
-        values = ", ".join(f"{one.variant} {tables.value(one.metrics[metric])}" for one in rows)
+        values = "; ".join(f"{one.variant} {tables.value(one.metrics[metric])}" for one in rows)
         legend = (*looks(content.variants).values(), *([_TRUTH] if len(rows[0].truth_m) else []))
         figure = plot_tracks(rows, content.variants)
-        panels.append(_panel(f"{word} walk: {name}", f"walk{place}", figure, legend, f"{metric}: {values}."))
+        panels.append(
+            _panel(
+                f"{word} walk by {metric}: {name}", f"walk{place}", figure, legend, f"{with_unit(metric)}: {values}."
+            )
+        )
     return panels
 
 

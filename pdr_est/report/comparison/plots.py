@@ -17,9 +17,10 @@ from pdr_est.report.legend import LegendEntry
 
 _DASHES: tuple[tuple[float, ...], ...] = ((), (3.2, 1.6), (1.1, 1.1), (5.0, 1.2, 1.1, 1.2))
 _HEIGHT_IN, _BOTTOM_IN, _TOP_IN = 3.2, 0.52, 0.12
-_WIDE_RANGE = 3.0  # of the medians of the variants: above it, a logarithmic axis shows them all
+_WIDE_RANGE = ((0.5, 3.0), (0.9, 5.0))  # of a quantile of the variants: above it, a logarithmic axis shows them all
 _BINS = 12
 _FEWEST = 5  # errors in a bin, for a percentile
+_FEW = 100  # errors of a variant, which are drawn one by one
 _WIDE_M = 6.0
 
 
@@ -63,17 +64,22 @@ def plot_distribution(outcomes: Sequence[TrackOutcome], variants: Sequence[str])
 
 
 def plot_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
-    """Median (thick) and 90th percentile (thin) of the error against the distance walked."""
+    """Median (thick) and 90th percentile (thin) of the error against the distance walked; few errors also as dots."""
     figure, axes = _figure()
     farthest = max((float(one.way_m.max()) for one in outcomes if len(one.way_m)), default=1.0)
-    edges = np.linspace(0.0, farthest or 1.0, _BINS + 1)
-    middle = 0.5 * (edges[1:] + edges[:-1])
     pools = [_pooled(outcomes, name, "error_m") for name in variants]
+    most = max((len(pool) for pool in pools), default=0)
+    bins = int(np.clip(most // (2 * _FEWEST), 1, _BINS))
+    edges = np.linspace(0.0, farthest or 1.0, bins + 1)
+    middle = 0.5 * (edges[1:] + edges[:-1])
     drawn: list[Array] = []
     for number, (name, error_m) in enumerate(zip(variants, pools, strict=True)):
         way_m = _pooled(outcomes, name, "way_m")
-        place = np.clip(np.searchsorted(edges, way_m, side="right") - 1, 0, _BINS - 1)
-        within = [error_m[place == i] for i in range(_BINS)]
+        if most < _FEW:
+            axes.plot(way_m, error_m, ".", color=svg.series_colour(number), markersize=4.0)
+            drawn.append(error_m[error_m > 0.0])
+        place = np.clip(np.searchsorted(edges, way_m, side="right") - 1, 0, bins - 1)
+        within = [error_m[place == i] for i in range(bins)]
         for share, width in ((0.5, 2.2), (0.9, 1.0)):
             high = np.array([np.quantile(part, share) if len(part) >= _FEWEST else np.nan for part in within])
             _line(axes, middle, high, number, linewidth=width)
@@ -137,9 +143,13 @@ def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
 
 
 def _differ_widely(pools: Sequence[Array]) -> bool:
-    """Whether the medians of some errors are of different orders."""
-    medians = [float(np.median(pool)) for pool in pools if len(pool)]
-    return bool(medians) and max(medians) > _WIDE_RANGE * min(medians) > 0.0
+    """Whether the medians, or the large ones, of some errors are of different orders."""
+    known = [pool for pool in pools if len(pool)]
+    for share, widest in _WIDE_RANGE if known else ():
+        high = [float(np.quantile(pool, share)) for pool in known]
+        if max(high) > widest * min(high) > 0.0:
+            return True
+    return False
 
 
 def _plain_logarithmic(axis: Axis) -> None:

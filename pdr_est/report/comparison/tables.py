@@ -1,14 +1,16 @@
 """The tables of the page: averages, pairs, groups, steps and carrying modes."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pdr_est.evaluate.average import Average
-from pdr_est.evaluate.definitions import DEFINITIONS
+from pdr_est.evaluate.definitions import DEFINITIONS, with_unit
 from pdr_est.evaluate.paired import ROUNDING, Paired
 from pdr_est.records import CarryingMode
 from pdr_est.report.comparison.outcome import TrackOutcome
 from pdr_est.report.html import NO_VALUE, number, percent
+
+_MOST_COLUMNS = 5  # of variants side by side, which a page has room for
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,11 @@ def averages(outcomes: Sequence[TrackOutcome], variants: Sequence[str], metrics:
 
 
 def groups(outcomes: Sequence[TrackOutcome], variants: Sequence[str], metrics: Sequence[str], key: str) -> Table:
-    """Mean of every metric for each value of a key, a column for each variant."""
+    """Mean of every metric for each value of a key, a column for each variant; for many variants, a row for each."""
     names = sorted({key_of(outcome, key) for outcome in outcomes})
     within = {name: [outcome for outcome in outcomes if key_of(outcome, key) == name] for name in names}
+    if len(variants) > max(_MOST_COLUMNS, len(names)):
+        return _groups_aside(within, variants, metrics, key)
     rows = []
     for metric in metrics:
         for name in names:
@@ -68,8 +72,28 @@ def groups(outcomes: Sequence[TrackOutcome], variants: Sequence[str], metrics: S
     return Table(f"Means by {key}", headings, tuple(rows), texts=2)
 
 
-def pairs(found: Iterable[Paired]) -> Table:
-    """The comparisons of two variants each."""
+def _groups_aside(
+    within: Mapping[str, Sequence[TrackOutcome]], variants: Sequence[str], metrics: Sequence[str], key: str
+) -> Table:
+    """The same with a column for each value of the key."""
+    rows = []
+    for metric in metrics:
+        means = [[_average(rows_of, variant, metric).mean for variant in variants] for rows_of in within.values()]
+        best = [_best(metric, column) for column in means]
+        for place, variant in enumerate(variants):
+            cells = [
+                Cell(value(column[place]), strong=place == first) for column, first in zip(means, best, strict=True)
+            ]
+            rows.append((metric_cell(metric), Cell(variant), *cells))
+    headings = (Cell("metric"), Cell("variant"), *(Cell(name) for name in within))
+    tracks = ", ".join(
+        f"{name} {len({(one.walk, one.track) for one in rows_of})}" for name, rows_of in within.items()
+    )
+    return Table(f"Means by {key}", headings, tuple(rows), texts=2, note=f"Number of tracks: {tracks}.")
+
+
+def pairs(found: Iterable[Paired], note: str = "") -> Table:
+    """The comparisons of two variants each. note: more to say below it."""
     rows = tuple(
         (
             metric_cell(pair.metric),
@@ -84,12 +108,12 @@ def pairs(found: Iterable[Paired]) -> Table:
         if pair.ties < pair.n
     )
     words = ("metric", "A", "B", "walks", "B − A", "95 % interval", "wins A : B")
-    note = (
+    about = (
         "B − A: mean over the walks of how much farther B is from the ideal value than A; negative: B is better. "
         "The interval is a bootstrap over walks, too narrow for fewer than about 20. A variant is bold where its "
-        "interval leaves no doubt. Pairs that agree on every walk are left out."
+        f"interval leaves no doubt. Pairs that agree on every walk are left out. {note}"
     )
-    return Table("Walk by walk", tuple(Cell(word) for word in words), rows, texts=3, note=note)
+    return Table("Walk by walk", tuple(Cell(word) for word in words), rows, texts=3, note=about.rstrip())
 
 
 def steps(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Table:
@@ -115,7 +139,7 @@ def steps(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Table:
             )
     words = ("mode recognised", "variant", "tracks", "steps detected", "steps taken", "mean count error")
     note = "Over whole recordings; the metric count_error is over the annotated time."
-    return Table("Steps", tuple(Cell(word) for word in words), tuple(rows), texts=2, note=note)
+    return Table("Steps", tuple(Cell(word) for word in words), _merged(rows, 1, len(variants)), texts=2, note=note)
 
 
 def modes(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Table:
@@ -127,12 +151,24 @@ def modes(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Table:
         shares = [sum(one.mode_shares.get(name, 0.0) for one in chosen) / max(len(chosen), 1) for name in names]
         rows.append((Cell(variant), *(Cell(percent(share)) for share in shares)))
     headings = (Cell("variant"), *(Cell(name) for name in names))
-    return Table("Carrying modes", headings, tuple(rows), note="Share of the walking time, mean over the tracks.")
+    note = "Share of the walking time, mean over the tracks."
+    return Table("Carrying modes", headings, _merged(rows, 0, len(variants)), note=note)
+
+
+def _merged(rows: Sequence[tuple[Cell, ...]], place: int, variants: int) -> tuple[tuple[Cell, ...], ...]:
+    """Rows that differ in the variant only, the cell at a place, as one: variants with the same front end."""
+    names: dict[tuple[Cell, ...], list[str]] = {}
+    for row in rows:
+        names.setdefault((*row[:place], *row[place + 1 :]), []).append(row[place].text)
+    return tuple(
+        (*rest[:place], Cell("all variants" if len(same) == variants > 1 else "; ".join(same)), *rest[place:])
+        for rest, same in names.items()
+    )
 
 
 def metric_cell(metric: str) -> Cell:
-    """A metric's name, linked to its definition."""
-    return Cell(metric, definition=metric if metric in DEFINITIONS else None)
+    """A metric's name with its unit, linked to its definition."""
+    return Cell(with_unit(metric), definition=metric if metric in DEFINITIONS else None)
 
 
 def key_of(outcome: TrackOutcome, key: str) -> str:

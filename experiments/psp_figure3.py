@@ -1,0 +1,127 @@
+"""Figure 3 of PSP (Hong et al. 2013) on simulated walks: paths of one man with the phone in the left pocket.
+
+    python experiments/psp_figure3.py [--seed 0]
+
+The walks are those of psp_table1.py on trajectory I and II, either way round, with the phone in the left pocket,
+and reckoned by each of its headings, from the known start. The paper's paths (c) to (f) are those of one male user;
+its panels (a) and (b) are the trajectories alone, which are the true paths here. Figure 3 is not in the text that we
+have: where the circle of trajectory II lies is ours. Above with legs that swing in their plane, below with legs that
+circle as those of recordings do.
+
+Writes experiments/results/psp_figure3.png, .json and .txt.
+"""
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from psp_table1 import DEFAULT, LEGS, METHODS, RESULTS, TRAJECTORIES, group_of, settings, with_legs
+
+from pdr_est.front_end.heading import HeadingName
+from pdr_est.pipeline import smooth
+from pdr_est.simulate import Path, Scenario, SimulatedWalk, Trajectory, psp_walks, simulate_walk
+from pdr_est.track import Track
+
+SHOWN: tuple[HeadingName, ...] = (*METHODS, DEFAULT)
+WAYS = ("clockwise", "counter-clockwise")
+COLOURS = dict(zip(SHOWN, ("tab:red", "tab:blue", "tab:orange", "tab:green", "tab:purple"), strict=True))
+ENOUGH_TESTS = 25  # among which each person, pocket and way is found
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One walk. legs: of psp_table1.py; way: round; tracks: by heading."""
+
+    trajectory: Trajectory
+    legs: str
+    way: str
+    walk: SimulatedWalk
+    tracks: Mapping[HeadingName, Track]
+
+    def return_error_percent(self, method: HeadingName) -> float:
+        """From the end of the track to its start, percent of the way."""
+        position_m = self.tracks[method].position_m
+        return 100.0 * float(np.linalg.norm(position_m[-1] - position_m[0])) / Path(self.walk.scenario.path).length_m
+
+
+def main() -> None:
+    """Simulate, draw and write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=0)
+    seed = parser.parse_args().seed
+    panels = [
+        panel(trajectory, legs, way, seed) for legs in reversed(LEGS) for trajectory in TRAJECTORIES for way in WAYS
+    ]
+    draw(panels).savefig(RESULTS / "psp_figure3.png", dpi=80, metadata={"Software": None})
+    text = as_text(panels)
+    document = json.dumps(as_document(panels, seed), indent=2)
+    (RESULTS / "psp_figure3.json").write_text(document + "\n", encoding="utf-8")
+    (RESULTS / "psp_figure3.txt").write_text(text, encoding="utf-8")
+    print(text, end="")
+
+
+def panel(trajectory: Trajectory, legs: str, way: str, seed: int) -> Panel:
+    """The walk of the first man that way round, by each heading."""
+    walk = simulate_walk(with_legs(of_a_man(trajectory, way, seed), legs))
+    return Panel(
+        trajectory, legs, way, walk, {method: smooth(walk.recording, settings(method)).track for method in SHOWN}
+    )
+
+
+def of_a_man(trajectory: Trajectory, way: str, seed: int) -> Scenario:
+    """The first test that way round of the first man among the people, left pocket."""
+    tests = psp_walks(trajectory, ENOUGH_TESTS, seed)
+    height_m = next(test.gait.height_m for test in tests if test.gait.gender == "male")
+    return next(test for test in tests if test.gait.height_m == height_m and group_of(test) == f"left, {way}")
+
+
+def as_document(panels: Sequence[Panel], seed: int) -> dict[str, object]:
+    """The numbers of the text."""
+    return {
+        "seed": seed,
+        "return_error_percent": [
+            {
+                "trajectory": one.trajectory,
+                "legs": one.legs,
+                "way": one.way,
+                **{method: round(one.return_error_percent(method), 2) for method in SHOWN},
+            }
+            for one in panels
+        ],
+    }
+
+
+def as_text(panels: Sequence[Panel]) -> str:
+    """A line a walk: the error at its end by each heading."""
+    head = "".join(f"{method:>14}" for method in SHOWN)
+    lines = ["PSP Fig. 3: return position error of the paths, percent of the way", "", f"{'':46}{head}"]
+    for one in panels:
+        label = f"{one.trajectory}, left pocket, {one.way}, {one.legs}"
+        lines.append(f"{label:46}" + "".join(f"{one.return_error_percent(method):14.2f}" for method in SHOWN))
+    return "\n".join(lines) + "\n"
+
+
+def draw(panels: Sequence[Panel]) -> Figure:
+    """A row a kind of legs."""
+    figure = Figure(figsize=(18.0, 9.0), layout="constrained")
+    rows = figure.subplots(2, len(panels) // 2, squeeze=False)
+    for axes, one in zip(rows.flat, panels, strict=True):
+        axes.plot(*one.walk.truth_position_m.T, "--", color="0.3", linewidth=1.0, label="true path")
+        for method, track in one.tracks.items():
+            axes.plot(*track.position_m.T, color=COLOURS[method], linewidth=1.3, label=method)
+        axes.set(
+            title=f"{one.trajectory}, left pocket, {one.way}\n{one.legs}",
+            xlabel="east, m",
+            ylabel="north, m",
+        )
+        axes.set_aspect("equal", adjustable="datalim")
+    lines, labels = rows[0, 0].get_legend_handles_labels()
+    figure.legend(lines, labels, loc="outside upper center", ncols=len(labels))
+    return figure
+
+
+if __name__ == "__main__":
+    main()
