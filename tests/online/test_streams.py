@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_tracker import FIXES, same_poses
-from two_phones import KNOWN_START, fix_at, offline, push_all, recorded, slices, tracker_of
+from two_phones import KNOWN_START, fix_at, of_devices, offline, push_all, recorded, slices, tracker_of
 
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.errors import ConfigError, EstimationError
@@ -60,8 +60,8 @@ def test_steps_from_before_the_horizon_are_used_and_counted() -> None:
     whole = offline(recording, KNOWN_START)
     assert len(first) == len(second)
     assert tracker.late_steps > 20
-    assert len(track_of(updates)) == len(whole)
-    assert np.abs(track_of(updates).position_m - whole.position_m).max() < 1.5
+    assert len(track_of(of_devices(updates))) == len(whole)
+    assert np.abs(track_of(of_devices(updates)).position_m - whole.position_m).max() < 1.5
 
 
 def test_a_device_that_nobody_expected_joins() -> None:
@@ -115,7 +115,8 @@ def walked(hours: float, fix_every: int, start: StartPose, gap_every: int = 0) -
                 walk.undo_for_fix(fix, known.add(fix))
             kept, _ = walk.catch_up()
             delayed.undone(kept)
-            delayed.take(walk.history, walk.now_s - 5.0)
+            while delayed.waits(walk.history, walk.now_s - 5.0):
+                delayed.take(walk.history, walk.now_s - 5.0)
             delayed.forgotten(walk.forget(delayed.fed))
         if k % 500 == 0:
             logs = [log for log in walk.logs if log is not None]
@@ -158,7 +159,7 @@ def test_delayed_estimates_survive_a_restart() -> None:
             tracker = Tracker.restore(tracker.state())
         updates += tracker.push(name, block)
     updates += tracker.flush()
-    track, whole = track_of(updates, "delayed"), offline(recording, config, FIXES)
+    track, whole = track_of(of_devices(updates), "delayed"), offline(recording, config, FIXES)
     assert track.position_m == pytest.approx(whole.position_m, abs=0.02)
     with pytest.raises(EstimationError, match="state is that of a int"):
         Tracker.restore(b"\x80\x04K\x01.")

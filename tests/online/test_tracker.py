@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from two_phones import GIVEN_CLOCK, KNOWN_START, fix_at, offline, push_all, recorded, slices, tracker_of
+from two_phones import GIVEN_CLOCK, KNOWN_START, fix_at, of_devices, offline, push_all, recorded, slices, tracker_of
 
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.estimators.lag_params import FixedLagParams
@@ -22,7 +22,7 @@ FIXES = [
 
 
 def same_poses(updates: list[Update], whole: Track) -> None:
-    track = track_of(updates)
+    track = track_of(of_devices(updates))
     order = np.lexsort((track.time_s, track.device))
     expected = np.lexsort((whole.time_s, whole.device))
     assert track.time_s[order].tolist() == whole.time_s[expected].tolist()
@@ -109,7 +109,7 @@ def test_delayed_estimates_are_those_of_the_smoother(devices: int, late: bool) -
         updates += tracker.push(name, block)
     updates += tracker.flush()
     same_poses(updates, offline(recording, config.with_estimator("ekf"), FIXES))
-    track, whole = track_of(updates, "delayed"), offline(recording, config, FIXES)
+    track, whole = track_of(of_devices(updates), "delayed"), offline(recording, config, FIXES)
     assert track.time_s.tolist() == whole.time_s.tolist()
     assert track.position_m == pytest.approx(whole.position_m, abs=0.02)
     assert track.covariance_m2 == pytest.approx(whole.covariance_m2, rel=0.02, abs=5e-3)
