@@ -47,6 +47,7 @@ class Person:
         self._poses: list[dict[float, Pose]] = []
         self._due: set[float] = set()  # moments that are to be found, or found anew
         self._given: OrderedDict[float, Update] = OrderedDict()  # nearly in the order of time
+        self._last_s = -inf  # the latest of them
         self.waits = False  # whether moments may have become complete
 
     def take(self, poses: Sequence[Pose], devices: int) -> None:
@@ -66,7 +67,7 @@ class Person:
 
     def recorded(self, device: int, from_s: float, to_s: float) -> None:
         """A device turns out to have recorded during that time."""
-        if device < len(self._times_s):
+        if device < len(self._times_s) and from_s < self._last_s:
             self._due |= {time_s for time_s in self._given if from_s < time_s <= to_s}
 
     def give(self, devices: Sequence[Recorded], waited_s: float, most: int | None = None) -> list[Update]:
@@ -82,6 +83,7 @@ class Person:
             update = self._at(time_s, devices)
             if update is not None and not _same(update, self._given.get(time_s)):
                 self._given[time_s] = update
+                self._last_s = max(self._last_s, time_s)
                 found.append(update)
         return found
 
