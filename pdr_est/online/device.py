@@ -56,7 +56,12 @@ class DeviceFrontEnd:
     def latency_s(self) -> float:
         """How long after a step its odometry comes, at most."""
         of_levels = 0.0 if self._levels is None else self._levels.latency_s
-        return of_levels + sum(part.latency_s for part in self._parts)
+        return of_levels + self.behind_end_s
+
+    @property
+    def behind_end_s(self) -> float:
+        """The same in the time of `end_s`, which is late itself."""
+        return sum(part.latency_s for part in self._parts)
 
     @property
     def waits(self) -> bool:

@@ -176,5 +176,3 @@ def _same(update: Update, other: Update | None) -> bool:
         and update.heading_rad == other.heading_rad
         and update.sigma_heading_rad == other.sigma_heading_rad
     )
-
-

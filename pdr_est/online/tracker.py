@@ -281,9 +281,10 @@ class Tracker:
         behind_s = self._behind_s(kind)
         devices = []
         for front in self._fronts:
-            reached_s = -inf if front.end_s is None else front.end_s - front.latency_s - behind_s
+            reached_s = -inf if front.end_s is None else front.end_s - front.behind_end_s - behind_s
             devices.append(Recorded(front.spans_s, inf if self._flushed else reached_s))
-        waited_s = inf if self._flushed else self._walk.now_s - self.latency_s - behind_s
+        behind_s += max(front.behind_end_s for front in self._fronts) + self._online.wait_s
+        waited_s = inf if self._flushed else self._walk.now_s - behind_s
         return self._persons[kind].give(devices, waited_s, most)
 
     def _behind_s(self, kind: Kind) -> float:
