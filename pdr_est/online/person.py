@@ -53,9 +53,7 @@ class Person:
     def take(self, poses: Sequence[Pose], devices: int) -> None:
         """Take poses of some devices, or that more is known of when they recorded."""
         self.waits = True
-        for _ in range(len(self._times_s), devices):
-            self._times_s.append([])
-            self._poses.append({})
+        self._make_room(devices)
         for pose in poses:
             time_s, times_s = pose.node.time_s, self._times_s[pose.device]
             at = bisect_left(times_s, time_s)
@@ -75,6 +73,7 @@ class Person:
 
         most: how many to look at, at most.
         """
+        self._make_room(len(devices))
         ready = [time_s for time_s in sorted(self._due) if time_s < waited_s or self._complete(time_s, devices)]
         self.waits = most is not None and len(ready) > most
         found = []
@@ -96,6 +95,11 @@ class Person:
             del times_s[:count]
         while self._given and next(iter(self._given)) < before_s:
             self._given.popitem(last=False)
+
+    def _make_room(self, devices: int) -> None:
+        for _ in range(len(self._times_s), devices):
+            self._times_s.append([])
+            self._poses.append({})
 
     def _again(self, after_s: float, before_s: float) -> None:
         """All moments between two times are due."""

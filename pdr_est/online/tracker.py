@@ -3,17 +3,16 @@
 import pickle
 import warnings
 from collections.abc import Sequence
-from math import inf
 
 from pdr_est.config import Config, check
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.online.device import DeviceFrontEnd, ExpectedDevice
+from pdr_est.online.estimates import Estimates
 from pdr_est.online.known import Known
 from pdr_est.online.log import DeviceLog
 from pdr_est.online.params import OnlineParams
-from pdr_est.online.person import Person, Recorded
 from pdr_est.online.rows import Rows
-from pdr_est.online.update import Kind, Pose, Update, placed, update_of
+from pdr_est.online.update import Kind, Update
 from pdr_est.online.walk import WalkFilter
 from pdr_est.records import HeadingPrior, PositionFix, SensorBlock, StepOdometry
 
@@ -62,12 +61,13 @@ class Tracker:
         self._walk = WalkFilter(self._known, tether, online)
         self._rows = Rows()
         self._delayed = None
-        self._persons: dict[Kind, Person] = {"filtered": Person("filtered")}
+        behind_s: dict[Kind, float] = {"filtered": 0.0}
         if self._config.estimator.name == "fixed-lag":
             from pdr_est.online.delayed import Delayed  # gtsam is slow to load: only when it is used
 
             self._delayed = Delayed(self._config.estimator.fixed_lag, self._config.devices.tether)
-            self._persons["delayed"] = Person("delayed")
+            behind_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s
+        self._estimates = Estimates(self._names, self._fronts, self._config.devices, online.wait_s, behind_s)
         self._flushed = False
         self.refused_fixes = 0
         for device in devices:
@@ -98,6 +98,11 @@ class Tracker:
     def missed_fixes(self) -> int:
         """How often a fix was not used for one device: it had been standing for longer than can be gone back."""
         return self._walk.missed
+
+    @property
+    def unheard(self) -> tuple[str, ...]:
+        """Devices of which nothing could be used so far: accelerometer and gyroscope are needed."""
+        return tuple(name for name, front in zip(self._names, self._fronts, strict=True) if front.start_s is None)
 
     @property
     def remembered(self) -> int:
@@ -156,10 +161,9 @@ class Tracker:
         self._rows.pulled(state, self._walk.tail_pulls)
         found += self._filtered()
         if self._delayed is not None:
-            found += self._updates("delayed", self._delayed.finish(self._walk.history, self._walk.tail_pulls, state))
-        for kind in self._persons:
-            found += self._of_person(kind)
-        return found
+            last = self._delayed.finish(self._walk.history, self._walk.tail_pulls, state)
+            found += self._estimates.of_devices("delayed", last)
+        return found + self._estimates.last_of_person()
 
     def state(self) -> bytes:
         """Everything, for `restore`: with what comes then, the tracker goes on as if nothing had happened."""
@@ -213,11 +217,9 @@ class Tracker:
                 return self._filtered()
         settled_s = self._walk.now_s - self._online.settle_s
         if self._delayed is not None and self._delayed.waits(self._walk.history, settled_s):
-            return self._updates("delayed", self._delayed.take(self._walk.history, settled_s))
-        for kind, person in self._persons.items():
-            if person.waits and len(self._names) > 1:
-                return self._of_person(kind, most=1)
-        return None
+            return self._estimates.of_devices("delayed", self._delayed.take(self._walk.history, settled_s))
+        kind = self._estimates.waits
+        return None if kind is None else self._estimates.of_person(kind, self._walk.now_s, most=1)
 
     def _take(self, number: int, measurements: Sequence[StepOdometry | HeadingPrior]) -> None:
         """What the front end of a device found, and how far its samples reach now."""
@@ -232,8 +234,7 @@ class Tracker:
             log = self._walk.logs[number] = DeviceLog(front.start_s)
         for measurement in measurements:
             log.append(measurement)
-        for person in self._persons.values():
-            person.recorded(number, log.end_s, front.end_s)
+        self._estimates.recorded(number, log.end_s, front.end_s)
         self._walk.extend(number, front.end_s)
         self._catch_up(left)
         self._warn_of_missed(missed)
@@ -255,40 +256,11 @@ class Tracker:
 
     def _filtered(self) -> list[Update]:
         """The filter's poses that are new or have changed."""
-        found = self._updates("filtered", self._rows.changed())
+        found = self._estimates.of_devices("filtered", self._rows.changed())
         before_s = self._walk.now_s - 2.0 * self._online.horizon_s
         self._rows.forget(before_s)
-        for kind, person in self._persons.items():
-            person.forget(before_s - self._behind_s(kind))
+        self._estimates.forget(before_s)
         return found
-
-    def _updates(self, kind: Kind, poses: Sequence[Pose]) -> list[Update]:
-        """The ends of steps among some poses, where the devices sit on the body."""
-        found = []
-        steps = [pose for pose in poses if pose.node.is_step]
-        self._persons[kind].take(steps, len(self._names))
-        for pose in steps:
-            name = self._names[pose.device]
-            mounting = self._config.devices.mounting_of(name)
-            offset_m = (mounting.forward_m, mounting.left_m) if len(self._names) > 1 else (0.0, 0.0)
-            found.append(placed(update_of(pose, name, kind), offset_m))
-        return found
-
-    def _of_person(self, kind: Kind, most: int | None = None) -> list[Update]:
-        """The person's poses that are new or have changed. most: how many to look at, at most."""
-        if len(self._names) < 2:
-            return []
-        behind_s = self._behind_s(kind)
-        devices = []
-        for front in self._fronts:
-            reached_s = -inf if front.end_s is None else front.end_s - front.behind_end_s - behind_s
-            devices.append(Recorded(front.spans_s, inf if self._flushed else reached_s))
-        behind_s += max(front.behind_end_s for front in self._fronts) + self._online.wait_s
-        waited_s = inf if self._flushed else self._walk.now_s - behind_s
-        return self._persons[kind].give(devices, waited_s, most)
-
-    def _behind_s(self, kind: Kind) -> float:
-        return (self.lag_s or 0.0) if kind == "delayed" else 0.0
 
     def _warn_of_missed(self, before: int) -> None:
         if self._walk.missed > before:

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.config import Config, StartParams
+from pdr_est.estimators import EstimatorName
 from pdr_est.frames import Array
 from pdr_est.io.recording import Recording
 from pdr_est.online import Tracker
 from pdr_est.records import SensorBlock
 from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Scenario, SensorParams, simulate_walk
 
-ESTIMATORS = ("ekf", "fixed-lag")
+ESTIMATORS: tuple[EstimatorName, ...] = ("ekf", "fixed-lag")
 RATE_HZ = 100.0
 _SPEED_MPS, _ROUND_M = 1.2, 40.0
 _CORNERS_M = ((0.0, 0.0), (12.0, 0.0), (12.0, 8.0), (0.0, 8.0))
@@ -45,7 +46,7 @@ def sample_by_sample(recording: Recording) -> list[Pushed]:
     return [(name, block) for _, name, block in sorted(samples, key=lambda sample: sample[0])]
 
 
-def tracker_for(estimator: str) -> Tracker:
+def tracker_for(estimator: EstimatorName) -> Tracker:
     """For the two phones, from a known start."""
     config = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
     return Tracker(config.with_estimator(estimator), ("a", "b"))
@@ -64,7 +65,7 @@ def push_times_s(tracker: Tracker, samples: Sequence[Pushed]) -> Array:
 def online_latency(minutes: float) -> dict[str, dict[str, float]]:
     """Milliseconds of one `Tracker.push` by estimator: p50, p99 and max of the processor, and by the clock."""
     samples = sample_by_sample(walk_in_rounds(minutes))
-    found = {}
+    found: dict[str, dict[str, float]] = {}
     for estimator in ESTIMATORS:
         times_ms = 1e3 * push_times_s(tracker_for(estimator), samples)
         warm = times_ms[int(_WARMING * len(times_ms)) :]

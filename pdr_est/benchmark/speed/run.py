@@ -52,8 +52,8 @@ def run_speed(
     online_min: float = _ONLINE_MIN,
 ) -> SpeedResult:
     """Measure all parts. config: of the stages; lengths_min: of the walks for the growth of time and memory;
-    recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too; online_min: length
-    of the walk that is pushed sample by sample."""
+    recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too; online_min:
+    length of the walk that is pushed sample by sample."""
     walks = [(devices, minutes) for devices in (1, 2) for minutes in lengths_min]
     walks = [(devices, minutes) for devices, minutes in walks if devices == 1 or minutes <= _LONGEST_TETHERED_MIN]
     total = 2 + 2 * len(smoothed_steps) + len(walks)
