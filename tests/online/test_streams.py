@@ -17,7 +17,7 @@ from pdr_est.online.delayed import Delayed
 from pdr_est.online.known import Known
 from pdr_est.online.log import DeviceLog
 from pdr_est.online.walk import WalkFilter
-from pdr_est.records import PositionFix, StartPose, StepOdometry
+from pdr_est.records import Channel, PositionFix, StartPose, StepOdometry
 
 FIFTHS = [np.arange(0.2, 60.0, 0.2)] * 2
 
@@ -79,6 +79,24 @@ def test_a_fix_from_before_the_horizon_is_refused_and_counted() -> None:
         assert tracker.push_fix(fix_at(5.0, 3.0, 0.0)) == []
     assert tracker.refused_fixes == 1
     assert tracker.push_fix(fix_at(25.0, 12.0, 5.0)) != []
+
+
+def test_a_fix_that_a_standing_device_cannot_use_is_told() -> None:
+    """One phone lies on a table from 15 s on, the other one walks."""
+    recording = recorded(2)
+    tracker, lying = tracker_of(recording, KNOWN_START, horizon_s=5.0), {}
+    for name, block in slices(recording, FIFTHS):
+        if name == "right" and block.time_s[0] > 15.0:
+            still = np.broadcast_to(lying[block.channel], block.values.shape)
+            block = replace(block, values=still if block.channel is Channel.SPECIFIC_FORCE else 0.0 * still)
+        elif name == "right":
+            lying[block.channel] = block.values[-1]
+        tracker.push(name, block)
+    assert tracker.missed_fixes == 0
+    with pytest.warns(UserWarning, match="not used for 1 of 2 devices"):
+        assert tracker.push_fix(fix_at(tracker._walk.now_s - 4.0, 14.0, 9.0)) != []
+    assert tracker.missed_fixes == 1
+    assert tracker.refused_fixes == 0
 
 
 def test_nothing_is_taken_after_the_end_and_nothing_absurd_before() -> None:
