@@ -53,8 +53,7 @@ class Estimates:
             end_s = -inf if front.end_s is None else front.end_s
             known_s = now_s if now_s == inf else end_s - front.behind_end_s - behind_s
             devices.append(Recorded(front.spans_s, known_s))
-        longest_s = max(front.behind_end_s for front in self._fronts)
-        return self._persons[kind].give(devices, now_s - longest_s - self._wait_s - behind_s, most)
+        return self._persons[kind].give(devices, now_s - self._patience_s - behind_s, most)
 
     def last_of_person(self) -> list[Update]:
         """At the end of the walk."""
@@ -63,7 +62,12 @@ class Estimates:
     def forget(self, before_s: float) -> None:
         """The filter's poses before a time will not change any more."""
         for kind, person in self._persons.items():
-            person.forget(before_s - self._behind_s[kind])
+            person.forget(before_s - self._patience_s - self._behind_s[kind])
+
+    @property
+    def _patience_s(self) -> float:
+        """How long the person waits for the pose of a device that may not come."""
+        return self._wait_s + max((front.behind_end_s for front in self._fronts), default=0.0)
 
     def _of_device(self, kind: Kind, pose: Pose) -> Update:
         name = self._names[pose.device]

@@ -93,6 +93,8 @@ class Person:
             for time_s in times_s[:count]:
                 del poses[time_s]
             del times_s[:count]
+            if count:
+                self._due = {time_s for time_s in self._due if time_s >= before_s}
         while self._given and next(iter(self._given)) < before_s:
             self._given.popitem(last=False)
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from pdr_est.config import Config, check
 from pdr_est.errors import ConfigError, EstimationError
+from pdr_est.estimators.fused import NAME as PERSON
 from pdr_est.online.device import DeviceFrontEnd, ExpectedDevice
 from pdr_est.online.estimates import Estimates
 from pdr_est.online.known import Known
@@ -187,6 +188,8 @@ class Tracker:
     def _join(self, device: ExpectedDevice) -> None:
         if device.name in self._names:
             raise EstimationError(f"device {device.name!r} is expected twice: give each a name of its own")
+        if device.name == PERSON:
+            raise EstimationError(f"device {PERSON!r}: that is what the person is called: give it another name")
         self._names.append(device.name)
         self._fronts.append(DeviceFrontEnd(device, self._config))
         self._found.append([])

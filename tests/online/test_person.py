@@ -141,6 +141,19 @@ def test_one_device_has_no_person_beside_it() -> None:
     assert of_devices(updates) == updates
 
 
+def test_what_is_not_asked_for_is_forgotten() -> None:
+    """One device has no person, two have one: neither piles up moments."""
+    for devices in (1, 2):
+        recording = recorded(devices)
+        tracker = tracker_of(recording, KNOWN_START, horizon_s=2.0)
+        for name, block in slices(recording, FIFTHS[:devices]):
+            tracker.push(name, block)
+        person = tracker._estimates._persons["filtered"]
+        kept_s = 2.0 * 2.0 + 3.6 + 1.0 + 1.0
+        assert len(person._due) + len(person._given) < devices * 3.0 * kept_s
+        assert min([*person._due, *person._given]) > 15.0
+
+
 def test_delayed_poses_are_joined_too() -> None:
     recording = recorded(2)
     config = replace(KNOWN_START, estimator=EstimatorParams(name="fixed-lag", fixed_lag=FixedLagParams(lag_s=4.0)))

@@ -105,6 +105,9 @@ def test_nothing_is_taken_after_the_end_and_nothing_absurd_before() -> None:
         tracker.push_fix(PositionFix(0.0, np.zeros(2), np.zeros((2, 2))))
     with pytest.raises(EstimationError, match="expected twice"):
         Tracker(KNOWN_START, ["a", "a"])
+    with pytest.raises(EstimationError, match="what the person is called"):
+        tracker.push("fused", next(iter(recorded(1).devices[0].blocks())))
+    assert tracker.unheard == ("a",)
     assert tracker.flush() == []
     with pytest.raises(EstimationError, match="ended by flush"):
         tracker.flush()
