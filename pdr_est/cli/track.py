@@ -48,9 +48,9 @@ def track(
 ) -> None:
     """Follow a walk online: one line of JSON an estimate, as soon as there is one.
 
-    Each RECORDING holds the phones of one walk, all on one clock; of several phones there are estimates of the person,
-    device fused, besides. With - the messages that Sensor Logger pushes are read from standard input, one a line. The
-    filter is ekf; --estimator fixed-lag gives delayed estimates besides.
+    Each RECORDING holds the phones of one walk, all on one clock; several phones give estimates of the person, device
+    fused, besides. With - the messages that Sensor Logger pushes are read from standard input, one a line. The filter
+    is ekf; --estimator fixed-lag gives delayed estimates besides.
     """
     config = resolve_config(**settings)
     if settings["estimator"] not in (None, "ekf", "fixed-lag"):

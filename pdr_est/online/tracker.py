@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pdr_est.config import Config, check
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators.fused import NAME as PERSON
+from pdr_est.estimators.usable import refuse_unusable
 from pdr_est.online.device import DeviceFrontEnd, ExpectedDevice
 from pdr_est.online.estimates import Estimates
 from pdr_est.online.known import Known
@@ -141,6 +142,7 @@ class Tracker:
                 stacklevel=2,
             )
             return []
+        refuse_unusable("", [], [fix], [])  # before the estimates that wait are taken out
         found = self._work()
         left, missed = len(self._walk.history), self._walk.missed
         self._walk.undo_for_fix(fix, self._known.add(fix))
