@@ -4,7 +4,7 @@ import json
 import sys
 import time
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
@@ -21,7 +21,7 @@ from pdr_est.io.sensor_logger_live import LiveNews, LiveReader, Platform
 from pdr_est.io.together import together
 from pdr_est.online import Tracker, Update
 from pdr_est.online.replay import expected, moments
-from pdr_est.records import PositionFix
+from pdr_est.records import PositionFix, SensorBlock
 
 _LIVE = Path("-")
 
@@ -48,10 +48,13 @@ def track(
 ) -> None:
     """Follow a walk online: one line of JSON an estimate, as soon as there is one.
 
-    Each RECORDING holds the phones of one walk, all on one clock. With - the messages that Sensor Logger pushes are
-    read from standard input, one a line. --estimator fixed-lag gives delayed estimates besides the filter's.
+    Each RECORDING holds the phones of one walk, all on one clock; several phones give estimates of the person, device
+    fused, besides. With - the messages that Sensor Logger pushes are read from standard input, one a line. The filter
+    is ekf; --estimator fixed-lag gives delayed estimates besides.
     """
     config = resolve_config(**settings)
+    if settings["estimator"] not in (None, "ekf", "fixed-lag"):
+        raise click.UsageError(f"{settings['estimator']} needs the whole walk: track with ekf or fixed-lag")
     if _LIVE in recordings:
         if len(recordings) > 1 or realtime or fixes not in (None, "recording"):
             raise click.UsageError("- stands alone, without --realtime, and with no --fixes but recording")
@@ -62,8 +65,9 @@ def track(
         raise click.UsageError("--platform is for the phones that send to -; recordings tell theirs")
     read_in = [read(path) for path in recordings]
     recorded = together(read_in)
-    if len(read_in) > 1 and any(one.epoch_s is None for one in read_in):
-        click.echo("warning: not every recording tells its date: they are taken to begin at once", err=True)
+    if len(recorded.devices) > len(read_in[0].devices) and any(one.epoch_s is None for one in read_in):
+        words = "not every recording tells its date: their times are taken to count from one moment"
+        click.echo(f"warning: {words}, which `pdr-est smooth` would not: it finds that out from the walk", err=True)
     known = chosen_fixes(fixes, recorded, recordings[0])
     with _lines(output, overwrite) as stream:
         _replay(recorded, known, config, realtime, stream)
@@ -79,11 +83,8 @@ def _replay(
         if realtime:
             begun_s = time.monotonic() - moment.time_s if begun_s is None else begun_s
             time.sleep(max(moment.time_s + begun_s - time.monotonic(), 0.0))
-        for fix in moment.fixes:
-            _write(_loudly(tracker, fix), stream)
-        for name, block in moment.blocks:
-            _write(tracker.push(name, block), stream)
-    _write(tracker.flush(), stream)
+        _push(tracker, moment.fixes, moment.blocks, stream)
+    _finish(tracker, stream)
 
 
 def _follow_live(
@@ -110,23 +111,44 @@ def _follow_live(
         )
         raise RecordingError(f"-: {reason}: send the messages of Sensor Logger's HTTP push, one a line")
     _take(rest, tracker, with_fixes, stream)
-    _write(tracker.flush(), stream)
+    _finish(tracker, stream)
 
 
 def _take(news: LiveNews, tracker: Tracker, with_fixes: bool, stream: TextIO) -> None:
     for note in news.notes:
         click.echo(f"warning: {note}", err=True)
-    for fix in news.fixes if with_fixes else ():
-        _write(_loudly(tracker, fix), stream)
-    for name, block in news.blocks:
-        _write(tracker.push(name, block), stream)
+    _push(tracker, news.fixes if with_fixes else (), news.blocks, stream)
 
 
-def _loudly(tracker: Tracker, fix: PositionFix) -> list[Update]:
-    """Push a fix; that it was refused goes to stderr."""
+def _push(
+    tracker: Tracker, fixes: Iterable[PositionFix], blocks: Iterable[tuple[str, SensorBlock]], stream: TextIO
+) -> None:
+    for fix in fixes:
+        _write(_loudly(lambda fix=fix: tracker.push_fix(fix)), stream)  # type: ignore[misc]
+    for name, block in blocks:
+        _write(_loudly(lambda name=name, block=block: tracker.push(name, block)), stream)  # type: ignore[misc]
+
+
+def _finish(tracker: Tracker, stream: TextIO) -> None:
+    """The end of the walk, and what was lost on the way."""
+    _write(_loudly(tracker.flush), stream)
+    lost = [
+        (tracker.refused_fixes, "fixes came too late and were refused"),
+        (tracker.missed_fixes, "times a fix was not used for a device that had been standing for long"),
+        (tracker.late_steps, "steps came too late for their place in the order of time, and were used after others"),
+    ]
+    for count, words in lost:
+        if count:
+            click.echo(f"in all: {count} {words}", err=True)
+    for name in tracker.unheard:
+        click.echo(f"warning: {name}: no samples of accelerometer and gyroscope, which a track needs", err=True)
+
+
+def _loudly(work: Callable[[], list[Update]]) -> list[Update]:
+    """What the tracker warns of goes to stderr."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        updates = tracker.push_fix(fix)
+        updates = work()
     for warning in caught:
         click.echo(f"warning: {warning.message}", err=True)
     return updates

@@ -51,7 +51,8 @@ class Followed:
 
 @dataclass(frozen=True)
 class LaggedPose:
-    """A pose (3,) with its covariance (3, 3) in the map frame, and the length scale with its sigma."""
+    """A pose (3,) with its covariance (3, 3) in the map frame, and the length scale with its sigma. The covariance of
+    a node that is no step, and so in no track, is NaN: it takes most of the time."""
 
     device: int
     node: Node
@@ -182,12 +183,13 @@ class _Graph:
         key = self._keys[0]
         pose = self._smoother.calculateEstimatePose2(key)
         mean = np.array([pose.x(), pose.y(), pose.theta()])
-        turn = to_map(mean[2:])[0]
+        variance = max(float(self._last.covariance[5 * item.device + 3, 5 * item.device + 3]), 0.0)
+        scale = (float(self._last.mean[5 * item.device + 3]), float(np.sqrt(variance)))
+        if not item.node.is_step:
+            return LaggedPose(item.device, item.node, mean, np.full((3, 3), np.nan), scale)
+        turn, per_scale = to_map(mean[2:])[0], pose_per_scale(item.covariance, item.device)
         covariance = turn @ self._smoother.marginalCovariance(key) @ turn.T
-        variance = float(self._last.covariance[5 * item.device + 3, 5 * item.device + 3])
-        per_scale = pose_per_scale(item.covariance, item.device)
-        covariance = covariance + max(variance, 0.0) * np.outer(per_scale, per_scale)
-        scale = (float(self._last.mean[5 * item.device + 3]), float(np.sqrt(max(variance, 0.0))))
+        covariance = covariance + variance * np.outer(per_scale, per_scale)
         return LaggedPose(item.device, item.node, mean, 0.5 * (covariance + covariance.T), scale)
 
     def iterate(self) -> None:

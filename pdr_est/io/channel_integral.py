@@ -30,10 +30,11 @@ class ChannelIntegral:
     def append(self, time_s: Array, values: Array) -> None:
         finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
         possible = finite & ~impossible(self._channel, values)
-        self.dropped["not finite"] += int(len(time_s) - finite.sum())
-        self.dropped["impossible"] += int(finite.sum() - possible.sum())
+        finite_count, count = int(np.count_nonzero(finite)), int(np.count_nonzero(possible))
+        self.dropped["not finite"] += len(time_s) - finite_count
+        self.dropped["impossible"] += finite_count - count
         time, values = time_s[possible], values[possible]
-        if not len(time):
+        if not count:
             return
         time, values = self._increasing(self._continuous(time), values)
         if not len(time):
@@ -47,6 +48,10 @@ class ChannelIntegral:
         previous = np.concatenate([[time[0] if self._last_raw_s is None else self._last_raw_s], time[:-1]])
         back = previous - time
         restart = back > self._max_gap_s
+        if not restart.any():
+            self._last_raw_s = float(time[-1])
+            moved: Array = time + self._clock_offset_s
+            return moved
         jump = np.where(restart, back + 2.0 * self._max_gap_s, 0.0)
         # The carry goes in as the first element: that keeps the sum independent of the cutting into blocks.
         offset = np.cumsum(np.concatenate([[self._clock_offset_s], jump]))
@@ -62,9 +67,11 @@ class ChannelIntegral:
     def _increasing(self, time: Array, values: Array) -> tuple[Array, Array]:
         latest = self.time_s[-1] if len(self.time_s) else -np.inf
         before = np.maximum.accumulate(np.concatenate([[latest], time[:-1]]))
+        keep = time > before
+        if keep.all():
+            return time, values
         self.dropped["duplicate time"] += int((time == before).sum())
         self.dropped["backward time"] += int((time < before).sum())
-        keep = time > before
         return time[keep], values[keep]
 
     def _extend(self, time: Array, values: Array) -> None:
@@ -75,20 +82,21 @@ class ChannelIntegral:
             time, values = time[1:], values[1:]
         all_time = np.concatenate([self.time_s[-1:], time])
         all_values = np.concatenate([self._values[-1:], values])
-        step = np.diff(all_time)
-        for i in np.flatnonzero(step > self._longest_s):
+        step = all_time[1:] - all_time[:-1]
+        too_long = step > self._longest_s
+        for i in np.flatnonzero(too_long) if too_long.any() else ():
             start, end = float(all_time[i]), float(all_time[i + 1])
             if end not in self._restarts_s:  # those are listed already
                 self.gaps.append(Gap(self._channel.value, start, end, "gap"))
         areas = 0.5 * step[:, None] * (all_values[:-1] + all_values[1:])
-        integral = np.cumsum(np.concatenate([self._integral[-1:], areas]), axis=0)
+        integral = np.concatenate([self._integral[-1:], areas]).cumsum(axis=0)
         self.time_s = np.concatenate([self.time_s, time])
         self._values = np.concatenate([self._values, values])
         self._integral = np.concatenate([self._integral, integral[1:]])
 
     def at(self, edges: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Integral up to each edge, (m, k), and whether the edge lies inside a gap."""
-        i = np.clip(np.searchsorted(self.time_s, edges, side="right") - 1, 0, len(self.time_s) - 2)
+        i = np.minimum(np.maximum(self.time_s.searchsorted(edges, side="right") - 1, 0), len(self.time_s) - 2)
         span = self.time_s[i + 1] - self.time_s[i]
         dt = edges - self.time_s[i]
         slope = (self._values[i + 1] - self._values[i]) / span[:, None]

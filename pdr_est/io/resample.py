@@ -136,7 +136,7 @@ class Resampler:
         means, observed = {}, np.ones(count, dtype=np.bool_)
         for name, channel in self._inputs.items():
             integral, inside = channel.at(edges)
-            means[name] = np.diff(integral, axis=0) / self._period_s
+            means[name] = (integral[1:] - integral[:-1]) / self._period_s
             observed &= ~(inside[:-1] | inside[1:])
         for name, channel in self._optional.items():
             means[name] = np.diff(channel.where_recorded(edges), axis=0) / self._period_s

@@ -6,9 +6,9 @@ up. Specific force is accelerometer plus gravity, each sample with gravity inter
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from pdr_est.io.recording import GeoOrigin, Signal
 from pdr_est.records import Channel, PositionFix, SensorBlock
 
 Platform = Literal["ios", "android"]
+_T = TypeVar("_T", int, float)
 
 _XYZ = ("x", "y", "z")
 _FIELDS: Mapping[str, tuple[str, ...]] = {
@@ -31,6 +32,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "location": ("latitude", "longitude", "horizontalAccuracy"),
 }
 _LOOK_S = 2.0  # of acceleration and gravity, until the sign is decided
+_KEPT_S = 60.0  # of acceleration whose gravity does not come
 _MOST_WAITING = 8  # messages that came too early are held for a missing one; then that is given up
 _NS = 1_000_000_000
 _LATEST_NS = 4_000_000_000 * _NS
@@ -105,6 +107,7 @@ class _Phone:
         self._sign: float | None = None
         self._user, self._gravity, self._attitude = _empty(3), _empty(3), _empty(4)
         self._total = False
+        self._told = False  # that acceleration was left out
 
     def push(self, message: dict[str, Any]) -> LiveNews:
         number = message["id"]
@@ -149,7 +152,19 @@ class _Phone:
         self._gravity = _append(self._gravity, signals.get("gravity"))
         self._attitude = _append(self._attitude, signals.get("orientation"))
         fixes = self._map.fixes(self._name, signals["location"]) if "location" in signals else LiveNews()
-        return _joined([LiveNews(blocks=tuple(blocks)), self._force(at_end=False), fixes])
+        return _joined([LiveNews(blocks=tuple(blocks)), self._force(at_end=False), fixes, self._forget()])
+
+    def _forget(self) -> LiveNews:
+        """Keep no more than some time of what waits for something that does not come."""
+        signals = (self._user, self._gravity, self._attitude)
+        begin_s = max((float(signal.time_s.max()) for signal in signals if len(signal)), default=-np.inf) - _KEPT_S
+        left_out = bool((self._user.time_s < begin_s).any())
+        self._user, self._gravity, self._attitude = (_since(signal, begin_s) for signal in signals)
+        if not left_out or self._told:
+            return LiveNews()
+        self._told = True
+        words = "acceleration without gravity is left out: let the phone send gravity or totalacceleration"
+        return LiveNews(notes=(f"{self._name}: {words}",))
 
     def _signal(self, rows: Sequence[tuple[int, Sequence[float]]]) -> Signal:
         time_s = np.array([(time_ns - self.zero_ns) / _NS for time_ns, _ in rows])
@@ -192,20 +207,17 @@ def _parsed(line: str) -> dict[str, Any]:
     """device, session, id and rows (sensor -> times ns and values) of a message."""
     try:
         message = json.loads(line)
+    except json.JSONDecodeError as error:
+        raise RecordingError(f"no JSON: damaged or cut off at character {error.pos + 1} of {len(line)}") from error
     except (ValueError, RecursionError) as error:
-        raise RecordingError(f"no JSON ({error})") from error
+        raise RecordingError("no JSON that can be read: a number is too long, or lists are too deep") from error
     if not isinstance(message, dict) or not isinstance(message.get("payload"), list):
         raise RecordingError("no message of Sensor Logger: a list called payload is missing")
     rows: dict[str, list[tuple[int, list[float]]]] = {}
     for number, reading in enumerate(message["payload"], start=1):
-        try:
-            sensor, time_ns, values = str(reading["name"]), int(reading["time"]), reading["values"]
-            if not 0 <= time_ns < _LATEST_NS:
-                raise ValueError(f"time {reading['time']} is no Unix time in ns")
-            if sensor in _FIELDS:
-                rows.setdefault(sensor, []).append((time_ns, [float(values[name]) for name in _FIELDS[sensor]]))
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
-            raise RecordingError(f"reading {number} of the payload is damaged: {error!r}") from error
+        sensor, time_ns, values = _reading(number, reading)
+        if values is not None:
+            rows.setdefault(sensor, []).append((time_ns, values))
     identity = message.get("messageId")
     return {
         "device": str(message.get("deviceId") or "device"),
@@ -213,6 +225,33 @@ def _parsed(line: str) -> dict[str, Any]:
         "id": identity if isinstance(identity, int) and not isinstance(identity, bool) else None,
         "rows": rows,
     }
+
+
+def _reading(number: int, reading: Any) -> tuple[str, int, list[float] | None]:
+    """Sensor, time and values of a reading; no values of a sensor that is not used."""
+    place = f"reading {number} of the payload"
+    if not isinstance(reading, dict):
+        raise RecordingError(f"{place} is damaged: no object with name, time and values")
+    missing = [name for name in ("name", "time", "values") if name not in reading]
+    if missing:
+        raise RecordingError(f"{place} is damaged: without {missing[0]}")
+    sensor, values = str(reading["name"]), reading["values"]
+    time_ns = _number(f"{place} ({sensor}): time", reading["time"], int)
+    if not 0 <= time_ns < _LATEST_NS:
+        raise RecordingError(f"{place} ({sensor}) is damaged: time {time_ns} is no Unix time in ns")
+    if sensor not in _FIELDS:
+        return sensor, time_ns, None
+    lacking = [name for name in _FIELDS[sensor] if not isinstance(values, dict) or name not in values]
+    if lacking:
+        raise RecordingError(f"{place} ({sensor}) is damaged: its values are without {lacking[0]}")
+    return sensor, time_ns, [_number(f"{place} ({sensor}): {name}", values[name], float) for name in _FIELDS[sensor]]
+
+
+def _number(place: str, value: Any, kind: Callable[[Any], _T]) -> _T:
+    try:
+        return kind(value)
+    except (TypeError, ValueError, OverflowError):
+        raise RecordingError(f"{place} is damaged: {value!r} is no number") from None
 
 
 def _joined(news: Sequence[LiveNews]) -> LiveNews:

@@ -34,19 +34,25 @@ class Delayed:
         """The first records of the history were forgotten."""
         del self._taken[:count]
 
+    def waits(self, history: Sequence[Record], settled_s: float) -> bool:
+        """Whether there is a record before a time that was not taken, and another one behind it: what follows a
+        record may belong to it."""
+        return self.fed + 1 < len(history) and history[self.fed + 1].time_s < settled_s
+
     def take(self, history: Sequence[Record], settled_s: float) -> list[LaggedPose]:
-        """Take the records before a time, but for the last: what follows it may belong to it."""
-        found: list[LaggedPose] = []
-        while self.fed + 1 < len(history) and history[self.fed + 1].time_s < settled_s:
-            following = history[self.fed + 1]
-            found += self._push(history[self.fed], following.pulls, following.pulled)
-        return found
+        """Take a record, if one `waits`."""
+        if not self.waits(history, settled_s):
+            return []
+        following = history[self.fed + 1]
+        return self._push(history[self.fed], following.pulls, following.pulled)
 
     def finish(
         self, history: Sequence[Record], pulls: Sequence[tuple[int, int]], state: WalkState
     ) -> list[LaggedPose]:
         """Take all, with the tethers after the last of them, and give out everything."""
-        found = self.take(history, inf)
+        found: list[LaggedPose] = []
+        while self.waits(history, inf):
+            found += self.take(history, inf)
         if self.fed < len(history):
             found += self._push(history[-1], pulls, state)
         return [*found, *self._window.flush()]

@@ -1,6 +1,8 @@
 """The front end of one device, fed as its samples come."""
 
+from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from pdr_est.records import Channel, HeadingPrior, LevelBlock, SensorBlock, Step
 from pdr_est.stage import Chain
 
 _LOOK_S = 2.0  # of a device that nobody declared, until it is known how it records
+_REMEMBERED = 1000  # stretches without a gap
 _NEEDED = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE)
 
 
@@ -26,58 +29,101 @@ class ExpectedDevice:
 
 
 class DeviceFrontEnd:
-    """Samples of one device to its odometry. start_s, end_s: first and last time that the front end could use, None
-    until there is one. Accelerometer and gyroscope are needed: without one of them nothing ever comes out."""
+    """Samples of one device to its odometry, piece by piece: `push` makes level samples, which wait, and each `work`
+    takes what waits a part of the way.
+
+    start_s, end_s: first and last time of what went all the way, None until there is one; spans_s: begin and end of
+    each stretch of it without a gap, the last thousand. Accelerometer and gyroscope are needed: without one of them
+    nothing ever comes out.
+    """
 
     def __init__(self, device: ExpectedDevice, config: Config) -> None:
         self._config = config
         self._expected = device
         self._levels: Chain | None = None
         self._early: list[SensorBlock] = []
-        self._steps = stepping(config)
-        self._odometry = Odometry(device.name, config.odometry)
+        to_steps = stepping(config).stages
+        heading = Chain([*to_steps[3:], Odometry(device.name, config.odometry)])
+        self._parts = (Chain(to_steps[:1]), Chain(to_steps[1:3]), heading)  # about the same work each
+        self._waiting: tuple[list[Any], ...] = ([], [], [])  # for each part
         self.start_s: float | None = None
         self.end_s: float | None = None
+        self.spans_s: deque[tuple[float, float]] = deque(maxlen=_REMEMBERED)
+        self._segment = -1
+        self._seen: list[LevelBlock] = []  # by the first part, since all others had nothing to do
 
     @property
     def latency_s(self) -> float:
         """How long after a step its odometry comes, at most."""
         of_levels = 0.0 if self._levels is None else self._levels.latency_s
-        return of_levels + self._steps.latency_s
+        return of_levels + self.behind_end_s
 
-    def push(self, block: SensorBlock) -> list[StepOdometry | HeadingPrior]:
-        if self._levels is not None:
-            return self._forward(self._levels.push(block))
-        self._early.append(block)
-        own_attitude = self._takes_own_attitude(at_end=False)
-        return [] if own_attitude is None else self._begin(own_attitude)
+    @property
+    def behind_end_s(self) -> float:
+        """The same in the time of `end_s`, which is late itself."""
+        return sum(part.latency_s for part in self._parts)
+
+    @property
+    def waits(self) -> bool:
+        """Whether there is something to do for `work`."""
+        return any(self._waiting)
+
+    def push(self, block: SensorBlock) -> bool:
+        """Take samples; return whether level samples came of them."""
+        before = len(self._waiting[0])
+        if self._levels is None:
+            self._early.append(block)
+            own_attitude = self._takes_own_attitude(at_end=False)
+            if own_attitude is not None:
+                self._begin(own_attitude)
+        else:
+            self._waiting[0].extend(self._levels.push(block))
+        return len(self._waiting[0]) > before
+
+    def work(self) -> list[StepOdometry | HeadingPrior]:
+        """Take what waits, what has come furthest first, a part further; return what came out at the end."""
+        number = next((number for number in (2, 1, 0) if self._waiting[number]), 0)
+        items = self._waiting[number].copy()
+        self._waiting[number].clear()
+        found = [output for item in items for output in self._parts[number].push(item)]
+        if number == 0:
+            self._seen += items
+        if number < 2:
+            self._waiting[number + 1].extend(found)
+        if not self._waiting[1] and not self._waiting[2]:
+            self._reach()
+        return found if number == 2 else []
 
     def flush(self) -> list[StepOdometry | HeadingPrior]:
-        found: list[StepOdometry | HeadingPrior] = []
         if self._levels is None:
-            found += self._begin(bool(self._takes_own_attitude(at_end=True)))
+            self._begin(bool(self._takes_own_attitude(at_end=True)))
         if self._levels is not None:
-            found += self._forward(self._levels.flush())
-        return [*found, *self._to_odometry(self._steps.flush())]
+            self._waiting[0].extend(self._levels.flush())
+        found: list[StepOdometry | HeadingPrior] = []
+        while self.waits:
+            found += self.work()
+        return [*found, *Chain(self._parts).flush()]
 
-    def _begin(self, own_attitude: bool) -> list[StepOdometry | HeadingPrior]:
+    def _begin(self, own_attitude: bool) -> None:
         channels = (*_NEEDED, Channel.ATTITUDE) if own_attitude else _NEEDED
         optional = (Channel.MAGNETIC_FIELD,) if needs_magnetometer(self._config.heading) else ()
         _, self._levels = level_chain(channels, optional, own_attitude, self._config)
         early, self._early = self._early, []
-        return self._forward([level for block in early for level in self._levels.push(block)])
+        self._waiting[0].extend(level for block in early for level in self._levels.push(block))
 
-    def _forward(self, levels: list[LevelBlock]) -> list[StepOdometry | HeadingPrior]:
-        found: list[StepOdometry | HeadingPrior] = []
-        for level in levels:
-            if len(level):
-                self.start_s = float(level.time_s[0]) if self.start_s is None else self.start_s
-                self.end_s = float(level.time_s[-1])
-            found += self._to_odometry(self._steps.push(level))
-        return found
-
-    def _to_odometry(self, steps: list[object]) -> list[StepOdometry | HeadingPrior]:
-        return [measurement for step in steps for measurement in self._odometry.push(step)]  # type: ignore[arg-type]
+    def _reach(self) -> None:
+        """All that was seen went all the way."""
+        for level in self._seen:
+            if not len(level):
+                continue
+            begin_s, end_s = float(level.time_s[0]), float(level.time_s[-1])
+            self.start_s = begin_s if self.start_s is None else self.start_s
+            self.end_s = end_s
+            if level.segment == self._segment:
+                begin_s, _ = self.spans_s.pop()
+            self.spans_s.append((begin_s, end_s))
+            self._segment = level.segment
+        self._seen.clear()
 
     def _takes_own_attitude(self, at_end: bool) -> bool | None:
         """None while it cannot be told yet."""

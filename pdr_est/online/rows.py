@@ -1,5 +1,6 @@
 """The filtered poses at the ends of steps, and which of them are new or have changed since they were last given."""
 
+from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -38,7 +39,7 @@ class Rows:
 
     def __init__(self) -> None:
         self._new: dict[tuple[int, int], Row] = {}
-        self._given: dict[tuple[int, int], Row] = {}
+        self._given: OrderedDict[tuple[int, int], Row] = OrderedDict()  # nearly in the order of time
 
     def record(self, record: Record) -> None:
         """A node that the filter went through, and what tethers before it did to others."""
@@ -70,6 +71,5 @@ class Rows:
 
     def forget(self, before_s: float) -> None:
         """Poses before a time will not change any more."""
-        old = [key for key, row in self._given.items() if row.node.time_s < before_s]
-        for key in old:
-            del self._given[key]
+        while self._given and next(iter(self._given.values())).node.time_s < before_s:
+            self._given.popitem(last=False)

@@ -2,20 +2,24 @@
 
 import pickle
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from pdr_est.config import Config, check
 from pdr_est.errors import ConfigError, EstimationError
+from pdr_est.estimators.fused import NAME as PERSON
+from pdr_est.estimators.usable import refuse_unusable
 from pdr_est.online.device import DeviceFrontEnd, ExpectedDevice
+from pdr_est.online.estimates import Estimates
 from pdr_est.online.known import Known
 from pdr_est.online.log import DeviceLog
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.rows import Rows
-from pdr_est.online.update import Kind, Pose, Update, placed, update_of
+from pdr_est.online.update import Kind, Update
 from pdr_est.online.walk import WalkFilter
 from pdr_est.records import HeadingPrior, PositionFix, SensorBlock, StepOdometry
 
 _ONLINE = OnlineParams()
+_PATIENCE = 20  # pushes after which all work that waits is done at once
 
 
 class Tracker:
@@ -24,7 +28,12 @@ class Tracker:
     The estimates of kind "filtered" are those of the estimator `ekf` on all that is known by then: however the
     recording is cut, and in whatever order the blocks of its devices come within `OnlineParams.wait_s` of each other,
     the last update of each pose equals the pose of `ekf` on the whole recording with `devices.clock: given`. With
-    `estimator.name: fixed-lag` there are those of kind "delayed" besides.
+    `estimator.name: fixed-lag` there are those of kind "delayed" besides. Of several devices there are those of the
+    person, device "fused", besides (`person.Person`).
+
+    A step is a lot of work for one sample. A push of a single sample therefore does one piece of what waits: samples
+    to steps, steps to poses, and so on; the pushes that follow do the rest, twenty at most. A longer block waits for
+    nothing.
 
     devices: those that will send samples; others join when their first block comes. The walk's first device is the
     first of them. refused_fixes: those that came later than the horizon.
@@ -46,16 +55,21 @@ class Tracker:
         self._online = online
         self._names: list[str] = []
         self._fronts: list[DeviceFrontEnd] = []
+        self._found: list[list[StepOdometry | HeadingPrior]] = []  # by device: what waits for the filter
+        self._waited = 0  # pushes since nothing waited
         start, sigma_scale = self._config.start.pose(), self._config.odometry.sigma_length_scale
         self._known = Known(start, sigma_scale)
         tether = self._config.devices.tether if self._config.devices.tethered else None
         self._walk = WalkFilter(self._known, tether, online)
         self._rows = Rows()
         self._delayed = None
+        behind_s: dict[Kind, float] = {"filtered": 0.0}
         if self._config.estimator.name == "fixed-lag":
             from pdr_est.online.delayed import Delayed  # gtsam is slow to load: only when it is used
 
             self._delayed = Delayed(self._config.estimator.fixed_lag, self._config.devices.tether)
+            behind_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s
+        self._estimates = Estimates(self._names, self._fronts, self._config.devices, online.wait_s, behind_s)
         self._flushed = False
         self.refused_fixes = 0
         for device in devices:
@@ -83,6 +97,16 @@ class Tracker:
         return self._walk.late
 
     @property
+    def missed_fixes(self) -> int:
+        """How often a fix was not used for one device: it had been standing for longer than can be gone back."""
+        return self._walk.missed
+
+    @property
+    def unheard(self) -> tuple[str, ...]:
+        """Devices of which nothing could be used so far: accelerometer and gyroscope are needed."""
+        return tuple(name for name, front in zip(self._names, self._fronts, strict=True) if front.start_s is None)
+
+    @property
     def remembered(self) -> int:
         """Nodes that can still be gone through again: what the memory of a long walk depends on."""
         return len(self._walk.history)
@@ -95,9 +119,12 @@ class Tracker:
         self._refuse_flushed()
         if device not in self._names:
             self._join(ExpectedDevice(device))
-        number = self._names.index(device)
-        front = self._fronts[number]
-        return self._take(number, front.push(block))
+        came = self._fronts[self._names.index(device)].push(block)
+        if len(block.time_s) > 1 or self._waited >= _PATIENCE:
+            return self._work()
+        done = [] if came else self._work_a_little()
+        self._waited = 0 if done is None else self._waited + 1
+        return done or []
 
     def push_fix(self, fix: PositionFix) -> list[Update]:
         """Take a known position, of the past or of the future; return the estimates that it changes.
@@ -115,26 +142,31 @@ class Tracker:
                 stacklevel=2,
             )
             return []
-        left = len(self._walk.history)
+        refuse_unusable("", [], [fix], [])  # before the estimates that wait are taken out
+        found = self._work()
+        left, missed = len(self._walk.history), self._walk.missed
         self._walk.undo_for_fix(fix, self._known.add(fix))
-        return self._catch_up(left)
+        self._warn_of_missed(missed)
+        self._catch_up(left)
+        return [*found, *self._filtered(), *self._work()]
 
     def flush(self) -> list[Update]:
         """The end of the walk: what was held back."""
         self._refuse_flushed()
-        found: list[Update] = []
+        found = self._work()
         for number, front in enumerate(self._fronts):
-            found += self._take(number, front.flush())
+            self._take(number, front.flush())
         self._flushed = True
         left = len(self._walk.history)
         self._walk.flush(self._config.start.sigma_closed_m if self._config.start.closed else None)
-        found += self._catch_up(left)
+        self._catch_up(left)
         state = self._walk.finish()
         self._rows.pulled(state, self._walk.tail_pulls)
         found += self._filtered()
         if self._delayed is not None:
-            found += self._updates("delayed", self._delayed.finish(self._walk.history, self._walk.tail_pulls, state))
-        return found
+            last = self._delayed.finish(self._walk.history, self._walk.tail_pulls, state)
+            found += self._estimates.of_devices("delayed", last)
+        return found + self._estimates.last_of_person()
 
     def state(self) -> bytes:
         """Everything, for `restore`: with what comes then, the tracker goes on as if nothing had happened."""
@@ -158,31 +190,62 @@ class Tracker:
     def _join(self, device: ExpectedDevice) -> None:
         if device.name in self._names:
             raise EstimationError(f"device {device.name!r} is expected twice: give each a name of its own")
+        if device.name == PERSON:
+            raise EstimationError(f"device {PERSON!r}: that is what the person is called: give it another name")
         self._names.append(device.name)
         self._fronts.append(DeviceFrontEnd(device, self._config))
+        self._found.append([])
         left = self._walk.add_device()
         if self._delayed is not None:
             self._delayed.undone(left)
 
-    def _take(self, number: int, found: Iterable[StepOdometry | HeadingPrior]) -> list[Update]:
+    def _work(self) -> list[Update]:
+        """Do all that waits."""
+        found: list[Update] = []
+        while (done := self._work_a_little()) is not None:
+            found += done
+        self._waited = 0
+        return found
+
+    def _work_a_little(self) -> list[Update] | None:
+        """Do a piece of what waits; None if nothing does."""
+        for number, measurements in enumerate(self._found):
+            if measurements:
+                self._found[number] = []
+                self._take(number, measurements)
+                return self._filtered()
+        for number, front in enumerate(self._fronts):
+            if front.waits:
+                self._found[number] = front.work()
+                if not self._found[number]:
+                    self._take(number, [])
+                return self._filtered()
+        settled_s = self._walk.now_s - self._online.settle_s
+        if self._delayed is not None and self._delayed.waits(self._walk.history, settled_s):
+            return self._estimates.of_devices("delayed", self._delayed.take(self._walk.history, settled_s))
+        kind = self._estimates.waits
+        return None if kind is None else self._estimates.of_person(kind, self._walk.now_s, most=1)
+
+    def _take(self, number: int, measurements: Sequence[StepOdometry | HeadingPrior]) -> None:
         """What the front end of a device found, and how far its samples reach now."""
-        front, left = self._fronts[number], len(self._walk.history)
+        front, left, missed = self._fronts[number], len(self._walk.history), self._walk.missed
         if front.start_s is None or front.end_s is None:
-            return []
+            return
         self._known.latency_s = max(self._known.latency_s, front.latency_s)
         log = self._walk.logs[number]
-        measurements = list(found)
         if log is not None and not measurements and front.end_s == log.end_s:
-            return []  # the samples wait for those of another sensor
+            return  # the samples wait for those of another sensor
         if log is None:
             log = self._walk.logs[number] = DeviceLog(front.start_s)
         for measurement in measurements:
             log.append(measurement)
+        self._estimates.recorded(number, log.end_s, front.end_s)
         self._walk.extend(number, front.end_s)
-        return self._catch_up(left)
+        self._catch_up(left)
+        self._warn_of_missed(missed)
 
-    def _catch_up(self, left: int) -> list[Update]:
-        """Bring all up to date. left: how many records the history had before something of it was undone."""
+    def _catch_up(self, left: int) -> None:
+        """Bring the filter up to date. left: how many records the history had before something of it was undone."""
         kept, recorded = self._walk.catch_up()
         if self._delayed is not None:
             self._delayed.undone(min(left, kept))
@@ -190,29 +253,24 @@ class Tracker:
             self._rows.last(state, device)
         for record in recorded:
             self._rows.record(record)
-        found = self._filtered()
-        if self._delayed is not None:
-            settled_s = self._walk.now_s - self._online.settle_s
-            found += self._updates("delayed", self._delayed.take(self._walk.history, settled_s))
         if recorded:
             fed = len(self._walk.history) if self._delayed is None else self._delayed.fed
             forgotten = self._walk.forget(fed)
             if self._delayed is not None:
                 self._delayed.forgotten(forgotten)
-            self._rows.forget(self._walk.now_s - 2.0 * self._online.horizon_s)
-        return found
 
     def _filtered(self) -> list[Update]:
-        return self._updates("filtered", self._rows.changed())
-
-    def _updates(self, kind: Kind, poses: Sequence[Pose]) -> list[Update]:
-        """The ends of steps among some poses, where the devices sit on the body."""
-        found = []
-        for pose in poses:
-            if not pose.node.is_step:
-                continue
-            name = self._names[pose.device]
-            mounting = self._config.devices.mounting_of(name)
-            offset_m = (mounting.forward_m, mounting.left_m) if len(self._names) > 1 else (0.0, 0.0)
-            found.append(placed(update_of(pose, name, kind), offset_m))
+        """The filter's poses that are new or have changed."""
+        found = self._estimates.of_devices("filtered", self._rows.changed())
+        before_s = self._walk.now_s - 2.0 * self._online.horizon_s
+        self._rows.forget(before_s)
+        self._estimates.forget(before_s)
         return found
+
+    def _warn_of_missed(self, before: int) -> None:
+        if self._walk.missed > before:
+            warnings.warn(
+                f"a fix was not used for {self._walk.missed - before} of {len(self._names)} devices, whose last step "
+                f"is longer ago than can be gone back: {self._walk.missed} so far",
+                stacklevel=3,
+            )

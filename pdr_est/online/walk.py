@@ -3,6 +3,7 @@
 Its states are those that `ekf.run_filter` and `joint_ekf.follow` would have for all that is known by now.
 """
 
+from bisect import bisect_left
 from collections.abc import Iterable
 from dataclasses import replace
 from math import inf, nextafter
@@ -163,7 +164,7 @@ class WalkFilter:
         if len(self.logs) == 1 and self.history:  # fixes while the walker stands belong there
             keep_s = min(keep_s, self.history[-1].time_s)
         most = self._parameters.remembered_steps
-        count = sum(1 for record in self.history if record.time_s < keep_s) if keep_s > -inf else 0
+        count = bisect_left(self.history, keep_s, key=lambda record: record.time_s)
         count = whole_steps(self.history, min(max(count, len(self.history) - most), fed))
         if count:
             self._forgotten_s = self.history[count - 1].time_s

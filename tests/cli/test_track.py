@@ -2,8 +2,10 @@
 
 import io
 import json
+import time
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, TextIO
 
 import numpy as np
 import pytest
@@ -12,9 +14,10 @@ from cli_runs import refused, run
 from click.testing import CliRunner
 
 from pdr_est import pipeline
-from pdr_est.cli import main
+from pdr_est.cli import main, track
 from pdr_est.config import Config
 from pdr_est.io import read
+from pdr_est.online import Update
 
 ZERO_NS = 1_698_501_144_000_000_000
 
@@ -47,9 +50,43 @@ def test_fixed_lag_gives_both_kinds_and_a_file(good: Path, tmp_path: Path) -> No
 def test_two_recordings_are_two_phones(good: Path, tmp_path: Path) -> None:
     other = tmp_path / f"other{good.suffix}"
     other.write_bytes(good.read_bytes())
-    rows = documents(run("track", good, other).stdout)
-    assert {row["device"] for row in rows} == {good.stem, "other"}
+    result = run("track", good, other)
+    assert result.stderr.startswith(
+        "warning: not every recording tells its date: their times are taken to count from"
+    )
+    rows = documents(result.stdout)
+    assert {row["device"] for row in rows} == {good.stem, "other", "fused"}
     assert {row["device"] for row in documents(run("track", good, good).stdout)} == {"device"}  # it counts once
+    assert run("track", good, good).stderr == ""
+
+
+def test_in_real_time_it_waits_for_every_moment(good: Path, walk: Walk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a clock that only sleeping moves: no estimate comes before its time, and the walk takes its time."""
+    now_s, written = [100.0], []
+    clock = SimpleNamespace(monotonic=lambda: now_s[0], sleep=lambda for_s: now_s.__setitem__(0, now_s[0] + for_s))
+    monkeypatch.setattr(track, "time", clock)
+    write = track._write
+
+    def timed(updates: list[Update], stream: TextIO) -> None:
+        written.extend((now_s[0] - 100.0, update.time_s) for update in updates)
+        write(updates, stream)
+
+    monkeypatch.setattr(track, "_write", timed)
+    result = run("track", good, "--realtime")
+    assert result.exit_code == 0
+    assert documents(result.stdout) == documents(run("track", good).stdout)
+    assert now_s[0] - 100.0 == pytest.approx(walk.time_s[-1], abs=0.2)
+    came_s, times_s = np.array(written).T
+    assert (came_s[: len(documents(result.stdout))] + 0.15 > times_s[: len(documents(result.stdout))]).all()
+    assert came_s[0] < 0.6 * walk.time_s[-1]
+
+
+def test_real_time_is_that_of_the_clock(lines: list[str], tmp_path: Path) -> None:
+    short = tmp_path / "short.csv"
+    short.write_text("\n".join(lines[:76]) + "\n", encoding="utf-8")  # 1.5 s at 50 Hz
+    begin_s = time.monotonic()
+    assert run("track", short, "--realtime").exit_code == 0
+    assert time.monotonic() - begin_s > 1.3
 
 
 def messages(walk: Walk) -> list[str]:
@@ -78,7 +115,7 @@ def test_live_messages_and_a_damaged_line(walk: Walk) -> None:
     lines.insert(3, '{"messageId": 3, "payload')
     result = live("\n".join(lines), "--platform", "android")
     assert result.exit_code == 0
-    assert result.stderr.startswith("warning: line 4: no JSON")
+    assert result.stderr.startswith("warning: line 4: no JSON: damaged or cut off at character 26 of 26: left out")
     assert result.stderr.count("\n") == 1
     rows = documents(result.stdout)
     assert len(rows) > 10
@@ -93,7 +130,28 @@ def test_nothing_but_damage_is_refused(text: str, words: str) -> None:
     assert words in result.stderr
 
 
+def test_what_is_lost_is_told(walk: Walk) -> None:
+    """Fixes from long ago, and a phone without gyroscope."""
+    lines = messages(walk)
+    place = {"latitude": 48.0, "longitude": 11.0, "horizontalAccuracy": 5.0}
+    fix = {"name": "location", "time": ZERO_NS - 60_000_000_000, "values": place}
+    last = json.loads(lines[-1])
+    last["payload"].append(fix)
+    lines[-1] = json.dumps(last)
+    only_force = [one for one in json.loads(lines[0])["payload"] if one["name"] != "gyroscope"]
+    lines.append(json.dumps({"messageId": 0, "sessionId": "s", "deviceId": "other", "payload": only_force}))
+    result = live("\n".join(lines), "--platform", "android", "--fixes", "recording")
+    assert result.exit_code == 0
+    assert "came more than 30 s late" in result.stderr
+    assert "in all: 1 fixes came too late and were refused" in result.stderr
+    assert "warning: other: no samples of accelerometer and gyroscope" in result.stderr
+
+
 def test_options_that_do_not_go_together(good: Path) -> None:
+    assert "needs the whole walk: track with ekf or fixed-lag" in refused(
+        "track", good, "--estimator", "factor-graph"
+    )
+    assert "estimator factor-graph or ekf" in refused("track", good, "--closed", "--estimator", "fixed-lag")
     assert "stands alone" in refused("track", "-", good)
     assert "stands alone" in refused("track", "-", "--realtime")
     assert "--platform is for" in refused("track", good, "--platform", "ios")

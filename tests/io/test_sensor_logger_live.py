@@ -113,3 +113,30 @@ def test_phones_share_clock_and_map() -> None:
 def test_what_is_no_message_is_refused(line: str, words: str) -> None:
     with pytest.raises(RecordingError, match=words):
         LiveReader().push(line)
+
+
+@pytest.mark.parametrize(
+    ("broken", "words"),
+    [
+        ({"time": ZERO_NS, "values": {}}, "without name"),
+        ({"name": "gyroscope", "time": "noon", "values": {}}, r"\(gyroscope\): time is damaged: 'noon' is no number"),
+        ({"name": "gyroscope", "time": -5, "values": {}}, "time -5 is no Unix time"),
+        ({"name": "gyroscope", "time": ZERO_NS, "values": {"x": 0, "y": 0}}, "values are without z"),
+        ({"name": "gyroscope", "time": ZERO_NS, "values": {"x": 0, "y": 0, "z": None}}, "z is damaged: None is no"),
+        (7, "no object with name, time and values"),
+    ],
+)
+def test_damage_is_told_in_words(broken: Any, words: str) -> None:
+    line = message(0, [*second(0), broken])
+    with pytest.raises(RecordingError, match=words):
+        LiveReader("android").push(line)
+
+
+def test_acceleration_without_gravity_is_left_out_and_told_once() -> None:
+    reader, sizes, notes = LiveReader("android"), [], []
+    for k in range(200):
+        payload = [one for one in second(k) if one["name"] != "gravity"]
+        notes += reader.push(message(k, payload)).notes
+        sizes.append(len(reader._phones["p"]._user))
+    assert max(sizes) <= 61 * 20
+    assert notes == ["p: acceleration without gravity is left out: let the phone send gravity or totalacceleration"]

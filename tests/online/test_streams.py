@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_tracker import FIXES, same_poses
-from two_phones import KNOWN_START, fix_at, offline, push_all, recorded, slices, tracker_of
+from two_phones import KNOWN_START, fix_at, of_devices, offline, push_all, recorded, slices, tracker_of
 
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.errors import ConfigError, EstimationError
@@ -17,7 +17,7 @@ from pdr_est.online.delayed import Delayed
 from pdr_est.online.known import Known
 from pdr_est.online.log import DeviceLog
 from pdr_est.online.walk import WalkFilter
-from pdr_est.records import PositionFix, StartPose, StepOdometry
+from pdr_est.records import Channel, PositionFix, StartPose, StepOdometry
 
 FIFTHS = [np.arange(0.2, 60.0, 0.2)] * 2
 
@@ -60,8 +60,8 @@ def test_steps_from_before_the_horizon_are_used_and_counted() -> None:
     whole = offline(recording, KNOWN_START)
     assert len(first) == len(second)
     assert tracker.late_steps > 20
-    assert len(track_of(updates)) == len(whole)
-    assert np.abs(track_of(updates).position_m - whole.position_m).max() < 1.5
+    assert len(track_of(of_devices(updates))) == len(whole)
+    assert np.abs(track_of(of_devices(updates)).position_m - whole.position_m).max() < 1.5
 
 
 def test_a_device_that_nobody_expected_joins() -> None:
@@ -81,12 +81,33 @@ def test_a_fix_from_before_the_horizon_is_refused_and_counted() -> None:
     assert tracker.push_fix(fix_at(25.0, 12.0, 5.0)) != []
 
 
+def test_a_fix_that_a_standing_device_cannot_use_is_told() -> None:
+    """One phone lies on a table from 15 s on, the other one walks."""
+    recording = recorded(2)
+    tracker, lying = tracker_of(recording, KNOWN_START, horizon_s=5.0), {}
+    for name, block in slices(recording, FIFTHS):
+        if name == "right" and block.time_s[0] > 15.0:
+            still = np.broadcast_to(lying[block.channel], block.values.shape)
+            block = replace(block, values=still if block.channel is Channel.SPECIFIC_FORCE else 0.0 * still)
+        elif name == "right":
+            lying[block.channel] = block.values[-1]
+        tracker.push(name, block)
+    assert tracker.missed_fixes == 0
+    with pytest.warns(UserWarning, match="not used for 1 of 2 devices"):
+        assert tracker.push_fix(fix_at(tracker._walk.now_s - 4.0, 14.0, 9.0)) != []
+    assert tracker.missed_fixes == 1
+    assert tracker.refused_fixes == 0
+
+
 def test_nothing_is_taken_after_the_end_and_nothing_absurd_before() -> None:
     tracker = Tracker(KNOWN_START, ["a"])
     with pytest.raises(EstimationError, match="not positive definite"):
         tracker.push_fix(PositionFix(0.0, np.zeros(2), np.zeros((2, 2))))
     with pytest.raises(EstimationError, match="expected twice"):
         Tracker(KNOWN_START, ["a", "a"])
+    with pytest.raises(EstimationError, match="what the person is called"):
+        tracker.push("fused", next(iter(recorded(1).devices[0].blocks())))
+    assert tracker.unheard == ("a",)
     assert tracker.flush() == []
     with pytest.raises(EstimationError, match="ended by flush"):
         tracker.flush()
@@ -115,7 +136,8 @@ def walked(hours: float, fix_every: int, start: StartPose, gap_every: int = 0) -
                 walk.undo_for_fix(fix, known.add(fix))
             kept, _ = walk.catch_up()
             delayed.undone(kept)
-            delayed.take(walk.history, walk.now_s - 5.0)
+            while delayed.waits(walk.history, walk.now_s - 5.0):
+                delayed.take(walk.history, walk.now_s - 5.0)
             delayed.forgotten(walk.forget(delayed.fed))
         if k % 500 == 0:
             logs = [log for log in walk.logs if log is not None]
@@ -158,7 +180,7 @@ def test_delayed_estimates_survive_a_restart() -> None:
             tracker = Tracker.restore(tracker.state())
         updates += tracker.push(name, block)
     updates += tracker.flush()
-    track, whole = track_of(updates, "delayed"), offline(recording, config, FIXES)
+    track, whole = track_of(of_devices(updates), "delayed"), offline(recording, config, FIXES)
     assert track.position_m == pytest.approx(whole.position_m, abs=0.02)
     with pytest.raises(EstimationError, match="state is that of a int"):
         Tracker.restore(b"\x80\x04K\x01.")

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from two_phones import GIVEN_CLOCK, KNOWN_START, fix_at, offline, push_all, recorded, slices, tracker_of
+from two_phones import GIVEN_CLOCK, KNOWN_START, fix_at, of_devices, offline, push_all, recorded, slices, tracker_of
 
 from pdr_est.config import Config, EstimatorParams
+from pdr_est.errors import EstimationError
 from pdr_est.estimators.lag_params import FixedLagParams
 from pdr_est.online import Tracker, Update, track_of
 from pdr_est.track import Track
@@ -22,7 +23,7 @@ FIXES = [
 
 
 def same_poses(updates: list[Update], whole: Track) -> None:
-    track = track_of(updates)
+    track = track_of(of_devices(updates))
     order = np.lexsort((track.time_s, track.device))
     expected = np.lexsort((whole.time_s, whole.device))
     assert track.time_s[order].tolist() == whole.time_s[expected].tolist()
@@ -109,9 +110,21 @@ def test_delayed_estimates_are_those_of_the_smoother(devices: int, late: bool) -
         updates += tracker.push(name, block)
     updates += tracker.flush()
     same_poses(updates, offline(recording, config.with_estimator("ekf"), FIXES))
-    track, whole = track_of(updates, "delayed"), offline(recording, config, FIXES)
+    track, whole = track_of(of_devices(updates), "delayed"), offline(recording, config, FIXES)
     assert track.time_s.tolist() == whole.time_s.tolist()
     assert track.position_m == pytest.approx(whole.position_m, abs=0.02)
     assert track.covariance_m2 == pytest.approx(whole.covariance_m2, rel=0.02, abs=5e-3)
     delayed = [(update.device, update.time_s) for update in updates if update.kind == "delayed"]
     assert len(set(delayed)) == len(delayed)
+
+
+def test_a_fix_that_cannot_be_used_takes_nothing_with_it() -> None:
+    """Work that waits behind single samples is not lost when a fix is refused in between."""
+    recording = recorded(1)
+    tracker, updates = tracker_of(recording, KNOWN_START), []
+    for number, (name, block) in enumerate(slices(recording, [np.arange(0.0, 60.0, 0.005)])):
+        updates += tracker.push(name, block)
+        if number % 7 == 0:
+            with pytest.raises(EstimationError, match="not positive definite"):
+                tracker.push_fix(replace(fix_at(1.0, 0.0, 0.0), covariance_m2=np.zeros((2, 2))))
+    same_poses([*updates, *tracker.flush()], offline(recording, KNOWN_START))

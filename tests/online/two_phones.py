@@ -8,6 +8,7 @@ import numpy as np
 
 from pdr_est import pipeline
 from pdr_est.config import Config, DevicesParams, StartParams
+from pdr_est.estimators.fused import NAME as FUSED
 from pdr_est.frames import Array
 from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.online import ExpectedDevice, Tracker, Update
@@ -67,6 +68,11 @@ def _between(device: DeviceRecording, begin_s: float, end_s: float) -> Iterable[
         keep = (block.time_s > begin_s) & (block.time_s <= end_s)
         if keep.any():
             yield SensorBlock(block.channel, block.time_s[keep], block.values[keep])
+
+
+def of_devices(updates: Iterable[Update]) -> list[Update]:
+    """All but the person's."""
+    return [update for update in updates if update.device != FUSED]
 
 
 def push_all(tracker: Tracker, blocks: Iterable[tuple[str, SensorBlock]]) -> list[Update]:

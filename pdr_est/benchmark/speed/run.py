@@ -6,6 +6,7 @@ from typing import Any
 
 from pdr_est import __version__
 from pdr_est.benchmark.speed.growth import growth
+from pdr_est.benchmark.speed.online import online_latency
 from pdr_est.benchmark.speed.smoothing import smoothing_seconds
 from pdr_est.benchmark.speed.stages import stage_seconds, two_phones
 from pdr_est.config import Config
@@ -13,6 +14,7 @@ from pdr_est.config import Config
 NAME = "speed"
 LENGTHS_MIN = (10.0, 60.0, 480.0)
 _RECORDED_MIN = 5.0
+_ONLINE_MIN = 2.0
 _SMOOTHED_STEPS = (1_000,)
 _LONGEST_TETHERED_MIN = 60.0  # hours of two devices without any fix take too long to be measured here
 
@@ -20,12 +22,12 @@ _LONGEST_TETHERED_MIN = 60.0  # hours of two devices without any fix take too lo
 @dataclass(frozen=True)
 class SpeedResult:
     """stage_seconds: CPU seconds a minute of a two-phone recording, by stage. smoothing: of `smoothing_seconds`, and
-    growth: of `growth`, each with what it was asked. online: latency of the tracker, none yet."""
+    growth: of `growth`, each with what it was asked. online: of `online_latency`, by estimator."""
 
     stage_seconds: dict[str, float]
     smoothing: tuple[dict[str, float], ...]
     growth: tuple[dict[str, float], ...]
-    online: dict[str, float] | None = None
+    online: dict[str, dict[str, float]]
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON document; like those of the other suites it has `walks`, which are none."""
@@ -47,12 +49,14 @@ def run_speed(
     on_progress: Callable[[int, int], None] | None = None,
     recorded_min: float = _RECORDED_MIN,
     smoothed_steps: Sequence[int] = _SMOOTHED_STEPS,
+    online_min: float = _ONLINE_MIN,
 ) -> SpeedResult:
     """Measure all parts. config: of the stages; lengths_min: of the walks for the growth of time and memory;
-    recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too."""
+    recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too; online_min:
+    length of the walk that is pushed sample by sample."""
     walks = [(devices, minutes) for devices in (1, 2) for minutes in lengths_min]
     walks = [(devices, minutes) for devices, minutes in walks if devices == 1 or minutes <= _LONGEST_TETHERED_MIN]
-    total = 1 + 2 * len(smoothed_steps) + len(walks)
+    total = 2 + 2 * len(smoothed_steps) + len(walks)
     done = 0
 
     def finished(part: Any) -> Any:
@@ -73,4 +77,5 @@ def run_speed(
             finished({"devices": devices, "minutes": minutes, **growth(minutes, devices)})
             for devices, minutes in walks
         ),
+        online=finished(online_latency(online_min)),
     )

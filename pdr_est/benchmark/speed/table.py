@@ -18,8 +18,13 @@ def print_speed(result: SpeedResult, console: Console) -> None:
     console.print(stages)
     console.print(_table("smoothing and bare GTSAM, CPU seconds", result.smoothing))
     console.print(_table("growth of smoothing with the length of a walk", result.growth))
-    if result.online is not None:
-        console.print(_table("online", [result.online]))
+    online = Table(title="online, ms a push of one sample, two phones at 100 Hz")
+    online.add_column("estimator", no_wrap=True)
+    for name in next(iter(result.online.values()), ()):
+        online.add_column(name, justify="right")
+    for estimator, found in result.online.items():
+        online.add_row(estimator, *map(_number, found.values()))
+    console.print(online)
 
 
 def _table(title: str, rows: Sequence[Mapping[str, float]]) -> Table:
@@ -27,7 +32,9 @@ def _table(title: str, rows: Sequence[Mapping[str, float]]) -> Table:
     for name in rows[0] if rows else ():
         table.add_column(name, justify="right")
     for row in rows:
-        table.add_row(
-            *(f"{value:.0f}" if value.is_integer() else f"{value:.3f}" for value in map(float, row.values()))
-        )
+        table.add_row(*map(_number, row.values()))
     return table
+
+
+def _number(value: float) -> str:
+    return f"{value:.0f}" if float(value).is_integer() else f"{value:.3f}"

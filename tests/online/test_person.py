@@ -1,0 +1,169 @@
+"""The person whom several devices follow: what covariance intersection of the devices' tracks gives, in any cut."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_tracker import FIXES
+from two_phones import (
+    FUSED,
+    GIVEN_CLOCK,
+    KNOWN_START,
+    fix_at,
+    of_devices,
+    offline,
+    push_all,
+    recorded,
+    slices,
+    tracker_of,
+)
+
+from pdr_est.config import Config, EstimatorParams
+from pdr_est.estimators.lag_params import FixedLagParams
+from pdr_est.frames import wrap_angle
+from pdr_est.online import Update, track_of
+from pdr_est.track import Track
+
+SECONDS = [np.arange(1.0, 60.0)] * 2
+FIFTHS = [np.arange(0.2, 60.0, 0.2)] * 2
+
+
+def of_person(updates: list[Update], kind: str = "filtered") -> Track:
+    track = track_of(updates, kind).of_device(FUSED)  # type: ignore[arg-type]
+    assert len(track), "no pose of the person"
+    return track
+
+
+def same(track: Track, other: Track) -> None:
+    assert track.time_s.tolist() == other.time_s.tolist()
+    for name in ("position_m", "heading_rad", "covariance_m2", "sigma_heading_rad", "mode", "moving_from_s"):
+        assert np.array_equal(getattr(track, name), getattr(other, name)), name
+
+
+def in_seconds(config: Config, gap: bool = False, fixes: tuple = ()) -> Track:
+    recording = recorded(2, gap)
+    tracker = tracker_of(recording, config)
+    for fix in fixes:
+        tracker.push_fix(fix)
+    return of_person(push_all(tracker, slices(recording, SECONDS)))
+
+
+def test_it_is_the_covariance_intersection_of_the_devices_tracks() -> None:
+    """Of two estimates with equal weights, in the form of Julier and Uhlmann."""
+    found, devices = in_seconds(KNOWN_START), offline(recorded(2), KNOWN_START)
+    left, right = (devices.of_device(name) for name in ("left", "right"))
+    assert found.time_s.tolist() == np.union1d(left.time_s, right.time_s).tolist()
+    inside = (found.time_s > max(left.time_s[0], right.time_s[0])) & (
+        found.time_s < min(left.time_s[-1], right.time_s[-1])
+    )
+    (a, a_spread), (b, b_spread) = left.at(found.time_s), right.at(found.time_s)
+    information = 0.5 * (np.linalg.inv(a_spread) + np.linalg.inv(b_spread))
+    mean = np.einsum("nij,nj->ni", np.linalg.inv(a_spread), a) + np.einsum("nij,nj->ni", np.linalg.inv(b_spread), b)
+    joined = np.einsum("nij,nj->ni", np.linalg.inv(information), 0.5 * mean)
+    assert found.position_m[inside] == pytest.approx(joined[inside], abs=1e-5)
+    assert found.covariance_m2[inside] == pytest.approx(np.linalg.inv(information)[inside], abs=1e-6)
+    between = np.abs(
+        wrap_angle(found.heading_rad - np.interp(found.time_s, left.time_s, np.unwrap(left.heading_rad)))
+    )
+    assert between[inside].max() < 0.5
+
+
+@pytest.mark.parametrize("gap", [False, True])
+@pytest.mark.parametrize("fixes", [(), tuple(FIXES)], ids=["bare", "fixes"])
+@pytest.mark.parametrize("config", [GIVEN_CLOCK, KNOWN_START], ids=["open", "known"])
+def test_any_cut_gives_the_same(gap: bool, fixes: tuple, config: Config) -> None:
+    recording, rng = recorded(2, gap), np.random.default_rng(7)
+    cuts = [np.sort(rng.uniform(0.0, 60.0, count)) for count in (30, 200)]
+    tracker = tracker_of(recording, config, wait_s=float(rng.choice([0.0, 3.0])))
+    for fix in fixes:
+        tracker.push_fix(fix)
+    same(of_person(push_all(tracker, slices(recording, cuts))), in_seconds(config, gap, fixes))
+
+
+def test_sample_by_sample_and_device_by_device_are_the_same() -> None:
+    recording = recorded(2, gap=True)
+    whole = in_seconds(KNOWN_START, gap=True)
+    singles = slices(recording, [np.arange(0.0, 60.0, 0.005)] * 2)
+    assert max(len(block.time_s) for _, block in singles) == 1
+    same(of_person(push_all(tracker_of(recording, KNOWN_START), singles)), whole)
+    tracker = tracker_of(recording, KNOWN_START, horizon_s=100.0)
+    blocks = [(device.name, block) for device in recording.devices for block in device.blocks()]
+    same(of_person(push_all(tracker, blocks)), whole)
+
+
+def test_late_fixes_and_late_data_take_their_place() -> None:
+    recording, held = recorded(2), []
+    tracker, updates, waiting = tracker_of(recording, KNOWN_START), [], list(FIXES)
+    for name, block in slices(recording, FIFTHS):
+        while waiting and float(block.time_s[-1]) > waiting[0].time_s + 5.0:
+            updates += tracker.push_fix(waiting.pop(0))
+        if name == "right" and 17.0 < block.time_s[-1] < 27.0:
+            held.append((name, block))
+            continue
+        for late in held if name == "right" else []:
+            updates += tracker.push(*late)
+        held = [] if name == "right" else held
+        updates += tracker.push(name, block)
+    for fix in waiting:
+        updates += tracker.push_fix(fix)
+    same(of_person([*updates, *tracker.flush()]), in_seconds(KNOWN_START, fixes=tuple(FIXES)))
+
+
+def test_each_pose_comes_soon_after_that_of_the_device() -> None:
+    """It waits for the next steps of the others, and where they stand for a few seconds."""
+    recording = recorded(2)
+    tracker, first, of_device = tracker_of(recording, KNOWN_START), {}, {}
+    for name, block in slices(recording, FIFTHS):
+        for update in tracker.push(name, block):
+            seen = first if update.device == FUSED else of_device
+            seen.setdefault(update.time_s, float(block.time_s[-1]))
+    waited_s = [came_s - of_device[time_s] for time_s, came_s in first.items()]
+    assert len(waited_s) > 60
+    assert min(waited_s) > -0.3  # time stamps of two devices
+    assert max(waited_s) < 3.0
+    assert np.median(waited_s) < 0.7
+
+
+def test_a_device_that_stopped_has_no_say() -> None:
+    recording = recorded(2)
+    blocks = [item for item in slices(recording, FIFTHS) if item[0] == "left" or item[1].time_s[-1] < 18.0]
+    updates = push_all(tracker_of(recording, KNOWN_START), blocks)
+    left, person = (track_of(updates).of_device(name) for name in ("left", FUSED))
+    after = left.time_s > 18.5
+    assert after.sum() > 15
+    rows = np.searchsorted(person.time_s, left.time_s[after])
+    assert person.position_m[rows] == pytest.approx(left.position_m[after], abs=1e-4)
+
+
+def test_one_device_has_no_person_beside_it() -> None:
+    recording = recorded(1)
+    updates = push_all(tracker_of(recording, KNOWN_START), slices(recording, SECONDS[:1]))
+    assert of_devices(updates) == updates
+
+
+def test_what_is_not_asked_for_is_forgotten() -> None:
+    """One device has no person, two have one: neither piles up moments."""
+    for devices in (1, 2):
+        recording = recorded(devices)
+        tracker = tracker_of(recording, KNOWN_START, horizon_s=2.0)
+        for name, block in slices(recording, FIFTHS[:devices]):
+            tracker.push(name, block)
+        person = tracker._estimates._persons["filtered"]
+        kept_s = 2.0 * 2.0 + 3.6 + 1.0 + 1.0
+        assert len(person._due) + len(person._given) < devices * 3.0 * kept_s
+        assert min([*person._due, *person._given]) > 15.0
+
+
+def test_delayed_poses_are_joined_too() -> None:
+    recording = recorded(2)
+    config = replace(KNOWN_START, estimator=EstimatorParams(name="fixed-lag", fixed_lag=FixedLagParams(lag_s=4.0)))
+    tracker = tracker_of(recording, config)
+    tracker.push_fix(fix_at(20.0, 14.0, 2.0))
+    updates = push_all(tracker, slices(recording, FIFTHS))
+    filtered, delayed = of_person(updates), of_person(updates, "delayed")
+    assert filtered.time_s.tolist() == delayed.time_s.tolist()
+    left = track_of(updates, "delayed").of_device("left")
+    assert np.abs(delayed.at(left.time_s)[0] - left.position_m).max() < 1.5
+    before_fix = (delayed.time_s > 17.0) & (delayed.time_s < 19.5)
+    spread = [np.trace(track.covariance_m2[before_fix], axis1=1, axis2=2) for track in (delayed, filtered)]
+    assert (spread[0] < 0.9 * spread[1]).all()
