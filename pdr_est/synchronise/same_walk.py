@@ -14,8 +14,8 @@ from pdr_est.synchronise.stretches import level_line, stretches
 
 # All ours. Of WeAllWalk's 18 walks the best minute of a true pair agrees by 0.81 at least, that of two people on one
 # route by 0.43 at most (36 pairs), on different ones by 0.44 (60 pairs); of simulated walks of 30 to 90 s, pockets
-# and hands, by 0.82 and 0.16, of slow ones with 24 samples a second in two pockets (40 trials of Robust DR) by 0.59 and
-# 0.34.
+# and hands, by 0.82 and 0.16, of slow ones with 24 samples a second in two pockets (40 trials of Robust DR) by 0.59
+# and 0.34.
 LEAST_AGREEMENT = 0.5
 _WINDOW_S = 60.0
 _LEAST_S = 25.0  # shorter stretches of strangers agree by chance
