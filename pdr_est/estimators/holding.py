@@ -8,7 +8,7 @@ have to be looked at, and the tether added at the worst of them (a cutting plane
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,15 +35,16 @@ class Holding:
     @classmethod
     def of(cls, timelines: Sequence[Timeline], ties: Sequence[Tie], keys: Keys) -> "Holding":
         """Between successive ties of a pair, and from where both walk to the first."""
-        rows = [_Rows.of(timeline, first) for timeline, first in zip(timelines, keys.first, strict=True)]
+        drawn = [_Rows.of(timeline, first) for timeline, first in zip(timelines, keys.first, strict=True)]
         pairs: dict[tuple[int, int], list[Tie]] = defaultdict(list)
         for tie in ties:
             pairs[tie.device_a, tie.device_b].append(tie)
         tethers, stretches, count = Tethers.of([], keys), [np.zeros(0, dtype=np.int64)], 0
         for (a, b), own in pairs.items():
-            time_s, stretch = _moments(rows[a], rows[b], own)
-            tethers = tethers + _between(rows[a], rows[b], time_s, own, stretch)
-            stretches.append(stretch + count)
+            for rows in (drawn, [one.without_pauses() for one in drawn]):
+                time_s, stretch = _moments(rows[a], rows[b], own)
+                tethers = tethers + _between(rows[a], rows[b], time_s, own, stretch)
+                stretches.append(stretch + count)
             count += len(own)
         return cls(tethers, np.concatenate(stretches))
 
@@ -71,6 +72,10 @@ class _Rows:
         kept = [(node.time_s, node.moving_from_s, first + i) for i, node in enumerate(timeline.nodes) if node.is_step]
         time_s, moving_from_s, key = np.array(kept).T
         return cls(time_s, moving_from_s, key.astype(np.int64))
+
+    def without_pauses(self) -> "_Rows":
+        """As they look to someone who joins the poses by straight lines in time and does not know of pauses."""
+        return replace(self, moving_from_s=np.concatenate([self.time_s[:1], self.time_s[:-1]]))
 
     def places(self, time_s: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
         """Keys (m,) of the poses that the line leads from and to at some times, and the share (m,) of the way."""
