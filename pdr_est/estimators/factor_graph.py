@@ -35,7 +35,8 @@ from pdr_est.estimators.gtsam_tethers import Tethers
 from pdr_est.estimators.holding import Holding
 from pdr_est.estimators.joint_ekf import smoothed_states
 from pdr_est.estimators.large_stack import with_large_stack
-from pdr_est.estimators.motion import Moments
+from pdr_est.estimators.motion import Moments, reckoned
+from pdr_est.estimators.start import start_prior
 from pdr_est.estimators.ties import Tie, starts_of, ties_between
 from pdr_est.estimators.timeline import Timeline, track_from_nodes
 from pdr_est.frames import Array
@@ -99,13 +100,21 @@ def estimate(
 def initial_states(
     timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[StartPose], sigma_length_scale: float
 ) -> list[list[Moments]]:
-    """States at all nodes of each device to start from: those of the smoothed filter."""
+    """States at all nodes of each device to start from: those of the smoothed filter, which are those of dead
+    reckoning where nothing is measured on the way. Only their means count."""
     if ties:
         return smoothed_states(timelines, ties, starts, sigma_length_scale)
-    return [
-        alone_smoothed(run_filter(timeline, start, sigma_length_scale))
-        for timeline, start in zip(timelines, starts, strict=True)
-    ]
+    states = []
+    for timeline, start in zip(timelines, starts, strict=True):
+        prior = start_prior(timeline, start, sigma_length_scale)
+        measured = timeline.fixes or timeline.priors or timeline.closure_sigma_m is not None
+        if measured or prior.position_open or prior.heading_open:
+            states.append(alone_smoothed(run_filter(timeline, start, sigma_length_scale)))
+        else:
+            states.append(
+                [Moments(mean, prior.moments.covariance) for mean in reckoned(timeline.nodes, prior.moments.mean)]
+            )
+    return states
 
 
 def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":
@@ -118,7 +127,7 @@ def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_s
         scale, values = _at_scale(graph, values, scale, sigma_length_scale, SOFTLY, _SOFT_ROUNDS)
         graph.held(values)
     graph.softening = 1.0
-    for _ in range(_HOLD_ROUNDS):
+    for _ in range(_HOLD_ROUNDS if len(graph.tethers) or graph.tells_scale else 0):
         scale, values = _at_scale(graph, values, scale, sigma_length_scale, ROUGHLY, _ROUNDS)
         if not graph.held(values):
             break

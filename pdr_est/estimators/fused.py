@@ -103,9 +103,10 @@ def _steps_of_person(tracks: Sequence[Track]) -> tuple[Array, Array]:
     if not agreed.any():
         return times, begins
     usual_s = float(np.median(np.diff(times[agreed]))) if agreed.sum() > 1 else _SAME_STEP_S
+    agreed_s = np.append(times[agreed], np.inf)
+    next_agreed_s = agreed_s[np.cumsum(agreed)]  # behind each group
     kept: list[int] = []
-    for i in range(len(groups)):
-        next_agreed = next((times[j] for j in range(i + 1, len(groups)) if agreed[j]), np.inf)
+    for i, next_agreed in enumerate(next_agreed_s):
         free_before = not kept or times[i] - times[kept[-1]] >= _ROOM * usual_s
         if agreed[i] or (free_before and next_agreed - times[i] >= _ROOM * usual_s):
             kept.append(i)

@@ -25,7 +25,7 @@ from pdr_est.frames import Array
 _MOST_STEPS = 200
 # Promised falls of the error, half a chi square, behind which no step follows; with tethers the last digits are slow.
 EXACTLY, EXACTLY_TETHERED, ROUGHLY = 1e-6, 1e-4, 1e-3
-SOFTLY = 0.1  # while tethers are softer than they should be
+SOFTLY = 1.0  # while tethers are softer than they should be
 _HALVINGS = 20
 _ENOUGH = 1e-4  # share of the fall that the slope promises (Armijo)
 _SWITCHES = 8  # most solutions of one linear system, with one set of taut tethers after the other

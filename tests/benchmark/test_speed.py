@@ -1,6 +1,7 @@
 """The suite `speed` measures all its parts, and what it compares is comparable."""
 
 import numpy as np
+import pytest
 
 from pdr_est.benchmark.speed import run_speed
 from pdr_est.benchmark.speed.odometry import START, walk_of
@@ -25,9 +26,10 @@ def test_every_part_is_measured() -> None:
     assert document["online"] is None
 
 
-def test_smoothing_is_hardly_slower_than_bare_gtsam() -> None:
-    """1.25 is the aim; the best of some tries, with room for a busy machine."""
-    assert min(smoothing_seconds(1_000, 1)["ratio"] for _ in range(3)) < 1.6
+@pytest.mark.parametrize(("steps", "devices"), [(1_000, 1), (300, 2)])
+def test_smoothing_is_hardly_slower_than_bare_gtsam(steps: int, devices: int) -> None:
+    """The best of some tries: the machine may be busy."""
+    assert min(smoothing_seconds(steps, devices)["ratio"] for _ in range(3)) < 1.25
 
 
 def test_tethers_hold_where_the_tracks_of_the_devices_would_part() -> None:

@@ -14,7 +14,6 @@ NAME = "speed"
 LENGTHS_MIN = (10.0, 60.0, 480.0)
 _RECORDED_MIN = 5.0
 _SMOOTHED_STEPS = (1_000,)
-_LONGEST_TETHERED_MIN = 60.0  # hours of two devices without any fix take too long to be measured here
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,6 @@ def run_speed(
     """Measure all parts. config: of the stages; lengths_min: of the walks for the growth of time and memory;
     recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too."""
     walks = [(devices, minutes) for devices in (1, 2) for minutes in lengths_min]
-    walks = [(devices, minutes) for devices, minutes in walks if devices == 1 or minutes <= _LONGEST_TETHERED_MIN]
     total = 1 + 2 * len(smoothed_steps) + len(walks)
     done = 0
 
