@@ -18,7 +18,7 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.ekf import alone_smoothed, run_filter
+from pdr_est.estimators.graph_start import initial_states
 from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise, reference_guess
 from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, to_map
 from pdr_est.estimators.gtsam_newton import (
@@ -33,10 +33,8 @@ from pdr_est.estimators.gtsam_newton import (
 )
 from pdr_est.estimators.gtsam_tethers import Tethers
 from pdr_est.estimators.holding import Holding
-from pdr_est.estimators.joint_ekf import smoothed_states
 from pdr_est.estimators.large_stack import with_large_stack
-from pdr_est.estimators.motion import Moments, reckoned
-from pdr_est.estimators.start import start_prior
+from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.ties import Tie, starts_of, ties_between
 from pdr_est.estimators.timeline import Timeline, track_from_nodes
 from pdr_est.frames import Array
@@ -95,26 +93,6 @@ def estimate(
         scale = (float(found.scale.value[d]), float(np.sqrt(found.scale.covariance[d, d])))
         tracks.append(track_from_nodes(timeline, pose[:, :2], pose[:, 2], covariance, "smoothed", NAME, scale))
     return concatenate(tracks)
-
-
-def initial_states(
-    timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[StartPose], sigma_length_scale: float
-) -> list[list[Moments]]:
-    """States at all nodes of each device to start from: those of the smoothed filter, which are those of dead
-    reckoning where nothing is measured on the way. Only their means count."""
-    if ties:
-        return smoothed_states(timelines, ties, starts, sigma_length_scale)
-    states = []
-    for timeline, start in zip(timelines, starts, strict=True):
-        prior = start_prior(timeline, start, sigma_length_scale)
-        measured = timeline.fixes or timeline.priors or timeline.closure_sigma_m is not None
-        if measured or prior.position_open or prior.heading_open:
-            states.append(alone_smoothed(run_filter(timeline, start, sigma_length_scale)))
-        else:
-            states.append(
-                [Moments(mean, prior.moments.covariance) for mean in reckoned(timeline.nodes, prior.moments.mean)]
-            )
-    return states
 
 
 def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":

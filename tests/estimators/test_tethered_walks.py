@@ -11,6 +11,7 @@ import pytest
 from pdr_est.benchmark.speed.odometry import SIGMA_SCALE, START, STEP_S, walk_of
 from pdr_est.estimators import DeviceMeasurements, estimate_walk, factor_graph
 from pdr_est.estimators.fused import fuse
+from pdr_est.estimators.graph_start import initial_states
 from pdr_est.estimators.gtsam_factors import Keys
 from pdr_est.estimators.gtsam_newton import EXACTLY_TETHERED, ROUGHLY, SOFTENINGS, minimised
 from pdr_est.estimators.holding import Holding
@@ -118,7 +119,7 @@ def test_the_optimum_does_not_depend_on_the_start() -> None:
     moments_s = [tether.time_s for tether in tethers]
     timelines = [build_timeline(one.device, one.start_s, one.measurements, moments_s) for one in known]
     ties, starts = ties_between(timelines, tethers), starts_of(timelines, START)
-    filtered = factor_graph.initial_states(timelines, ties, starts, SIGMA_SCALE)
+    filtered = initial_states(timelines, ties, starts, SIGMA_SCALE)
     apart = [
         [Moments(mean, np.zeros((5, 5))) for mean in reckoned(one.nodes, np.array([0.0, 0.0, turn, 1.0, 0.0]))]
         for one, turn in zip(timelines, (0.0, 0.8), strict=True)

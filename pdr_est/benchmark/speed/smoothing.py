@@ -8,6 +8,7 @@ import numpy as np
 
 from pdr_est.benchmark.speed.odometry import SIGMA_SCALE, START, walk_of
 from pdr_est.estimators import factor_graph
+from pdr_est.estimators.graph_start import initial_states
 from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, displacement, motion_noise
 from pdr_est.estimators.large_stack import with_large_stack
 from pdr_est.estimators.motion import STATES, Moments
@@ -34,7 +35,7 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     smoothing_s = time.process_time() - begin
     starts, ties = starts_of(timelines, START), ties_between(timelines, tethers)
     begin = time.process_time()
-    factor_graph.initial_states(timelines, ties, starts, SIGMA_SCALE)
+    initial_states(timelines, ties, starts, SIGMA_SCALE)
     start_s = time.process_time() - begin
     bare_s, marginals_s = with_large_stack(lambda: _bare(timelines, ties, starts))
     return {
