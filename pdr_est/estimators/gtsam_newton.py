@@ -99,7 +99,7 @@ def minimised(
 
     here, taut = error(values), None
     for _ in range(_MOST_STEPS):
-        step = _step(graph.linearize(values), tethers, values, variables, here, taut)
+        step = _step(graph.linearize(values), tethers, values, variables, taut)
         if step.promise < least_promise:
             there = values.retract(step.change)
             return there if error(there) <= here else values
@@ -125,16 +125,17 @@ def _step(
     tethers: Tethers,
     values: gtsam.Values,
     variables: Variables,
-    here: float,
     taut: NDArray[np.bool_] | None,
 ) -> _Step:
-    """The step of least error in the linear system with those tethers that it leaves exceeded. here: error at
-    `values`; taut: where the last step left them so."""
+    """The step of least error in the linear system with those tethers that it leaves exceeded. taut: where the last
+    step left them so."""
     if not len(tethers):
         change = _solution(linear, variables)
-        promise = linear.error(gtsam.VectorValues.Zero(change)) - linear.error(change)
+        promise = linear.error(values.zeroVectors()) - linear.error(change)
         return _Step(change, promise, np.zeros(0, dtype=np.bool_))
     near = tethers.near(variables.pose(values))
+    # Not the graph's own error: a robust factor is linear with its weight, and the square then is not its cost.
+    here = linear.error(values.zeroVectors()) + tethers.error(variables.pose(values))
     pull_m, before = near.excess_m, np.inf
     taut = pull_m > 0.0 if taut is None else taut
     best, tried = _Step(gtsam.VectorValues(), -np.inf, taut), set[bytes]()

@@ -13,12 +13,12 @@ from pdr_est.estimators import DeviceMeasurements, estimate_walk, factor_graph
 from pdr_est.estimators.fused import fuse
 from pdr_est.estimators.graph_start import initial_states
 from pdr_est.estimators.gtsam_factors import Keys
-from pdr_est.estimators.gtsam_newton import EXACTLY_TETHERED, ROUGHLY, SOFTENINGS, minimised
+from pdr_est.estimators.gtsam_newton import EXACTLY_TETHERED, ROUGHLY, SOFTENINGS, _step, minimised
 from pdr_est.estimators.holding import Holding
 from pdr_est.estimators.motion import Moments, linearise, linearise_each, move, reckoned
 from pdr_est.estimators.ties import starts_of, ties_between
 from pdr_est.estimators.timeline import build_timeline
-from pdr_est.records import DeviceTether, StepOdometry
+from pdr_est.records import DeviceTether, HeadingPrior, StepOdometry
 from pdr_est.track import Track
 
 REACH_M = 0.5
@@ -135,6 +135,25 @@ def test_the_optimum_does_not_depend_on_the_start() -> None:
         errors.append(factors.error(values) + graph.tethers.error(graph.poses(values)))
         assert isinstance(values, gtsam.Values)
     assert errors[1] == pytest.approx(errors[0], abs=2e-3)
+
+
+def test_the_optimum_of_robust_priors_promises_nothing_more() -> None:
+    """A robust factor's linear square is not its cost: the promise must not contain the difference."""
+    known, tethers = walk_of(60, 2)
+    prior = HeadingPrior("phone1", 20 * STEP_S, 2.0, 0.05, robust=True)
+    known = [replace(known[0], measurements=(*known[0].measurements, prior)), known[1]]
+    moments_s = [tether.time_s for tether in tethers]
+    timelines = [build_timeline(one.device, one.start_s, one.measurements, moments_s) for one in known]
+    ties, starts = ties_between(timelines, tethers), starts_of(timelines, START)
+    guesses = initial_states(timelines, ties, starts, SIGMA_SCALE)
+    graph = factor_graph._WalkGraph(timelines, ties, starts, guesses)
+    values = graph.initial_values(guesses)
+    for factor in SOFTENINGS:
+        graph.softening = factor
+        values = graph.optimised(values, np.ones(2), EXACTLY_TETHERED)
+    linear = graph.at(np.ones(2)).linearize(values)
+    assert graph.at(np.ones(2)).error(values) > linear.error(values.zeroVectors()) + 0.5
+    assert 0.0 <= _step(linear, graph.tethers, values, graph.variables, None).promise < 1e-3
 
 
 def test_states_at_once_are_those_one_by_one() -> None:
