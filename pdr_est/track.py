@@ -94,14 +94,7 @@ class Track:
         """
         if len(self.devices) > 1:
             raise ValueError(f"the track has several devices {self.devices}: choose one with of_device()")
-        time = np.asarray(time_s, dtype=np.float64)
-        after = np.clip(np.searchsorted(self.time_s, time, side="right"), 1, max(len(self) - 1, 1))
-        if len(self) == 1:
-            after = np.zeros(len(time), dtype=np.int64)
-        before = np.maximum(after - 1, 0)
-        begin = np.maximum(self.moving_from_s[after], self.time_s[before])
-        span = np.maximum(self.time_s[after] - begin, 1e-9)
-        share = np.clip((time - begin) / span, 0.0, 1.0)
+        before, after, share = legs_at(self.time_s, self.moving_from_s, np.asarray(time_s, dtype=np.float64))
         position = self.position_m[before] + share[:, None] * (self.position_m[after] - self.position_m[before])
         covariance = self.covariance_m2[before] + share[:, None, None] * (
             self.covariance_m2[after] - self.covariance_m2[before]
@@ -134,6 +127,21 @@ class Track:
             )
             for i in range(len(self))
         ]
+
+
+def legs_at(time_s: Array, moving_from_s: Array, at_s: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """Which rows a walker is between at times at_s (k,), and the share of the way, each (k,).
+
+    time_s, moving_from_s: (n,) of the rows of one device. The walker stands until the next movement begins, before
+    the first row and after the last one.
+    """
+    after = np.clip(np.searchsorted(time_s, at_s, side="right"), 1, max(len(time_s) - 1, 1))
+    if len(time_s) == 1:
+        after = np.zeros(len(at_s), dtype=np.int64)
+    before = np.maximum(after - 1, 0)
+    begin = np.maximum(moving_from_s[after], time_s[before])
+    span = np.maximum(time_s[after] - begin, 1e-9)
+    return before, after, np.clip((at_s - begin) / span, 0.0, 1.0)
 
 
 def concatenate(tracks: Sequence[Track]) -> Track:

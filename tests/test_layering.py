@@ -49,6 +49,7 @@ LIBRARIES = {
         "estimators.gtsam_factors",
         "estimators.gtsam_marginals",
         "estimators.gtsam_newton",
+        "estimators.gtsam_tethers",
         "benchmark.speed.smoothing",
     ),
     "filterpy": ("estimators.pose_filter", "estimators.alignment"),

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from pdr_est.estimators.alignment import align
-from pdr_est.estimators.motion import STATES, Moments, linearise, move, reckon
+from pdr_est.estimators.motion import STATES, Moments, linearise_each, reckon
 from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.start import StartPrior, prior_after_lost_turn, start_prior
 from pdr_est.estimators.timeline import Node, Timeline, track_from_nodes
@@ -85,9 +85,7 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[Moments, ...]) -> list[Momen
         return list(filtered)
     mean = np.array([state.mean for state in filtered])
     covariance = np.array([state.covariance for state in filtered])
-    linear = [linearise(state.mean, node) for state, node in zip(filtered[:-1], nodes[1:], strict=True)]
-    jacobian, noise = np.array([f for f, _ in linear]), np.array([q for _, q in linear])
-    moved = np.array([move(state.mean, node) for state, node in zip(filtered[:-1], nodes[1:], strict=True)])
+    moved, jacobian, noise = linearise_each(mean[:-1], nodes[1:])
     predicted = jacobian @ covariance[:-1] @ jacobian.transpose(0, 2, 1) + noise
     gain = np.linalg.solve(predicted + REGULAR * np.eye(STATES), jacobian @ covariance[:-1]).transpose(0, 2, 1)
     for k in range(len(gain) - 1, -1, -1):

@@ -3,7 +3,7 @@
 Poses are Pose2 variables; steps are BetweenFactorPose2, fixes PoseTranslationPrior2D, heading priors
 PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from, as is the end of a closed
 walk from its start; robust ones are under a Huber or Cauchy kernel. Two devices of one body are tied by factors that
-cost nothing within the distances that a body allows (`gtsam_newton`).
+cost nothing within the distances that a body allows (`gtsam_tethers`).
 
 The walker's length scale would tie one variable to every step and make the system dense, so it stays outside, one a
 device: the graph is solved at one scale, linear systems at neighbouring scales tell where the best scale is, its
@@ -18,20 +18,21 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.ekf import alone_smoothed, run_filter
+from pdr_est.estimators.graph_start import initial_states
 from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise, reference_guess
-from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, ordering_of, to_map
+from pdr_est.estimators.gtsam_marginals import in_map, marginal_covariances, to_map
 from pdr_est.estimators.gtsam_newton import (
     EXACTLY,
     EXACTLY_TETHERED,
     ROUGHLY,
     SOFTENINGS,
-    Tethers,
+    SOFTLY,
+    Variables,
     linearised,
     minimised,
-    poses_of,
 )
-from pdr_est.estimators.joint_ekf import smoothed_states
+from pdr_est.estimators.gtsam_tethers import Tethers
+from pdr_est.estimators.holding import Holding
 from pdr_est.estimators.large_stack import with_large_stack
 from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.ties import Tie, starts_of, ties_between
@@ -44,6 +45,7 @@ NAME = "factor-graph"
 _LARGE_STACK_NODES = 5_000  # GTSAM's elimination recurses
 _SCALE_PROBE = 0.05  # how far from the scale the neighbouring systems are; of no influence, they are linear
 _ROUNDS, _SOFT_ROUNDS = 30, 2  # of finding the scales, with tethers as they are and while they are soft
+_HOLD_ROUNDS = 6  # of adding tethers where tracks part in between
 _SCALE_TOLERANCE = 1e-2  # of the scale's sigma; the rest is second order
 
 
@@ -93,35 +95,34 @@ def estimate(
     return concatenate(tracks)
 
 
-def initial_states(
-    timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[StartPose], sigma_length_scale: float
-) -> list[list[Moments]]:
-    """States at all nodes of each device to start from: those of the smoothed filter."""
-    if ties:
-        return smoothed_states(timelines, ties, starts, sigma_length_scale)
-    return [
-        alone_smoothed(run_filter(timeline, start, sigma_length_scale))
-        for timeline, start in zip(timelines, starts, strict=True)
-    ]
-
-
 def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":
     """The optimum over poses and length scales, and its covariances."""
     expected = [guess[-1].mean[3] if graph.tells_scale else 1.0 for guess in guesses]
     scale = _Scale.without_effect(np.array(expected), graph.keys.poses)
-    values, strict = graph.initial_values(guesses), graph.tethers
-    for factor in SOFTENINGS if len(strict.ends) else (1.0,):
-        graph.tethers = strict.softened(factor)
-        values = graph.optimised(values, scale.value, ROUGHLY)
-        if sigma_length_scale > 0.0 and graph.tells_scale:
-            rounds = _ROUNDS if factor == 1.0 else _SOFT_ROUNDS
-            scale, values = _with_scale(graph, values, scale, sigma_length_scale, rounds)
-    values = graph.optimised(values, scale.value, EXACTLY_TETHERED if len(strict.ends) else EXACTLY)
+    values = graph.initial_values(guesses)
+    for softening in SOFTENINGS[:-1] if len(graph.tethers) else ():
+        graph.softening = softening
+        scale, values = _at_scale(graph, values, scale, sigma_length_scale, SOFTLY, _SOFT_ROUNDS)
+        graph.held(values)
+    graph.softening = 1.0
+    for _ in range(_HOLD_ROUNDS if len(graph.tethers) or graph.tells_scale else 0):
+        scale, values = _at_scale(graph, values, scale, sigma_length_scale, ROUGHLY, _ROUNDS)
+        if not graph.held(values):
+            break
+    values = graph.optimised(values, scale.value, EXACTLY_TETHERED if len(graph.tethers) else EXACTLY)
     if sigma_length_scale > 0.0 and not graph.tells_scale:
         scale = graph.untold_scale(values, scale.value, sigma_length_scale)
     pose, covariance = graph.marginals(values, scale.value)
     share = scale.pose_per_scale @ scale.covariance @ scale.pose_per_scale.transpose(0, 2, 1)
     return _Solution(pose, covariance + share, scale)
+
+
+def _at_scale(
+    graph: "_WalkGraph", values: gtsam.Values, scale: _Scale, sigma: float, least_promise: float, rounds: int
+) -> tuple[_Scale, gtsam.Values]:
+    """The poses near the optimum, and the length scales if anything tells them."""
+    values = graph.optimised(values, scale.value, least_promise)
+    return _with_scale(graph, values, scale, sigma, rounds) if sigma > 0.0 and graph.tells_scale else (scale, values)
 
 
 def _with_scale(
@@ -161,8 +162,9 @@ class _WalkGraph:
         self._tied = anchors(timelines, self.keys, starts, guesses)
         self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
         self._at: tuple[Array, gtsam.NonlinearFactorGraph] | None = None
-        self.tethers = Tethers.of(ties, self.keys)
-        self.order = _from_the_end(timelines, self.keys)
+        self.tethers, self.softening = Tethers.of(ties, self.keys), 1.0
+        self._holding = Holding.of(timelines, ties, self.keys)
+        self.variables = Variables.of(timelines, self.keys)
         # Tethers alone would only shrink the walk: tracks that disagree are nearer to each other when all is smaller.
         self.tells_scale = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
 
@@ -194,14 +196,23 @@ class _WalkGraph:
         return values
 
     def optimised(self, values: gtsam.Values, length_scale: Array, least_promise: float) -> gtsam.Values:
-        return minimised(self.at(length_scale), self.tethers, values, self.keys.poses, self.order, least_promise)
+        return minimised(
+            self.at(length_scale), self.tethers.softened(self.softening), values, self.variables, least_promise
+        )
 
     def linear(self, values: gtsam.Values, length_scale: Array, resisting: bool) -> gtsam.GaussianFactorGraph:
-        return linearised(self.at(length_scale), self.tethers, values, self.keys.poses, resisting)
+        tethers = self.tethers.softened(self.softening)
+        return linearised(self.at(length_scale), tethers, values, self.variables, resisting)
+
+    def held(self, values: gtsam.Values) -> bool:
+        """Whether tethers were added where the tracks part in between."""
+        more = self._holding.exceeded(self.poses(values))
+        self.tethers = self.tethers + more
+        return len(more) > 0
 
     def poses(self, values: gtsam.Values) -> Array:
         """Poses (n, 3)."""
-        return poses_of(values, self.keys.poses)
+        return self.variables.pose(values)
 
     def untold_scale(self, values: gtsam.Values, length_scale: Array, sigma: float) -> _Scale:
         """Of a walk in which no position is measured: as before, and each pose moves with the steps up to it."""
@@ -218,15 +229,9 @@ class _WalkGraph:
         """Poses (n, 3) and their covariances (n, 3, 3) in the map frame."""
         pose = self.poses(values)
         rotation = to_map(pose[:, 2])
-        own = marginal_covariances(self.linear(values, length_scale, resisting=False), self.order)[: self.keys.poses]
+        linear = self.linear(values, length_scale, resisting=False)
+        own = marginal_covariances(linear, self.variables.order)[: self.keys.poses]
         return pose, rotation @ own @ rotation.transpose(0, 2, 1)
-
-
-def _from_the_end(timelines: Sequence[Timeline], keys: Keys) -> list[int]:
-    """The variables in the order of elimination: poses from the last to the first, then the references."""
-    times = np.concatenate([[node.time_s for node in timeline.nodes] for timeline in timelines])
-    latest_first = np.lexsort((np.arange(len(times)), times))[::-1]
-    return [*latest_first.tolist(), *keys.present_references]
 
 
 def _improve_scale(
@@ -270,4 +275,4 @@ def _solved(
 ) -> tuple[gtsam.GaussianFactorGraph, gtsam.VectorValues]:
     """The graph at some length scales, linear about `values`, and the change of the variables of least error."""
     linear = graph.linear(values, scale, resisting=True)
-    return linear, linear.optimize(ordering_of(graph.order), gtsam.EliminateQR)
+    return linear, linear.eliminateSequential(graph.variables.ordering, gtsam.EliminateQR).optimize()

@@ -1,92 +1,86 @@
 """Newton's method for a walk's graph with tethers.
 
-A tether costs nothing within its length and the square of the excess beyond. Gauss and Newton's method leaves out
-that a taut line also resists to be turned: the further its ends move across it, the longer it gets. A stiff tether
-then allows steps of centimetres only, and Levenberg and Marquardt's method, which is made for that, takes hundreds.
-The force in the line over its length is the missing stiffness. Which tethers are taut is decided anew at each step,
-which the cost allows, for it has no jump and no kink. A step that makes others taut would still have to be short:
-tethers are soft at first, with the optimum of one strictness the start of the next. Ten to twenty steps lead there.
+A tether costs nothing within its length and the square of the excess beyond, so that Newton's method has to find out
+which of them are taut. Each step solves the linear system until those that it leaves exceeded are those that it was
+solved with; only then does it look at the error, and is shortened only for what is not linear in the walk. For that
+stiff tethers allow little: they are soft at first, with the optimum of one strictness the start of the next. And the
+steps of several devices are walked again from step to step (`rewalking`): their number then hardly grows with the
+length of a walk.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import gtsam
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.gtsam_factors import LEAST_SIGMA, Keys
-from pdr_est.estimators.gtsam_marginals import ordering_of, to_map
-from pdr_est.estimators.ties import Tie
+from pdr_est.estimators.gtsam_factors import Keys
+from pdr_est.estimators.gtsam_marginals import ordering_of
+from pdr_est.estimators.gtsam_tethers import Tethers
+from pdr_est.estimators.rewalking import Rewalking
+from pdr_est.estimators.timeline import Timeline
 from pdr_est.frames import Array
 
 _MOST_STEPS = 200
 # Promised falls of the error, half a chi square, behind which no step follows; with tethers the last digits are slow.
 EXACTLY, EXACTLY_TETHERED, ROUGHLY = 1e-6, 1e-4, 1e-3
+SOFTLY = 1.0  # while tethers are softer than they should be
 _HALVINGS = 20
 _ENOUGH = 1e-4  # share of the fall that the slope promises (Armijo)
+_SWITCHES = 8  # most solutions of one linear system, with one set of taut tethers after the other
+_WORTHWHILE = 0.1  # of the step's promise, that another solution must have added for yet another one
 SOFTENINGS = (64.0, 8.0, 1.0)  # of the tethers' sigmas, one after the other
 
 
 @dataclass(frozen=True)
-class Tethers:
-    """Distances between pairs of poses, ends (m, 2) by key, that cost beyond max_distance_m (m,) by sigma_m (m,)."""
+class Variables:
+    """poses: how many variables, the first ones, are poses of devices; order: of elimination, all of them; rewalking:
+    None to move every pose by itself."""
 
-    ends: NDArray[np.int64]
-    max_distance_m: Array
-    sigma_m: Array
+    poses: int
+    order: tuple[int, ...]
+    ordering: gtsam.Ordering
+    rewalking: Rewalking | None
 
     @classmethod
-    def of(cls, ties: Sequence[Tie], keys: Keys) -> "Tethers":
-        return cls(
-            np.array([keys.of_tie(tie) for tie in ties], dtype=np.int64).reshape(-1, 2),
-            np.array([tie.max_distance_m for tie in ties]),
-            np.maximum(np.array([tie.sigma_m for tie in ties]), LEAST_SIGMA),
-        )
+    def of(cls, timelines: Sequence[Timeline], keys: Keys) -> "Variables":
+        """Eliminated are poses from the last to the first, then the references."""
+        times = np.concatenate([[node.time_s for node in timeline.nodes] for timeline in timelines])
+        latest_first = np.lexsort((np.arange(len(times)), times))[::-1]
+        order = (*latest_first.tolist(), *keys.present_references)
+        return cls(keys.poses, order, ordering_of(order), Rewalking.of(timelines) if len(timelines) > 1 else None)
 
-    def softened(self, factor: float) -> "Tethers":
-        return replace(self, sigma_m=factor * self.sigma_m)
+    def pose(self, values: gtsam.Values) -> Array:
+        """Poses (poses, 3)."""
+        return np.asarray(gtsam.utilities.extractPose2(values)[: self.poses])
 
-    def error(self, pose: Array) -> float:
-        """Half the sum of squares of what poses (n, 3) exceed, in sigmas."""
-        excess_m = np.maximum(self._apart(pose)[1] - self.max_distance_m, 0.0)
-        return 0.5 * float(np.sum((excess_m / self.sigma_m) ** 2))
+    def of_poses(self, change: gtsam.VectorValues) -> Array:
+        """Changes (poses, 3) of the poses, along their own axes."""
+        return np.asarray(change.vector().reshape(-1, 3)[: self.poses])
 
-    def taut(self, pose: Array, resisting: bool) -> gtsam.GaussianFactorGraph:
-        """The tethers that are exceeded at poses (n, 3), linear in the changes of the poses; resisting: turns too."""
-        apart, distance_m = self._apart(pose)
-        graph = gtsam.GaussianFactorGraph()
-        to_body = to_map(pose[:, 2])[:, :2, :]
-        for i in np.flatnonzero(distance_m > self.max_distance_m):
-            along = apart[i] / distance_m[i]
-            excess_m = distance_m[i] - self.max_distance_m[i]
-            rows = np.array([along, np.sqrt(excess_m / distance_m[i]) * np.array([-along[1], along[0]])])
-            rows, short = rows / self.sigma_m[i], np.array([-excess_m / self.sigma_m[i], 0.0])
-            kept = 2 if resisting else 1
-            a, b = (int(end) for end in self.ends[i])
-            unit = gtsam.noiseModel.Unit.Create(kept)
-            graph.add(
-                gtsam.JacobianFactor(a, rows[:kept] @ to_body[a], b, -rows[:kept] @ to_body[b], short[:kept], unit)
-            )
-        return graph
-
-    def _apart(self, pose: Array) -> tuple[Array, Array]:
-        apart = pose[self.ends[:, 0], :2] - pose[self.ends[:, 1], :2]
-        return apart, np.hypot(apart[:, 0], apart[:, 1])
-
-
-def poses_of(values: gtsam.Values, count: int) -> Array:
-    """Poses (count, 3) with the keys 0 … count - 1."""
-    return np.asarray(gtsam.utilities.extractPose2(values)[:count])
+    def moved(self, values: gtsam.Values, change: gtsam.VectorValues) -> list[gtsam.Values]:
+        """Where a change may lead to: the same to first order."""
+        each = values.retract(change)
+        if self.rewalking is None:
+            return [each]
+        together = gtsam.Values()
+        walked = self.rewalking.walked(self.pose(values), self.of_poses(change))
+        for key, (east_m, north_m, heading_rad) in enumerate(walked.tolist()):
+            together.insert(key, gtsam.Pose2(east_m, north_m, heading_rad))
+        for key in self.order[self.poses :]:
+            together.insert(key, each.atPose2(key))
+        return [together, each]
 
 
 def linearised(
-    graph: gtsam.NonlinearFactorGraph, tethers: Tethers, values: gtsam.Values, poses: int, resisting: bool = False
+    graph: gtsam.NonlinearFactorGraph, tethers: Tethers, values: gtsam.Values, variables: Variables, resisting: bool
 ) -> gtsam.GaussianFactorGraph:
     """The linear system at some values, with the taut tethers; resisting: of Newton's method, not Gauss and his."""
     linear = graph.linearize(values)
-    if len(tethers.ends):
-        linear.push_back(tethers.taut(poses_of(values, poses), resisting))
+    if len(tethers):
+        near = tethers.near(variables.pose(values))
+        linear.push_back(near.factors(near.excess_m > 0.0, near.excess_m if resisting else 0.0 * near.excess_m))
     return linear
 
 
@@ -94,32 +88,93 @@ def minimised(
     graph: gtsam.NonlinearFactorGraph,
     tethers: Tethers,
     values: gtsam.Values,
-    poses: int,
-    order: Sequence[int],
+    variables: Variables,
     least_promise: float,
 ) -> gtsam.Values:
-    """The values of least error, from values near them. poses: how many variables, the first ones, are poses of
-    devices; order: of their elimination; least_promise: fall of the error below which the step
-    that promises it is the last."""
-    ordering = ordering_of(order)
+    """The values of least error, from values near them. least_promise: fall of the error below which the step that
+    promises it is the last."""
 
     def error(at: gtsam.Values) -> float:
-        return float(graph.error(at)) + (tethers.error(poses_of(at, poses)) if len(tethers.ends) else 0.0)
+        return float(graph.error(at)) + (tethers.error(variables.pose(at)) if len(tethers) else 0.0)
 
-    here = error(values)
+    here, taut = error(values), None
     for _ in range(_MOST_STEPS):
-        linear = linearised(graph, tethers, values, poses, resisting=True)
-        change = linear.optimize(ordering, gtsam.EliminateQR)
-        promise = linear.error(gtsam.VectorValues.Zero(change)) - linear.error(change)
-        if promise < least_promise:
-            return values.retract(change)
-        for halving in range(_HALVINGS):
-            share = 0.5**halving
-            there = values.retract(change.scale(share) if halving else change)
-            error_there = error(there)
-            if error_there <= here - 2.0 * _ENOUGH * share * promise:
-                break
-        else:  # rounding leaves no better values
+        step = _step(graph.linearize(values), tethers, values, variables, taut)
+        if step.promise < least_promise:
+            there = values.retract(step.change)
+            return there if error(there) <= here else values
+        found = _along(step, values, variables, error, here)
+        if found is None:  # rounding leaves no better values
             return values
-        values, here = there, error_there
+        (values, here), taut = found, step.taut
     return values
+
+
+@dataclass(frozen=True)
+class _Step:
+    """change: of all variables; promise: by how much the linear system's error falls; taut: (m,) tethers that the
+    change leaves exceeded."""
+
+    change: gtsam.VectorValues
+    promise: float
+    taut: NDArray[np.bool_]
+
+
+def _step(
+    linear: gtsam.GaussianFactorGraph,
+    tethers: Tethers,
+    values: gtsam.Values,
+    variables: Variables,
+    taut: NDArray[np.bool_] | None,
+) -> _Step:
+    """The step of least error in the linear system with those tethers that it leaves exceeded. taut: where the last
+    step left them so."""
+    if not len(tethers):
+        change = _solution(linear, variables)
+        promise = linear.error(values.zeroVectors()) - linear.error(change)
+        return _Step(change, promise, np.zeros(0, dtype=np.bool_))
+    near = tethers.near(variables.pose(values))
+    # Not the graph's own error: a robust factor is linear with its weight, and the square then is not its cost.
+    here = linear.error(values.zeroVectors()) + tethers.error(variables.pose(values))
+    pull_m, before = near.excess_m, np.inf
+    taut = pull_m > 0.0 if taut is None else taut
+    best, tried = _Step(gtsam.VectorValues(), -np.inf, taut), set[bytes]()
+    for _ in range(_SWITCHES):
+        system = gtsam.GaussianFactorGraph()
+        system.push_back(linear)
+        system.push_back(near.factors(taut, pull_m))
+        change = _solution(system, variables)
+        moves = variables.of_poses(change)
+        left = linear.error(change) + near.error(moves, pull_m)
+        pull_m = near.excess_m + near.moved(moves)[0]
+        tried.add(taut.tobytes())
+        taut = pull_m > 0.0
+        if here - left > best.promise:
+            best = _Step(change, here - left, taut)
+        enough = best.promise > 0.0 and before - left < _WORTHWHILE * best.promise
+        if enough or taut.tobytes() in tried:
+            break
+        before = left
+    return best
+
+
+def _solution(linear: gtsam.GaussianFactorGraph, variables: Variables) -> gtsam.VectorValues:
+    return linear.eliminateSequential(variables.ordering, gtsam.EliminateQR).optimize()
+
+
+def _along(
+    step: _Step,
+    values: gtsam.Values,
+    variables: Variables,
+    error: Callable[[gtsam.Values], float],
+    here: float,
+) -> tuple[gtsam.Values, float] | None:
+    """The first values with a lower error, and that, along a step that is halved until there are some."""
+    for halving in range(_HALVINGS):
+        share = 0.5**halving
+        change = step.change.scale(share) if halving else step.change
+        reached = [(there, error(there)) for there in variables.moved(values, change)]
+        there, error_there = min(reached, key=lambda one: one[1])
+        if error_there <= here - 2.0 * _ENOUGH * share * step.promise:
+            return there, error_there
+    return None

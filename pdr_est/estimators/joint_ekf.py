@@ -39,7 +39,10 @@ def smoothed_states(
     """States at all nodes of each device by what all of them tell before and after; where the direction of a device
     is open, by what it tells itself."""
     alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
-    states = [alone_smoothed(stretches) for stretches in alone]
+    # Where the direction of a device is known throughout, all of its states are replaced below.
+    states = [
+        alone_smoothed(own) if len(own) > 1 or own[0].aligned_from != 0 else list(own[0].moments) for own in alone
+    ]
     moments = list(follow(timelines, alone, ties))
     if not moments:
         return states

@@ -5,6 +5,7 @@ from which relative heading priors count, rad. One node of the timeline moves it
 x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in map convention.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, sin
 
@@ -46,6 +47,23 @@ def linearise(state: Array, node: Node) -> tuple[Array, Array]:
     return jacobian, noise
 
 
+def linearise_each(states: Array, nodes: Sequence[Node]) -> tuple[Array, Array, Array]:
+    """`move` (n, 5), and `linearise` (n, 5, 5) twice, of states (n, 5) that nodes (n) follow."""
+    turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
+    heading_rad = states[:, 2] + turn_rad
+    c, s = np.cos(heading_rad), np.sin(heading_rad)
+    scaled_m = states[:, 3] * length_m
+    moved = np.column_stack([states[:, 0] + scaled_m * c, states[:, 1] + scaled_m * s, heading_rad, states[:, 3:]])
+    jacobian = np.tile(np.eye(STATES), (len(nodes), 1, 1))
+    jacobian[:, 0, 2], jacobian[:, 1, 2] = -scaled_m * s, scaled_m * c
+    jacobian[:, 0, 3], jacobian[:, 1, 3] = length_m * c, length_m * s
+    to_map = np.zeros((len(nodes), 3, 3))
+    to_map[:, 0, 0], to_map[:, 0, 1], to_map[:, 1, 0], to_map[:, 1, 1], to_map[:, 2, 2] = c, -s, s, c, 1.0
+    noise = np.zeros((len(nodes), STATES, STATES))
+    noise[:, :3, :3] = to_map @ np.array([node.covariance for node in nodes]) @ to_map.transpose(0, 2, 1)
+    return moved, jacobian, noise
+
+
 def advance(moments: Moments, node: Node) -> Moments:
     """Mean and covariance after the motion that leads to `node`."""
     jacobian, noise = linearise(moments.mean, node)
@@ -71,3 +89,12 @@ def reckon(nodes: tuple[Node, ...], anchor: int, moments: Moments) -> list[Momen
     for node in nodes[anchor + 1 :]:
         later.append(advance(later[-1], node))
     return earlier[:0:-1] + later
+
+
+def reckoned(nodes: Sequence[Node], first: Array) -> Array:
+    """Means (n, 5) of the states at all nodes from that at the first (5,) and the motion between them alone."""
+    turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
+    turn_rad[0], length_m[0] = first[2], 0.0
+    heading_rad = np.cumsum(turn_rad)
+    steps_m = first[3] * length_m[:, None] * np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)
+    return np.column_stack([first[:2] + np.cumsum(steps_m, axis=0), heading_rad, np.tile(first[3:], (len(nodes), 1))])

@@ -6,10 +6,11 @@ from itertools import combinations
 from math import ceil, floor
 from typing import Annotated
 
+import numpy as np
 from annotated_types import Ge, Le
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.timeline import Timeline
+from pdr_est.estimators.timeline import SAME_S, Timeline
 from pdr_est.params import Positive, params
 from pdr_est.records import DeviceTether, StartPose
 
@@ -69,15 +70,15 @@ def ties_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether])
     names = [timeline.device for timeline in timelines]
     if len(set(names)) < len(names):
         raise EstimationError(f"devices {names}: each needs a name of its own")
-    begins_s = [timeline.nodes[0].time_s for timeline in timelines]
+    times_s = [np.array([node.time_s for node in timeline.nodes]) for timeline in timelines]
     ties = []
     for tether in sorted(tethers, key=lambda one: one.time_s):
         ends = (tether.device_a, tether.device_b)
         if not set(ends) <= set(names) or ends[0] == ends[1]:
             raise EstimationError(f"tether between {ends[0]!r} and {ends[1]!r}: name two of {names}")
         a, b = names.index(ends[0]), names.index(ends[1])
-        if max(begins_s[a], begins_s[b]) <= tether.time_s:
-            nodes = (timelines[d].node_at(tether.time_s) for d in (a, b))
+        if max(times_s[a][0], times_s[b][0]) <= tether.time_s:
+            nodes = (int(np.searchsorted(times_s[d], tether.time_s + SAME_S, side="right")) - 1 for d in (a, b))
             ties.append(Tie(tether.time_s, a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m))
     return ties
 

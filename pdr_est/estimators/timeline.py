@@ -3,7 +3,6 @@
 All estimators work on the same timeline, so that their results can be compared number by number.
 """
 
-from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
@@ -52,11 +51,6 @@ class Timeline:
     device: str
     nodes: tuple[Node, ...] = field(repr=False)
     closure_sigma_m: float | None = None
-
-    def node_at(self, time_s: float) -> int:
-        """Number of the last node at or before a time, or of the first one."""
-        times = [node.time_s for node in self.nodes]
-        return max(bisect_right(times, time_s + SAME_S) - 1, 0)
 
     @property
     def fixes(self) -> tuple[PositionFix, ...]:

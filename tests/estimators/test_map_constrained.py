@@ -217,6 +217,14 @@ def test_the_frame_does_not_matter() -> None:
     np.testing.assert_allclose(turned, expected, atol=EXACT)
 
 
+def test_rounding_of_large_variances_is_no_asymmetry() -> None:
+    """Of a walk of 50 000 steps: what is left off the diagonal differs in the last digits of the variances."""
+    apart = np.array([[0.0, 0.0], [9.0, 0.0]])
+    long = np.array([[[4e7, 3e7], [3e7, 3e7]], [[3.1e7, -187.79753112], [-187.79753131, 6.1e6]]])
+    fused = general(apart, long, LIMIT_M)
+    assert np.hypot(*(fused[1] - fused[0])) == pytest.approx(LIMIT_M)
+
+
 def test_unusable_input_is_refused() -> None:
     apart, sigmas = np.array([[0.0, 0.0], [1.0, 0.0]]), np.tile(np.eye(2), (2, 1, 1))
     with pytest.raises(EstimationError, match="finite"):

@@ -16,7 +16,6 @@ LENGTHS_MIN = (10.0, 60.0, 480.0)
 _RECORDED_MIN = 5.0
 _ONLINE_MIN = 2.0
 _SMOOTHED_STEPS = (1_000,)
-_LONGEST_TETHERED_MIN = 60.0  # hours of two devices without any fix take too long to be measured here
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,6 @@ def run_speed(
     recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too; online_min:
     length of the walk that is pushed sample by sample."""
     walks = [(devices, minutes) for devices in (1, 2) for minutes in lengths_min]
-    walks = [(devices, minutes) for devices, minutes in walks if devices == 1 or minutes <= _LONGEST_TETHERED_MIN]
     total = 2 + 2 * len(smoothed_steps) + len(walks)
     done = 0
 
