@@ -37,11 +37,11 @@ def test_the_trials_are_those_of_the_paper() -> None:
 
 def test_figure_4_of_one_trial(tmp_path: Path) -> None:
     figure = experiment("robust_dr_figure4")
-    scenarios = robust_dr_trials(seed=0, trials=2)[1:]
+    scenarios = robust_dr_trials(seed=0, trials=3)[2:]
     table = figure.measured(scenarios)
     (trial,) = table["gyro"]
     assert trial.beats("factor-graph")
-    assert max(trial.reductions("factor-graph")) > 5.0
+    assert max(trial.reductions("factor-graph")) > 20.0
     left, right = (
         trial.tracks["map-closed-form"].of_device(phone).at(trial.time_s)[0] for phone in ("left", "right")
     )
@@ -60,8 +60,8 @@ def test_figure_4_as_recorded() -> None:
     """The smoother beats the closed form where its headings are those of the model, and the clocks matter."""
     document = json.loads((RESULTS / "robust_dr_figure4.json").read_text(encoding="utf-8"))
     gyro = document["headings"]["gyro"]["fusions"]
-    assert gyro["factor-graph"]["beats_closed_form"] >= 8
+    assert gyro["factor-graph"]["beats_closed_form"] >= 9
     further = document["further_trials"]["gyro"]["factor-graph"]
     assert further["trials"] == 100
-    assert further["beats_closed_form"] >= 70
+    assert further["beats_closed_form"] >= 80
     assert 0 < document["headings"]["compass"]["fusions"]["map-closed-form"]["both_better"] < 10
