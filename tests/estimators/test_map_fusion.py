@@ -237,7 +237,10 @@ def errors(estimate: Estimate, feedback: bool, sigmas: tuple[float, ...]) -> tup
 
 @both
 @variants
-@pytest.mark.parametrize("sigmas", [(0.03, 0.03), (0.02, 0.06), (0.06, 0.02), (0.03, 0.03, 0.06)])
+@pytest.mark.parametrize(
+    "sigmas",
+    [(0.03, 0.03), (0.02, 0.06), (0.06, 0.02), pytest.param((0.03, 0.03, 0.06), marks=pytest.mark.slow)],
+)
 def test_covariances_are_honest(estimate: Estimate, feedback: bool, sigmas: tuple[float, ...]) -> None:
     error, covariance = errors(estimate, feedback, sigmas)
     assert coverage95(error[:, 10:].reshape(-1, 2), covariance[:, 10:].reshape(-1, 2, 2), 0.0) >= 0.91
