@@ -81,8 +81,9 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
 
         The distance is measured as the largest one, with sigma_m, and linearised anew where that led to (iterated
         EKF). It tells how the devices' length scales differ and nothing of what they have in common: tracks that
-        disagree are nearer to each other when both are smaller, whatever the truth is. That much is left out of the
-        gain; the covariance is that of the gain which is used (Joseph's form).
+        disagree are nearer to each other when both are smaller, whatever the truth is. That much, the mean over the
+        devices that have entered, is left out of the gain: of all gains that do so this one leaves the least sum of
+        variances. The covariance is that of the gain which is used (Joseph's form).
         """
         a, b = _rows(device_a), _rows(device_b)
         before, at = self.x.copy(), self.x.copy()
@@ -99,7 +100,9 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
             seen = max_distance_m - distance_m - float(jacobian[0] @ (before - at))
             gain = self.P @ jacobian[0] / float(jacobian[0] @ self.P @ jacobian[0] + sigma_m**2)
             at = before + gain * seen
-        gain[_LENGTH_SCALE::STATES] -= gain[_LENGTH_SCALE::STATES].mean()
+        scales = np.arange(_LENGTH_SCALE, len(at), STATES)
+        scales = scales[self.P[scales, scales] > 0.0]
+        gain[scales] -= gain[scales].sum() / max(len(scales), 1)
         rest = np.eye(len(at)) - np.outer(gain, jacobian[0])
         self.x = before + gain * seen
         self.P = rest @ self.P @ rest.T + sigma_m**2 * np.outer(gain, gain)
