@@ -100,14 +100,12 @@ class LagWindow:
         except (RuntimeError, ValueError) as error:
             raise _no_solution(error) from error
 
-    def undo(self, count: int) -> int:
-        """Forget the last items, because they will come again in another form; return how many of them were given
-        out already, and must not come again."""
-        given_out = max(count - len(self._waiting), 0)
-        for _ in range(count - given_out):
+    def undo(self, count: int) -> None:
+        """Forget the last items, because they will come again in another form; those that were given out already
+        must not."""
+        for _ in range(min(count, len(self._waiting))):
             self._waiting.pop()
         self._graph = None
-        return given_out
 
     def until(self, time_s: float) -> list[LaggedPose]:
         """The poses before a time that were not given out yet, by what is known now."""
