@@ -15,6 +15,7 @@ from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array
 
 STATES = 5
+LENGTH_SCALE = 3  # its place in the state
 
 
 @dataclass(frozen=True)
