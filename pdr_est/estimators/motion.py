@@ -7,7 +7,7 @@ x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in map convention.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, sin, sqrt
 
 import numpy as np
 
@@ -24,6 +24,12 @@ class Moments:
 
     mean: Array
     covariance: Array
+
+    @property
+    def length_scale(self) -> tuple[float, float]:
+        """The length scale and its standard deviation."""
+        variance = float(self.covariance[LENGTH_SCALE, LENGTH_SCALE])
+        return float(self.mean[LENGTH_SCALE]), sqrt(max(variance, 0.0))
 
 
 def move(state: Array, node: Node) -> Array:
