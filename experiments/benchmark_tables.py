@@ -10,6 +10,7 @@ import argparse
 import json
 from pathlib import Path
 
+from recorded import RESULTS, write_table
 from rich.console import Console
 
 from pdr_est.benchmark.runner import run_benchmark
@@ -18,7 +19,6 @@ from pdr_est.benchmark.table import print_table
 from pdr_est.benchmark.variant import axis_named, compare
 from pdr_est.config import Config
 
-RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parents[1] / "README.md"
 MARK = "<!-- benchmark -->"
 # What the suites compare, one document for each. The others compare estimators only.
@@ -55,8 +55,7 @@ def main() -> None:
         record(name, first, options.data, options.jobs, name)
         for axis in further:
             record(name, axis, options.data, options.jobs, f"{name}-{axis}s")
-    before, _, after = README.read_text(encoding="utf-8").split(MARK)
-    README.write_text(f"{before}{MARK}\n{readme_table()}\n{MARK}{after}", encoding="utf-8")
+    write_table(MARK, readme_table(), README)
 
 
 def record(suite: str, compared: str, data: Path, jobs: int, stem: str) -> None:

@@ -13,6 +13,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from recorded import write_table
+
 from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.front_end.gait import GaitClassifier, GaitFolds, GaitParams, shipped_folds
@@ -21,7 +23,6 @@ from pdr_est.records import Gait, Step
 from pdr_est.training.gait_files import labelled_files
 
 RESULT = Path(__file__).parent / "results" / "gait_changes.txt"
-README = Path(__file__).parent / "README.md"
 MARK = "<!-- gait changes -->"
 STEPS = 12  # before a change, and after it
 FROM, EVERY = 40, 15  # steps of a recording; its beginning and end are no steady gait
@@ -52,8 +53,7 @@ def main() -> None:
     head = ("change", "joins", "1st step", "2nd", "3rd", "later")
     RESULT.write_text("\n".join("".join(f"{cell:>28}" for cell in cells) for cells in (head, *rows)) + "\n", "utf-8")
     table = "\n".join(f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows))
-    before, _, after = README.read_text(encoding="utf-8").split(MARK)
-    README.write_text(f"{before}{MARK}\n{table}\n{MARK}{after}", encoding="utf-8")
+    write_table(MARK, table)
     print(RESULT.read_text(encoding="utf-8"), end="")
 
 

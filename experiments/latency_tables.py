@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from recorded import write_table
 
 from pdr_est.chains import levelling, stepping
 from pdr_est.config import Config, load_config
@@ -36,8 +37,7 @@ MODES: tuple[Literal["auto", "mmpdr", "fixed"], ...] = ("auto", "mmpdr", "fixed"
 def main() -> None:
     """Write the tables into the page."""
     argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
-    before, _, after = PAGE.read_text(encoding="utf-8").split(MARK)
-    PAGE.write_text(f"{before}{MARK}\n{latency_tables()}\n{MARK}{after}", encoding="utf-8")
+    write_table(MARK, latency_tables(), PAGE)
 
 
 def latency_tables() -> str:

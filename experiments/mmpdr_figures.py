@@ -19,7 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from mmpdr_table10 import CHAINS, errors_of, reckoned
-from mmpdr_walks import HOLDING, POCKET, RESULTS, ROWS, SWING, WALKERS, write
+from mmpdr_walks import HOLDING, POCKET, ROWS, SWING, WALKERS
+from recorded import RESULTS, write
 
 from pdr_est.frames import Array
 from pdr_est.simulate import SimulatedWalk

@@ -18,14 +18,13 @@ Writes experiments/results/mmpdr_table6.json and .txt.
 """
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from recorded import write
 
 from pdr_est.config import Config
 from pdr_est.evaluate.modes import Transitions, confusion, shares, transitions
@@ -34,7 +33,6 @@ from pdr_est.pipeline import analyse
 from pdr_est.records import CarryingMode
 from pdr_est.simulate import SimulatedWalk, mmpdr_mode_walks, simulate_walk
 
-RESULTS = Path(__file__).parent / "results"
 METHODS: tuple[Literal["mmpdr", "auto"], ...] = ("mmpdr", "auto")
 TRUE = (CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET)
 LABELS = (*TRUE, CarryingMode.OTHER, CarryingMode.TRANS, CarryingMode.UNKNOWN)
@@ -62,10 +60,7 @@ def main() -> None:
     options = parser.parse_args()
     scores = measured(options.people, options.seeds)
     text = as_text(scores, options.people, options.seeds)
-    document = json.dumps(as_document(scores, options.people, options.seeds), indent=2)
-    (RESULTS / "mmpdr_table6.json").write_text(document + "\n", encoding="utf-8")
-    (RESULTS / "mmpdr_table6.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
+    write("mmpdr_table6", text, as_document(scores, options.people, options.seeds))
 
 
 def measured(people: int, seeds: Sequence[int]) -> dict[str, Score]:

@@ -13,13 +13,12 @@ Writes experiments/results/mmpdr_table7.json and .txt.
 """
 
 import argparse
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from recorded import write
 
 from pdr_est.config import Config
 from pdr_est.front_end.step_length import (
@@ -34,7 +33,6 @@ from pdr_est.pipeline import analyse
 from pdr_est.records import Step
 from pdr_est.simulate import DeviceParams, PathParams, Person, Scenario, sample_person, simulate_walk
 
-RESULTS = Path(__file__).parent / "results"
 DISTANCE_M = 28.0
 PACES = (0.70, 1.0, 1.22)  # of the usual cadence; with eq. 9 that makes speeds like the paper's 0.72 to 1.88 m/s
 HEIGHTS_M: dict[Gender, tuple[float, float]] = {"male": (1.67, 1.83), "female": (1.56, 1.72)}
@@ -75,10 +73,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     table = measured(walks_of(arguments.people, arguments.seed))
-    text = as_text(table)
-    (RESULTS / "mmpdr_table7.json").write_text(json.dumps(as_document(table), indent=2) + "\n", encoding="utf-8")
-    (RESULTS / "mmpdr_table7.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
+    write("mmpdr_table7", as_text(table), as_document(table))
 
 
 def walks_of(people: int, seed: int) -> list[Walk]:

@@ -1,16 +1,15 @@
 """The walks of MMPDR's (Tian et al. 2016) Tables VIII and IX and of its park, for the scripts that measure them."""
 
 import argparse
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeVar
+
+from recorded import write
 
 from pdr_est.records import CarryingMode
 from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, park_348, simulate_walk
 
-RESULTS = Path(__file__).parent / "results"
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
 WALKERS = 6
 
@@ -58,10 +57,3 @@ def tabulate(
     seeds = parser.parse_args().seeds
     table = {row.words: measured(row, seeds) for row in ROWS}
     write(stem, as_text(table, seeds), as_document(table, seeds))
-
-
-def write(stem: str, text: str, document: Mapping[str, object]) -> None:
-    """Print the text, and write it and the numbers to results/STEM.txt and .json."""
-    (RESULTS / f"{stem}.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
-    (RESULTS / f"{stem}.txt").write_text(text, encoding="utf-8")
-    print(text, end="")

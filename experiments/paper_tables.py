@@ -9,11 +9,10 @@ Nothing is computed anew.
 import argparse
 import json
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
-RESULTS = Path(__file__).parent / "results"
-README = Path(__file__).parent / "README.md"
+from recorded import RESULTS, write_table
+
 _NUMBERS_FROM = 36  # columns of the names in results/mmpdr_table10.txt
 MODES = ("HOLDING", "SWING", "POCKET")
 # Of the paper, which its tables VIII and IX have of each walk; ours are in the results.
@@ -53,12 +52,8 @@ OVERVIEW = """\
 def main() -> None:
     """Write the tables into the page."""
     argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
-    text = README.read_text(encoding="utf-8")
     for name, table in paper_tables().items():
-        mark = f"<!-- {name} -->"
-        before, _, after = text.split(mark)
-        text = f"{before}{mark}\n{table}\n{mark}{after}"
-    README.write_text(text, encoding="utf-8")
+        write_table(f"<!-- {name} -->", table)
 
 
 def paper_tables() -> dict[str, str]:

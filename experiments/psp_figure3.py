@@ -12,13 +12,13 @@ Writes experiments/results/psp_figure3.png, .json and .txt.
 """
 
 import argparse
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from psp_table1 import DEFAULT, LEGS, METHODS, RESULTS, TRAJECTORIES, group_of, settings, with_legs
+from psp_table1 import DEFAULT, LEGS, METHODS, TRAJECTORIES, group_of, settings, with_legs
+from recorded import RESULTS, write
 
 from pdr_est.front_end.heading import HeadingName
 from pdr_est.pipeline import smooth
@@ -56,11 +56,7 @@ def main() -> None:
         panel(trajectory, legs, way, seed) for legs in reversed(LEGS) for trajectory in TRAJECTORIES for way in WAYS
     ]
     draw(panels).savefig(RESULTS / "psp_figure3.png", dpi=80, metadata={"Software": None})
-    text = as_text(panels)
-    document = json.dumps(as_document(panels, seed), indent=2)
-    (RESULTS / "psp_figure3.json").write_text(document + "\n", encoding="utf-8")
-    (RESULTS / "psp_figure3.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
+    write("psp_figure3", as_text(panels), as_document(panels, seed))
 
 
 def panel(trajectory: Trajectory, legs: str, way: str, seed: int) -> Panel:

@@ -24,12 +24,11 @@ Writes experiments/results/psp_table1.json and .txt.
 """
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path as File
 
 import numpy as np
+from recorded import write
 
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array
@@ -47,7 +46,6 @@ from pdr_est.simulate import (
     simulate_walk,
 )
 
-RESULTS = File(__file__).parent / "results"
 METHODS: tuple[HeadingName, ...] = ("psp", "hde", "gyro", "magnetometer")
 DEFAULT: HeadingName = "auto"  # smoothed, as it comes
 TRAJECTORIES: tuple[Trajectory, ...] = ("I", "II")
@@ -95,11 +93,7 @@ def main() -> None:
         for legs in LEGS
         for trajectory in TRAJECTORIES
     ]
-    text = as_text(table)
-    document = json.dumps(as_document(table, arguments.seed), indent=2)
-    (RESULTS / "psp_table1.json").write_text(document + "\n", encoding="utf-8")
-    (RESULTS / "psp_table1.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
+    write("psp_table1", as_text(table), as_document(table, arguments.seed))
 
 
 def measured(trajectory: Trajectory, legs: str, tests: int, seed: int, increments: Sequence[float] = ()) -> Returns:

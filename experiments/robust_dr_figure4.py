@@ -21,7 +21,6 @@ Writes experiments/results/robust_dr_figure4.json, .txt and .png.
 """
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -30,6 +29,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from recorded import RESULTS, write
 
 from pdr_est.config import Config, DevicesParams, StartParams
 from pdr_est.estimators import EstimatorName
@@ -48,7 +48,6 @@ from pdr_est.simulate import (
 from pdr_est.synchronise import ClockMethod
 from pdr_est.track import Track
 
-RESULTS = Path(__file__).parent / "results"
 Chain = Literal["compass", "gyro"]
 CHAINS: dict[Chain, HeadingName] = {"compass": "magnetometer", "gyro": "auto"}
 BEFORE: EstimatorName = "dead-reckoning"
@@ -105,12 +104,9 @@ def main() -> None:
     table = measured(scenarios)
     clocks = of_clock_errors(scenarios)
     further = measured(robust_dr_trials(OTHER_SEED + arguments.seed, arguments.trials)) if arguments.trials else None
-    text = as_text(table, clocks, further)
-    document = json.dumps(as_document(table, clocks, further, arguments.seed), indent=2)
-    (RESULTS / "robust_dr_figure4.json").write_text(document + "\n", encoding="utf-8")
-    (RESULTS / "robust_dr_figure4.txt").write_text(text, encoding="utf-8")
     plot(table["compass"], RESULTS / "robust_dr_figure4.png")
-    print(text, end="")
+    text = as_text(table, clocks, further)
+    write("robust_dr_figure4", text, as_document(table, clocks, further, arguments.seed))
 
 
 def measured(scenarios: Sequence[Scenario]) -> dict[Chain, list[Trial]]:

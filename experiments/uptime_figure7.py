@@ -17,7 +17,6 @@ Writes experiments/results/uptime_figure7.png, .json and .txt.
 """
 
 import argparse
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,6 +27,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
+from recorded import RESULTS, write
 
 from pdr_est.benchmark.files import recordings
 from pdr_est.config import Config
@@ -41,7 +41,6 @@ from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, 
 
 Array = NDArray[np.float64]
 
-RESULTS = Path(__file__).parent / "results"
 MODELS: tuple[LengthModel, ...] = ("static", "gait-table", "auto")
 COLOURS = {"static": "#b3462b", "gait-table": "#c9962f", "auto": "#1f6f8b"}
 PACES = (1.0, 0.7, 1.22, 0.85, 1.1)  # of the usual cadence, in the order of the simulated trip
@@ -87,11 +86,8 @@ def main() -> None:
         "known-distance": known_distance_trip(options.data / "known-distance"),
         "stride-length": stride_length_trip(options.data / "stride-length"),
     }
-    text = as_text(trips)
-    (RESULTS / "uptime_figure7.json").write_text(json.dumps(as_document(trips), indent=2) + "\n", encoding="utf-8")
-    (RESULTS / "uptime_figure7.txt").write_text(text, encoding="utf-8")
     draw(trips, RESULTS / "uptime_figure7.png")
-    print(text, end="")
+    write("uptime_figure7", as_text(trips), as_document(trips))
 
 
 def simulated_trip(seed: int, paces: Sequence[float] = PACES) -> list[Walk]:

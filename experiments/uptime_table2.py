@@ -9,13 +9,13 @@ it to experiments/results/ and experiments/README.md.
 """
 
 import argparse
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from recorded import write, write_table
 
 from pdr_est import pipeline
 from pdr_est.benchmark.suites import gait
@@ -25,8 +25,6 @@ from pdr_est.front_end.step_length import LENGTH_MODELS, StepLength, StepLengthP
 from pdr_est.io import read
 from pdr_est.records import Step
 
-RESULTS = Path(__file__).parent / "results"
-README = Path(__file__).parent / "README.md"
 MARK = "<!-- uptime table 2 -->"
 PAPER_M = {"walking": 0.74, "jogging": 1.01, "running": 1.70}
 MODELS = ("auto", "range-power", "gait-table")
@@ -64,12 +62,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True)
     document = as_document(list(measured(parser.parse_args().data)))
-    text = as_text(document)
-    (RESULTS / "uptime_table2.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
-    (RESULTS / "uptime_table2.txt").write_text(text, encoding="utf-8")
-    before, _, after = README.read_text(encoding="utf-8").split(MARK)
-    README.write_text(f"{before}{MARK}\n{as_markdown(document)}\n{MARK}{after}", encoding="utf-8")
-    print(text, end="")
+    write("uptime_table2", as_text(document), document)
+    write_table(MARK, as_markdown(document))
 
 
 def measured(data: Path) -> Iterable[Walk]:

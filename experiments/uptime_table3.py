@@ -7,20 +7,18 @@ Prints the table and writes it to experiments/results/ and experiments/README.md
 """
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from recorded import write, write_table
 
 from pdr_est.benchmark.result import BenchmarkResult
 from pdr_est.benchmark.runner import run_benchmark
 from pdr_est.benchmark.variant import compare
 from pdr_est.config import Config
 
-RESULTS = Path(__file__).parent / "results"
-README = Path(__file__).parent / "README.md"
 MARK = "<!-- uptime table 3 -->"
 DETECTORS = ("uptime-fsm", "local-variance", "zero-crossing", "auto")
 
@@ -60,12 +58,8 @@ def main() -> None:
     options = parser.parse_args()
     comparison = compare(Config(), "detector", DETECTORS)
     table = measured(run_benchmark("oxford-steps", options.data, comparison, options.jobs))
-    text = as_text(table)
-    (RESULTS / "uptime_table3.json").write_text(json.dumps(as_document(table), indent=2) + "\n", encoding="utf-8")
-    (RESULTS / "uptime_table3.txt").write_text(text, encoding="utf-8")
-    before, _, after = README.read_text(encoding="utf-8").split(MARK)
-    README.write_text(f"{before}{MARK}\n{as_markdown(table)}\n{MARK}{after}", encoding="utf-8")
-    print(text, end="")
+    write("uptime_table3", as_text(table), as_document(table))
+    write_table(MARK, as_markdown(table))
 
 
 def measured(result: BenchmarkResult) -> Table:

@@ -8,13 +8,13 @@ stride (`auto`). Prints the matrices and writes them to experiments/results/, an
 """
 
 import argparse
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from recorded import write, write_table
 
 from pdr_est.benchmark.confusion import Confusion
 from pdr_est.benchmark.runner import run_benchmark
@@ -24,8 +24,6 @@ from pdr_est.evaluate.gait import KNOWN, accuracies, recalls
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.records import Gait
 
-RESULTS = Path(__file__).parent / "results"
-README = Path(__file__).parent / "README.md"
 MARK = "<!-- uptime table 4 -->"
 METHODS: tuple[Literal["uptime", "auto"], ...] = ("uptime", "auto")
 PLACES = {"pocket": "motionsense", "belt": "sisfall", "both": "all"}  # in words: as the suite names it
@@ -54,12 +52,8 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
     table = [paper(), *(matrix for method in METHODS for matrix in measured(method, options.data, options.jobs))]
-    text = as_text(table)
-    (RESULTS / "uptime_table4.json").write_text(json.dumps(as_document(table), indent=2) + "\n", encoding="utf-8")
-    (RESULTS / "uptime_table4.txt").write_text(text, encoding="utf-8")
-    before, _, after = README.read_text(encoding="utf-8").split(MARK)
-    README.write_text(f"{before}{MARK}\n{as_markdown(table)}\n{MARK}{after}", encoding="utf-8")
-    print(text, end="")
+    write("uptime_table4", as_text(table), as_document(table))
+    write_table(MARK, as_markdown(table))
 
 
 def paper() -> Matrix:

@@ -71,6 +71,11 @@ class Mounting:
     forward_m: Reach = 0.0
     left_m: Reach = 0.0
 
+    @property
+    def offset_m(self) -> tuple[float, float]:
+        """Forward and left."""
+        return self.forward_m, self.left_m
+
 
 @params
 class DevicesParams:

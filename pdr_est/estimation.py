@@ -57,6 +57,5 @@ def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_
 
 def with_person(track: Track, config: Config) -> Track:
     """The tracks of the devices, each where it sits on the body, and that of the person."""
-    mountings = {name: config.devices.mounting_of(name) for name in track.devices}
-    offsets_m = {name: (one.forward_m, one.left_m) for name, one in mountings.items()}
-    return concatenate([*(carried(track.of_device(name), offsets_m[name]) for name in track.devices), fuse(track)])
+    placed = [carried(track.of_device(name), config.devices.mounting_of(name).offset_m) for name in track.devices]
+    return concatenate([*placed, fuse(track)])

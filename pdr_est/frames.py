@@ -26,6 +26,13 @@ def rotation_matrix(heading_rad: float) -> Array:
     return np.array([[c, -s], [s, c]])
 
 
+def turned(vectors: Array, angle_rad: ArrayLike) -> Array:
+    """Vectors (..., 2) in the plane, each turned counter-clockwise by its angle (...)."""
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
 def up_in_device(quaternion: Array) -> Array:
     """Unit vector up, in device coordinates, for quaternions device -> level (n, 4), w first. Shape (n, 3)."""
     w, x, y, z = quaternion.T

@@ -21,7 +21,7 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
     states = _states(timeline, start, sigma_length_scale)
     mean = np.array([state.mean for state in states])
     covariance = np.array([state.covariance[:3, :3] for state in states])
-    scale = (float(mean[-1, 3]), float(np.sqrt(states[-1].covariance[3, 3])))
+    scale = states[-1].length_scale
     return track_from_nodes(timeline, mean[:, :2], mean[:, 2], covariance, "filtered", NAME, scale)
 
 

@@ -41,8 +41,7 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
     stretches = run_filter(timeline, start, sigma_length_scale)
     pose = np.concatenate([stretch.pose for stretch in stretches])
     covariance = np.concatenate([stretch.covariance for stretch in stretches])
-    end = stretches[-1].end
-    scale = (float(end.mean[3]), float(np.sqrt(end.covariance[3, 3])))
+    scale = stretches[-1].end.length_scale
     return track_from_nodes(timeline, pose[:, :2], pose[:, 2], covariance, "filtered", NAME, scale)
 
 

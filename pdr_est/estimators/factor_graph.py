@@ -206,7 +206,7 @@ class _WalkGraph:
 
     def held(self, values: gtsam.Values) -> bool:
         """Whether tethers were added where the tracks part in between."""
-        more = self._holding.exceeded(self.poses(values))
+        more, self._holding = self._holding.exceeded(self.poses(values))
         self.tethers = self.tethers + more
         return len(more) > 0
 
@@ -215,7 +215,8 @@ class _WalkGraph:
         return self.variables.pose(values)
 
     def untold_scale(self, values: gtsam.Values, length_scale: Array, sigma: float) -> _Scale:
-        """Of a walk in which no position is measured: as before, and each pose moves with the steps up to it."""
+        """Of a walk in which no position is measured: sigma is the prior's, and each pose moves with the steps up to
+        it."""
         heading = self.poses(values)[:, 2]
         moved = np.zeros((self.keys.poses, 3, len(length_scale)))
         for d, (timeline, first) in enumerate(zip(self._timelines, self.keys.first, strict=True)):

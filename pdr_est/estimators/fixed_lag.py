@@ -71,8 +71,7 @@ class _Delayed:
     def __init__(self, stretches: Sequence[Stretch], lag_s: float) -> None:
         self._pose = np.concatenate([_known_later(stretch, lag_s)[0] for stretch in stretches])
         self._covariance = np.concatenate([_known_later(stretch, lag_s)[1] for stretch in stretches])
-        end = stretches[-1].end
-        self._scale = (float(end.mean[3]), float(np.sqrt(end.covariance[3, 3])))
+        self._scale = stretches[-1].end.length_scale
         self.followed: list[int] = []
         begin = 0
         for stretch in stretches:

@@ -14,14 +14,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.person_heading import heading_of_person
+from pdr_est.estimators.person_heading import LEAST_VARIANCE, heading_of_person
 from pdr_est.estimators.person_steps import SAME_STEP_S, present_at, steps_of_person
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.estimators.timeline import SAME_S
+from pdr_est.frames import Array, turned, wrap_angle
 from pdr_est.track import Track
 
 NAME = "fused"
-_LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
-_SAME_S = 1e-9  # times that are no further apart are the same moment
 
 
 def fuse(track: Track) -> Track:
@@ -61,17 +60,14 @@ def carried(track: Track, offset_m: tuple[float, float]) -> Track:
     """The track of a device that sits offset_m, forward and left, from the centre of the body whose track it is."""
     if offset_m == (0.0, 0.0):
         return track
-    ahead, aside = offset_m
-    c, s = np.cos(track.heading_rad), np.sin(track.heading_rad)
-    moved = np.stack([c * ahead - s * aside, s * ahead + c * aside], axis=1)
-    return replace(track, position_m=track.position_m + moved)
+    return replace(track, position_m=track.position_m + turned(np.array(offset_m), track.heading_rad))
 
 
 def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Covariance intersection with equal weights of the estimates (d, n, k) with covariances (d, n, k, k) that are
     present (d, n)."""
     weights = present / present.sum(axis=0)
-    information = weights[..., None, None] * np.linalg.inv(covariance + _LEAST_VARIANCE * np.eye(mean.shape[-1]))
+    information = weights[..., None, None] * np.linalg.inv(covariance + LEAST_VARIANCE * np.eye(mean.shape[-1]))
     joined = np.linalg.inv(information.sum(axis=0))
     weighted = np.einsum("dnij,dnj->ni", information, mean)
     return np.einsum("nij,nj->ni", joined, weighted), joined
@@ -81,6 +77,6 @@ def _modes(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -
     """The carrying mode (n,) of the device that is surest of its heading, of those that are present (d, n)."""
     sigma = np.array([float(np.mean(one.sigma_heading_rad)) for one in tracks])
     whose = np.argmin(np.where(present, sigma[:, None], np.inf), axis=0)
-    rows = [np.minimum(np.searchsorted(one.time_s, time_s - _SAME_S), len(one) - 1) for one in tracks]
+    rows = [np.minimum(np.searchsorted(one.time_s, time_s - SAME_S), len(one) - 1) for one in tracks]
     modes = np.stack([one.mode[row] for one, row in zip(tracks, rows, strict=True)])
     return np.asarray(modes[whose, np.arange(len(time_s))])

@@ -54,10 +54,16 @@ class Tethers:
         sigma_m: Array,
     ) -> "Tethers":
         """With sigmas that do not make the elimination fail."""
-        return cls(earlier, later, share, max_distance_m, np.maximum(sigma_m, LEAST_SIGMA))
+        at_pose = np.where(earlier == later, 1.0, share)
+        return cls(earlier, later, at_pose, max_distance_m, np.maximum(sigma_m, LEAST_SIGMA))
 
     def __len__(self) -> int:
         return len(self.max_distance_m)
+
+    @property
+    def ends(self) -> Array:
+        """What tells their places (m, 6); two tethers with the same ones are one."""
+        return np.concatenate([self.earlier, self.later, self.share], axis=1)
 
     def __add__(self, others: "Tethers") -> "Tethers":
         return Tethers(

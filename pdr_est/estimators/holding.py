@@ -27,7 +27,7 @@ _WITHIN = 0.02  # of the largest distance, that tracks may exceed it by before a
 @dataclass(frozen=True)
 class Holding:
     """Every moment at which the lines of two tethered tracks may be farthest apart, pair by pair, as the tether that
-    it would take. stretch (m,): number of the tether that it is before, and after the one before that."""
+    it would take; none that is a tie already. stretch (m,): number of the tie that comes next, pair by pair."""
 
     tethers: Tethers
     stretch: NDArray[np.int64]
@@ -46,17 +46,24 @@ class Holding:
                 tethers = tethers + _between(rows[a], rows[b], time_s, own, stretch)
                 stretches.append(stretch + count)
             count += len(own)
-        return cls(tethers, np.concatenate(stretches))
+        held = Tethers.of(ties, keys)
+        _, first = np.unique(np.concatenate([held.ends, tethers.ends]), axis=0, return_index=True)
+        return cls(tethers, np.concatenate(stretches))._only(np.sort(first[first >= len(held)]) - len(held))
 
-    def exceeded(self, pose: Array) -> Tethers:
-        """Tethers where poses (n, 3) exceed the distance most, one in each stretch in which they do."""
+    def exceeded(self, pose: Array) -> tuple[Tethers, "Holding"]:
+        """Tethers where poses (n, 3) exceed the distance most, one in each stretch in which they do, and what is left
+        without these: a tether gives way, and one that was added twice would be stricter than it should."""
         if not len(self.tethers):
-            return self.tethers
+            return self.tethers, self
         excess = self.tethers.near(pose).excess_m / self.tethers.max_distance_m
         order = np.lexsort((-excess, self.stretch))
         _, worst = np.unique(self.stretch[order], return_index=True)
         chosen = order[worst]
-        return self.tethers.only(chosen[excess[chosen] > _WITHIN])
+        chosen = chosen[excess[chosen] > _WITHIN]
+        return self.tethers.only(chosen), self._only(np.delete(np.arange(len(self.stretch)), chosen))
+
+    def _only(self, chosen: NDArray[np.int64]) -> "Holding":
+        return Holding(self.tethers.only(chosen), self.stretch[chosen])
 
 
 @dataclass(frozen=True)

@@ -171,6 +171,7 @@ class _Filtered:
         self._end = state
 
     def track(self) -> Track:
-        scale = (float(self._end.mean[3]), float(np.sqrt(self._end.covariance[3, 3])))
         position_m, heading_rad = self._pose[:, :2], self._pose[:, 2]
-        return track_from_nodes(self._timeline, position_m, heading_rad, self._covariance, "filtered", NAME, scale)
+        return track_from_nodes(
+            self._timeline, position_m, heading_rad, self._covariance, "filtered", NAME, self._end.length_scale
+        )

@@ -9,10 +9,9 @@ import numpy as np
 
 from pdr_est.estimators.gtsam_factors import LEAST_SIGMA
 from pdr_est.estimators.gtsam_marginals import to_map
-from pdr_est.estimators.motion import STATES, Moments
+from pdr_est.estimators.motion import LENGTH_SCALE, STATES, Moments
 from pdr_est.frames import Array
 
-_SCALE = 3  # its place among the states of a device
 _PARTS = 4  # of a device's state without it: east, north, heading, reference direction
 _ANYWHERE_M = 1.0  # sigma of where a reference is, which is of no meaning
 
@@ -28,8 +27,8 @@ class Known:
     @classmethod
     def of_filter(cls, mean: Array, covariance: Array, scale: Array, devices: Sequence[int]) -> "Known":
         """From a filter's state (5 n,): what it says of some devices if the scales (n,) are these."""
-        others = [STATES * d + i for d in devices for i in range(STATES) if i != _SCALE]
-        of_scales = [STATES * d + _SCALE for d in devices]
+        others = [STATES * d + i for d in devices for i in range(STATES) if i != LENGTH_SCALE]
+        of_scales = [STATES * d + LENGTH_SCALE for d in devices]
         across = covariance[np.ix_(others, of_scales)]
         gain = across @ np.linalg.pinv(covariance[np.ix_(of_scales, of_scales)], hermitian=True)
         moved = gain @ (scale[list(devices)] - mean[of_scales])
@@ -43,16 +42,16 @@ def of_entering(moments: Moments, scale: float) -> Known:
 
 def scales(mean: Array) -> Array:
     """The length scales (n,) in a filter's state (5 n,)."""
-    return mean[_SCALE::STATES].copy()
+    return mean[LENGTH_SCALE::STATES].copy()
 
 
 def pose_per_scale(covariance: Array, device: int) -> Array:
     """How the pose (3,) of a device moves with its length scale, by a filter's covariance; zero for a known scale."""
     first = STATES * device
-    variance = covariance[first + _SCALE, first + _SCALE]
+    variance = covariance[first + LENGTH_SCALE, first + LENGTH_SCALE]
     if variance <= 0.0:
         return np.zeros(3)
-    return np.asarray(covariance[first : first + 3, first + _SCALE] / variance)
+    return np.asarray(covariance[first : first + 3, first + LENGTH_SCALE] / variance)
 
 
 def prior_factors(

@@ -13,7 +13,7 @@ from pdr_est.estimators.gtsam_factors import LEAST_SIGMA, add_measurements, disp
 from pdr_est.estimators.gtsam_marginals import to_map
 from pdr_est.estimators.lag_params import FixedLagParams
 from pdr_est.estimators.lag_prior import Known, of_entering, pose_per_scale, prior_factors, scales
-from pdr_est.estimators.motion import Moments
+from pdr_est.estimators.motion import LENGTH_SCALE, STATES, Moments
 from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array
 
@@ -100,14 +100,12 @@ class LagWindow:
         except (RuntimeError, ValueError) as error:
             raise _no_solution(error) from error
 
-    def undo(self, count: int) -> int:
-        """Forget the last items, because they will come again in another form; return how many of them were given
-        out already, and must not come again."""
-        given_out = max(count - len(self._waiting), 0)
-        for _ in range(count - given_out):
+    def undo(self, count: int) -> None:
+        """Forget the last items, because they will come again in another form; those that were given out already
+        must not."""
+        for _ in range(min(count, len(self._waiting))):
             self._waiting.pop()
         self._graph = None
-        return given_out
 
     def until(self, time_s: float) -> list[LaggedPose]:
         """The poses before a time that were not given out yet, by what is known now."""
@@ -153,7 +151,7 @@ class _Graph:
 
     def outdated_by(self, item: Followed) -> bool:
         """Whether the filter believes in other length scales than this window has."""
-        sigma = np.sqrt(np.maximum(np.diag(item.covariance)[3::5], 0.0))
+        sigma = np.sqrt(np.maximum(np.diag(item.covariance)[LENGTH_SCALE::STATES], 0.0))
         moved = np.abs(scales(item.mean) - self._scale) > _SCALE_TOLERANCE * sigma + 1e-9
         return bool(moved[sorted(item.present)].any())
 
@@ -183,8 +181,9 @@ class _Graph:
         key = self._keys[0]
         pose = self._smoother.calculateEstimatePose2(key)
         mean = np.array([pose.x(), pose.y(), pose.theta()])
-        variance = max(float(self._last.covariance[5 * item.device + 3, 5 * item.device + 3]), 0.0)
-        scale = (float(self._last.mean[5 * item.device + 3]), float(np.sqrt(variance)))
+        place = STATES * item.device + LENGTH_SCALE
+        variance = max(float(self._last.covariance[place, place]), 0.0)
+        scale = (float(self._last.mean[place]), float(np.sqrt(variance)))
         if not item.node.is_step:
             return LaggedPose(item.device, item.node, mean, np.full((3, 3), np.nan), scale)
         turn, per_scale = to_map(mean[2:])[0], pose_per_scale(item.covariance, item.device)
@@ -246,7 +245,7 @@ class _Graph:
 
 
 def _own(item: Followed) -> Moments:
-    own = slice(5 * item.device, 5 * item.device + 5)
+    own = slice(STATES * item.device, STATES * (item.device + 1))
     return Moments(item.mean[own], item.covariance[own, own])
 
 

@@ -36,9 +36,8 @@ from pdr_est.track import Track, concatenate
 
 CLOSED_FORM, GENERAL = "map-closed-form", "map-general"
 
-_RIM = (
-    0.75  # of D^2, the mean square per axis between a point on the rim of a disc of radius D and one anywhere in it
-)
+# Of D^2: the mean square per axis between a point on the rim of a disc of radius D and one anywhere in it.
+_RIM = 0.75
 
 
 @params

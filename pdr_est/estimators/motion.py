@@ -7,7 +7,7 @@ x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in map convention.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, sin, sqrt
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array
 
 STATES = 5
+LENGTH_SCALE = 3  # its place in the state
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,12 @@ class Moments:
 
     mean: Array
     covariance: Array
+
+    @property
+    def length_scale(self) -> tuple[float, float]:
+        """The length scale and its standard deviation."""
+        variance = float(self.covariance[LENGTH_SCALE, LENGTH_SCALE])
+        return float(self.mean[LENGTH_SCALE]), sqrt(max(variance, 0.0))
 
 
 def move(state: Array, node: Node) -> Array:

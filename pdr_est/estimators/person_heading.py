@@ -17,7 +17,7 @@ from pdr_est.track import Track
 
 _BEND_RAD = 0.26  # a range of the headings beyond which the walker turns, as within a stride in the front end
 _HALF_WINDOWS = (4, 2)  # steps to either side: four strides, or two, whichever is without a bend first
-_LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
+LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
 
 
 def heading_of_person(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -38,7 +38,7 @@ def over_strides(heading_rad: Array, variance: Array) -> tuple[Array, Array]:
     """
     mean, spread = heading_rad.copy(), variance.copy()
     undecided = np.ones(len(heading_rad), dtype=np.bool_)
-    undecided[0] = variance[0] > _LEAST_VARIANCE
+    undecided[0] = variance[0] > LEAST_VARIANCE
     for half in _HALF_WINDOWS:
         width = 2 * half + 1
         if len(heading_rad) < width + 1:  # the start is no step
@@ -77,6 +77,6 @@ def _of_devices(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool
         variances.append(np.interp(time_s, one.time_s, np.square(one.sigma_heading_rad)))
     variance = np.stack(variances)
     usual = np.sum(variance * present, axis=1) / np.maximum(present.sum(axis=1), 1)
-    say = present / (usual + _LEAST_VARIANCE)[:, None]
+    say = present / (usual + LEAST_VARIANCE)[:, None]
     say /= say.sum(axis=0)
     return np.unwrap(np.sum(say * np.stack(headings), axis=0)), np.sum(say * variance, axis=0)

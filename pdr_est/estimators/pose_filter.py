@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
-from pdr_est.estimators.motion import STATES, Moments, linearise, move
+from pdr_est.estimators.motion import LENGTH_SCALE, STATES, Moments, linearise, move
 from pdr_est.estimators.robust import huber_inflation
 from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array, wrap_angle
@@ -14,7 +14,6 @@ from pdr_est.records import HeadingPrior, PositionFix
 _POSITION = np.eye(2, STATES)
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
 _RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
-_LENGTH_SCALE = 3  # place in the state
 _TETHER_ROUNDS = 3  # a distance is not linear in the positions
 
 
@@ -81,8 +80,9 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
 
         The distance is measured as the largest one, with sigma_m, and linearised anew where that led to (iterated
         EKF). It tells how the devices' length scales differ and nothing of what they have in common: tracks that
-        disagree are nearer to each other when both are smaller, whatever the truth is. That much is left out of the
-        gain; the covariance is that of the gain which is used (Joseph's form).
+        disagree are nearer to each other when both are smaller, whatever the truth is. That much, the mean over the
+        devices that have entered, is left out of the gain: of all gains that do so this one leaves the least sum of
+        variances. The covariance is that of the gain which is used (Joseph's form).
         """
         a, b = _rows(device_a), _rows(device_b)
         before, at = self.x.copy(), self.x.copy()
@@ -99,7 +99,9 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
             seen = max_distance_m - distance_m - float(jacobian[0] @ (before - at))
             gain = self.P @ jacobian[0] / float(jacobian[0] @ self.P @ jacobian[0] + sigma_m**2)
             at = before + gain * seen
-        gain[_LENGTH_SCALE::STATES] -= gain[_LENGTH_SCALE::STATES].mean()
+        scales = np.arange(LENGTH_SCALE, len(at), STATES)
+        scales = scales[self.P[scales, scales] > 0.0]
+        gain[scales] -= gain[scales].sum() / max(len(scales), 1)
         rest = np.eye(len(at)) - np.outer(gain, jacobian[0])
         self.x = before + gain * seen
         self.P = rest @ self.P @ rest.T + sigma_m**2 * np.outer(gain, gain)

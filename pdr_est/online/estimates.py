@@ -71,6 +71,5 @@ class Estimates:
 
     def _of_device(self, kind: Kind, pose: Pose) -> Update:
         name = self._names[pose.device]
-        mounting = self._devices.mounting_of(name)
-        offset_m = (mounting.forward_m, mounting.left_m) if len(self._names) > 1 else (0.0, 0.0)
+        offset_m = self._devices.mounting_of(name).offset_m if len(self._names) > 1 else (0.0, 0.0)
         return placed(update_of(pose, name, kind), offset_m)

@@ -88,13 +88,14 @@ class Person:
 
     def forget(self, before_s: float) -> None:
         """Moments before a time will not change any more."""
-        for times_s, poses in zip(self._times_s, self._poses, strict=True):
-            count = max(bisect_left(times_s, before_s) - 1, 0)  # one stays, from which the device moves on
+        # Of each device one stays, from which it moves on.
+        counts = [max(bisect_left(times_s, before_s) - 1, 0) for times_s in self._times_s]
+        for times_s, poses, count in zip(self._times_s, self._poses, counts, strict=True):
             for time_s in times_s[:count]:
                 del poses[time_s]
             del times_s[:count]
-            if count:
-                self._due = {time_s for time_s in self._due if time_s >= before_s}
+        if any(counts):
+            self._due = {time_s for time_s in self._due if time_s >= before_s}
         while self._given and next(iter(self._given)) < before_s:
             self._given.popitem(last=False)
 

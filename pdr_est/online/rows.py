@@ -4,8 +4,6 @@ from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array
@@ -59,7 +57,7 @@ class Rows:
         own = state.alone[device]
         alone = own is not None and (state.joint is None or not own.directed)
         pose, covariance = (own.pose, own.covariance) if own is not None and alone else moments_of_pose(moments)
-        scale = (float(moments.mean[3]), float(np.sqrt(max(moments.covariance[3, 3], 0.0))))
+        scale = moments.length_scale
         self._new[device, pending.step] = Row(device, pending.node, pose, covariance, scale)
 
     def changed(self) -> list[Row]:

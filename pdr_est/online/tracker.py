@@ -27,7 +27,7 @@ class Tracker:
 
     The estimates of kind "filtered" are those of the estimator `ekf` on all that is known by then: however the
     recording is cut, and in whatever order the blocks of its devices come within `OnlineParams.wait_s` of each other,
-    the last update of each pose equals the pose of `ekf` on the whole recording with `devices.clock: given`. With
+    the last update of each pose equals the pose of `ekf` on the whole recording with `devices.clock: none`. With
     `estimator.name: fixed-lag` there are those of kind "delayed" besides. Of several devices there are those of the
     person, device "fused", besides (`person.Person`).
 
@@ -69,6 +69,7 @@ class Tracker:
 
             self._delayed = Delayed(self._config.estimator.fixed_lag, self._config.devices.tether)
             behind_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s
+        self._lag_s = behind_s.get("delayed")
         self._estimates = Estimates(self._names, self._fronts, self._config.devices, online.wait_s, behind_s)
         self._flushed = False
         self.refused_fixes = 0
@@ -87,9 +88,7 @@ class Tracker:
     @property
     def lag_s(self) -> float | None:
         """How long after a step its delayed estimate comes, once a later step is known; None without."""
-        if self._delayed is None:
-            return None
-        return self._online.settle_s + self._config.estimator.fixed_lag.lag_s
+        return self._lag_s
 
     @property
     def late_steps(self) -> int:

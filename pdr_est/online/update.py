@@ -8,7 +8,7 @@ import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.timeline import Node
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.frames import Array, turned, wrap_angle
 from pdr_est.records import CarryingMode
 from pdr_est.track import Track
 
@@ -102,6 +102,4 @@ def placed(update: Update, offset_m: tuple[float, float]) -> Update:
     """The update of a device that sits offset_m, forward and left, from the centre of the body whose pose it is."""
     if offset_m == (0.0, 0.0):
         return update
-    ahead, aside = offset_m
-    c, s = np.cos(update.heading_rad), np.sin(update.heading_rad)
-    return replace(update, position_m=update.position_m + np.array([c * ahead - s * aside, s * ahead + c * aside]))
+    return replace(update, position_m=update.position_m + turned(np.array(offset_m), update.heading_rad))

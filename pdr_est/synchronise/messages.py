@@ -74,10 +74,10 @@ def _stamps(recording: Recording, first: DeviceRecording, other: DeviceRecording
 
 def _as_recorded(stamps_s: Array, recording: Recording, device: DeviceRecording) -> Array:
     """Stamps in the recorder's seconds or in Unix time, on the times that the recording has for the device."""
-    span_s = device.span_s
-    unix = (stamps_s > _EPOCH_FROM_S) & (span_s is None or span_s[1] < _EPOCH_FROM_S)
     if recording.epoch_s is None:
         return stamps_s + device.moved_s
+    span_s = device.span_s
+    unix = (stamps_s > _EPOCH_FROM_S) & (span_s is None or span_s[1] < _EPOCH_FROM_S)
     return np.where(unix, stamps_s - recording.epoch_s, stamps_s + device.moved_s)
 
 

@@ -7,6 +7,8 @@ import pytest
 from walks import SIGMA_SCALE, STEP_S, step
 
 from pdr_est.estimators import joint_ekf
+from pdr_est.estimators.motion import Moments
+from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.timeline import Timeline, build_timeline
 from pdr_est.records import DeviceTether, StartPose
 from pdr_est.track import Track
@@ -52,3 +54,21 @@ def test_devices_that_find_other_lengths_meet_in_the_middle() -> None:
     assert np.mean(ends_m) == pytest.approx(0.7 * STEPS, rel=0.01)
     # What both have in common stays as uncertain as the mean of two scales of which nothing is known.
     assert np.mean([track.sigma_length_scale**2 for track in tied]) > 0.5 * SIGMA_SCALE**2
+
+
+def test_a_device_that_has_not_begun_has_no_part_in_what_the_others_have_in_common() -> None:
+    """The first one has walked, and would be nearer if its steps were shorter; the second one stands."""
+    walked, stood = np.diag([1.0, 1.0, 0.0, SIGMA_SCALE**2, 0.0]), np.diag([1.0, 1.0, 0.0, SIGMA_SCALE**2, 0.0])
+    walked[0, 3] = walked[3, 0] = 0.5 * SIGMA_SCALE
+    scales = []
+    for count in (2, 3):
+        joint = PoseFilter(count)
+        joint.enter(Moments(np.array([3.0, 0.0, 0.0, 1.0, 0.0]), walked), 0)
+        joint.enter(Moments(np.array([0.0, 0.0, 0.0, 1.0, 0.0]), stood), 1)
+        joint.keep_together(0, 1, REACH_M, 0.02)
+        scales.append(joint.x[[3, 8]])
+        assert not joint.x[10:].any()
+        assert not joint.P[10:].any()
+    assert scales[0][0] < 0.98
+    assert np.mean(scales[0]) == pytest.approx(1.0, abs=1e-12)
+    assert scales[1] == pytest.approx(scales[0], abs=1e-12)

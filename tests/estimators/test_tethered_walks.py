@@ -107,11 +107,28 @@ def test_where_tracks_part_between_tethers_one_is_missed() -> None:
     pose = np.concatenate([reckoned(one.nodes, np.array([0.0, 0.0, 0.0, 1.0, 0.0]))[:, :3] for one in timelines])
     keys = Keys.of(timelines)
     wide = Holding.of(timelines, ties_between(timelines, tethers), keys)
-    assert len(wide.exceeded(pose)) == 0
+    assert len(wide.exceeded(pose)[0]) == 0
     tight = [replace(tether, max_distance_m=0.9) for tether in tethers]
-    missed = Holding.of(timelines, ties_between(timelines, tight), keys).exceeded(pose)
+    missed, rest = Holding.of(timelines, ties_between(timelines, tight), keys).exceeded(pose)
     assert missed.later.tolist() == [[2, 7]]  # at 2 s; not behind 3 s, for the tethers there are rare
     assert missed.near(pose).distance_m == pytest.approx([1.0])
+    assert len(rest.exceeded(pose)[0]) == 0  # nothing is held twice
+
+
+def test_no_tether_is_added_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Soft tethers are exceeded again and again; each addition would make them stricter."""
+    held_with: list[np.ndarray] = []
+    optimised = factor_graph._WalkGraph.optimised
+
+    def seen(graph: factor_graph._WalkGraph, *args: object) -> gtsam.Values:
+        held_with.append(graph.tethers.ends)
+        return optimised(graph, *args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(factor_graph._WalkGraph, "optimised", seen)
+    known, tethers = walk_of(150, 2)
+    estimate_walk("factor-graph", known, START, SIGMA_SCALE, tethers)
+    assert len(held_with[-1]) > len(tethers)
+    assert len(np.unique(held_with[-1], axis=0)) == len(held_with[-1])
 
 
 def test_the_optimum_does_not_depend_on_the_start() -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_tracker import FIXES, same_poses
-from two_phones import KNOWN_START, fix_at, of_devices, offline, push_all, recorded, slices, tracker_of
+from two_phones import KNOWN_START, fix_at, of_devices, offline, push_all, radio_off, recorded, slices, tracker_of
 
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.errors import ConfigError, EstimationError
@@ -37,16 +37,8 @@ def test_a_device_that_stops_holds_nobody_back() -> None:
 def test_what_a_device_missed_comes_back_in_its_place() -> None:
     """The radio of one phone was off for ten seconds; it sends all of them afterwards."""
     recording = recorded(2)
-    tracker, updates, held = tracker_of(recording, KNOWN_START), [], []
-    for name, block in slices(recording, FIFTHS):
-        if name == "right" and 17.0 < block.time_s[-1] < 27.0:
-            held.append((name, block))
-            continue
-        for late in held if name == "right" else []:
-            updates += tracker.push(*late)
-        held = [] if name == "right" else held
-        updates += tracker.push(name, block)
-    updates += tracker.flush()
+    tracker = tracker_of(recording, KNOWN_START)
+    updates = push_all(tracker, radio_off(slices(recording, FIFTHS)))
     same_poses(updates, offline(recording, KNOWN_START))
     assert tracker.late_steps == 0
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from two_phones import GIVEN_CLOCK, KNOWN_START, fix_at, of_devices, offline, push_all, recorded, slices, tracker_of
+from two_phones import KNOWN_START, ONE_CLOCK, fix_at, of_devices, offline, push_all, recorded, slices, tracker_of
 
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.errors import EstimationError
@@ -40,7 +40,7 @@ def same_poses(updates: list[Update], whole: Track) -> None:
 
 
 @pytest.mark.parametrize("devices", [1, 2])
-@pytest.mark.parametrize("config", [GIVEN_CLOCK, KNOWN_START], ids=["open", "known"])
+@pytest.mark.parametrize("config", [ONE_CLOCK, KNOWN_START], ids=["open", "known"])
 @pytest.mark.parametrize("fixes", [[], FIXES], ids=["bare", "fixes"])
 def test_whole_seconds_equal_the_filter(devices: int, config: Config, fixes: list) -> None:
     recording = recorded(devices)
@@ -55,10 +55,10 @@ def test_whole_seconds_equal_the_filter(devices: int, config: Config, fixes: lis
 def test_any_cut_and_interleaving_gives_the_same(seed: int) -> None:
     recording, rng = recorded(2, gap=True), np.random.default_rng(seed)
     cuts = [np.sort(rng.uniform(0.0, 60.0, count)) for count in (40, 300)]
-    tracker = tracker_of(recording, GIVEN_CLOCK, wait_s=float(rng.choice([0.0, 1.0, 20.0])))
+    tracker = tracker_of(recording, ONE_CLOCK, wait_s=float(rng.choice([0.0, 1.0, 20.0])))
     for fix in FIXES:
         tracker.push_fix(fix)
-    same_poses(push_all(tracker, slices(recording, cuts)), offline(recording, GIVEN_CLOCK, FIXES))
+    same_poses(push_all(tracker, slices(recording, cuts)), offline(recording, ONE_CLOCK, FIXES))
 
 
 def test_one_device_after_the_other_gives_the_same() -> None:
@@ -80,7 +80,7 @@ def test_one_sample_at_a_time_with_a_restart_between() -> None:
     same_poses(updates, offline(recording, KNOWN_START))
 
 
-@pytest.mark.parametrize("config", [GIVEN_CLOCK, KNOWN_START], ids=["open", "known"])
+@pytest.mark.parametrize("config", [ONE_CLOCK, KNOWN_START], ids=["open", "known"])
 @pytest.mark.parametrize("devices", [1, 2])
 @pytest.mark.parametrize("late_s", [0.0, 3.0, 14.0])
 def test_fixes_that_come_late_take_their_place(config: Config, devices: int, late_s: float) -> None:

@@ -1,6 +1,6 @@
 """A walk with two phones, and ways to push it into a tracker."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -16,8 +16,8 @@ from pdr_est.records import PositionFix, SensorBlock
 from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, simulate_walk
 from pdr_est.track import Track, concatenate
 
-GIVEN_CLOCK = Config(devices=DevicesParams(clock="none")).with_estimator("ekf")
-KNOWN_START = replace(GIVEN_CLOCK, start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
+ONE_CLOCK = Config(devices=DevicesParams(clock="none")).with_estimator("ekf")
+KNOWN_START = replace(ONE_CLOCK, start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
 
 
 @cache
@@ -50,6 +50,19 @@ def tracker_of(recording: Recording, config: Config, **online: float) -> Tracker
 
 def fix_at(time_s: float, x_m: float, y_m: float, sigma_m: float = 0.5) -> PositionFix:
     return PositionFix(time_s, np.array([x_m, y_m]), sigma_m**2 * np.eye(2))
+
+
+def radio_off(items: Iterable[tuple[str, SensorBlock]]) -> Iterator[tuple[str, SensorBlock]]:
+    """What the right phone records from 17 to 27 s comes before its first block that is later."""
+    held: list[tuple[str, SensorBlock]] = []
+    for name, block in items:
+        if name == "right" and 17.0 < block.time_s[-1] < 27.0:
+            held.append((name, block))
+            continue
+        if name == "right":
+            yield from held
+            held = []
+        yield name, block
 
 
 def slices(recording: Recording, cuts: Sequence[Array]) -> list[tuple[str, SensorBlock]]:

@@ -33,8 +33,7 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
     """CPU seconds by stage for a minute of the recording, both phones together; the clock and the estimators, each by
     name, are parts of the chain like the stages."""
     spent: dict[str, float] = {}
-    devices = timed(spent, "clock", lambda: on_one_clock(recording)) if len(recording.devices) > 1 else []
-    for device, _ in devices:
+    for device, _ in timed(spent, "clock", lambda: on_one_clock(recording)):
         _, to_level = levelling(device, recording.name, config)
         whole_walk = hindsight_stage(config.heading)
         stages: list[Stage] = [*to_level.stages, *stepping(config).stages]

@@ -6,6 +6,7 @@ steps, and only roughly after one. Not from a paper; all numbers are ours.
 
 import numpy as np
 
+from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.params import Fraction, Positive, params
 
@@ -14,7 +15,8 @@ from pdr_est.params import Fraction, Positive, params
 class StridePeriodParams:
     """memory_s: of the signal that is compared with itself, and least_s, of which there must be so much. shortest_s,
     longest_s: strides that are looked for. least_agreement: correlation at the stride; first_share: the first peak
-    with this share of the highest one's correlation is the stride, the later ones are several."""
+    with this share of the highest one's correlation is the stride, the later ones are several. The times rise from
+    shortest_s over longest_s and least_s to memory_s."""
 
     memory_s: Positive = 6.0
     least_s: Positive = 3.5
@@ -25,9 +27,16 @@ class StridePeriodParams:
 
 
 class StridePeriod:
-    """The recent samples of one segment, and the stride in them."""
+    """The recent samples of one segment, and the stride in them. Raises ConfigError if the times are in another
+    order."""
 
     def __init__(self, rate_hz: float, parameters: StridePeriodParams) -> None:
+        p = parameters
+        if not p.shortest_s < p.longest_s < p.least_s <= p.memory_s:
+            raise ConfigError(
+                f"stride: shortest_s {p.shortest_s:g}, longest_s {p.longest_s:g}, least_s {p.least_s:g} and memory_s "
+                f"{p.memory_s:g} do not rise: give them in that order"
+            )
         self._rate_hz = rate_hz
         self._parameters = parameters
         self._signal: Array = np.empty(0)
@@ -48,7 +57,8 @@ class StridePeriod:
         if len(recent) < p.least_s * self._rate_hz:
             return np.inf
         agreement = _autocorrelation(recent)
-        lags = np.arange(round(p.shortest_s * self._rate_hz), round(p.longest_s * self._rate_hz))
+        longest = min(round(p.longest_s * self._rate_hz), len(recent) - 1)
+        lags = np.arange(round(p.shortest_s * self._rate_hz), longest)
         here = agreement[lags]
         peaks = lags[(here > agreement[lags - 1]) & (here >= agreement[lags + 1])]
         if not len(peaks) or float(agreement[peaks].max()) < p.least_agreement:
