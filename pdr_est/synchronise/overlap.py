@@ -8,7 +8,8 @@ from pdr_est.io.recording import DeviceRecording
 # All ours. Less in common is a few steps, from which neither clocks nor tethers tell anything.
 _LEAST_SHARED_S = 5.0
 _LEAST_SHARE = 0.5  # of the longer of two short recordings
-_LATE_S, _EARLY_S = 5.0, 10.0
+LATE_S = 5.0  # one that begins no later begins where the walk did
+_EARLY_S = 10.0
 
 Span = tuple[float, float]
 
@@ -37,16 +38,13 @@ def outside_others(devices: Sequence[DeviceRecording]) -> Mapping[str, tuple[str
 
 
 def _outside(span_s: Span, first_s: float, last_s: float) -> Iterator[str]:
-    if span_s[0] - first_s > _LATE_S:
+    if span_s[0] - first_s > LATE_S:
         yield (
-            f"began to record {span_s[0] - first_s:.1f} s after another device: its track is taken to begin at the "
-            "same place, which is wrong if the walk had begun: cut the other recording, or smooth them one by one"
+            f"began to record {span_s[0] - first_s:.1f} s after another device, "
+            "whose track is the person's until then"
         )
     if last_s - span_s[1] > _EARLY_S:
-        yield (
-            f"ended {last_s - span_s[1]:.1f} s before another device and is taken to stand from then on: the "
-            "person's track leans on it too much there"
-        )
+        yield (f"ended {last_s - span_s[1]:.1f} s before another device, whose track is the person's from then on")
 
 
 def _spans_s(devices: Sequence[DeviceRecording]) -> dict[str, Span]:
