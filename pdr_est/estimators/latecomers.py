@@ -2,7 +2,7 @@
 
 Taken by itself such a device would begin where the walk began, which is wrong by all that was walked before, and
 would drag the devices that it is tied to back there. It borrows the steps of one that recorded then. Their errors are
-taken for independent of the lender's, as those of two devices that count the same steps are anyway. All of it is ours.
+taken for independent of the lender's, as those of two devices that count the same steps are anyway. All this is ours.
 """
 
 from collections.abc import Sequence
