@@ -6,11 +6,13 @@ from dataclasses import replace
 from pdr_est.config import Config
 from pdr_est.device_walk import DeviceWalk
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import SMOOTHERS, DeviceMeasurements, estimate_walk
+from pdr_est.estimators import ONLINE, SMOOTHERS, DeviceMeasurements, estimate_walk
 from pdr_est.estimators.fused import carried, fuse
 from pdr_est.estimators.known_directions import tied_to_map
+from pdr_est.estimators.latecomers import from_own_start, with_way_to_start
 from pdr_est.estimators.ties import tethers_between
 from pdr_est.records import DeviceTether, LoopClosure, PositionFix
+from pdr_est.synchronise import LATE_S
 from pdr_est.track import Track, concatenate
 
 
@@ -40,10 +42,15 @@ def tethers(walks: Sequence[DeviceWalk], config: Config) -> list[DeviceTether]:
 
 
 def track_of(devices: Sequence[DeviceMeasurements], ties: Sequence[DeviceTether], config: Config) -> Track:
-    """The configured estimator on the measurements of every device. Raises what `estimate_walk` raises."""
+    """The configured estimator on the measurements of every device. Raises what `estimate_walk` raises.
+
+    A device that began late is led to its start by another one, but for estimators that do the same online.
+    """
     chosen, start = config.estimator, config.start.pose()
     sigma_scale = config.odometry.sigma_length_scale
-    return estimate_walk(chosen.name, devices, start, sigma_scale, ties, chosen.map_fusion, chosen.fixed_lag)
+    led = devices if chosen.name in ONLINE else with_way_to_start(devices, LATE_S)
+    track = estimate_walk(chosen.name, led, start, sigma_scale, ties, chosen.map_fusion, chosen.fixed_lag)
+    return from_own_start(track, devices, led)
 
 
 def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float) -> DeviceMeasurements:

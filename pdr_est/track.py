@@ -83,7 +83,10 @@ class Track:
 
     def of_device(self, device: str) -> "Track":
         """The poses of one device."""
-        keep = self.device == device
+        return self.rows_where(self.device == device)
+
+    def rows_where(self, keep: NDArray[np.bool_]) -> "Track":
+        """The poses where keep (n,) is true."""
         return replace(self, **{name: getattr(self, name)[keep] for name in _ROW_FIELDS})
 
     def at(self, time_s: Array) -> tuple[Array, Array]:

@@ -54,9 +54,7 @@ def smooth(
     for warning in summary["warnings"]:
         click.echo(f"warning: {warning}", err=True)
     if not quiet:
-        counts = summary["counts"]["steps"].values()
-        steps = round(sum(counts) / len(counts))  # of one walker, seen by each device
-        click.echo(f"{summary['distance_m'] or 0.0:.1f} m in {steps} steps -> {output / 'report.html'}")
+        click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {output / 'report.html'}")
 
 
 def smooth_into(

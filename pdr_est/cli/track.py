@@ -12,6 +12,7 @@ from typing import Any, TextIO
 import click
 
 from pdr_est.cli.fixes import chosen_fixes
+from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
 from pdr_est.config import Config
 from pdr_est.errors import OutputError, PdrError, RecordingError
@@ -22,6 +23,7 @@ from pdr_est.io.together import together
 from pdr_est.online import Tracker, Update
 from pdr_est.online.replay import expected, moments
 from pdr_est.records import PositionFix, SensorBlock
+from pdr_est.synchronise import begun_late, outside_others, refuse_apart
 
 _LIVE = Path("-")
 
@@ -65,12 +67,26 @@ def track(
         raise click.UsageError("--platform is for the phones that send to -; recordings tell theirs")
     read_in = [read(path) for path in recordings]
     recorded = together(read_in)
+    _refuse_apart(recorded, recordings)
     if len(recorded.devices) > len(read_in[0].devices) and any(one.epoch_s is None for one in read_in):
         words = "not every recording tells its date: their times are taken to count from one moment"
         click.echo(f"warning: {words}, which `pdr-est smooth` would not: it finds that out from the walk", err=True)
     known = chosen_fixes(fixes, recorded, recordings[0])
     with _lines(output, overwrite) as stream:
         _replay(recorded, known, config, realtime, stream)
+
+
+def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:
+    """Raise RecordingError for devices that did not record together; warn of one that begins late or ends early."""
+    with naming(", ".join(map(str, paths))):
+        refuse_apart(recorded.devices, "track them one by one, or use `pdr-est smooth`, which finds their clocks")
+    for name, notes in outside_others(recorded.devices).items():
+        for note in notes:
+            click.echo(f"warning: {name}: {note}", err=True)
+    late = begun_late(recorded.devices)
+    if late:
+        words = "taken to begin where the walk began, which draws the others back there if it was under way"
+        click.echo(f"warning: {', '.join(late)}: {words}: leave out the late, or use `pdr-est smooth`", err=True)
 
 
 def _replay(
@@ -93,7 +109,7 @@ def _follow_live(
     reader, tracker = LiveReader(platform), Tracker(config)
     number = bad = 0
     last, heard = "", False
-    for number, line in enumerate(lines, start=1):
+    for number, line in enumerate(_until_interrupted(lines), start=1):
         try:
             news = reader.push(line)
         except RecordingError as error:
@@ -112,6 +128,14 @@ def _follow_live(
         raise RecordingError(f"-: {reason}: send the messages of Sensor Logger's HTTP push, one a line")
     _take(rest, tracker, with_fixes, stream)
     _finish(tracker, stream)
+
+
+def _until_interrupted(lines: Iterable[str]) -> Iterator[str]:
+    """Ctrl-C while waiting for the next line ends the walk, so that what was held back is still told."""
+    try:
+        yield from lines
+    except KeyboardInterrupt:
+        return
 
 
 def _take(news: LiveNews, tracker: Tracker, with_fixes: bool, stream: TextIO) -> None:

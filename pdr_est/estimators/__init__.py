@@ -15,6 +15,7 @@ from pdr_est.track import Track, concatenate
 EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 SMOOTHERS: tuple[EstimatorName, ...] = ("factor-graph",)  # each pose from the whole walk
+ONLINE: tuple[EstimatorName, ...] = ("ekf", "fixed-lag")  # the same while the devices record
 # These find a start that is not given from the fixes, and use them for nothing else.
 RECKONERS: tuple[EstimatorName, ...] = ("dead-reckoning", "map-closed-form", "map-general")
 
@@ -93,6 +94,7 @@ def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measureme
 
 __all__ = [
     "ESTIMATORS",
+    "ONLINE",
     "RECKONERS",
     "SMOOTHERS",
     "DeviceMeasurements",

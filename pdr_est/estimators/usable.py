@@ -18,6 +18,12 @@ def refuse_unusable(
     """Raise EstimationError for odometry out of order, numbers that are not finite, noise that is no covariance."""
     _refuse_odometry(device, steps)
     for fix in fixes:
+        shapes = np.shape(fix.position_m), np.shape(fix.covariance_m2)
+        if shapes != ((2,), (2, 2)):
+            raise EstimationError(
+                f"position fix ({fix.source}) at {fix.time_s} s has a position of shape {shapes[0]} and a covariance "
+                f"of shape {shapes[1]}: give (2,) and (2, 2), east and north"
+            )
         values = (fix.time_s, *fix.position_m, *np.ravel(fix.covariance_m2))
         if not np.isfinite(values).all():
             raise EstimationError(

@@ -14,6 +14,7 @@ from pdr_est.online.known import Known
 from pdr_est.online.log import DeviceLog
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.rows import Rows
+from pdr_est.online.samples import refuse_malformed
 from pdr_est.online.update import Kind, Update
 from pdr_est.online.walk import WalkFilter
 from pdr_est.records import HeadingPrior, PositionFix, SensorBlock, StepOdometry
@@ -113,9 +114,10 @@ class Tracker:
     def push(self, device: str, block: SensorBlock) -> list[Update]:
         """Take consecutive samples of one channel of a device; return the estimates that are new or have changed.
 
-        Raises EstimationError after `flush`.
+        Raises EstimationError for samples that are no block of a known channel, and after `flush`.
         """
         self._refuse_flushed()
+        refuse_malformed(device, block)
         if device not in self._names:
             self._join(ExpectedDevice(device))
         came = self._fronts[self._names.index(device)].push(block)
@@ -175,7 +177,20 @@ class Tracker:
     def restore(state: bytes) -> "Tracker":
         """The tracker of a `state`, which must come from a trusted place: it is a pickle. Raises EstimationError for
         something else."""
-        tracker = pickle.loads(state)
+        try:
+            tracker = pickle.loads(state)
+        except (
+            pickle.UnpicklingError,
+            EOFError,
+            AttributeError,
+            ImportError,
+            IndexError,
+            KeyError,
+            ValueError,
+        ) as error:
+            raise EstimationError(
+                f"the state cannot be read ({error}): give all bytes that Tracker.state of this version made"
+            ) from error
         if not isinstance(tracker, Tracker):
             raise EstimationError(
                 f"the state is that of a {type(tracker).__name__}: give one that Tracker.state made"

@@ -70,7 +70,8 @@ def summarise(
         "kind": track.kind,
         "frame": _frame(walk, start),
         "duration_s": _duration_s(walk),
-        "distance_m": _mean([track.of_device(name).distance_m for name in track.devices]),
+        "distance_m": track.of_device(track.devices[-1]).distance_m,  # the person's, who comes last
+        "steps": _steps_of_person(walk),
         "counts": _counts(walk.devices),
         "carrying_modes": [use for device in walk.devices for use in mode_use(device)],
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
@@ -172,11 +173,6 @@ def _duration_s(walk: SmoothedWalk) -> float | None:
     return max(ends) - min(begins) if begins else None
 
 
-def _mean(values: Sequence[float]) -> float | None:
-    """Devices of one walker each walk the whole way: their distances are averaged, not added."""
-    return sum(values) / len(values) if values else None
-
-
 def _counts(devices: Sequence[DeviceWalk]) -> Json:
     return {
         "steps": {device.device: len(device.steps) for device in devices},
@@ -188,6 +184,13 @@ def _counts(devices: Sequence[DeviceWalk]) -> Json:
 def _clock(device: str, clock: ClockEstimate) -> Json:
     """What a device's clock is ahead of the first one's, and how well that is known; a poor one may be unused."""
     return {"device": device, "used": clock.used} | asdict(clock)
+
+
+def _steps_of_person(walk: SmoothedWalk) -> int:
+    """Those of the device, or of several devices the rows of the person's track after its start."""
+    if len(walk.devices) == 1:
+        return len(walk.devices[0].steps)
+    return len(walk.track.of_device(walk.track.devices[-1])) - 1
 
 
 def _device_track(track: Track) -> Json:

@@ -8,13 +8,15 @@ from pdr_est.io.recording import DeviceRecording
 # All ours. Less in common is a few steps, from which neither clocks nor tethers tell anything.
 _LEAST_SHARED_S = 5.0
 _LEAST_SHARE = 0.5  # of the longer of two short recordings
-_LATE_S, _EARLY_S = 5.0, 10.0
+LATE_S = 5.0  # one that begins no later begins where the walk did
+_EARLY_S = 10.0
+_REMEDY = "tell how their clocks differ with --clock-offset or --messages, or smooth them one by one"
 
 Span = tuple[float, float]
 
 
-def refuse_apart(devices: Sequence[DeviceRecording]) -> None:
-    """Raise RecordingError for a device that recorded with no other one for long enough."""
+def refuse_apart(devices: Sequence[DeviceRecording], remedy: str = _REMEDY) -> None:
+    """Raise RecordingError for a device that recorded with no other one for long enough. remedy: in words."""
     spans_s = _spans_s(devices)
     for name, own_s in spans_s.items():
         others = {other: span_s for other, span_s in spans_s.items() if other != name}
@@ -22,9 +24,15 @@ def refuse_apart(devices: Sequence[DeviceRecording]) -> None:
             known = ", ".join(f"{other} {_words(span_s)}" for other, span_s in others.items())
             raise RecordingError(
                 f"{name} recorded {_words(own_s)}, less than {_LEAST_SHARED_S:g} s of it together with another "
-                f"device ({known}): tell how their clocks differ with --clock-offset or --messages, or smooth them "
-                "one by one"
+                f"device ({known}): {remedy}"
             )
+
+
+def begun_late(devices: Sequence[DeviceRecording]) -> tuple[str, ...]:
+    """Names of the devices that began so late that they may not have begun where the walk did."""
+    spans_s = _spans_s(devices)
+    first_s = min((begin_s for begin_s, _ in spans_s.values()), default=0.0)
+    return tuple(name for name, (begin_s, _) in spans_s.items() if begin_s - first_s > LATE_S)
 
 
 def outside_others(devices: Sequence[DeviceRecording]) -> Mapping[str, tuple[str, ...]]:
@@ -37,16 +45,13 @@ def outside_others(devices: Sequence[DeviceRecording]) -> Mapping[str, tuple[str
 
 
 def _outside(span_s: Span, first_s: float, last_s: float) -> Iterator[str]:
-    if span_s[0] - first_s > _LATE_S:
+    if span_s[0] - first_s > LATE_S:
         yield (
-            f"began to record {span_s[0] - first_s:.1f} s after another device: its track is taken to begin at the "
-            "same place, which is wrong if the walk had begun: cut the other recording, or smooth them one by one"
+            f"began to record {span_s[0] - first_s:.1f} s after another device, "
+            "whose track is the person's until then"
         )
     if last_s - span_s[1] > _EARLY_S:
-        yield (
-            f"ended {last_s - span_s[1]:.1f} s before another device and is taken to stand from then on: the "
-            "person's track leans on it too much there"
-        )
+        yield (f"ended {last_s - span_s[1]:.1f} s before another device, whose track is the person's from then on")
 
 
 def _spans_s(devices: Sequence[DeviceRecording]) -> dict[str, Span]:

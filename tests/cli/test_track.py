@@ -3,6 +3,8 @@
 import io
 import json
 import time
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TextIO
@@ -17,6 +19,7 @@ from pdr_est import pipeline
 from pdr_est.cli import main, track
 from pdr_est.config import Config
 from pdr_est.io import read
+from pdr_est.io.plain_csv_writer import write_plain_csv
 from pdr_est.online import Update
 
 ZERO_NS = 1_698_501_144_000_000_000
@@ -58,6 +61,44 @@ def test_two_recordings_are_two_phones(good: Path, tmp_path: Path) -> None:
     assert {row["device"] for row in rows} == {good.stem, "other", "fused"}
     assert {row["device"] for row in documents(run("track", good, good).stdout)} == {"device"}  # it counts once
     assert run("track", good, good).stderr == ""
+
+
+def begun(good: Path, folder: Path, later_s: float) -> Path:
+    """The recording of `good`, made later."""
+    recording = read(good)
+    (device,) = recording.devices
+    moved = replace(device, name="other").with_times(lambda time_s: time_s + later_s)
+    path = folder / "other.csv"
+    write_plain_csv(replace(recording, name="other", devices=(moved,)), path)
+    return path
+
+
+def test_phones_that_did_not_record_together_are_refused(good: Path, tmp_path: Path) -> None:
+    words = refused("track", good, begun(good, tmp_path, 3600.0), "-o", tmp_path / "lines.jsonl")
+    assert "less than 5 s of it together" in words
+    assert "track them one by one, or use `pdr-est smooth`" in words
+    assert not (tmp_path / "lines.jsonl").exists()
+
+
+def test_a_phone_that_begins_late_is_told(good: Path, tmp_path: Path) -> None:
+    result = run("track", good, begun(good, tmp_path, 6.0))
+    assert result.exit_code == 0
+    assert "other: began to record 6.0 s after" in result.stderr
+    assert "other: taken to begin where the walk began" in result.stderr
+
+
+def test_ctrl_c_ends_a_live_walk_with_all_that_was_held_back(walk: Walk) -> None:
+    sent = messages(walk)
+
+    def interrupted() -> Iterator[str]:
+        yield from sent
+        raise KeyboardInterrupt
+
+    stopped, ended = io.StringIO(), io.StringIO()
+    config = Config().with_estimator("ekf")
+    track._follow_live(interrupted(), config, None, False, stopped)
+    track._follow_live(sent, config, None, False, ended)
+    assert stopped.getvalue() == ended.getvalue() != ""
 
 
 def test_in_real_time_it_waits_for_every_moment(good: Path, walk: Walk, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pdr_est.estimators.fused import fuse
 from pdr_est.records import CarryingMode, Gap, StartPose
 from pdr_est.report.scale_words import scale_in_words
 from pdr_est.report.summary import package_versions, radius95_m, summarise, to_json
+from pdr_est.track import concatenate
 
 CONFIG = {"estimator": {"name": "factor-graph"}, "resample": {"rate_hz": 50.0}}
 
@@ -25,13 +27,15 @@ def test_counts_distance_and_duration_of_two_devices(make_walk) -> None:
     first = replace(
         walk.devices[0], gaps=(Gap("rotation_rate", 5.0, 6.5, "gap"),), dropped_samples={"rotation_rate": 3}
     )
-    walk = replace(walk, devices=(first, walk.devices[1]))
+    person = fuse(walk.track)
+    walk = replace(walk, devices=(first, walk.devices[1]), track=concatenate([walk.track, person]))
     summary = strict(summarise(walk, recording, CONFIG, {"a.zip": "ab" * 32, "b": None}, {"python": "3"}))
     assert summary["counts"]["steps"] == {"1L": 40, "2R": 40}
     assert summary["counts"]["samples"]["1L"] == len(walk.devices[0].level[0])
     assert summary["counts"]["dropped_samples"] == {"1L": {"rotation_rate": 3}, "2R": {}}
     each = [device["distance_m"] for device in summary["devices"]]
-    assert summary["distance_m"] == pytest.approx(sum(each) / 2)  # one walker, not two
+    assert summary["distance_m"] == each[2] == pytest.approx(person.distance_m)  # of the walker
+    assert summary["steps"] == len(person) - 1
     assert each[0] == pytest.approx(walk.track.of_device("1L").distance_m)
     level = walk.devices[0].level[0]
     assert summary["duration_s"] == pytest.approx(level.time_s[-1] - level.time_s[0])

@@ -195,8 +195,8 @@ def test_devices_that_hardly_recorded_together_are_refused(method: ClockMethod, 
 def test_devices_that_begin_late_or_end_early_are_told() -> None:
     (a, _), (b, _), (c, _) = on_one_clock(recorded(device("a"), device("b", 50.0), device("c", 120.0)), "none")
     assert [len(moved.warnings) for moved in (a, b, c)] == [1, 2, 1]
-    assert a.warnings[0].startswith("ended 120.0 s before another device and is taken to stand")
-    assert c.warnings[0].startswith("began to record 120.0 s after another device: its track is taken to begin at")
+    assert a.warnings[0].startswith("ended 120.0 s before another device, whose track is the person's")
+    assert c.warnings[0].startswith("began to record 120.0 s after another device, whose track is the person's")
     (a, _), (b, _) = on_one_clock(recorded(device("a"), device("b", 4.0)), "none")
     assert (a.warnings, b.warnings) == ((), ())
 
