@@ -198,7 +198,7 @@ def test_a_device_that_goes_on_alone_is_fused_in_linear_time() -> None:
         track = estimate_walk("dead-reckoning", [known[0], alone], START, SIGMA_SCALE)
         return min(cpu_seconds(lambda: fuse(track)) for _ in range(2))
 
-    assert fusing(8_000) < 3.0 * fusing(4_000)
+    assert fusing(16_000) < 20.0 * fusing(2_000)  # 8 times the steps; squared it would be 64
 
 
 @pytest.mark.slow
@@ -209,7 +209,7 @@ def test_twice_the_walk_takes_twice_the_time(name: str) -> None:
         cpu_seconds(lambda known=known, tethers=tethers: estimate_walk(name, known, START, SIGMA_SCALE, tethers))
         for known, tethers in (short, long)
     ]
-    assert seconds[1] < 2.6 * seconds[0]
+    assert seconds[1] < 3.2 * seconds[0]  # a busy machine is not that unfair; squared it would be 4
 
 
 @pytest.mark.slow

@@ -7,9 +7,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from pdr_est.estimators.fused import fuse
 from pdr_est.records import Gap, StartPose
 from pdr_est.report.html import metric, number, render_report, seconds
 from pdr_est.report.summary import package_versions, summarise
+from pdr_est.track import concatenate
 
 VOID = {"meta", "link", "br", "img", "input", "hr"}
 CONFIG = {"estimator": {"name": "factor-graph"}, "resample": {"rate_hz": 50.0}}
@@ -80,6 +82,16 @@ def test_page_holds_the_numbers(make_walk) -> None:
         "2023-11-14 22:13 UTC",
     ):
         assert expected in page.text, expected
+
+
+def test_the_person_has_steps_and_no_samples(make_walk) -> None:
+    walk, recording = make_walk(steps=40, devices=("1L", "2R"))
+    person = fuse(walk.track)
+    walk = replace(walk, track=concatenate([walk.track, person]))
+    words = [word.strip() for word in Page(render(walk, recording)).words if word.strip()]
+    row = words.index("fused", words.index("Devices"))
+    assert words[row + 1] == str(len(person) - 1)
+    assert words[row + 6 : row + 8] == ["–", "–"]
 
 
 def test_page_loads_nothing_and_runs_nothing(make_walk) -> None:
