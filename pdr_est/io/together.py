@@ -14,11 +14,14 @@ def together(recordings: Sequence[Recording]) -> Recording:
 
     Devices of one name get that of their recording. The times of the others are put on the time zero of the
     first as far as the recorders tell the date; what is still wrong with the clocks is found later, from the walk.
-    A recording that is given twice, such as a set whose every table brings the other phone's along, counts once.
+    A recording that is given twice, such as a set whose every table brings the other phone's along, counts once, and
+    a note says so.
     Raises RecordingError for devices that cannot be told apart.
     """
-    recordings = _once(recordings)
+    given, recordings = recordings, _once(recordings)
     first, *others = recordings
+    if len(recordings) < len(given):
+        first = replace(first, notes=(*first.notes, _repeated(given)))
     if not others:
         return first
     devices = [device for recording in recordings for device in _on_zero_of(first, recording)]
@@ -46,6 +49,12 @@ def _once(recordings: Sequence[Recording]) -> list[Recording]:
         if not any(_same(recording, other) for other in kept):
             kept.append(recording)
     return kept
+
+
+def _repeated(recordings: Sequence[Recording]) -> str:
+    names = [recording.name for recording in recordings]
+    repeated = dict.fromkeys(name for name in names if names.count(name) > 1)
+    return f"{', '.join(repeated)}: given more than once with the same samples, and counted once"
 
 
 def _same(a: Recording, b: Recording) -> bool:

@@ -38,7 +38,9 @@ def test_without_dates_times_stay_as_they_are() -> None:
 
 def test_a_recording_that_is_given_twice_counts_once() -> None:
     one = recording("walk", devices=2)
-    assert together([one, replace(one)]) is one
+    once = together([one, replace(one)])
+    assert once.devices is one.devices
+    assert once.notes == ("walk: given more than once with the same samples, and counted once",)
 
 
 def test_recordings_that_cannot_be_told_apart_are_refused() -> None:
