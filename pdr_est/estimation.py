@@ -11,8 +11,7 @@ from pdr_est.estimators.fused import carried, fuse
 from pdr_est.estimators.known_directions import tied_to_map
 from pdr_est.estimators.latecomers import from_own_start, with_way_to_start
 from pdr_est.estimators.ties import tethers_between
-from pdr_est.records import DeviceTether, LoopClosure, PositionFix
-from pdr_est.synchronise import LATE_S
+from pdr_est.records import LATE_S, DeviceTether, LoopClosure, PositionFix
 from pdr_est.track import Track, concatenate
 
 
@@ -44,7 +43,7 @@ def tethers(walks: Sequence[DeviceWalk], config: Config) -> list[DeviceTether]:
 def track_of(devices: Sequence[DeviceMeasurements], ties: Sequence[DeviceTether], config: Config) -> Track:
     """The configured estimator on the measurements of every device. Raises what `estimate_walk` raises.
 
-    A device that began late is led to its start by another one, but for estimators that do the same online.
+    A device that began late is led to its start by another one; those that work online, too, know of late ones.
     """
     chosen, start = config.estimator, config.start.pose()
     sigma_scale = config.odometry.sigma_length_scale

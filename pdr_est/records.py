@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+LATE_S = 5.0  # ours; a device that begins to record no later than this after another begins where the walk did
+
+
 class Channel(StrEnum):
     """The sensor signals that the front end uses."""
 

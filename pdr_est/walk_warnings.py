@@ -5,12 +5,11 @@ from collections.abc import Iterator, Sequence
 
 from pdr_est.config import Config
 from pdr_est.device_walk import DeviceWalk
-from pdr_est.estimators import ONLINE, RECKONERS, EstimatorName
+from pdr_est.estimators import RECKONERS
 from pdr_est.front_end.heading import IN_POCKETS, HeadingName
 from pdr_est.io.doubts import doubts
 from pdr_est.io.recording import Recording
 from pdr_est.records import CarryingMode, Gap, PositionFix
-from pdr_est.synchronise import LATE_S
 
 _ELSEWHERE = (CarryingMode.HOLDING, CarryingMode.SWING)
 _MOST_OUTSIDE = 0.25  # of the steps; the recogniser is seldom wrong for so many
@@ -37,22 +36,9 @@ def mismatches(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Posi
         known = start.position_m is not None and start.heading_rad is not None
         use = "makes no use of the position fixes" if known else "only aligns the track with the position fixes"
         found.append(f"{name} {use}: choose the estimator factor-graph or ekf for a track that follows them")
-    if name in ONLINE:
-        found += list(_begun_elsewhere(walks, name))
     if config.heading.method in IN_POCKETS:
         found += [words for walk in walks for words in _outside_pockets(walk, config.heading.method)]
     return tuple(found)
-
-
-def _begun_elsewhere(walks: Sequence[DeviceWalk], name: EstimatorName) -> Iterator[str]:
-    """For an estimator that knows no other place for a device that begins late than the start of the walk."""
-    first_s = min(walk.start_s for walk in walks)
-    late = [walk.device for walk in walks if walk.start_s - first_s > LATE_S]
-    if late:
-        yield (
-            f"{name} takes {', '.join(late)}, begun late, to begin where the walk began, which draws the others back "
-            "there if the walk was under way: choose the estimator factor-graph, or leave the late device out"
-        )
 
 
 def _outside_pockets(walk: DeviceWalk, method: HeadingName) -> Iterator[str]:

@@ -85,8 +85,8 @@ def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:
             click.echo(f"warning: {name}: {note}", err=True)
     late = begun_late(recorded.devices)
     if late:
-        words = "taken to begin where the walk began, which draws the others back there if it was under way"
-        click.echo(f"warning: {', '.join(late)}: {words}: leave out the late, or use `pdr-est smooth`", err=True)
+        words = "begun late, taken to begin where the other phones were by then"
+        click.echo(f"warning: {', '.join(late)}: {words}", err=True)
 
 
 def _replay(

@@ -14,7 +14,7 @@ from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.ties import Tie, starts_of, ties_between
 from pdr_est.estimators.timeline import SAME_S, Timeline, track_from_nodes
 from pdr_est.frames import Array
-from pdr_est.records import DeviceTether, StartPose
+from pdr_est.records import LATE_S, DeviceTether, StartPose
 from pdr_est.track import Track, concatenate
 
 End = tuple[int, int]  # a pose: number of the device, number of its node
@@ -80,14 +80,17 @@ def follow(
     ]
     ends.sort(key=lambda end: _when(timelines, end))
     tied = _last_ends(ties, ends, timelines, alone)
-    joint = PoseFilter(len(timelines))
+    joint, present = PoseFilter(len(timelines)), set[int]()
+    begun_s = min(timeline.nodes[0].time_s for timeline in timelines)
     for device, i in ends:
-        entered = enters[device].get(i)
+        node, entered = timelines[device].nodes[i], enters[device].get(i)
         if entered is not None:
-            joint.enter(entered, device)
+            late = i == 0 and node.time_s - begun_s > LATE_S
+            entered = joint.join(entered, node, device, min(present, default=None) if late else None)
+            present.add(device)
         else:
-            joint.advance(timelines[device].nodes[i], device)
-            joint.measure(timelines[device].nodes[i], device)
+            joint.advance(node, device)
+            joint.measure(node, device)
         touched = [(device, i)]
         for tie in tied[device, i]:
             joint.keep_together(tie.device_a, tie.device_b, tie.max_distance_m, tie.sigma_m)

@@ -7,6 +7,7 @@ from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.motion import LENGTH_SCALE, STATES, Moments, linearise, move
 from pdr_est.estimators.robust import huber_inflation
+from pdr_est.estimators.ties import SIGMA_SET_OFF_RAD
 from pdr_est.estimators.timeline import Node
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.records import HeadingPrior, PositionFix
@@ -14,6 +15,7 @@ from pdr_est.records import HeadingPrior, PositionFix
 _POSITION = np.eye(2, STATES)
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
 _RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
+_SIGMA_WITHIN_STEP_M = 0.5  # ours; the lender's pose is that of its last step
 _TETHER_ROUNDS = 3  # a distance is not linear in the positions
 
 
@@ -35,6 +37,26 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         self.x[own] = moments.mean
         self.P[own, :], self.P[:, own] = 0.0, 0.0
         self.P[own, own] = moments.covariance
+
+    def join(self, moments: Moments, node: Node, device: int, lender: int | None) -> Moments:
+        """Set the state of a device that takes part from `node` on, and return it. moments: by itself.
+
+        lender: given for a device that began to record while the walk was under way, and by itself would begin where
+        the walk did. It is where the lender is by then, within a step, and heads as the lender does, within what
+        directions differ by at the start; fixes at the node count.
+        """
+        if lender is None:
+            self.enter(moments, device)
+            return moments
+        beside, mean, covariance = self.moments(lender), moments.mean.copy(), moments.covariance.copy()
+        mean[:3] = beside.mean[:3]
+        covariance[:3, :], covariance[:, :3] = 0.0, 0.0
+        spread = np.array([_SIGMA_WITHIN_STEP_M, _SIGMA_WITHIN_STEP_M, SIGMA_SET_OFF_RAD])
+        covariance[:3, :3] = beside.covariance[:3, :3] + np.diag(spread**2)
+        self.enter(Moments(mean, covariance), device)
+        for fix in node.fixes:
+            self.update_position(fix, device)
+        return self.moments(device)
 
     def moments(self, device: int = 0) -> Moments:
         own = _rows(device)

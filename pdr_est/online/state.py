@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 from pdr_est.estimators.motion import STATES, Moments
 from pdr_est.estimators.timeline import Node
 from pdr_est.online.alone import Alone, Raw
+from pdr_est.records import LATE_S
 
 _NEAR = 50  # records among which the nodes of a step are looked for
 
@@ -28,13 +30,24 @@ class Pending:
 class WalkState:
     """alone: of each device by itself, None before its start; at: the last node of each; joint: of all together, None
     for a single device; present: the devices that ever came into it. next_tie: number of the next moment at which
-    tethers are asked for."""
+    tethers are asked for. begun_s: time of the first node of all."""
 
-    alone: tuple[Alone | None, ...]
-    at: tuple[Pending | None, ...]
-    joint: Raw | None
-    present: frozenset[int]
-    next_tie: int
+    alone: tuple[Alone | None, ...] = ()
+    at: tuple[Pending | None, ...] = ()
+    joint: Raw | None = None
+    present: frozenset[int] = frozenset()
+    next_tie: int = 0
+    begun_s: float = inf
+
+    def directed(self, device: int) -> bool:
+        """Whether a device has started and its direction is known."""
+        own = self.alone[device]
+        return own is not None and own.directed
+
+    def lender(self, pending: Pending, number: int) -> int | None:
+        """The device beside which another one starts, with its node of that number, while the walk is under way."""
+        late = number == 0 and pending.time_s - self.begun_s > LATE_S
+        return min(self.present, default=None) if late else None
 
     def moments(self, device: int) -> Moments:
         """What is known of a device that has started: by all of them, or where its direction is open by itself."""

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import inf, nextafter
 
+from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.pose_filter import PoseFilter
 from pdr_est.estimators.ties import TetherParams
 from pdr_est.estimators.timeline import SAME_S
@@ -33,7 +34,7 @@ class WalkFilter:
         self.logs: list[DeviceLog | None] = []
         self._tethering = Tethering(None if tether is None else tether.every_s, self.logs)
         self.history: list[Record] = []
-        self.state = WalkState((), (), None, frozenset(), 0)
+        self.state = WalkState()
         self.late = self.missed = 0
         self.tail_pulls: tuple[Pair, ...] = ()
         self._let_go: set[int] = set()  # devices that a tether pulled at, which was undone
@@ -53,13 +54,13 @@ class WalkFilter:
         self._all = PoseFilter(len(self.logs))
         alone = (*self.state.alone, None)
         at = (*self.state.at, None)
-        self.state = WalkState(alone, at, None, frozenset(), self.state.next_tie)
+        self.state = replace(self.state, alone=alone, at=at, joint=None, present=frozenset())
         if len(self.logs) > 1:
             directed = {d: one.end for d, one in enumerate(alone) if one is not None and one.directed}
             for device, moments in directed.items():
                 self._all.enter(moments, device)
             joint = single.unload(self._all)
-            self.state = WalkState(alone, at, joint, frozenset(directed), self.state.next_tie)
+            self.state = replace(self.state, joint=joint, present=frozenset(directed))
         return len(self.history)
 
     def flush(self, closing_sigma_m: float | None) -> None:
@@ -104,7 +105,7 @@ class WalkFilter:
             self._known.begin_anew({d: one.end for d, one in enumerate(self.state.alone) if one is not None})
             joint = None if self.state.joint is None else (self.state.joint[0] * 0.0, self.state.joint[1] * 0.0)
             nowhere = (None,) * len(self.logs)
-            self.state = WalkState(nowhere, nowhere, joint, frozenset(), self.state.next_tie)
+            self.state = replace(self.state, alone=nowhere, at=nowhere, joint=joint, present=frozenset())
         elif after_s < inf:
             self.undo_after(after_s)
 
@@ -239,15 +240,14 @@ class WalkFilter:
         log.nodes.append(pending.node)
         own = self._alone(pulled.alone[device], pending, number, log)
         alone = (*pulled.alone[:device], own, *pulled.alone[device + 1 :])
-        joint = pulled.joint
+        joint, entered = pulled.joint, own.end if own.entered else None
         if joint is not None and own.directed:
-            joint = _followed(self._all, joint, own, pending)
+            joint, entered = _followed(self._all, joint, pending, entered, pulled.lender(pending, number))
         present = pulled.present | {device} if own.directed else pulled.present
         at = (*pulled.at[:device], pending, *pulled.at[device + 1 :])
-        self.state = WalkState(alone, at, joint, present, pulled.next_tie)
+        self.state = WalkState(alone, at, joint, present, pulled.next_tie, min(before.begun_s, pending.time_s))
         self.late += pending.is_last and pending.time_s < self._forgotten_s
         place_s = max(pending.time_s, self.history[-1].time_s if self.history else self._forgotten_s)
-        entered = own.end if own.entered else None
         self.history.append(Record(pending, number, place_s, before, pulls, pulled, entered, self.state))
         if pending.is_last:
             log.ready = pending.step + 1
@@ -266,7 +266,7 @@ class WalkFilter:
         if self._tether is None or state.joint is None:
             return state, ()
         pairs, next_tie = self._tethering.asked_for(state.next_tie, min(self.now_s, before_s), before_s)
-        pulls = tuple((a, b) for a, b in pairs if _directed(state, a) and _directed(state, b))
+        pulls = tuple((a, b) for a, b in pairs if state.directed(a) and state.directed(b))
         if not pulls:
             return replace(state, next_tie=next_tie), ()
         single.load(self._all, state.joint)
@@ -278,20 +278,17 @@ class WalkFilter:
         return self.history[-1].time_s, self.history[-1].pending.device
 
 
-def _followed(workhorse: PoseFilter, joint: single.Raw, own: Alone, pending: Pending) -> single.Raw:
-    """The joint filter after a node of one device."""
+def _followed(
+    workhorse: PoseFilter, joint: single.Raw, pending: Pending, entered: Moments | None, lender: int | None
+) -> tuple[single.Raw, Moments | None]:
+    """The joint filter after a node of one device, and the state that the device entered it with, if it did."""
     single.load(workhorse, joint)
-    if own.entered:
-        workhorse.enter(own.end, pending.device)
+    if entered is not None:
+        entered = workhorse.join(entered, pending.node, pending.device, lender)
     else:
         workhorse.advance(pending.node, pending.device)
         workhorse.measure(pending.node, pending.device)
-    return single.unload(workhorse)
-
-
-def _directed(state: WalkState, device: int) -> bool:
-    own = state.alone[device]
-    return own is not None and own.directed
+    return single.unload(workhorse), entered
 
 
 def _place(pending: Pending) -> tuple[float, int]:

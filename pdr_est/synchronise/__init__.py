@@ -3,11 +3,10 @@
 from pdr_est.synchronise.clock import ClockEstimate, apply_clock, from_messages, move_fixes
 from pdr_est.synchronise.devices import ClockMethod, on_one_clock
 from pdr_est.synchronise.given import GivenClock
-from pdr_est.synchronise.overlap import LATE_S, begun_late, outside_others, refuse_apart
+from pdr_est.synchronise.overlap import begun_late, outside_others, refuse_apart
 from pdr_est.synchronise.walk import WalkClockParams, estimate_clock
 
 __all__ = [
-    "LATE_S",
     "ClockEstimate",
     "ClockMethod",
     "GivenClock",

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.recording import DeviceRecording
+from pdr_est.records import LATE_S
 
 # All ours. Less in common is a few steps, from which neither clocks nor tethers tell anything.
 _LEAST_SHARED_S = 5.0
 _LEAST_SHARE = 0.5  # of the longer of two short recordings
-LATE_S = 5.0  # one that begins no later begins where the walk did
 _EARLY_S = 10.0
 _REMEDY = "tell how their clocks differ with --clock-offset or --messages, or smooth them one by one"
 

@@ -84,7 +84,7 @@ def test_a_phone_that_begins_late_is_told(good: Path, tmp_path: Path) -> None:
     result = run("track", good, begun(good, tmp_path, 6.0))
     assert result.exit_code == 0
     assert "other: began to record 6.0 s after" in result.stderr
-    assert "other: taken to begin where the walk began" in result.stderr
+    assert "other: begun late, taken to begin where the other phones were by then" in result.stderr
 
 
 def test_ctrl_c_ends_a_live_walk_with_all_that_was_held_back(walk: Walk) -> None:

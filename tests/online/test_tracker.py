@@ -8,7 +8,10 @@ from two_phones import KNOWN_START, ONE_CLOCK, fix_at, of_devices, offline, push
 
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.errors import EstimationError
+from pdr_est.estimators import EstimatorName
 from pdr_est.estimators.lag_params import FixedLagParams
+from pdr_est.io.cut import cut
+from pdr_est.io.recording import Recording
 from pdr_est.online import Tracker, Update, track_of
 from pdr_est.track import Track
 
@@ -128,3 +131,35 @@ def test_a_fix_that_cannot_be_used_takes_nothing_with_it() -> None:
             with pytest.raises(EstimationError, match="not positive definite"):
                 tracker.push_fix(replace(fix_at(1.0, 0.0, 0.0), covariance_m2=np.zeros((2, 2))))
     same_poses([*updates, *tracker.flush()], offline(recording, KNOWN_START))
+
+
+def begun_late(recording: Recording, late_s: float) -> Recording:
+    """The second phone records from then on."""
+    first, second = recording.devices
+    (late,) = cut(replace(recording, devices=(second,)), late_s).devices
+    return replace(recording, devices=(first, late))
+
+
+@pytest.mark.parametrize("config", [ONE_CLOCK, KNOWN_START], ids=["open", "known"])
+@pytest.mark.parametrize("fixes", [[], FIXES], ids=["bare", "fixes"])
+def test_a_phone_that_begins_late_is_the_same_online(config: Config, fixes: list) -> None:
+    recording, rng = begun_late(recorded(2, gap=True), 17.3), np.random.default_rng(4)
+    tracker = tracker_of(recording, config)
+    for fix in fixes:
+        tracker.push_fix(fix)
+    updates = push_all(tracker, slices(recording, [np.sort(rng.uniform(0.0, 60.0, count)) for count in (40, 200)]))
+    same_poses(updates, offline(recording, config, fixes))
+
+
+@pytest.mark.parametrize("name", ["ekf", "fixed-lag"])
+def test_a_phone_that_begins_late_begins_where_the_other_one_is(name: EstimatorName) -> None:
+    recording, config = recorded(2), KNOWN_START.with_estimator(name)
+    whole, late = offline(recording, config), offline(begun_late(recording, 17.3), config)
+    first, second = (late.of_device(device) for device in ("left", "right"))
+    assert second.time_s[0] == pytest.approx(17.3, abs=0.1)
+    assert np.linalg.norm(second.position_m[0] - first.at(second.time_s[:1])[0][0]) < 1.0
+    assert np.linalg.norm(second.position_m[0]) > 8.0
+    assert np.trace(second.covariance_m2[0]) > 0.5  # nobody knows better
+    for device, one in (("left", first), ("right", second)):
+        apart_m = np.linalg.norm(one.position_m[1:] - whole.of_device(device).at(one.time_s[1:])[0], axis=1)
+        assert apart_m.max() < 1.5, device
