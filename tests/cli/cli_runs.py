@@ -54,10 +54,20 @@ def smoothed(recording: Path, out: Path, *options: object) -> Result:
     return result
 
 
+def _heeds_interrupts() -> None:
+    """A shell that runs the tests in the background has its children ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def interrupt(command: Sequence[str], folder: Path, delay_s: float = 0.0) -> None:
     """Press Ctrl-C so long after a run has begun to write in a folder; it must end with a word and no traceback."""
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=_heeds_interrupts,
     ) as process:
         deadline = time.monotonic() + 60.0
         while not any(path.name.endswith(".partial") for path in folder.iterdir()):
