@@ -14,6 +14,7 @@ from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS, estimate_walk
 
 
+@pytest.mark.slow
 def test_every_part_is_measured() -> None:
     calls = []
     result = run_speed(
@@ -41,6 +42,7 @@ def test_every_part_is_measured() -> None:
     assert "fixed-lag" in words.getvalue().split("online, ms")[1]
 
 
+@pytest.mark.slow
 def test_a_longer_walk_takes_more_memory() -> None:
     """What a process needs must not hide behind what its parent has."""
     taken = np.ones(80 * 2**17)  # 80 MB

@@ -35,6 +35,7 @@ def test_the_trials_are_those_of_the_paper() -> None:
     assert 80.0 < walk.truth_time_s[-1] < 160.0
 
 
+@pytest.mark.slow
 def test_figure_4_of_one_trial(tmp_path: Path) -> None:
     figure = experiment("robust_dr_figure4")
     scenarios = robust_dr_trials(seed=0, trials=3)[2:]
