@@ -11,10 +11,10 @@ import numpy as np
 from pdr_est.estimators.ekf import NAME, REGULAR, Stretch, alone_smoothed, run_filter
 from pdr_est.estimators.motion import STATES, Moments, linearise, move
 from pdr_est.estimators.pose_filter import PoseFilter
-from pdr_est.estimators.ties import Tie, starts_of, ties_between
+from pdr_est.estimators.ties import Tie, lender_of, starts_of, ties_between
 from pdr_est.estimators.timeline import SAME_S, Timeline, track_from_nodes
 from pdr_est.frames import Array
-from pdr_est.records import LATE_S, DeviceTether, StartPose
+from pdr_est.records import DeviceTether, StartPose
 from pdr_est.track import Track, concatenate
 
 End = tuple[int, int]  # a pose: number of the device, number of its node
@@ -85,8 +85,7 @@ def follow(
     for device, i in ends:
         node, entered = timelines[device].nodes[i], enters[device].get(i)
         if entered is not None:
-            late = i == 0 and node.time_s - begun_s > LATE_S
-            entered = joint.join(entered, node, device, min(present, default=None) if late else None)
+            entered = joint.join(entered, node, device, lender_of(i, node.time_s, begun_s, present))
             present.add(device)
         else:
             joint.advance(node, device)

@@ -1,6 +1,6 @@
 """What holds between the devices of one walk: which nodes are tied, and how the devices set off together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import ceil, floor
@@ -12,7 +12,7 @@ from annotated_types import Ge, Le
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.timeline import SAME_S, Timeline
 from pdr_est.params import Positive, params
-from pdr_est.records import DeviceTether, StartPose
+from pdr_est.records import LATE_S, DeviceTether, StartPose
 
 # Of the first direction of one device against another's, where nothing but these directions defines the frame.
 SIGMA_SET_OFF_RAD = 0.2
@@ -81,6 +81,13 @@ def ties_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether])
             nodes = (int(np.searchsorted(times_s[d], tether.time_s + SAME_S, side="right")) - 1 for d in (a, b))
             ties.append(Tie(tether.time_s, a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m))
     return ties
+
+
+def lender_of(number: int, time_s: float, begun_s: float, present: Collection[int]) -> int | None:
+    """The device beside which another one joins a filter, with its node of that number, because the walk is under way
+    since begun_s; None for a device that joins by itself. present: those that have joined."""
+    late = number == 0 and time_s - begun_s > LATE_S
+    return min(present, default=None) if late else None
 
 
 def starts_of(timelines: Sequence[Timeline], start: StartPose) -> list[StartPose]:

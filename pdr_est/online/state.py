@@ -7,7 +7,6 @@ from math import inf
 from pdr_est.estimators.motion import STATES, Moments
 from pdr_est.estimators.timeline import Node
 from pdr_est.online.alone import Alone, Raw
-from pdr_est.records import LATE_S
 
 _NEAR = 50  # records among which the nodes of a step are looked for
 
@@ -43,11 +42,6 @@ class WalkState:
         """Whether a device has started and its direction is known."""
         own = self.alone[device]
         return own is not None and own.directed
-
-    def lender(self, pending: Pending, number: int) -> int | None:
-        """The device beside which another one starts, with its node of that number, while the walk is under way."""
-        late = number == 0 and pending.time_s - self.begun_s > LATE_S
-        return min(self.present, default=None) if late else None
 
     def moments(self, device: int) -> Moments:
         """What is known of a device that has started: by all of them, or where its direction is open by itself."""

@@ -10,7 +10,7 @@ from math import inf, nextafter
 
 from pdr_est.estimators.motion import Moments
 from pdr_est.estimators.pose_filter import PoseFilter
-from pdr_est.estimators.ties import TetherParams
+from pdr_est.estimators.ties import TetherParams, lender_of
 from pdr_est.estimators.timeline import SAME_S
 from pdr_est.online import alone as single
 from pdr_est.online.alone import Alone
@@ -242,7 +242,8 @@ class WalkFilter:
         alone = (*pulled.alone[:device], own, *pulled.alone[device + 1 :])
         joint, entered = pulled.joint, own.end if own.entered else None
         if joint is not None and own.directed:
-            joint, entered = _followed(self._all, joint, pending, entered, pulled.lender(pending, number))
+            lender = lender_of(number, pending.time_s, pulled.begun_s, pulled.present)
+            joint, entered = _followed(self._all, joint, pending, entered, lender)
         present = pulled.present | {device} if own.directed else pulled.present
         at = (*pulled.at[:device], pending, *pulled.at[device + 1 :])
         self.state = WalkState(alone, at, joint, present, pulled.next_tie, min(before.begun_s, pending.time_s))
