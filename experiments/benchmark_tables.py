@@ -13,11 +13,11 @@ from pathlib import Path
 from recorded import RESULTS, write_table
 from rich.console import Console
 
-from pdr_est.benchmark.runner import run_benchmark
-from pdr_est.benchmark.suites import SUITES
-from pdr_est.benchmark.table import print_table
-from pdr_est.benchmark.variant import axis_named, compare
 from pdr_est.config import Config
+from pdr_est.experiment.results.console_table import print_table
+from pdr_est.experiment.runners.score_walk import run_benchmark
+from pdr_est.experiment.suites import SUITES
+from pdr_est.experiment.variants.axes import axis_named, compare
 
 README = Path(__file__).parents[1] / "README.md"
 MARK = "<!-- benchmark -->"

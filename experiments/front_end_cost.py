@@ -11,15 +11,15 @@ from pathlib import Path
 
 import numpy as np
 
-from pdr_est.chains import levelling
 from pdr_est.config import Config, ModeParams
 from pdr_est.frames import Array
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.front_end.steps import step_detector
-from pdr_est.records import LevelBlock
+from pdr_est.pipeline.front_end_chain import levelling
 from pdr_est.simulate import mmpdr_mode_walks, simulate_walk
 from pdr_est.stage import Chain
+from pdr_est.types.sensors import LevelBlock
 
 RESULT = Path(__file__).parent / "results" / "front_end_cost.txt"
 REPETITIONS = 4

@@ -19,8 +19,8 @@ from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.front_end.gait import GaitClassifier, GaitFolds, GaitParams, shipped_folds
 from pdr_est.io import read
-from pdr_est.records import Gait, Step
 from pdr_est.training.gait_files import labelled_files
+from pdr_est.types.steps import Gait, Step
 
 RESULT = Path(__file__).parent / "results" / "gait_changes.txt"
 MARK = "<!-- gait changes -->"

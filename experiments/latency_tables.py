@@ -15,7 +15,6 @@ from typing import Literal
 import numpy as np
 from recorded import write_table
 
-from pdr_est.chains import levelling, stepping
 from pdr_est.config import Config, load_config
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
@@ -25,8 +24,9 @@ from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
 from pdr_est.front_end.steps import DETECTORS, step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
-from pdr_est.io.recording import DeviceRecording, Signal
+from pdr_est.pipeline.front_end_chain import levelling, stepping
 from pdr_est.stage import Chain, Stage
+from pdr_est.types.recording import DeviceRecording, Signal
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "latency.md"

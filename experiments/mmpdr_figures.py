@@ -24,7 +24,7 @@ from recorded import RESULTS, write
 
 from pdr_est.frames import Array
 from pdr_est.simulate import SimulatedWalk
-from pdr_est.track import Track
+from pdr_est.types.track import Track
 
 SHOWN = ("paper", "default")
 COLOURS = {HOLDING: "tab:red", SWING: "tab:blue", POCKET: "tab:green"}  # the paper's

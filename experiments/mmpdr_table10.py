@@ -23,12 +23,12 @@ from mmpdr_walks import POCKET, ROWS, SWING, Row, tabulate
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading import HeadingParams
-from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams, TrainedOffset
+from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams, TrainedOffset
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.steps import StepsParams
 from pdr_est.pipeline import SmoothedWalk, smooth
-from pdr_est.records import CarryingMode, Step
 from pdr_est.simulate import SimulatedWalk
+from pdr_est.types.steps import CarryingMode, Step
 
 START = Config(estimator=EstimatorParams(name="dead-reckoning"))
 CHAINS: dict[str, Config] = {

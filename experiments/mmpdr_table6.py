@@ -30,8 +30,8 @@ from pdr_est.config import Config
 from pdr_est.evaluate.modes import Transitions, confusion, shares, transitions
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.pipeline import analyse
-from pdr_est.records import CarryingMode
 from pdr_est.simulate import SimulatedWalk, mmpdr_mode_walks, simulate_walk
+from pdr_est.types.steps import CarryingMode
 
 METHODS: tuple[Literal["mmpdr", "auto"], ...] = ("mmpdr", "auto")
 TRUE = (CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET)

@@ -30,8 +30,8 @@ from pdr_est.front_end.step_length import (
     WalkerParams,
 )
 from pdr_est.pipeline import analyse
-from pdr_est.records import Step
 from pdr_est.simulate import DeviceParams, PathParams, Person, Scenario, sample_person, simulate_walk
+from pdr_est.types.steps import Step
 
 DISTANCE_M = 28.0
 PACES = (0.70, 1.0, 1.22)  # of the usual cadence; with eq. 9 that makes speeds like the paper's 0.72 to 1.88 m/s

@@ -7,8 +7,8 @@ from typing import TypeVar
 
 from recorded import write
 
-from pdr_est.records import CarryingMode
 from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, park_348, simulate_walk
+from pdr_est.types.steps import CarryingMode
 
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
 WALKERS = 6

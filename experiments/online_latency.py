@@ -7,7 +7,7 @@ processor and by the clock, which counts what else the machine does.
 
 import argparse
 
-from pdr_est.benchmark.speed.online import online_latency
+from pdr_est.performance.online import online_latency
 
 
 def main() -> None:

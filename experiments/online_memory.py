@@ -13,11 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from pdr_est.benchmark.speed.memory import resident_mb
-from pdr_est.benchmark.speed.online import ESTIMATORS, tracker_for, walk_in_rounds
-from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.online import Tracker
-from pdr_est.records import PositionFix, SensorBlock
+from pdr_est.performance.memory import resident_mb
+from pdr_est.performance.online import ESTIMATORS, tracker_for, walk_in_rounds
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.sensors import SensorBlock
 
 RESULT = Path(__file__).resolve().parent / "results" / "online_memory.txt"
 MINUTES, FIX_LATE_S = 10.0, 5.0

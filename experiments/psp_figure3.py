@@ -23,7 +23,7 @@ from recorded import RESULTS, write
 from pdr_est.front_end.heading import HeadingName
 from pdr_est.pipeline import smooth
 from pdr_est.simulate import Path, Scenario, SimulatedWalk, Trajectory, psp_walks, simulate_walk
-from pdr_est.track import Track
+from pdr_est.types.track import Track
 
 SHOWN: tuple[HeadingName, ...] = (*METHODS, DEFAULT)
 WAYS = ("clockwise", "counter-clockwise")

@@ -33,7 +33,7 @@ from recorded import write
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array
 from pdr_est.front_end.heading import HeadingName, HeadingParams
-from pdr_est.front_end.heading.hde import HdeParams
+from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.pipeline import smooth
 from pdr_est.simulate import (
     PSP_TESTS,

@@ -14,15 +14,16 @@ from matplotlib.figure import Figure
 
 from pdr_est import pipeline
 from pdr_est.config import Config, StartParams
-from pdr_est.estimators.fused import NAME
+from pdr_est.estimators.person.track import NAME
 from pdr_est.pipeline import SmoothedWalk
-from pdr_est.records import CarryingMode, PositionFix
-from pdr_est.report import svg
-from pdr_est.report.acceleration_plot import plot_acceleration
-from pdr_est.report.time_axis import time_axis
-from pdr_est.report.track_plot import plot_track
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.acceleration import plot_acceleration
+from pdr_est.report.plots.time_axis import time_axis
+from pdr_est.report.plots.track import plot_track
 from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
 from pdr_est.simulate.presets import carried_device
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.steps import CarryingMode
 
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 KNOWN_START = StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0, sigma_position_m=0.1, sigma_heading_rad=0.02)

@@ -31,22 +31,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from recorded import RESULTS, write
 
+from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config, DevicesParams, StartParams
 from pdr_est.estimators import EstimatorName
-from pdr_est.estimators.ties import TetherParams
+from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.frames import Array
 from pdr_est.front_end.heading import HeadingName, HeadingParams
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.pipeline import analyse, estimate
-from pdr_est.simulate import (
-    Scenario,
-    SimulatedWalk,
-    robust_dr_trials,
-    simulate_walk,
-    waypoint_passes,
-)
-from pdr_est.synchronise import ClockMethod
-from pdr_est.track import Track
+from pdr_est.simulate import Scenario, SimulatedWalk, robust_dr_trials, simulate_walk, waypoint_passes
+from pdr_est.types.track import Track
 
 Chain = Literal["compass", "gyro"]
 CHAINS: dict[Chain, HeadingName] = {"compass": "magnetometer", "gyro": "auto"}

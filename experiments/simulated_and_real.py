@@ -18,9 +18,9 @@ from scipy.signal import welch
 from pdr_est import read
 from pdr_est.frames import Array
 from pdr_est.front_end.attitude import AttitudeParams, VqfAttitude
-from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.records import ImuBlock
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
+from pdr_est.types.recording import DeviceRecording, Signal
+from pdr_est.types.sensors import ImuBlock
 
 RESULTS = Path(__file__).parent / "results"
 RATE_HZ = 100.0

@@ -29,15 +29,16 @@ import numpy as np
 from numpy.typing import NDArray
 from recorded import RESULTS, write
 
-from pdr_est.benchmark.files import recordings
 from pdr_est.config import Config
 from pdr_est.evaluate.strides import lengths_by_time, scored_strides, shares
+from pdr_est.experiment.walk_files import recordings
 from pdr_est.front_end.step_length import LengthModel, StepLength, StepLengthParams, WalkerParams
 from pdr_est.io import read
-from pdr_est.io.known_truth import read_truth_table
-from pdr_est.io.recording import Recording, TrueStrides
+from pdr_est.io.side_tables.known_distances import read_truth_table
 from pdr_est.pipeline import analyse
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
+from pdr_est.types.ground_truth import TrueStrides
+from pdr_est.types.recording import Recording
 
 Array = NDArray[np.float64]
 

@@ -18,12 +18,12 @@ import numpy as np
 from recorded import write, write_table
 
 from pdr_est import pipeline
-from pdr_est.benchmark.suites import gait
 from pdr_est.config import Config
+from pdr_est.experiment.suites import gait
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import LENGTH_MODELS, StepLength, StepLengthParams
 from pdr_est.io import read
-from pdr_est.records import Step
+from pdr_est.types.steps import Step
 
 MARK = "<!-- uptime table 2 -->"
 PAPER_M = {"walking": 0.74, "jogging": 1.01, "running": 1.70}

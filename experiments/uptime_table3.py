@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from recorded import write, write_table
 
-from pdr_est.benchmark.result import BenchmarkResult
-from pdr_est.benchmark.runner import run_benchmark
-from pdr_est.benchmark.variant import compare
 from pdr_est.config import Config
+from pdr_est.experiment.runners.score_walk import run_benchmark
+from pdr_est.experiment.score_rows import BenchmarkResult
+from pdr_est.experiment.variants.axes import compare
 
 MARK = "<!-- uptime table 3 -->"
 DETECTORS = ("uptime-fsm", "local-variance", "zero-crossing", "auto")

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from recorded import write, write_table
 
-from pdr_est.benchmark.confusion import Confusion
-from pdr_est.benchmark.runner import run_benchmark
-from pdr_est.benchmark.variant import compare
 from pdr_est.config import Config
 from pdr_est.evaluate.gait import KNOWN, accuracies, recalls
+from pdr_est.experiment.confusion import Confusion
+from pdr_est.experiment.runners.score_walk import run_benchmark
+from pdr_est.experiment.variants.axes import compare
 from pdr_est.front_end.gait import GaitParams
-from pdr_est.records import Gait
+from pdr_est.types.steps import Gait
 
 MARK = "<!-- uptime table 4 -->"
 METHODS: tuple[Literal["uptime", "auto"], ...] = ("uptime", "auto")

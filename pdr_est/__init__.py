@@ -11,11 +11,11 @@ if TYPE_CHECKING:
 
     from pdr_est.config import Config, load_config
     from pdr_est.errors import PdrError
-    from pdr_est.io.readers import read
-    from pdr_est.io.recording import Recording
+    from pdr_est.io.formats.registry import read
     from pdr_est.online import Tracker
-    from pdr_est.records import PositionFix
-    from pdr_est.track import Track
+    from pdr_est.types.measurements import PositionFix
+    from pdr_est.types.recording import Recording
+    from pdr_est.types.track import Track
 
 try:
     __version__ = version("pdr-est")
@@ -38,12 +38,12 @@ __all__ = [
 _HOMES = {
     "Config": "pdr_est.config",
     "PdrError": "pdr_est.errors",
-    "PositionFix": "pdr_est.records",
-    "Recording": "pdr_est.io.recording",
-    "Track": "pdr_est.track",
+    "PositionFix": "pdr_est.types.measurements",
+    "Recording": "pdr_est.types.recording",
+    "Track": "pdr_est.types.track",
     "Tracker": "pdr_est.online",
     "load_config": "pdr_est.config",
-    "read": "pdr_est.io.readers",
+    "read": "pdr_est.io.formats.registry",
 }
 
 

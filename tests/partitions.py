@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.records import ImuBlock, LevelBlock, SensorBlock
 from pdr_est.simulate import (
     PHONE_MAGNETOMETER,
     DeviceParams,
@@ -19,6 +17,8 @@ from pdr_est.simulate import (
     SensorParams,
     simulate_walk,
 )
+from pdr_est.types.recording import DeviceRecording, Signal
+from pdr_est.types.sensors import ImuBlock, LevelBlock, SensorBlock
 
 Block = SensorBlock | ImuBlock | LevelBlock
 _RESET_AT_S, _RESET_BY_S = 9.0, 8.5

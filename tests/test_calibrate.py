@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from pdr_est import pipeline
-from pdr_est.calibrate import (
+from pdr_est.calibration.step_length_fit import (
     MEAN_EXPONENT,
     SIGMA_EXPONENT,
     SIGMA_LOG_CADENCE,
@@ -24,9 +24,9 @@ from pdr_est.config import Config, check
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.walker import walking_cadence_hz
-from pdr_est.records import PositionFix
 from pdr_est.simulate import Scenario, simulate_walk
 from pdr_est.simulate.path import PathParams
+from pdr_est.types.measurements import PositionFix
 
 
 def paced(length_m: float = 0.7, n: int = 10, cadence_hz: float = 2.0) -> PacedSteps:

@@ -16,16 +16,16 @@ from click.testing import CliRunner
 from documents import LANGUAGES, PAGES, ROOT, Block, blocks_of, missing_lines, prose_of
 
 from pdr_est import read
-from pdr_est.benchmark.suites import SUITES
-from pdr_est.benchmark.variant import AXES
 from pdr_est.cli import main
 from pdr_est.config import Config, config_to_dict, load_config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.experiment import load_experiment
+from pdr_est.experiment.suites import SUITES
+from pdr_est.experiment.variants.axes import AXES
 from pdr_est.front_end.heading import HEADINGS
-from pdr_est.io.fixes import read_fixes
-from pdr_est.io.plain_header import Quantity, understand
-from pdr_est.io.readers import FORMATS
+from pdr_est.io.formats.plain_csv.header import Quantity, understand
+from pdr_est.io.formats.registry import FORMATS
+from pdr_est.io.side_tables.position_fixes import read_fixes
 
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -27,39 +27,40 @@ from partitions import (
 )
 
 from pdr_est import front_end
-from pdr_est.chains import levelling, stepping
 from pdr_est.config import Config, StepsParams
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
 from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
-from pdr_est.front_end.heading.auto import AutoHeading, AutoHeadingParams
-from pdr_est.front_end.heading.dominant import DominantParams
-from pdr_est.front_end.heading.hde import HdeParams
-from pdr_est.front_end.heading.hindsight import HeadingHindsight
+from pdr_est.front_end.heading.dominant_directions import DominantParams
+from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
-from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeading, AutoHeadingParams
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
-from pdr_est.front_end.heading.tie import TieParams
+from pdr_est.front_end.heading.tie_controller import TieParams
+from pdr_est.front_end.heading.whole_walk import HeadingHindsight
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.signal.blocks import join
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import DETECTORS, DetectorName
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
-from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.io.resample import ResampleParams, Resampler
-from pdr_est.records import CarryingMode, Channel, LevelBlock, SensorBlock, Step
+from pdr_est.pipeline.front_end_chain import levelling, stepping
+from pdr_est.preprocessing.resampling import ResampleParams, Resampler
 from pdr_est.simulate import PHONE_MAGNETOMETER, mmpdr_mode_walks, simulate_walk
 from pdr_est.stage import Chain, Stage
+from pdr_est.types.recording import DeviceRecording, Signal
+from pdr_est.types.sensors import Channel, LevelBlock, SensorBlock
+from pdr_est.types.steps import CarryingMode, Step
 
 RATES_HZ = (25.0, 50.0, 100.0, 400.0)
 WORKING_HZ = 50.0

@@ -16,14 +16,15 @@ from pdr_est.estimators import EstimatorName
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
-from pdr_est.front_end.heading.dominant import DominantParams
+from pdr_est.front_end.heading.dominant_directions import DominantParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
-from pdr_est.io.recording import DeviceRecording, Recording, Signal
 from pdr_est.pipeline import SmoothedWalk
-from pdr_est.records import CarryingMode, Gap
+from pdr_est.pipeline.warnings import warnings_of
 from pdr_est.simulate import DeviceParams, SensorParams, SimulatedWalk, preset, simulate_walk
-from pdr_est.walk_warnings import warnings_of
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
+from pdr_est.types.sensors import Gap
+from pdr_est.types.steps import CarryingMode
 
 DEAD_RECKONING = Config(estimator=EstimatorParams(name="dead-reckoning"))
 

@@ -6,11 +6,18 @@ from pathlib import Path
 
 import pytest
 
+from pdr_est.calibration.profile import (
+    Profile,
+    ProfileNote,
+    load_profile,
+    profile_to_yaml,
+    refuse_contradiction,
+    with_profile,
+)
 from pdr_est.config import Config, config_to_dict
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import StepsParams
-from pdr_est.profile import Profile, ProfileNote, load_profile, profile_to_yaml, refuse_contradiction, with_profile
 
 PROFILE = Profile(
     note=ProfileNote(

@@ -7,19 +7,19 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from pdr_est.benchmark.result import BenchmarkResult
-from pdr_est.benchmark.runner import run_benchmark
-from pdr_est.benchmark.speed import LENGTHS_MIN, print_speed, run_speed
-from pdr_est.benchmark.speed import NAME as SPEED
-from pdr_est.benchmark.suites import SUITES
-from pdr_est.benchmark.table import print_table
-from pdr_est.benchmark.variant import AXES, EVERY, comparison_of_choices
 from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, Command, config_option, given, resolve_config
 from pdr_est.cli.progress import progress_bar
 from pdr_est.config import Config
 from pdr_est.errors import OutputError, RecordingError
-from pdr_est.io.output import staged_file
+from pdr_est.experiment.results.console_table import print_table
+from pdr_est.experiment.runners.score_walk import run_benchmark
+from pdr_est.experiment.score_rows import BenchmarkResult
+from pdr_est.experiment.suites import SUITES
+from pdr_est.experiment.variants.axes import AXES, EVERY, comparison_of_choices
+from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.performance import LENGTHS_MIN, print_speed, run_speed
+from pdr_est.performance import NAME as SPEED
 
 _REASONS = 3  # told at once
 

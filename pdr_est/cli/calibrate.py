@@ -9,7 +9,15 @@ from typing import Any
 import click
 
 from pdr_est import pipeline
-from pdr_est.calibrate import Calibration, Observation, PacedSteps, fit, observe_distance, observe_fixes
+from pdr_est.calibration.profile import Profile, ProfileNote, profile_to_yaml
+from pdr_est.calibration.step_length_fit import (
+    Calibration,
+    Observation,
+    PacedSteps,
+    fit,
+    observe_distance,
+    observe_fixes,
+)
 from pdr_est.cli.fixes import RECORDED, chosen_fixes
 from pdr_est.cli.naming import naming
 from pdr_est.cli.options import (
@@ -24,8 +32,7 @@ from pdr_est.cli.options import (
 from pdr_est.config import Config
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io import read
-from pdr_est.io.output import staged_file
-from pdr_est.profile import Profile, ProfileNote, profile_to_yaml
+from pdr_est.io.writers.atomic_output import staged_file
 
 
 @click.command()

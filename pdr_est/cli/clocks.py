@@ -8,11 +8,11 @@ from typing import Any, TypeVar, get_args
 import click
 
 from pdr_est.cli.options import PATH
+from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config, config_from_dict, config_to_dict
 from pdr_est.errors import ConfigError
-from pdr_est.io.clock_messages import read_messages
-from pdr_est.io.recording import Recording
-from pdr_est.synchronise import ClockMethod
+from pdr_est.io.side_tables.clock_messages import read_messages
+from pdr_est.types.recording import Recording
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 

@@ -13,8 +13,8 @@ from rich.measure import Measurement
 from rich.table import Table
 
 from pdr_est.cli.options import PATH
-from pdr_est.evaluate.definitions import DEFINITIONS, unit_of, with_unit
-from pdr_est.evaluate.paired import Paired
+from pdr_est.evaluate.metric_definitions import DEFINITIONS, unit_of, with_unit
+from pdr_est.evaluate.paired_comparison import Paired
 
 _NARROWEST = 100  # columns: a narrower terminal wraps the lines, for no number or short name is ever cut
 _WIDEST = 1000
@@ -40,8 +40,8 @@ def compare(
     Prints the mean difference with its bootstrap interval and who wins on how many walks, and writes the same as
     compare.csv and compare.md.
     """
-    from pdr_est.experiment.comparison import NOTE, as_csv, as_markdown, compare_variants, read_values
-    from pdr_est.experiment.output import COMPARED_CSV, COMPARED_TEXT, write
+    from pdr_est.experiment.results.comparison import NOTE, as_csv, as_markdown, compare_variants, read_values
+    from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT, write
 
     pairs = compare_variants(read_values(folders, track, metrics), reference)
     folder = folders[0] if output is None else output

@@ -7,7 +7,7 @@ import click
 
 from pdr_est.cli.options import PATH
 from pdr_est.config import config_to_yaml, load_config
-from pdr_est.yaml_file import load_yaml
+from pdr_est.config.yaml_lines import load_yaml
 
 
 @click.group()
@@ -19,7 +19,7 @@ def config() -> None:
 @click.option("--settings", is_flag=True, help="Of settings files, as --config takes them. Default: of experiments.")
 def schema(settings: bool) -> None:
     """Print the JSON schema, for editors that complete and check YAML."""
-    from pdr_est.experiment.schema import experiment_schema, settings_schema
+    from pdr_est.experiment.json_schema import experiment_schema, settings_schema
 
     click.echo(json.dumps(settings_schema() if settings else experiment_schema(), indent=2))
 

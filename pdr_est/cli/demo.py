@@ -9,10 +9,10 @@ from pdr_est import pipeline
 from pdr_est.cli.options import PATH
 from pdr_est.cli.progress import progress_bar
 from pdr_est.config import Config
-from pdr_est.io.output import staged_folder
-from pdr_est.io.plain_csv_writer import write_plain_csv
-from pdr_est.io.recording import Truth
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
+from pdr_est.io.writers.atomic_output import staged_folder
 from pdr_est.simulate import preset, simulate_walk
+from pdr_est.types.ground_truth import Truth
 
 RECORDING = "simulated-walk.csv"
 
@@ -25,7 +25,7 @@ RECORDING = "simulated-walk.csv"
 @click.option("-q", "--quiet", is_flag=True, help="No progress bar and no closing lines.")
 def demo(output: Path, name: str, quiet: bool) -> None:
     """Simulate a walk with a held phone, smooth it and write the report. No recording is needed."""
-    from pdr_est.report.results import write_results  # matplotlib is slow to load
+    from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
     with progress_bar("simulating", total=3, quiet=quiet) as bar, staged_folder(output, overwrite=True) as folder:
         recording = simulate_walk(preset(name)).recording

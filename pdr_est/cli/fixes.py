@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from pdr_est.cli.naming import naming
-from pdr_est.io.fixes import read_fixes, recorded_fixes
-from pdr_est.io.recording import Recording
-from pdr_est.records import PositionFix
+from pdr_est.io.side_tables.position_fixes import read_fixes, recorded_fixes
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import Recording
 
 RECORDED = "recording"
 

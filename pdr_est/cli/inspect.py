@@ -7,8 +7,8 @@ import click
 
 from pdr_est.cli.options import PATH
 from pdr_est.io import read
-from pdr_est.io.inspection import inspect as inspect_recording
-from pdr_est.io.inspection_text import describe
+from pdr_est.preprocessing.quality.inspection import inspect as inspect_recording
+from pdr_est.preprocessing.quality.inspection_text import describe
 
 
 @click.command()

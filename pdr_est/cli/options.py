@@ -7,12 +7,12 @@ from typing import Any, TypeVar
 import click
 import numpy as np
 
+from pdr_est.calibration.profile import Profile, refuse_contradiction, with_profile
 from pdr_est.config import Config, config_from_dict, config_to_dict, load_config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import HEADINGS
 from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
-from pdr_est.profile import Profile, refuse_contradiction, with_profile
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 

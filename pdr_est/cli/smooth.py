@@ -7,18 +7,18 @@ from typing import Any
 import click
 
 from pdr_est import pipeline
+from pdr_est.calibration.profile import Profile, load_profile
 from pdr_est.cli.clocks import clock_options, with_clocks, with_messages
 from pdr_est.cli.fixes import chosen_fixes
 from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
 from pdr_est.cli.progress import Bar, progress_bar
+from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config
 from pdr_est.io import read
-from pdr_est.io.digest import file_digests
-from pdr_est.io.output import staged_folder
-from pdr_est.io.together import together
-from pdr_est.profile import Profile, load_profile
-from pdr_est.synchronise import ClockMethod
+from pdr_est.io.writers.atomic_output import staged_folder
+from pdr_est.io.writers.checksums import file_digests
+from pdr_est.preprocessing.merge import together
 
 
 @click.command()
@@ -68,7 +68,7 @@ def smooth_into(
 ) -> dict[str, Any]:
     """Read, smooth and write the recordings of one walk; return the summary. profile: what the configuration was made
     with. messages: by which the devices compared their clocks."""
-    from pdr_est.report.results import write_results  # matplotlib is slow to load
+    from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
     recorded = with_messages(together([read(path) for path in paths]), messages)
     known = chosen_fixes(fixes, recorded, paths[0])

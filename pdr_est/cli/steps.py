@@ -12,13 +12,13 @@ from pdr_est import pipeline
 from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, config_option, detector_option, given, overwrite_option, resolve_config
 from pdr_est.config import Config
-from pdr_est.evaluate.walking import mode_shares
+from pdr_est.evaluate.mode_shares import mode_shares
 from pdr_est.io import read
-from pdr_est.io.output import staged_file
-from pdr_est.io.writers import write_steps_csv
+from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.io.writers.track_files import write_steps_csv
 from pdr_est.pipeline import DeviceWalk
-from pdr_est.records import Step
-from pdr_est.walk_warnings import warnings_of
+from pdr_est.pipeline.warnings import warnings_of
+from pdr_est.types.steps import Step
 
 Json = dict[str, Any]
 

@@ -14,16 +14,17 @@ import click
 from pdr_est.cli.fixes import chosen_fixes
 from pdr_est.cli.naming import naming
 from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
+from pdr_est.clock_sync import begun_late, outside_others, refuse_apart
 from pdr_est.config import Config
 from pdr_est.errors import OutputError, PdrError, RecordingError
 from pdr_est.io import read
-from pdr_est.io.recording import Recording
-from pdr_est.io.sensor_logger_live import LiveNews, LiveReader, Platform
-from pdr_est.io.together import together
+from pdr_est.io.formats.sensor_logger.live import LiveNews, LiveReader, Platform
 from pdr_est.online import Tracker, Update
-from pdr_est.online.replay import expected, moments
-from pdr_est.records import PositionFix, SensorBlock
-from pdr_est.synchronise import begun_late, outside_others, refuse_apart
+from pdr_est.online.recording_stream import expected, moments
+from pdr_est.preprocessing.merge import together
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import Recording
+from pdr_est.types.sensors import SensorBlock
 
 _LIVE = Path("-")
 

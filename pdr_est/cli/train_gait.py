@@ -8,7 +8,7 @@ import click
 from pdr_est.cli.options import PATH
 from pdr_est.cli.progress import progress_bar
 from pdr_est.front_end.gait.features import FeatureSet
-from pdr_est.io.output import staged_folder
+from pdr_est.io.writers.atomic_output import staged_folder
 
 
 @click.command("train-gait")

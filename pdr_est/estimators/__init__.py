@@ -1,16 +1,18 @@
 """Estimators: measurements ─► track. They know geometry and probability, and nothing of phones."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, get_args
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import dead_reckoning, ekf, joint_ekf
-from pdr_est.estimators.lag_params import FixedLagParams
-from pdr_est.estimators.map_fusion import MapFusionParams, estimate_closed_form, estimate_general
-from pdr_est.estimators.timeline import Timeline, build_timeline
-from pdr_est.records import DeviceTether, Measurement, PositionFix, StartPose
-from pdr_est.track import Track, concatenate
+from pdr_est.estimators import dead_reckoning
+from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.kalman import multi_device as joint_ekf
+from pdr_est.estimators.kalman import single_device as ekf
+from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, PositionFix, StartPose
+from pdr_est.types.track import Track, concatenate
 
 EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
@@ -20,15 +22,6 @@ ONLINE: tuple[EstimatorName, ...] = ("ekf", "fixed-lag")  # the same while the d
 RECKONERS: tuple[EstimatorName, ...] = ("dead-reckoning", "map-closed-form", "map-general")
 
 _MAP_FUSION, _FIXED_LAG = MapFusionParams(), FixedLagParams()
-
-
-@dataclass(frozen=True)
-class DeviceMeasurements:
-    """What is known of one device's walk. start_s: time of its start pose."""
-
-    device: str
-    start_s: float
-    measurements: tuple[Measurement, ...]
 
 
 def estimate_walk(
@@ -64,11 +57,13 @@ def estimate_walk(
                 return ekf.estimate(timelines[0], start, sigma_length_scale)
             return joint_ekf.estimate(timelines, tethers, start, sigma_length_scale)
         case "factor-graph":
-            from pdr_est.estimators import factor_graph  # gtsam is slow to load: only when it is used
+            from pdr_est.estimators.factor_graph import (
+                smoother as factor_graph,  # gtsam is slow to load: only when it is used
+            )
 
             return factor_graph.estimate(timelines, tethers, start, sigma_length_scale)
         case "fixed-lag":
-            from pdr_est.estimators import fixed_lag as lagged  # likewise
+            from pdr_est.estimators.fixed_lag import smoother as lagged  # likewise
 
             return lagged.estimate(timelines, tethers, start, sigma_length_scale, fixed_lag)
     raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")

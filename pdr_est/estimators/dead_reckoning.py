@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from pdr_est.estimators.ekf import Stretch, run_filter, smooth, undecided_anchor
-from pdr_est.estimators.motion import Moments, reckon
-from pdr_est.estimators.start import start_prior
-from pdr_est.estimators.timeline import Timeline, track_from_nodes
-from pdr_est.records import StartPose
-from pdr_est.track import Track
+from pdr_est.estimators.common.initial_state import start_prior
+from pdr_est.estimators.common.motion_model import Moments, reckon
+from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
+from pdr_est.estimators.kalman.rts_smoother import smooth
+from pdr_est.estimators.kalman.single_device import Stretch, run_filter, undecided_anchor
+from pdr_est.types.measurements import StartPose
+from pdr_est.types.track import Track
 
 NAME = "dead-reckoning"
 

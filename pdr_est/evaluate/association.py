@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.track import Track
+from pdr_est.types.track import Track
 
 END_TOLERANCE_S = 1.0
 

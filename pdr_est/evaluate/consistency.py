@@ -6,6 +6,20 @@ import numpy as np
 
 from pdr_est.frames import Array
 
+
+def radius95_m(covariance_m2: Array) -> Array:
+    """Long half axes (n,) of the 95 % ellipses of normal distributions; NaN where a covariance is not finite.
+
+    covariance_m2: (n, 2, 2).
+    """
+    finite = np.asarray(np.isfinite(covariance_m2).all(axis=(1, 2)))
+    covariance = np.where(finite[:, None, None], covariance_m2, 0.0)
+    xx, xy, yy = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
+    largest = (xx + yy) / 2.0 + np.hypot((xx - yy) / 2.0, xy)
+    radius = np.sqrt(CHI2_95_2D * np.maximum(largest, 0.0))
+    return np.where(finite, radius, np.nan)
+
+
 CHI2_95_2D = -2.0 * math.log(0.05)  # 5.991; with 2 degrees of freedom P(chi2 > x) = exp(-x/2)
 
 

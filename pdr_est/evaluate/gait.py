@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.records import Gait
+from pdr_est.types.steps import Gait
 
 GAIT_METRIC = "gait_accuracy"
 WALKING_METRIC = "walking_accuracy"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.track import Track
+from pdr_est.types.track import Track
 
 HEADING_METRICS = ("turn_error_deg", "heading_net_error_deg")
 TURN_MARGIN_S = 2.0

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.records import PositionFix
+from pdr_est.types.measurements import PositionFix
 
 WAYPOINT_SIGMA_M = 0.7  # per axis, of clicked or surveyed waypoints
 LEAST_POINTS = 5

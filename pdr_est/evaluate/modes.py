@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.front_end.signal.runs import runs
-from pdr_est.io.recording import TrueModes
-from pdr_est.records import CarryingMode, LevelBlock
+from pdr_est.run_lengths import runs
+from pdr_est.types.ground_truth import TrueModes
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 TOLERANCE_S = 1.0
 _MODES = len(CarryingMode)

@@ -14,7 +14,7 @@ A step that lies partly within a stride counts for that part.
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.io.recording import TrueStrides
+from pdr_est.types.ground_truth import TrueStrides
 
 LONGEST_STRIDE_M = 3.0  # longer ones are mistakes of the sensor at the foot
 

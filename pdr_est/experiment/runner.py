@@ -7,17 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from pdr_est.errors import ConfigError
-from pdr_est.evaluate.paired import Paired
-from pdr_est.experiment.cluster import connected, run_on_cluster
-from pdr_est.experiment.comparison import compare_variants, read_values
-from pdr_est.experiment.load import Experiment
-from pdr_est.experiment.local import Done, run_locally
-from pdr_est.experiment.output import REPORT, begin, write
-from pdr_est.experiment.parts import Part, decode, store, stored
-from pdr_est.experiment.provenance import provenance
-from pdr_est.experiment.results import ordered, write_tables
+from pdr_est.evaluate.paired_comparison import Paired
+from pdr_est.experiment.loader import Experiment
+from pdr_est.experiment.results.comparison import compare_variants, read_values
+from pdr_est.experiment.results.provenance import provenance
+from pdr_est.experiment.results.result_folder import REPORT, begin, write
+from pdr_est.experiment.results.tables import ordered, write_tables
+from pdr_est.experiment.runners.dask_cluster import connected, run_on_cluster
+from pdr_est.experiment.runners.processes import Done, run_locally
+from pdr_est.experiment.runners.walk_job import Work, work_of
+from pdr_est.experiment.runners.walk_result import Part, decode, store, stored
 from pdr_est.experiment.walks import Walk
-from pdr_est.experiment.work import Work, work_of
 
 Progress = Callable[[int, int], None]
 Run = Callable[[Work, Sequence[Walk]], Iterator[Done]]

@@ -1,21 +1,27 @@
 """The walks of an experiment: found on disk or drawn from a seed, each with the keys that it may be grouped by."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
 
-from pdr_est.benchmark.files import recordings, suite_folder
-from pdr_est.benchmark.runner import with_truth
-from pdr_est.benchmark.suite import Suite, WalkFile
 from pdr_est.errors import ConfigError
 from pdr_est.experiment.config import DataParams, Series, SimulatedParams
+from pdr_est.experiment.suite import Suite, WalkFile
+from pdr_est.experiment.walk_files import recordings, suite_folder
 from pdr_est.io import read
-from pdr_est.io.recording import Recording
 from pdr_est.simulate import PRESETS, Scenario, preset, psp_walks, robust_dr_trials, simulate_walk
 from pdr_est.simulate.population import population
+from pdr_est.types.ground_truth import Truth
+from pdr_est.types.recording import Recording
+
+
+def with_truth(recording: Recording, told: Truth) -> Recording:
+    """The recording with what the data set tells of it elsewhere."""
+    known = {part.name: getattr(told, part.name) for part in fields(told) if getattr(told, part.name) is not None}
+    return replace(recording, truth=replace(recording.truth, **known))
 
 
 @dataclass(frozen=True)

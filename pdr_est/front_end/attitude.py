@@ -14,7 +14,8 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, twist_about_vertical, u
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.vectors import dot, norm
 from pdr_est.params import Positive, params
-from pdr_est.records import CarryingMode, ImuBlock, LevelBlock
+from pdr_est.types.sensors import ImuBlock, LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 _LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of nothing finite
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.params import NonNegative, Positive, params
-from pdr_est.records import CarryingMode, HeadingPrior, Step, StepOdometry
+from pdr_est.types.measurements import HeadingPrior, StepOdometry
+from pdr_est.types.steps import CarryingMode, Step
 
 
 @params

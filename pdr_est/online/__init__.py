@@ -1,6 +1,6 @@
 """The filter online: samples of phones in, estimates out, as they come."""
 
-from pdr_est.online.device import ExpectedDevice
+from pdr_est.online.device_front_end import ExpectedDevice
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.tracker import Tracker
 from pdr_est.online.update import Update, track_of

@@ -6,18 +6,19 @@ from collections.abc import Sequence
 
 from pdr_est.config import Config, check
 from pdr_est.errors import ConfigError, EstimationError
-from pdr_est.estimators.fused import NAME as PERSON
-from pdr_est.estimators.usable import refuse_unusable
-from pdr_est.online.device import DeviceFrontEnd, ExpectedDevice
-from pdr_est.online.estimates import Estimates
-from pdr_est.online.known import Known
-from pdr_est.online.log import DeviceLog
+from pdr_est.estimators.common.measurement_checks import refuse_unusable
+from pdr_est.estimators.person.track import NAME as PERSON
+from pdr_est.online.changed_poses import Rows
+from pdr_est.online.device_front_end import DeviceFrontEnd, ExpectedDevice
 from pdr_est.online.params import OnlineParams
-from pdr_est.online.rows import Rows
-from pdr_est.online.samples import refuse_malformed
+from pdr_est.online.rewindable_filter import WalkFilter
+from pdr_est.online.sample_checks import refuse_malformed
+from pdr_est.online.start_and_fixes import Known
+from pdr_est.online.step_log import DeviceLog
 from pdr_est.online.update import Kind, Update
-from pdr_est.online.walk import WalkFilter
-from pdr_est.records import HeadingPrior, PositionFix, SensorBlock, StepOdometry
+from pdr_est.online.update_assembly import Estimates
+from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
+from pdr_est.types.sensors import SensorBlock
 
 _ONLINE = OnlineParams()
 _PATIENCE = 20  # pushes after which all work that waits is done at once
@@ -66,7 +67,7 @@ class Tracker:
         self._delayed = None
         behind_s: dict[Kind, float] = {"filtered": 0.0}
         if self._config.estimator.name == "fixed-lag":
-            from pdr_est.online.delayed import Delayed  # gtsam is slow to load: only when it is used
+            from pdr_est.online.delayed_estimates import Delayed  # gtsam is slow to load: only when it is used
 
             self._delayed = Delayed(self._config.estimator.fixed_lag, self._config.devices.tether)
             behind_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s

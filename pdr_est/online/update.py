@@ -7,10 +7,10 @@ from typing import Literal, Protocol
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.timeline import Node
+from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array, turned, wrap_angle
-from pdr_est.records import CarryingMode
-from pdr_est.track import Track
+from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track
 
 Kind = Literal["filtered", "delayed"]
 

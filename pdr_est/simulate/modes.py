@@ -10,9 +10,7 @@ from pydantic import Field
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
-from pdr_est.io.recording import TrueModes
 from pdr_est.params import Fraction, NonNegative, params
-from pdr_est.records import CarryingMode
 from pdr_est.simulate.body import Body, BodyMotion
 from pdr_est.simulate.jet import Jet, jet_of, joined, smooth_curve
 from pdr_est.simulate.phone import HeldPhone
@@ -21,6 +19,8 @@ from pdr_est.simulate.pose import Carry, DevicePose, MountPath, move
 from pdr_est.simulate.rigid_body import RigidMotion
 from pdr_est.simulate.swing import SwingingPhone
 from pdr_est.simulate.turning import joined_turnings
+from pdr_est.types.ground_truth import TrueModes
+from pdr_est.types.steps import CarryingMode
 
 AnyPhone = Annotated[HeldPhone | SwingingPhone | PocketPhone, Field(discriminator="mode")]
 

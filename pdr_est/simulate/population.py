@@ -7,13 +7,13 @@ import numpy as np
 from annotated_types import Ge, Le, Len
 
 from pdr_est.params import params
-from pdr_est.records import CarryingMode
 from pdr_est.simulate.path import PathParams
 from pdr_est.simulate.person import Person, sample_person
 from pdr_est.simulate.presets import carried_device
 from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors import PHONE_MAGNETOMETER, SensorParams
 from pdr_est.simulate.walker import usual_speed_mps
+from pdr_est.types.steps import CarryingMode
 
 CarryingName = Literal["HOLDING", "SWING", "POCKET"]
 Carrying = Annotated[tuple[CarryingName, ...], Len(1)]

@@ -9,13 +9,13 @@ from types import MappingProxyType
 import numpy as np
 
 from pdr_est.errors import ConfigError
-from pdr_est.records import CarryingMode
 from pdr_est.simulate.modes import AnyPhone
 from pdr_est.simulate.path import Path, PathParams
 from pdr_est.simulate.person import Person, sample_person
 from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors import SensorParams
 from pdr_est.simulate.walker import GaitParams, Pause, usual_speed_mps
+from pdr_est.types.steps import CarryingMode
 
 MMPDR_PEOPLE, MMPDR_CHANGES = 17, 106  # MMPDR section IV-B
 

@@ -8,8 +8,8 @@ from annotated_types import Ge, Le, Lt
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.io.recording import Signal
 from pdr_est.params import NonNegative, params
+from pdr_est.types.recording import Signal
 
 
 @params

@@ -15,9 +15,9 @@ from pathlib import Path
 
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.gait import KNOWN_BY_NAME
-from pdr_est.io.digest import file_digests
-from pdr_est.io.recording import Recording
-from pdr_est.records import Gait
+from pdr_est.io.writers.checksums import file_digests
+from pdr_est.types.recording import Recording
+from pdr_est.types.steps import Gait
 
 OWN = "own"
 """The name of a user's recordings as a data set."""

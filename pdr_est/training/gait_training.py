@@ -11,9 +11,9 @@ from pdr_est.errors import RecordingError
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.gait.features import FeatureSet
 from pdr_est.front_end.gait.folds import save_folds
-from pdr_est.front_end.gait.labelled import LabelledSteps, labelled_steps
 from pdr_est.front_end.gait.model import save_model
 from pdr_est.front_end.gait.training import TrainedGait, train
+from pdr_est.front_end.gait.training_data import LabelledSteps, labelled_steps
 from pdr_est.io import read
 from pdr_est.training.gait_card import model_card
 from pdr_est.training.gait_files import LabelledFile, labelled_files

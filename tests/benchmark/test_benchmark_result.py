@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from pdr_est.benchmark import BenchmarkResult, print_table
-from pdr_est.benchmark.result import SkippedWalk, WalkRow
-from pdr_est.evaluate.average import Average
+from pdr_est.evaluate.statistics import Average
+from pdr_est.experiment import BenchmarkResult, print_table
+from pdr_est.experiment.score_rows import SkippedWalk, WalkRow
 
 
 def row(walk, estimator, ate, group=None, headline=True, **labels):

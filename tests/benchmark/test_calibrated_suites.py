@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from small_sets import N_STEPS, bouncing, crests_s, plain_table, write
 
-from pdr_est.benchmark import compare, run_benchmark
-from pdr_est.benchmark.calibrated import with_calibrated
-from pdr_est.benchmark.result import SkippedWalk, WalkRow
-from pdr_est.calibrate import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, Observation
+from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, Observation
 from pdr_est.config import Config
+from pdr_est.experiment import compare, run_benchmark
+from pdr_est.experiment.calibrated import with_calibrated
+from pdr_est.experiment.score_rows import SkippedWalk, WalkRow
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.step_length import StepLengthParams
 

@@ -8,16 +8,16 @@ from rich.console import Console
 from small_sets import motionsense_table, sisfall_table
 
 import pdr_est.front_end.gait as gait_package
-from pdr_est.benchmark import compare, print_table, run_benchmark
-from pdr_est.benchmark.suites import gait
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
+from pdr_est.experiment import compare, print_table, run_benchmark
+from pdr_est.experiment.suites import gait
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.gait.folds import GaitFolds
 from pdr_est.front_end.gait.model import GaitModel, Machine, save_model
 from pdr_est.io import read
-from pdr_est.records import Gait
 from pdr_est.training.gait_files import labelled_files
+from pdr_est.types.steps import Gait
 
 
 def always(label):

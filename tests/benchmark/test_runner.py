@@ -5,16 +5,17 @@ import numpy as np
 import pytest
 
 from pdr_est import pipeline
-from pdr_est.benchmark import SUITES, compare, run_benchmark, runner
-from pdr_est.benchmark.suite import Scores, Walked
-from pdr_est.benchmark.suites import ilc20, ipin2023
-from pdr_est.benchmark.variant import Comparison, Variant
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.experiment import SUITES, compare, run_benchmark
+from pdr_est.experiment.runners import score_walk as runner
+from pdr_est.experiment.suite import Scores, Walked
+from pdr_est.experiment.suites import ilc20, ipin2023
+from pdr_est.experiment.variants.axes import Comparison, Variant
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
-from pdr_est.records import PositionFix
+from pdr_est.types.measurements import PositionFix
 
 HELD = Config(mode=ModeParams(method="fixed"))  # made-up signals are not like those of a hand
 EKF = compare(HELD, names=("ekf",))

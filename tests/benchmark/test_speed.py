@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from pdr_est.benchmark.speed import print_speed, run_speed
-from pdr_est.benchmark.speed.growth import growth
-from pdr_est.benchmark.speed.odometry import START, walk_of
-from pdr_est.benchmark.speed.smoothing import smoothing_seconds
 from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS, estimate_walk
+from pdr_est.performance import print_speed, run_speed
+from pdr_est.performance.growth import growth
+from pdr_est.performance.odometry import START, walk_of
+from pdr_est.performance.smoothing import smoothing_seconds
 
 
 @pytest.mark.slow

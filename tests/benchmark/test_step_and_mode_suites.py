@@ -14,13 +14,13 @@ from small_sets import (
 )
 
 from pdr_est import pipeline
-from pdr_est.benchmark import compare, run_benchmark
-from pdr_est.benchmark.suites import oxford_steps, phone_gps
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
+from pdr_est.experiment import compare, run_benchmark
+from pdr_est.experiment.suites import oxford_steps, phone_gps
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
-from pdr_est.records import CarryingMode
+from pdr_est.types.steps import CarryingMode
 
 HELD = Config(mode=ModeParams(method="fixed"))
 POCKET = Config(mode=ModeParams(method="fixed", fixed="POCKET"))

@@ -3,11 +3,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdr_est.benchmark.files import recordings, suite_folder
-from pdr_est.benchmark.suite import WalkFile
-from pdr_est.benchmark.suites import SUITES, oxiod, suite_named
 from pdr_est.errors import ConfigError, RecordingError
-from pdr_est.records import CarryingMode
+from pdr_est.experiment.suite import WalkFile
+from pdr_est.experiment.suites import SUITES, oxiod, suite_named
+from pdr_est.experiment.walk_files import recordings, suite_folder
+from pdr_est.types.steps import CarryingMode
 
 
 def mode_of(walk: WalkFile) -> CarryingMode | None:

@@ -1,8 +1,8 @@
 import pytest
 
-from pdr_est.benchmark.variant import AXES, compare, comparison_of_choices, same_front_end
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError
+from pdr_est.experiment.variants.axes import AXES, compare, comparison_of_choices, same_front_end
 
 
 @pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.word)

@@ -22,7 +22,7 @@ from cli_recordings import (
 )
 from cli_runs import refused, run, smooth_refused, smoothed
 
-from pdr_est.io.readers import FORMATS
+from pdr_est.io.formats.registry import FORMATS
 
 pytestmark = pytest.mark.usefixtures("without_report")
 

@@ -9,9 +9,9 @@ import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import refused, run, smoothed
 
-from pdr_est.calibrate import MEAN_EXPONENT
+from pdr_est.calibration.profile import Profile, load_profile
+from pdr_est.calibration.step_length_fit import MEAN_EXPONENT
 from pdr_est.config import Config
-from pdr_est.profile import Profile, load_profile
 
 
 def profile_of(*arguments: object, out: Path) -> Profile:

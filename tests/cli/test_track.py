@@ -19,7 +19,7 @@ from pdr_est import pipeline
 from pdr_est.cli import main, track
 from pdr_est.config import Config
 from pdr_est.io import read
-from pdr_est.io.plain_csv_writer import write_plain_csv
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.online import Update
 
 ZERO_NS = 1_698_501_144_000_000_000

@@ -9,9 +9,9 @@ from cli_runs import refused, run
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.gait.folds import load_folds
 from pdr_est.front_end.gait.model import load_model
-from pdr_est.io.plain_csv_writer import write_plain_csv
-from pdr_est.io.recording import DeviceRecording, Recording, Signal
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.training.gait_files import labelled_files, recordings_digest
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 RATE_HZ, DURATION_S = 50.0, 20.0
 GAITS = {"walking": (1.8, 3.0), "jogging": (2.5, 9.0), "running": (2.8, 13.0)}  # steps a second, m/s^2

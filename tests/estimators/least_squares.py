@@ -4,10 +4,10 @@ priors count from: what the estimators must give."""
 import numpy as np
 from scipy.optimize import least_squares
 
-from pdr_est.estimators.start import VAGUE_SIGMA_RAD
-from pdr_est.estimators.timeline import Timeline
+from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD
+from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.frames import Array
-from pdr_est.records import StartPose
+from pdr_est.types.measurements import StartPose
 
 
 def solve_linear(timeline: Timeline, start: StartPose, sigma_scale: float) -> tuple[Array, Array]:

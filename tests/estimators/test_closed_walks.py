@@ -6,8 +6,8 @@ from least_squares import solve
 from walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, run, simulate
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.timeline import build_timeline
-from pdr_est.records import LoopClosure, StartPose
+from pdr_est.estimators.common.timeline import build_timeline
+from pdr_est.types.measurements import LoopClosure, StartPose
 
 START = StartPose((3.0, -2.0), 0.4, sigma_position_m=0.1, sigma_heading_rad=0.1)
 

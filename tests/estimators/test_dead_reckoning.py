@@ -6,7 +6,7 @@ from walks import SIGMA_SCALE, fix, heading_prior, run, simulate, step, straight
 
 from pdr_est.frames import Array
 from pdr_est.front_end.odometry import step_covariance
-from pdr_est.records import StartPose
+from pdr_est.types.measurements import StartPose
 
 
 def test_positions_are_eq_1_of_the_paper() -> None:

@@ -12,9 +12,10 @@ import pytest
 from walks import STEP_S, fix, run, simulate, step, straight, usual_covariance, winding
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import ESTIMATORS, EstimatorName, estimate_track, factor_graph
-from pdr_est.records import Measurement, StartPose, StepOdometry
-from pdr_est.track import Track
+from pdr_est.estimators import ESTIMATORS, EstimatorName, estimate_track
+from pdr_est.estimators.factor_graph import smoother as factor_graph
+from pdr_est.types.measurements import Measurement, StartPose, StepOdometry
+from pdr_est.types.track import Track
 
 every_estimator = pytest.mark.parametrize("name", ESTIMATORS)
 every_start = pytest.mark.parametrize(

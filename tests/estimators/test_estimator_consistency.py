@@ -11,8 +11,8 @@ from walks import SIGMA_SCALE, run, simulate, step, winding
 from pdr_est.estimators import EstimatorName
 from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.records import StartPose
-from pdr_est.track import Track
+from pdr_est.types.measurements import StartPose
+from pdr_est.types.track import Track
 
 TRIALS, STEPS = 80, 45
 # Bounds of the mean of so many chi-squared variables with two degrees of freedom. Some fifty such means are tested.

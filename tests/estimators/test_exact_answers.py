@@ -5,10 +5,10 @@ import pytest
 from least_squares import solve, solve_linear
 from walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, winding
 
-from pdr_est.estimators import ekf
-from pdr_est.estimators.timeline import Timeline, build_timeline
+from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.kalman import single_device as ekf
 from pdr_est.frames import Array
-from pdr_est.records import StartPose
+from pdr_est.types.measurements import StartPose
 
 EAST = StartPose((3.0, -2.0), 0.0, sigma_position_m=0.3)
 STRAIGHT = np.zeros(12)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from walks import DEVICE, fix, heading_prior, simulate, winding
 
-from pdr_est.estimators import ekf
-from pdr_est.estimators.motion import Moments, advance, linearise, move, reckon, retreat
-from pdr_est.estimators.timeline import Timeline, build_timeline
-from pdr_est.records import StartPose
+from pdr_est.estimators.common.motion_model import Moments, advance, linearise, move, reckon, retreat
+from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.kalman import single_device as ekf
+from pdr_est.types.measurements import StartPose
 
 
 def timeline() -> Timeline:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from walks import DEVICE, fix, heading_prior, simulate, winding
 
-from pdr_est.estimators import DeviceMeasurements, estimate_walk
-from pdr_est.estimators.lag_params import FixedLagParams
-from pdr_est.estimators.ties import TetherParams, tethers_between
-from pdr_est.records import HeadingPrior, Measurement, StartPose
-from pdr_est.track import Track
+from pdr_est.estimators import estimate_walk
+from pdr_est.estimators.common.tethers import TetherParams, tethers_between
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.types.measurements import DeviceMeasurements, HeadingPrior, Measurement, StartPose
+from pdr_est.types.track import Track
 
 ORIGIN = StartPose((0.0, 0.0), 0.0, 0.1, 0.05)
 

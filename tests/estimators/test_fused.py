@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pdr_est.estimators.fused import NAME, carried, fuse
+from pdr_est.estimators.person.track import NAME, carried, fuse
 from pdr_est.frames import Array
-from pdr_est.records import CarryingMode
-from pdr_est.track import Track, concatenate
+from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track, concatenate
 
 
 def track(

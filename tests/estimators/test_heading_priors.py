@@ -6,7 +6,7 @@ from walks import fix, heading_prior, run, step, straight
 
 from pdr_est.estimators import EstimatorName
 from pdr_est.frames import wrap_angle
-from pdr_est.records import StartPose
+from pdr_est.types.measurements import StartPose
 
 with_priors = pytest.mark.parametrize("name", ["ekf", "factor-graph"])
 

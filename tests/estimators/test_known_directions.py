@@ -5,9 +5,9 @@ import pytest
 from test_relative_priors import relative
 from walks import heading_prior, run, step
 
-from pdr_est.estimators.known_directions import tied_to_map
+from pdr_est.estimators.common.map_directions import tied_to_map
 from pdr_est.frames import wrap_angle
-from pdr_est.records import HeadingPrior, Measurement, StartPose
+from pdr_est.types.measurements import HeadingPrior, Measurement, StartPose
 
 QUARTER = np.pi / 2.0
 CASES = [(0.0, 0.3, 0.3), (0.0, 1.4, 1.4 - QUARTER), (1.4, 0.1, 0.1 + QUARTER)]

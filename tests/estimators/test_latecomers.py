@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pdr_est.benchmark.speed.odometry import SIGMA_SCALE, START, walk_of
 from pdr_est.config import Config, StartParams
-from pdr_est.estimation import track_of
-from pdr_est.estimators import DeviceMeasurements, EstimatorName, estimate_walk
-from pdr_est.estimators.latecomers import from_own_start, with_way_to_start
-from pdr_est.records import PositionFix, StepOdometry
-from pdr_est.track import Track
+from pdr_est.estimators import EstimatorName, estimate_walk
+from pdr_est.estimators.common.late_start import from_own_start, with_way_to_start
+from pdr_est.performance.odometry import SIGMA_SCALE, START, walk_of
+from pdr_est.pipeline.measurements import track_of
+from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StepOdometry
+from pdr_est.types.track import Track
 
 LATE_S = 5.0
 

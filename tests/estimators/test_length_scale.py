@@ -6,7 +6,7 @@ from walks import SIGMA_SCALE, run, simulate, straight, winding
 
 from pdr_est.estimators import ESTIMATORS, EstimatorName
 from pdr_est.frames import Array
-from pdr_est.records import StartPose
+from pdr_est.types.measurements import StartPose
 
 ORIGIN = StartPose((0.0, 0.0), 0.0, 0.1, 0.05)
 with_fixes = pytest.mark.parametrize("name", ["ekf", "factor-graph"])

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq, minimize, nnls, root
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.map_constrained import closed_form, general, general_many
+from pdr_est.estimators.robust_dr.constrained_map import closed_form, general, general_many
 from pdr_est.frames import Array, rotation_matrix
 
 LIMIT_M = 0.15  # twice the paper's R

@@ -9,12 +9,12 @@ import pytest
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning
-from pdr_est.estimators.map_fusion import MapFusionParams, estimate_closed_form, estimate_general
-from pdr_est.estimators.timeline import Timeline, build_timeline
+from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
 from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.frames import Array
-from pdr_est.records import DeviceTether, PositionFix, StartPose, StepOdometry
-from pdr_est.track import Track
+from pdr_est.types.measurements import DeviceTether, PositionFix, StartPose, StepOdometry
+from pdr_est.types.track import Track
 
 LIMIT_M = 0.15
 STEP_S, STEP_M = 0.5, 0.7

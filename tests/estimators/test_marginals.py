@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from walks import DEVICE, fix, heading_prior, simulate, winding
 
-from pdr_est.estimators.factor_graph import initial_states
-from pdr_est.estimators.gtsam_factors import Keys, add_motion, anchors, motion_noise
-from pdr_est.estimators.gtsam_marginals import marginal_covariances
-from pdr_est.estimators.timeline import build_timeline
-from pdr_est.records import LoopClosure, StartPose
+from pdr_est.estimators.common.timeline import build_timeline
+from pdr_est.estimators.factor_graph.factors import Keys, add_motion, anchors, motion_noise
+from pdr_est.estimators.factor_graph.marginals import marginal_covariances
+from pdr_est.estimators.factor_graph.smoother import initial_states
+from pdr_est.types.measurements import LoopClosure, StartPose
 
 
 @pytest.mark.parametrize("with_references", [False, True])

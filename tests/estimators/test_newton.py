@@ -4,7 +4,7 @@ import gtsam
 import numpy as np
 import pytest
 
-from pdr_est.estimators.gtsam_tethers import Tethers
+from pdr_est.estimators.factor_graph.tether_constraints import Tethers
 
 POSE = np.array([[0.0, 0.0, 0.3], [0.6, 0.4, -1.0], [1.0, 1.0, 2.0]])
 

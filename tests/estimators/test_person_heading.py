@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pdr_est.estimators.person_heading import heading_of_person, over_strides
+from pdr_est.estimators.person.heading import heading_of_person, over_strides
 from pdr_est.frames import Array
-from pdr_est.records import CarryingMode
-from pdr_est.track import Track
+from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track
 
 STEPS = 31
 TIMES_S = 0.5 * np.arange(STEPS)

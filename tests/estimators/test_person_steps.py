@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from pdr_est.estimators.person_steps import nearest_pairs, steps_of_person
+from pdr_est.estimators.person.steps import nearest_pairs, steps_of_person
 from pdr_est.frames import Array
-from pdr_est.records import CarryingMode
-from pdr_est.track import Track
+from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track
 
 STEPS_S = np.arange(0.5, 15.1, 0.5)
 FIRST_STEP_S = 0.6  # what the front end takes for the first step after a standstill

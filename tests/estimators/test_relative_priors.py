@@ -7,10 +7,10 @@ import pytest
 from least_squares import solve
 from walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, straight, winding
 
-from pdr_est.estimators import ekf
-from pdr_est.estimators.timeline import build_timeline
+from pdr_est.estimators.common.timeline import build_timeline
+from pdr_est.estimators.kalman import single_device as ekf
 from pdr_est.frames import wrap_angle
-from pdr_est.records import HeadingPrior, Measurement, StartPose
+from pdr_est.types.measurements import HeadingPrior, Measurement, StartPose
 
 START = StartPose((3.0, -2.0), 2.5, sigma_position_m=0.1, sigma_heading_rad=0.1)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pdr_est.estimators.rewalking import Rewalking
+from pdr_est.estimators.factor_graph.chained_retraction import Rewalking
 
 LEADER, FOLLOWER = 40, 25
 REWALKING = Rewalking(LEADER, np.sort(np.random.default_rng(3).integers(0, LEADER, FOLLOWER)))

@@ -5,8 +5,8 @@ import pytest
 from walks import fix, run, straight
 
 from pdr_est.estimators import EstimatorName
-from pdr_est.estimators.robust import HUBER, huber_inflation
-from pdr_est.records import PositionFix, StartPose
+from pdr_est.estimators.common.huber import HUBER, huber_inflation
+from pdr_est.types.measurements import PositionFix, StartPose
 
 KNOWN = StartPose((0.0, 0.0), 0.0, 0.1, 0.05)
 

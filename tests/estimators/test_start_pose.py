@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, step, straight, turned, winding
 
-from pdr_est.estimators import ESTIMATORS, EstimatorName, ekf
-from pdr_est.estimators.timeline import build_timeline
+from pdr_est.estimators import ESTIMATORS, EstimatorName
+from pdr_est.estimators.common.timeline import build_timeline
+from pdr_est.estimators.kalman import single_device as ekf
 from pdr_est.frames import Array, rotation_matrix, wrap_angle
-from pdr_est.records import Measurement, PositionFix, StartPose
+from pdr_est.types.measurements import Measurement, PositionFix, StartPose
 
 every_estimator = pytest.mark.parametrize("name", ESTIMATORS)
 with_fixes = pytest.mark.parametrize("name", ["ekf", "factor-graph"])

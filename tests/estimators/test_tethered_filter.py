@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from walks import SIGMA_SCALE, STEP_S, step
 
-from pdr_est.estimators import joint_ekf
-from pdr_est.estimators.motion import Moments
-from pdr_est.estimators.pose_filter import PoseFilter
-from pdr_est.estimators.timeline import Timeline, build_timeline
-from pdr_est.records import DeviceTether, StartPose
-from pdr_est.track import Track
+from pdr_est.estimators.common.motion_model import Moments
+from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.kalman import multi_device as joint_ekf
+from pdr_est.estimators.kalman.multi_device_ekf import PoseFilter
+from pdr_est.types.measurements import DeviceTether, StartPose
+from pdr_est.types.track import Track
 
 ORIGIN = StartPose((0.0, 0.0), 0.0, 0.01, 0.01)
 STEPS = 60

@@ -8,18 +8,19 @@ import gtsam
 import numpy as np
 import pytest
 
-from pdr_est.benchmark.speed.odometry import SIGMA_SCALE, START, STEP_S, walk_of
-from pdr_est.estimators import DeviceMeasurements, estimate_walk, factor_graph
-from pdr_est.estimators.fused import fuse
-from pdr_est.estimators.graph_start import initial_states
-from pdr_est.estimators.gtsam_factors import Keys
-from pdr_est.estimators.gtsam_newton import EXACTLY_TETHERED, ROUGHLY, SOFTENINGS, _step, minimised
-from pdr_est.estimators.holding import Holding
-from pdr_est.estimators.motion import Moments, linearise, linearise_each, move, reckoned
-from pdr_est.estimators.ties import starts_of, ties_between
-from pdr_est.estimators.timeline import build_timeline
-from pdr_est.records import DeviceTether, HeadingPrior, StepOdometry
-from pdr_est.track import Track
+from pdr_est.estimators import estimate_walk
+from pdr_est.estimators.common.motion_model import Moments, linearise, linearise_each, move, reckoned
+from pdr_est.estimators.common.tethers import starts_of, ties_between
+from pdr_est.estimators.common.timeline import build_timeline
+from pdr_est.estimators.factor_graph import smoother as factor_graph
+from pdr_est.estimators.factor_graph.cutting_planes import Holding
+from pdr_est.estimators.factor_graph.factors import Keys
+from pdr_est.estimators.factor_graph.initial_values import initial_states
+from pdr_est.estimators.factor_graph.newton import EXACTLY_TETHERED, ROUGHLY, SOFTENINGS, _step, minimised
+from pdr_est.estimators.person.track import fuse
+from pdr_est.performance.odometry import SIGMA_SCALE, START, STEP_S, walk_of
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, HeadingPrior, StepOdometry
+from pdr_est.types.track import Track
 
 REACH_M = 0.5
 Spoil = Callable[[Sequence[StepOdometry]], Sequence[StepOdometry]]

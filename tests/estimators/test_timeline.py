@@ -7,9 +7,9 @@ import pytest
 from walks import DEVICE, STEP_S, fix, heading_prior, step, straight, usual_covariance
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.timeline import Node, build_timeline
+from pdr_est.estimators.common.timeline import Node, build_timeline
 from pdr_est.frames import Array, rotation_matrix
-from pdr_est.records import DeviceTether, Measurement
+from pdr_est.types.measurements import DeviceTether, Measurement
 
 
 def nodes_of(measurements: list[Measurement]) -> tuple[Node, ...]:

@@ -8,8 +8,8 @@ import numpy as np
 from pdr_est.estimators import EstimatorName, estimate_track
 from pdr_est.frames import Array, rotation_matrix
 from pdr_est.front_end.odometry import step_covariance
-from pdr_est.records import HeadingPrior, Measurement, PositionFix, StartPose, StepOdometry
-from pdr_est.track import Track
+from pdr_est.types.measurements import HeadingPrior, Measurement, PositionFix, StartPose, StepOdometry
+from pdr_est.types.track import Track
 
 DEVICE = "phone"
 STEP_S = 0.5

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from pdr_est.track import Track
+from pdr_est.types.track import Track
 
 MakeTrack = Callable[..., Track]
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.cadence import cadence_hz, count_plausibility
+from pdr_est.evaluate.cadence_check import cadence_hz, count_plausibility
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.records import LevelBlock
+from pdr_est.types.sensors import LevelBlock
 
 RATE_HZ = 50.0
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from pdr_est.evaluate import metrics
-from pdr_est.evaluate.alignment import RigidTransform
-from pdr_est.records import CarryingMode
+from pdr_est.evaluate import position_errors as metrics
+from pdr_est.evaluate.rigid_alignment import RigidTransform
+from pdr_est.types.steps import CarryingMode
 
 HOLDING, SWING, TRANS = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.TRANS
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from pdr_est.evaluate.modes import confusion, shares, transitions
-from pdr_est.io.recording import TrueModes
-from pdr_est.records import CarryingMode, LevelBlock
+from pdr_est.types.ground_truth import TrueModes
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 UNKNOWN, HOLDING, SWING, POCKET, TRANS = (
     CarryingMode.UNKNOWN,

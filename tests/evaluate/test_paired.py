@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pdr_est.benchmark.suites import SUITES
-from pdr_est.evaluate.definitions import DEFINITIONS
-from pdr_est.evaluate.paired import interval, paired
+from pdr_est.evaluate.metric_definitions import DEFINITIONS
+from pdr_est.evaluate.paired_comparison import interval, paired
+from pdr_est.experiment.suites import SUITES
 
 
 def test_errors_are_compared_walk_by_walk() -> None:

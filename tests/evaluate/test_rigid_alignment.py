@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pdr_est.evaluate.alignment import RigidTransform, best_alignment, direction_point, start_alignment
+from pdr_est.evaluate.rigid_alignment import RigidTransform, best_alignment, direction_point, start_alignment
 from pdr_est.frames import wrap_angle
 
 POINTS_M = np.array([[0.0, 0.0], [8.0, 1.0], [25.0, -3.0], [24.0, 14.0], [2.0, 11.0]])

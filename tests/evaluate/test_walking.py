@@ -5,8 +5,9 @@ from math import isnan
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.walking import mode_shares
-from pdr_est.records import CarryingMode, LevelBlock, Step, StepEvent
+from pdr_est.evaluate.mode_shares import mode_shares
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, Step, StepEvent
 
 HOLDING, SWING = CarryingMode.HOLDING, CarryingMode.SWING
 

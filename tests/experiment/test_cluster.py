@@ -9,7 +9,7 @@ from experiment_files import SMALL, experiment_file
 
 from pdr_est.errors import ConfigError
 from pdr_est.experiment import load_experiment, run_experiment
-from pdr_est.experiment.cluster import connected
+from pdr_est.experiment.runners.dask_cluster import connected
 
 distributed = pytest.importorskip("distributed")
 
@@ -74,7 +74,7 @@ def silent_server() -> Iterator[str]:
 def test_an_address_where_nobody_answers_is_refused_and_leaves_nothing(
     tmp_path: Path, address: str | None, silent_server: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pdr_est.experiment.cluster.PATIENCE_S", 1.0)
+    monkeypatch.setattr("pdr_est.experiment.runners.dask_cluster.PATIENCE_S", 1.0)
     experiment = load_experiment(experiment_file(tmp_path))
     given = address or silent_server
     with pytest.raises(ConfigError, match=rf"--cluster '{given}': no Dask scheduler answers .* within 1 s: give the"):

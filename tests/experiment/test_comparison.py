@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from pdr_est.errors import ConfigError, OutputError
-from pdr_est.experiment.comparison import as_csv, as_markdown, compare_variants, read_values
-from pdr_est.io.parquet import write_parquet
+from pdr_est.experiment.results.comparison import as_csv, as_markdown, compare_variants, read_values
+from pdr_est.io.writers.parquet import write_parquet
 
 ROWS = [  # walk, track, variant, metric, value
     ("a", "1L", "x", "error_open_m", 2.0),

@@ -9,11 +9,11 @@ import pytest
 import yaml
 from experiment_files import SMALL, experiment_file
 
-from pdr_est.benchmark.variant import same_front_end
 from pdr_est.errors import ConfigError
 from pdr_est.experiment import load_experiment
-from pdr_est.experiment.schema import experiment_schema, settings_schema
-from pdr_est.experiment.work import work_of
+from pdr_est.experiment.json_schema import experiment_schema, settings_schema
+from pdr_est.experiment.runners.walk_job import work_of
+from pdr_est.experiment.variants.axes import same_front_end
 from pdr_est.simulate import psp_walks, robust_dr_trials
 
 BARE = "data:\n  simulated:\n    number: 1\n"

@@ -7,8 +7,8 @@ import polars as pl
 import pytest
 import yaml
 
-from pdr_est.benchmark.suites import suite_named
 from pdr_est.experiment import Experiment, load_experiment, run_experiment
+from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.walks import Walk
 from pdr_est.simulate import Scenario
 from pdr_est.simulate.path import PathParams

@@ -15,17 +15,17 @@ import polars as pl
 import pytest
 from experiment_files import SMALL, experiment_file
 
-from pdr_est.benchmark.suite import Suite
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.experiment import load_experiment, run_experiment
-from pdr_est.experiment import work as work_module
-from pdr_est.experiment.local import run_locally
-from pdr_est.experiment.parts import decode, part_file
+from pdr_est.experiment.runners import walk_job as work_module
+from pdr_est.experiment.runners.processes import run_locally
+from pdr_est.experiment.runners.walk_job import work_of
+from pdr_est.experiment.runners.walk_result import decode, part_file
+from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.walks import Walk
-from pdr_est.experiment.work import work_of
-from pdr_est.io.plain_csv_writer import write_plain_csv
-from pdr_est.io.recording import Recording
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.simulate import preset, simulate_walk
+from pdr_est.types.recording import Recording
 
 TABLES = ("results.parquet", "failed.csv", "config.yaml", "report.html")
 

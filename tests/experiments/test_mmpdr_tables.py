@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 
-from pdr_est.records import CarryingMode
+from pdr_est.types.steps import CarryingMode
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdr_est.benchmark.speed.online import tracker_for, walk_in_rounds
 from pdr_est.estimators import EstimatorName
-from pdr_est.records import Channel
+from pdr_est.performance.online import tracker_for, walk_in_rounds
+from pdr_est.types.sensors import Channel
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 MEMORY = runpy.run_path(str(EXPERIMENTS / "online_memory.py"))

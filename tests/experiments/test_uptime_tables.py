@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdr_est.benchmark.confusion import Confusion
-from pdr_est.records import Gait
+from pdr_est.experiment.confusion import Confusion
+from pdr_est.types.steps import Gait
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 TABLE_2 = runpy.run_path(str(EXPERIMENTS / "uptime_table2.py"))

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pdr_est.front_end.gait.labelled import LabelledSteps
-from pdr_est.records import Gait
+from pdr_est.front_end.gait.training_data import LabelledSteps
+from pdr_est.types.steps import Gait
 
 CENTRES = {
     Gait.WALKING: (1.2, 1.3, -0.6, 1.2, -7.0, 0.48),

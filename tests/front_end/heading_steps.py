@@ -7,7 +7,8 @@ import numpy as np
 from signals import RATE_HZ, level
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.records import CarryingMode, LevelBlock, Step, StepEvent
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, Step, StepEvent
 
 SAMPLES = 25  # of a step, which takes half a second
 

@@ -8,7 +8,7 @@ from heading_steps import SAMPLES, block, step_of
 from signals import RATE_HZ
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.records import CarryingMode, Step
+from pdr_est.types.steps import CarryingMode, Step
 
 STEP_S = SAMPLES / RATE_HZ
 

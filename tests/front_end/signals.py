@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.chains import levelling
 from pdr_est.config import Config
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.io.resample import ResampleParams
-from pdr_est.records import CarryingMode, ImuBlock, LevelBlock, Step, StepEvent
+from pdr_est.pipeline.front_end_chain import levelling
+from pdr_est.preprocessing.resampling import ResampleParams
 from pdr_est.simulate import (
     DeviceParams,
     GaitParams,
@@ -23,6 +22,8 @@ from pdr_est.simulate import (
     SimulatedWalk,
     simulate_walk,
 )
+from pdr_est.types.sensors import ImuBlock, LevelBlock
+from pdr_est.types.steps import CarryingMode, Step, StepEvent
 
 RATE_HZ = 50.0
 CORNER_M = ((0.0, 0.0), (15.0, 0.0), (15.0, 12.0))

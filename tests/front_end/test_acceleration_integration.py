@@ -9,7 +9,8 @@ from signals import RATE_HZ, run
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
-from pdr_est.records import LevelBlock, Step
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import Step
 
 STILL = np.zeros((SAMPLES, 3))
 REST = ("rotation_rate_radps", "turn_rate_radps", "mode", "mode_probability")

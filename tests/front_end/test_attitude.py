@@ -11,8 +11,9 @@ from pdr_est.config import Config
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, wrap_angle
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
-from pdr_est.records import CarryingMode, LevelBlock
 from pdr_est.simulate import PERFECT, SensorParams, SimulatedWalk
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 ALONG_THE_AXES = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
 ANYHOW = list(Rotation.random(8, random_state=4).apply([0.0, 0.0, 1.0]))

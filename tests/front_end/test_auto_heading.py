@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 from signals import run
 
 from pdr_est.frames import Array, twist_about_vertical, up_in_device, wrap_angle
-from pdr_est.front_end.heading.auto import AutoHeading, AutoHeadingParams
-from pdr_est.front_end.heading.placement import angle_between, level_axes, mean_up, mean_yaw
+from pdr_est.front_end.heading.phone_posture import angle_between, level_axes, mean_up, mean_yaw
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeading, AutoHeadingParams
 from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
-from pdr_est.records import CarryingMode, Step
+from pdr_est.types.steps import CarryingMode, Step
 
 PARAMETERS, AXIS = AutoHeadingParams(), PrincipalAxisParams()
 FLAT = Rotation.identity()

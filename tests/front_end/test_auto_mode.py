@@ -10,14 +10,15 @@ from scipy.spatial.transform import Rotation
 from pdr_est.config import Config
 from pdr_est.frames import Array
 from pdr_est.front_end.mode import AutoMode, AutoModeParams
-from pdr_est.front_end.mode.chain import ModeBelief, look_ahead
-from pdr_est.front_end.mode.evidence import COLUMNS, MODES, features, hop_means, likelihoods, samples_of
+from pdr_est.front_end.mode.hidden_markov import ModeBelief, look_ahead
+from pdr_est.front_end.mode.window_features import COLUMNS, MODES, features, hop_means, likelihoods, samples_of
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.front_end.signal.vectors import norm
-from pdr_est.io.recording import Signal
 from pdr_est.pipeline import analyse
-from pdr_est.records import CarryingMode, LevelBlock
 from pdr_est.simulate import SimulatedWalk, mmpdr_indoor, mmpdr_mode_walks, simulate_walk
+from pdr_est.types.recording import Signal
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 RATE_HZ = 50.0
 HOLDING, SWING, POCKET, UNKNOWN = (

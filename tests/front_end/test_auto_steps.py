@@ -7,9 +7,10 @@ import pytest
 from signals import RATE_HZ, level, levels_of, run
 
 from pdr_est.frames import Array
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps, _Rhythm, horizontal_rate
-from pdr_est.records import CarryingMode, LevelBlock, StepEvent
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps, _Rhythm, horizontal_rate
 from pdr_est.simulate import mmpdr_indoor, simulate_walk
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, StepEvent
 
 BORDER_S = 10.0
 

@@ -11,18 +11,19 @@ from partitions import content, cut, messy_device, one_by_one, part
 from partitions import run as run_restoring
 from signals import RATE_HZ, corner_walk, joined, levels_of, run
 
-from pdr_est.chains import levelling
 from pdr_est.config import Config
 from pdr_est.front_end.signal.blocks import join
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
-from pdr_est.records import CarryingMode, LevelBlock, StepEvent
+from pdr_est.pipeline.front_end_chain import levelling
 from pdr_est.simulate import GaitParams, SensorErrors, SensorParams, SimulatedWalk
 from pdr_est.stage import Stage
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, StepEvent
 
 Detector = Callable[[float], Stage]
 

@@ -13,11 +13,11 @@ from pdr_est.config import config_from_dict
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait import GaitClassifier, GaitParams, gait_stage, shipped_folds, shipped_model
 from pdr_est.front_end.gait.features import step_features
-from pdr_est.front_end.gait.inference import GaitScorer, gait_of
 from pdr_est.front_end.gait.model import save_model
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, gait_of
 from pdr_est.front_end.gait.training import train
-from pdr_est.records import Gait, Step
 from pdr_est.stage import Stage
+from pdr_est.types.steps import Gait, Step
 
 SLOW, FAST = (1.9, 2.5), (2.9, 14.0)  # steps a second, m/s^2
 

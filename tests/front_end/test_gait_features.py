@@ -7,7 +7,7 @@ import pytest
 from signals import level, step
 
 from pdr_est.front_end.gait.features import STRIDE_NAMES, UPTIME_NAMES, StrideFeatures, UptimeFeatures, step_features
-from pdr_est.records import Step
+from pdr_est.types.steps import Step
 
 HEIGHT_MPS2 = 4.0
 

@@ -10,9 +10,9 @@ import pytest
 from gait_people import walks_of
 
 from pdr_est.errors import ConfigError, OutputError
+from pdr_est.front_end.gait.checksummed_json import digest
 from pdr_est.front_end.gait.folds import load_folds, save_folds
 from pdr_est.front_end.gait.model import GaitModel, load_model, model_digest, save_model
-from pdr_est.front_end.gait.sealed import digest
 from pdr_est.front_end.gait.training import TrainedGait, train
 
 Json = dict[str, Any]

@@ -14,11 +14,11 @@ from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait.classifier import GaitClassifier
 from pdr_est.front_end.gait.evaluation import balanced_accuracy, gait_metrics, probabilities
 from pdr_est.front_end.gait.folds import load_folds, save_folds
-from pdr_est.front_end.gait.inference import GaitScorer, scorer
-from pdr_est.front_end.gait.labelled import step_table
 from pdr_est.front_end.gait.model import Machine, save_model
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, scorer
 from pdr_est.front_end.gait.training import TrainedGait, _platt, train
-from pdr_est.records import Gait
+from pdr_est.front_end.gait.training_data import step_table
+from pdr_est.types.steps import Gait
 
 
 @pytest.fixture(scope="module")

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from signals import RATE_HZ, corner_walk, levels_of, run
 
-from pdr_est.chains import stepping
 from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams
 from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams, HeadingUse, heading_stage
-from pdr_est.records import ImuBlock, Step
+from pdr_est.pipeline.front_end_chain import stepping
+from pdr_est.types.sensors import ImuBlock
+from pdr_est.types.steps import Step
 
 WITHOUT_FIELD = [method for method in HEADINGS if method != "magnetometer"]  # which has tests of its own
 

@@ -9,9 +9,9 @@ from signals import run
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading import HeadingHindsight, HeadingParams, hindsight_stage
-from pdr_est.front_end.heading.auto import AutoHeadingParams
-from pdr_est.front_end.heading.dominant import DominantParams
-from pdr_est.records import Step
+from pdr_est.front_end.heading.dominant_directions import DominantParams
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams
+from pdr_est.types.steps import Step
 
 PARAMETERS = DominantParams()
 OFFICE = of_legs([(17.0 + 90.0 * k, 22) for k in (0, 1, 2, 1, 0, -1, 0, 1)])

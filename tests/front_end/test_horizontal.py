@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from pdr_est.frames import twist_about_vertical, up_in_device
-from pdr_est.front_end.heading.horizontal import to_level
+from pdr_est.front_end.heading.level_frame import to_level
 
 
 def test_it_is_the_horizontal_part_of_what_the_attitude_makes_of_a_vector() -> None:

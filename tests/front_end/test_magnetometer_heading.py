@@ -15,8 +15,8 @@ from pdr_est.frames import Array, twist_about_vertical, up_in_device, wrap_angle
 from pdr_est.front_end.heading import HeadingParams, heading_stage
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading, magnetic_yaw
 from pdr_est.pipeline import analyse
-from pdr_est.records import Step
 from pdr_est.simulate import PERFECT, PHONE_MAGNETOMETER, EarthField, SensorParams, simulate_walk
+from pdr_est.types.steps import Step
 
 CONFIG = Config(heading=HeadingParams(method="magnetometer"))
 EARTH = EarthField()

@@ -10,8 +10,8 @@ from heading_steps import SAMPLES, block, step_of, walked
 from signals import run
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
-from pdr_est.records import CarryingMode, Step
+from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.types.steps import CarryingMode, Step
 
 HOLDING, SWING, POCKET, TRANS = (CarryingMode[name] for name in ("HOLDING", "SWING", "POCKET", "TRANS"))
 OTHER, UNKNOWN = CarryingMode.OTHER, CarryingMode.UNKNOWN

@@ -8,8 +8,9 @@ import pytest
 from signals import level, run
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps, holding_acceleration
-from pdr_est.records import CarryingMode, LevelBlock
+from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps, holding_acceleration
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 RATE_HZ = 200.0
 SHARP = {

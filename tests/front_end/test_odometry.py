@@ -7,7 +7,8 @@ import pytest
 from signals import run, step
 
 from pdr_est.front_end.odometry import Odometry, OdometryParams, step_covariance
-from pdr_est.records import CarryingMode, Step, StepOdometry
+from pdr_est.types.measurements import StepOdometry
+from pdr_est.types.steps import CarryingMode, Step
 
 PARAMETERS = OdometryParams(
     sigma_length_drift=0.1,

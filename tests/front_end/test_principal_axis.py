@@ -7,17 +7,13 @@ import pytest
 from heading_steps import SAMPLES, block, step_of
 from signals import corner_walk, levels_of, run
 
-from pdr_est import chains
 from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
-from pdr_est.front_end.heading.principal_axis import (
-    PrincipalAxis,
-    PrincipalAxisParams,
-    direction_of,
-)
-from pdr_est.records import CarryingMode, Step
+from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams, direction_of
+from pdr_est.pipeline import front_end_chain as chains
+from pdr_est.types.steps import CarryingMode, Step
 
 PARAMETERS = PrincipalAxisParams()
 PHASE = 2.0 * np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES

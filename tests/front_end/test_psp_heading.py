@@ -10,10 +10,10 @@ from heading_steps import SAMPLES, turning_block, walked
 from signals import RATE_HZ, run
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.hde import HdeController, HdeParams, turning
+from pdr_est.front_end.heading.hde_controller import HdeController, HdeParams, turning
 from pdr_est.front_end.heading.psp import PspHeading
-from pdr_est.front_end.heading.tie import TieController, TieParams
-from pdr_est.records import CarryingMode, Step
+from pdr_est.front_end.heading.tie_controller import TieController, TieParams
+from pdr_est.types.steps import CarryingMode, Step
 
 STRIDE_S = 2.0 * SAMPLES / RATE_HZ
 PARAMETERS = HdeParams(increment_radps=float(np.deg2rad(0.1)) / STRIDE_S)  # n c is a tenth of a degree

@@ -7,10 +7,11 @@ import pytest
 from signals import RATE_HZ, corner_walk, joined, level, levels_of, run
 
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
-from pdr_est.records import CarryingMode, LevelBlock, Step, StepEvent
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, Step, StepEvent
 
 DELAY_S = 0.1
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pdr_est.front_end.signal.filters import CADENCE_HZ, CausalBandPass, CausalFilter, CausalLowPass
-from pdr_est.front_end.signal.peaks import local_maxima, local_minima
+from pdr_est.front_end.signal.trigger import local_maxima, local_minima
 
 RATE_HZ = 50.0
 TIME_S = np.arange(1500) / RATE_HZ

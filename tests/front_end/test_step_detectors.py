@@ -8,12 +8,13 @@ from signals import RATE_HZ, corner_walk, joined, levels_of, run
 
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
-from pdr_est.records import LevelBlock, StepEvent
 from pdr_est.simulate import GaitParams, HeldPhone, SensorErrors, SensorParams, SimulatedWalk
 from pdr_est.stage import Stage
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import StepEvent
 
 NOISY = SensorParams(accelerometer=SensorErrors(noise_std=0.15, bias_std=0.1, scale_std=0.01))
 

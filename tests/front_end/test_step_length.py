@@ -8,7 +8,7 @@ from signals import RATE_HZ, run, step
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import LENGTH_MODELS, StepLength, StepLengthParams, WalkerParams
-from pdr_est.front_end.step_length.auto import share_of_running
+from pdr_est.front_end.step_length.cadence import Pace, PaceMeter
 from pdr_est.front_end.step_length.equations import (
     gait_table_length_m,
     kim_length_m,
@@ -18,9 +18,9 @@ from pdr_est.front_end.step_length.equations import (
     static_length_m,
     weinberg_length_m,
 )
-from pdr_est.front_end.step_length.pace import Pace, PaceMeter
 from pdr_est.front_end.step_length.stage import mixture, running_mean
-from pdr_est.records import Gait, Step
+from pdr_est.front_end.step_length.walk_run_model import share_of_running
+from pdr_est.types.steps import Gait, Step
 
 MAN, WOMAN = WalkerParams(height_m=1.80, gender="male"), WalkerParams(height_m=1.60, gender="female")
 

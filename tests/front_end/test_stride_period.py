@@ -11,7 +11,7 @@ from pdr_est.config import Config
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.front_end.steps import StepsParams
-from pdr_est.front_end.steps.auto import AutoStepParams
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams
 from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, SensorParams, SimulatedWalk, simulate_walk
 from pdr_est.simulate.person import sample_person

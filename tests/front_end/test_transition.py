@@ -9,8 +9,9 @@ from partitions import one_by_one
 from signals import level, run
 
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
-from pdr_est.records import CarryingMode, LevelBlock, StepEvent
+from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, StepEvent
 
 RATE_HZ = 200.0
 GAIT_HZ = 1.6

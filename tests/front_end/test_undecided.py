@@ -7,8 +7,9 @@ import pytest
 from signals import RATE_HZ, level
 
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.front_end.steps.undecided import UndecidedSamples
-from pdr_est.records import CarryingMode, LevelBlock
+from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 COUNT = 60
 

@@ -7,7 +7,7 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.clock_messages import read_messages
+from pdr_est.io.side_tables.clock_messages import read_messages
 
 HEADER = "device,t1_s,t2_s,t3_s"
 

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, twist_about_vertical, up_in_device
 from pdr_est.io import read
-from pdr_est.io.recording import DeviceRecording
+from pdr_est.types.recording import DeviceRecording
 
 N = 40
 TURN_RADPS = 0.5

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.cut import cut
-from pdr_est.io.recording import DeviceRecording, Recording, Signal, TruePositions, TrueSteps, TrueTurns, Truth
-from pdr_est.records import PositionFix
+from pdr_est.preprocessing.trim import cut
+from pdr_est.types.ground_truth import TruePositions, TrueSteps, TrueTurns, Truth
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 
 @pytest.fixture

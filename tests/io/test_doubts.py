@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pdr_est.frames import Array
-from pdr_est.io.doubts import doubts
-from pdr_est.io.recording import DeviceRecording, Signal
+from pdr_est.preprocessing.quality.warnings import doubts
+from pdr_est.types.recording import DeviceRecording, Signal
 
 TIME_S = np.arange(3001) / 50.0
 NOISE = np.random.default_rng(3).normal(size=(2, 3001, 3))

@@ -8,7 +8,7 @@ import pytest
 from pdr_est.errors import RecordingError
 from pdr_est.frames import up_in_device
 from pdr_est.io import read
-from pdr_est.io.recording import DeviceRecording, Recording
+from pdr_est.types.recording import DeviceRecording, Recording
 
 BOOT_S = 65_000.0
 HEADER = (

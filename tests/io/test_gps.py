@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pdr_est.io.gps import gps_fixes, within
+from pdr_est.io.conversion.gnss import gps_fixes, within
 
 NAN = float("nan")
 

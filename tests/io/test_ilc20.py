@@ -9,7 +9,7 @@ import pytest
 from pdr_est.errors import RecordingError
 from pdr_est.frames import up_in_device
 from pdr_est.io import read
-from pdr_est.io.recording import Recording
+from pdr_est.types.recording import Recording
 
 START_MS = 1_574_560_118_902
 HEADER = (

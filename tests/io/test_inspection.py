@@ -10,11 +10,12 @@ import pytest
 from fabricated import Walk, make_walk
 
 from pdr_est.frames import Array
-from pdr_est.io.inspection import ChannelInspection, Inspection, inspect
-from pdr_est.io.inspection_text import describe
-from pdr_est.io.readers import read
-from pdr_est.io.recording import DeviceRecording, GeoOrigin, Recording, Signal, TruePositions, Truth
-from pdr_est.records import PositionFix
+from pdr_est.io.formats.registry import read
+from pdr_est.preprocessing.quality.inspection import ChannelInspection, Inspection, inspect
+from pdr_est.preprocessing.quality.inspection_text import describe
+from pdr_est.types.ground_truth import TruePositions, Truth
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, GeoOrigin, Recording, Signal
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.known_truth import KnownWalk, read_truth_table
+from pdr_est.io.side_tables.known_distances import KnownWalk, read_truth_table
 
 HEADER = "file,distance_m,steps\n"
 

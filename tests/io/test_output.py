@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from pdr_est.errors import OutputError
-from pdr_est.io import output
-from pdr_est.io.output import MANIFEST, staged_folder
+from pdr_est.io.writers import atomic_output as output
+from pdr_est.io.writers.atomic_output import MANIFEST, staged_folder
 
 
 def write_results(target: Path, text: str, overwrite: bool = True) -> None:

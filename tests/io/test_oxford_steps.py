@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.oxford_steps import sniff
-from pdr_est.io.source import Source
+from pdr_est.io.formats.oxford_steps import sniff
+from pdr_est.io.text.container import Source
 
 START_NS = 584_065_454_762_638
 N = 200

@@ -10,9 +10,9 @@ from fabricated import Walk, as_folder, as_zip, make_walk
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io import phyphox
-from pdr_est.io.readers import read
-from pdr_est.io.source import Source
+from pdr_est.io.formats.phyphox import reader as phyphox
+from pdr_est.io.formats.registry import read
+from pdr_est.io.text.container import Source
 
 VARIANTS = [(",", "."), ("\t", "."), (";", "."), ("\t", ","), (";", ",")]
 START_S = 1_698_501_144.401

@@ -12,13 +12,14 @@ from hypothesis.extra import numpy as hnp
 
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import Array
-from pdr_est.io import plain_csv
-from pdr_est.io.plain_csv_writer import write_plain_csv
-from pdr_est.io.plain_header import CANONICAL
-from pdr_est.io.readers import read
-from pdr_est.io.recording import DeviceRecording, Recording, Signal, TruePositions, Truth
-from pdr_est.io.source import Source
-from pdr_est.records import PositionFix
+from pdr_est.io.formats.plain_csv import reader as plain_csv
+from pdr_est.io.formats.plain_csv.header import CANONICAL
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
+from pdr_est.io.formats.registry import read
+from pdr_est.io.text.container import Source
+from pdr_est.types.ground_truth import TruePositions, Truth
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 PARTS = {"specific_force": 3, "rotation_rate": 3, "magnetic_field": 3, "attitude": 4, "pressure": 1}
 ACC, GYR = ("acc_x_mps2", "acc_y_mps2", "acc_z_mps2"), ("gyr_x_radps", "gyr_y_radps", "gyr_z_radps")

@@ -9,7 +9,7 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.readers import FORMATS
+from pdr_est.io.formats.registry import FORMATS
 
 START_MS = 1_574_560_118_902
 

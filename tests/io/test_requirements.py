@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.io.requirements import (
+from pdr_est.preprocessing.quality.requirements import (
     better_attitude,
     has_gyroscope,
     needed_channels,
     refuse_without_track,
     why_nothing,
 )
-from pdr_est.records import Channel
+from pdr_est.types.recording import DeviceRecording, Signal
+from pdr_est.types.sensors import Channel
 
 TIME_S = np.arange(100) / 50.0
 FORCE = Signal(TIME_S, np.tile([0.0, 0.0, 9.8], (100, 1)))

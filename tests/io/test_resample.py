@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pdr_est.frames import Array
-from pdr_est.io.resample import ResampleParams, Resampler
-from pdr_est.records import Channel, ImuBlock, SensorBlock
+from pdr_est.preprocessing.resampling import ResampleParams, Resampler
+from pdr_est.types.sensors import Channel, ImuBlock, SensorBlock
 
 FORCE, RATE, ATTITUDE = Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE
 PERIOD_S = 0.02

@@ -7,9 +7,9 @@ import pytest
 from partitions import content, cut, in_bursts, messy_device, run
 
 from pdr_est.frames import Array
-from pdr_est.io.recording import Signal
-from pdr_est.io.resample import ResampleParams, Resampler
-from pdr_est.records import Channel, ImuBlock, SensorBlock
+from pdr_est.preprocessing.resampling import ResampleParams, Resampler
+from pdr_est.types.recording import Signal
+from pdr_est.types.sensors import Channel, ImuBlock, SensorBlock
 
 FORCE, RATE, FIELD = Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.MAGNETIC_FIELD
 TIME_S = np.arange(1001) / 100.0

@@ -22,11 +22,11 @@ from fabricated import (
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
-from pdr_est.io import sensor_logger
-from pdr_est.io.readers import read
-from pdr_est.io.recording import Recording, Signal
-from pdr_est.io.signal_checks import attitude_rate_correlation
-from pdr_est.io.source import Source
+from pdr_est.io.formats.registry import read
+from pdr_est.io.formats.sensor_logger import reader as sensor_logger
+from pdr_est.io.text.container import Source
+from pdr_est.preprocessing.quality.sensor_checks import attitude_rate_correlation
+from pdr_est.types.recording import Recording, Signal
 
 Columns = dict[str, dict[str, Sequence[Any] | Array]]
 

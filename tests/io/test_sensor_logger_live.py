@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.sensor_logger_live import LiveNews, LiveReader, Platform
-from pdr_est.records import Channel
+from pdr_est.io.formats.sensor_logger.live import LiveNews, LiveReader, Platform
+from pdr_est.types.sensors import Channel
 
 ZERO_NS = 1_698_501_144_401_773_001
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.source import Source, SourceKind
+from pdr_est.io.text.container import Source, SourceKind
 
 TEXT = b"time,x\n0.0,1.0\n"
 

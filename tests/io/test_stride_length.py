@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.source import Source
-from pdr_est.io.stride_length import sniff
+from pdr_est.io.formats.stride_length import sniff
+from pdr_est.io.text.container import Source
 
 START_MS = 1_540_481_684_988
 BOUNDS = "which is not above 0 and at most 10 m"

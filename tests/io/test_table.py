@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.table import finite_rows, read_table
+from pdr_est.io.text.number_table import finite_rows, read_table
 
 
 def test_columns_by_name() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.recording import DeviceRecording, Recording, Signal
-from pdr_est.io.together import together
+from pdr_est.preprocessing.merge import together
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 
 def recording(name: str, value: float = 1.0, epoch_s: float | None = None, devices: int = 1) -> Recording:

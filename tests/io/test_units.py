@@ -5,8 +5,7 @@ import pytest
 from fabricated import Walk, make_walk
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.io.recording import Signal
-from pdr_est.io.units import (
+from pdr_est.io.conversion.units import (
     acceleration_unit,
     clock_unit,
     fitting_attitude,
@@ -15,6 +14,7 @@ from pdr_est.io.units import (
     pressure_unit,
     rotation_unit,
 )
+from pdr_est.types.recording import Signal
 
 
 @pytest.fixture(scope="module")

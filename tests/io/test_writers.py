@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import OutputError
-from pdr_est.io.recording import GeoOrigin
-from pdr_est.io.writers import STEP_COLUMNS, write_geojson, write_steps_csv, write_tum
-from pdr_est.records import CarryingMode, Gait, LevelBlock, PositionFix, Step, StepEvent
-from pdr_est.track import Track
+from pdr_est.io.writers.track_files import STEP_COLUMNS, write_geojson, write_steps_csv, write_tum
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import GeoOrigin
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, Gait, Step, StepEvent
+from pdr_est.types.track import Track
 
 
 def make_track(device_names: tuple[str, ...] = ("left",), count: int = 4) -> Track:

@@ -9,7 +9,8 @@ import pytest
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
 from pdr_est.online import Tracker
-from pdr_est.records import Channel, PositionFix, SensorBlock
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.sensors import Channel, SensorBlock
 
 TIME_S, UP = np.array([0.0, 0.01]), np.tile([0.0, 0.0, 9.8], (2, 1))
 FORCE = Channel.SPECIFIC_FORCE

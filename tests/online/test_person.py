@@ -20,10 +20,10 @@ from two_phones import (
 )
 
 from pdr_est.config import Config, EstimatorParams
-from pdr_est.estimators.lag_params import FixedLagParams
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.frames import wrap_angle
 from pdr_est.online import Update, track_of
-from pdr_est.track import Track
+from pdr_est.types.track import Track
 
 SECONDS = [np.arange(1.0, 60.0)] * 2
 FIFTHS = [np.arange(0.2, 60.0, 0.2)] * 2

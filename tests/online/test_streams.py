@@ -9,15 +9,16 @@ from two_phones import KNOWN_START, fix_at, of_devices, offline, push_all, radio
 
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.errors import ConfigError, EstimationError
-from pdr_est.estimators.lag_params import FixedLagParams
-from pdr_est.estimators.ties import TetherParams
+from pdr_est.estimators.common.tethers import TetherParams
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.front_end.odometry import step_covariance
 from pdr_est.online import OnlineParams, Tracker, track_of
-from pdr_est.online.delayed import Delayed
-from pdr_est.online.known import Known
-from pdr_est.online.log import DeviceLog
-from pdr_est.online.walk import WalkFilter
-from pdr_est.records import Channel, PositionFix, StartPose, StepOdometry
+from pdr_est.online.delayed_estimates import Delayed
+from pdr_est.online.rewindable_filter import WalkFilter
+from pdr_est.online.start_and_fixes import Known
+from pdr_est.online.step_log import DeviceLog
+from pdr_est.types.measurements import PositionFix, StartPose, StepOdometry
+from pdr_est.types.sensors import Channel
 
 FIFTHS = [np.arange(0.2, 60.0, 0.2)] * 2
 

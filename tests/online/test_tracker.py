@@ -9,11 +9,11 @@ from two_phones import KNOWN_START, ONE_CLOCK, fix_at, of_devices, offline, push
 from pdr_est.config import Config, EstimatorParams
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import EstimatorName
-from pdr_est.estimators.lag_params import FixedLagParams
-from pdr_est.io.cut import cut
-from pdr_est.io.recording import Recording
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.online import Tracker, Update, track_of
-from pdr_est.track import Track
+from pdr_est.preprocessing.trim import cut
+from pdr_est.types.recording import Recording
+from pdr_est.types.track import Track
 
 # The third and the fourth while the walker stands.
 FIXES = [

@@ -8,13 +8,14 @@ import numpy as np
 
 from pdr_est import pipeline
 from pdr_est.config import Config, DevicesParams, StartParams
-from pdr_est.estimators.fused import NAME as FUSED
+from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.frames import Array
-from pdr_est.io.recording import DeviceRecording, Recording
 from pdr_est.online import ExpectedDevice, Tracker, Update
-from pdr_est.records import PositionFix, SensorBlock
 from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, simulate_walk
-from pdr_est.track import Track, concatenate
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.sensors import SensorBlock
+from pdr_est.types.track import Track, concatenate
 
 ONE_CLOCK = Config(devices=DevicesParams(clock="none")).with_estimator("ekf")
 KNOWN_START = replace(ONE_CLOCK, start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))

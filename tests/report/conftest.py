@@ -6,10 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pdr_est.io.recording import DeviceRecording, Recording, Signal, TruePositions, Truth
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
-from pdr_est.records import CarryingMode, LevelBlock, PositionFix, Step, StepEvent
-from pdr_est.track import Track
+from pdr_est.types.ground_truth import TruePositions, Truth
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, Step, StepEvent
+from pdr_est.types.track import Track
 
 STEP_S = 0.52
 STEP_M = 0.62

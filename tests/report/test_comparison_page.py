@@ -7,11 +7,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.paired import paired
-from pdr_est.report.comparison.outcome import TrackOutcome
+from pdr_est.evaluate.paired_comparison import paired
 from pdr_est.report.comparison.page import Content, render_comparison
 from pdr_est.report.comparison.plots import plot_distribution, plot_growth
 from pdr_est.report.comparison.tables import averages, groups, modes, steps
+from pdr_est.types.outcome import TrackOutcome
 
 METRICS = ("error_heldout_m", "coverage95")
 PROVENANCE = {

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pdr_est.front_end.heading.dominant import DominantDirections
-from pdr_est.report.direction_words import directions_in_words
-from pdr_est.report.html import render_report
-from pdr_est.report.summary import summarise
+from pdr_est.report.walk.page import render_report
+from pdr_est.report.walk.summary import summarise
+from pdr_est.report.walk.wording import directions_in_words
+from pdr_est.types.analysis import DominantDirections
 
 NONE = np.empty(0)
 

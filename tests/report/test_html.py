@@ -7,11 +7,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from pdr_est.estimators.fused import fuse
-from pdr_est.records import Gap, StartPose
-from pdr_est.report.html import metric, number, render_report, seconds
-from pdr_est.report.summary import package_versions, summarise
-from pdr_est.track import concatenate
+from pdr_est.estimators.person.track import fuse
+from pdr_est.report.walk.page import metric, number, render_report, seconds
+from pdr_est.report.walk.summary import package_versions, summarise
+from pdr_est.types.measurements import StartPose
+from pdr_est.types.sensors import Gap
+from pdr_est.types.track import concatenate
 
 VOID = {"meta", "link", "br", "img", "input", "hr"}
 CONFIG = {"estimator": {"name": "factor-graph"}, "resample": {"rate_hz": 50.0}}

@@ -13,18 +13,18 @@ from matplotlib.colors import to_hex
 from matplotlib.patches import PathPatch
 
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
-from pdr_est.records import CarryingMode
-from pdr_est.report import svg
-from pdr_est.report.acceleration_plot import plot_acceleration
-from pdr_est.report.gait_plot import plot_gait
-from pdr_est.report.html import render_report
-from pdr_est.report.mode_look import ModeRun, draw_strip, mode_runs
-from pdr_est.report.mode_use import mode_use
-from pdr_est.report.panels import time_panels, track_panel
-from pdr_est.report.summary import summarise
-from pdr_est.report.time_axis import TimeAxis, time_axis
-from pdr_est.report.track_line import mode_legs
-from pdr_est.report.track_plot import plot_track
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.acceleration import plot_acceleration
+from pdr_est.report.plots.gait import plot_gait
+from pdr_est.report.plots.mode_style import ModeRun, draw_strip, mode_runs
+from pdr_est.report.plots.time_axis import TimeAxis, time_axis
+from pdr_est.report.plots.track import plot_track
+from pdr_est.report.plots.track_line import mode_legs
+from pdr_est.report.walk.mode_shares import mode_use
+from pdr_est.report.walk.page import render_report
+from pdr_est.report.walk.panels import time_panels, track_panel
+from pdr_est.report.walk.summary import summarise
+from pdr_est.types.steps import CarryingMode
 
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
 

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from matplotlib.patches import Ellipse
 
-from pdr_est.records import Gap, PositionFix
-from pdr_est.report import svg
-from pdr_est.report.acceleration_plot import plot_acceleration
-from pdr_est.report.gait_plot import plot_gait
-from pdr_est.report.time_axis import TimeAxis, time_axis
-from pdr_est.report.track_plot import ELLIPSES, plot_track, thin_ellipses
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.acceleration import plot_acceleration
+from pdr_est.report.plots.gait import plot_gait
+from pdr_est.report.plots.time_axis import TimeAxis, time_axis
+from pdr_est.report.plots.track import ELLIPSES, plot_track, thin_ellipses
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.sensors import Gap
 
 
 def ellipses(figure) -> list[Ellipse]:

@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdr_est.estimators.fused import fuse
-from pdr_est.records import CarryingMode, Gap, StartPose
-from pdr_est.report.scale_words import scale_in_words
-from pdr_est.report.summary import package_versions, radius95_m, summarise, to_json
-from pdr_est.track import concatenate
+from pdr_est.estimators.person.track import fuse
+from pdr_est.evaluate.consistency import radius95_m
+from pdr_est.report.walk.summary import package_versions, summarise, to_json
+from pdr_est.report.walk.wording import scale_in_words
+from pdr_est.types.measurements import StartPose
+from pdr_est.types.sensors import Gap
+from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import concatenate
 
 CONFIG = {"estimator": {"name": "factor-graph"}, "resample": {"rate_hz": 50.0}}
 

@@ -9,7 +9,6 @@ from carried import finely_walked, orientation_error_rad, twice_integrated, up_i
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
-from pdr_est.records import CarryingMode
 from pdr_est.simulate import (
     DeviceParams,
     HeldPhone,
@@ -21,6 +20,7 @@ from pdr_est.simulate import (
     simulate_walk,
 )
 from pdr_est.simulate.rigid_body import RigidMotion
+from pdr_est.types.steps import CarryingMode
 
 # the first change while standing, the others while walking, round a corner, and without a pause in between
 CHANGES = (

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import ConfigError
-from pdr_est.records import CarryingMode
 from pdr_est.simulate import (
     DeviceParams,
     GaitParams,
@@ -19,6 +18,7 @@ from pdr_est.simulate import (
     simulate_walk,
 )
 from pdr_est.simulate.walker import plan_steps, usual_speed_mps
+from pdr_est.types.steps import CarryingMode
 
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from pdr_est.clock_sync import ClockEstimate, apply_clock, from_messages, move_fixes
+from pdr_est.clock_sync.robust_line import fit_line
 from pdr_est.errors import RecordingError
-from pdr_est.io.recording import DeviceRecording, Signal
-from pdr_est.records import PositionFix
-from pdr_est.synchronise import ClockEstimate, apply_clock, from_messages, move_fixes
-from pdr_est.synchronise.line import fit_line
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, Signal
 
 
 def test_one_exchange_is_the_paper_s_formula() -> None:

@@ -6,19 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pdr_est.clock_sync import ClockMethod, GivenClock, on_one_clock
 from pdr_est.errors import ConfigError, RecordingError
-from pdr_est.io.recording import ClockMessages, DeviceRecording, Recording, Signal
-from pdr_est.io.together import together
-from pdr_est.simulate import (
-    DeviceParams,
-    GaitParams,
-    HeldPhone,
-    PathParams,
-    PocketPhone,
-    Scenario,
-    simulate_walk,
-)
-from pdr_est.synchronise import ClockMethod, GivenClock, on_one_clock
+from pdr_est.preprocessing.merge import together
+from pdr_est.simulate import DeviceParams, GaitParams, HeldPhone, PathParams, PocketPhone, Scenario, simulate_walk
+from pdr_est.types.recording import ClockMessages, DeviceRecording, Recording, Signal
 
 TIMES_S = np.linspace(0.0, 100.0, 11)
 EPOCH_S = 1.7e9

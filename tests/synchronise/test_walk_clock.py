@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from pdr_est.clock_sync import ClockEstimate, apply_clock, estimate_clock
 from pdr_est.errors import RecordingError
-from pdr_est.io.recording import DeviceRecording, Signal
 from pdr_est.simulate import (
     DeviceParams,
     HeldPhone,
@@ -18,7 +18,7 @@ from pdr_est.simulate import (
     preset,
     simulate_walk,
 )
-from pdr_est.synchronise import ClockEstimate, apply_clock, estimate_clock
+from pdr_est.types.recording import DeviceRecording, Signal
 
 CLOCKS = [(0.0, 0.0), (2.0, 1e-4), (-2.0, -1e-4), (3600.0, 1e-4), (-7200.5, -1e-4)]
 EXACT_S = 0.02

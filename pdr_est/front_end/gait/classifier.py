@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from pdr_est.front_end.gait.features import begins_walk, step_features
-from pdr_est.front_end.gait.inference import GaitScorer, changes_gait, gait_of
+from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import GaitModel
-from pdr_est.records import Step
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, changes_gait, gait_of
+from pdr_est.types.steps import Step, begins_walk
 
 
 class GaitClassifier:

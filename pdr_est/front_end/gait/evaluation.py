@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.front_end.gait.inference import GaitScorer, gait_of
-from pdr_est.front_end.gait.labelled import StepTable
 from pdr_est.front_end.gait.model import Confusion, GaitModel, Metrics
-from pdr_est.records import Gait
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, gait_of
+from pdr_est.front_end.gait.training_data import StepTable
+from pdr_est.types.steps import Gait
 
 ALL = "all"
 """The name of all data sets together."""

@@ -9,7 +9,8 @@ from typing import Literal, Protocol
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.records import LevelBlock, Step
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import Step, begins_walk
 
 FeatureSet = Literal["auto", "uptime"]
 
@@ -44,11 +45,6 @@ class StepFeatures(Protocol):
 def step_features(name: FeatureSet) -> StepFeatures:
     """The feature set of a name."""
     return StrideFeatures() if name == "auto" else UptimeFeatures()
-
-
-def begins_walk(step: Step, previous: Step | None) -> bool:
-    """Whether a step says nothing about the one before: after a standstill, a gap, or at the very beginning."""
-    return previous is None or step.frequency_hz == 0.0 or step.event.segment != previous.event.segment
 
 
 class UptimeFeatures:

@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
+from pdr_est.front_end.gait.checksummed_json import read_sealed, write_sealed
 from pdr_est.front_end.gait.model import REMEDY, GaitModel, model_from_dict
-from pdr_est.front_end.gait.sealed import read_sealed, write_sealed
 from pdr_est.params import params
 
 FORMAT, VERSION = "pdr_est-gait-folds", 1

@@ -13,8 +13,8 @@ from typing import Any, Literal
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
+from pdr_est.front_end.gait.checksummed_json import digest, read_sealed, write_sealed
 from pdr_est.front_end.gait.features import FeatureSet, step_features
-from pdr_est.front_end.gait.sealed import digest, read_sealed, write_sealed
 from pdr_est.params import Positive, params
 
 FORMAT, VERSION = "pdr_est-gait", 1

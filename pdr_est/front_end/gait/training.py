@@ -20,9 +20,9 @@ from pdr_est.frames import Array
 from pdr_est.front_end.gait.evaluation import gait_metrics, probabilities
 from pdr_est.front_end.gait.features import STRIDE_NAMES, UPTIME_NAMES, FeatureSet
 from pdr_est.front_end.gait.folds import GaitFolds
-from pdr_est.front_end.gait.labelled import LabelledSteps, StepTable, data_sets, step_table
 from pdr_est.front_end.gait.model import GaitModel, Machine
-from pdr_est.records import Gait
+from pdr_est.front_end.gait.training_data import LabelledSteps, StepTable, data_sets, step_table
+from pdr_est.types.steps import Gait
 
 MOST_FOLDS = 30
 """Up to so many people, each is left out in turn; more are left out in groups."""

@@ -3,16 +3,16 @@
 from typing import Literal, assert_never, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
-from pdr_est.front_end.heading.auto import AutoHeading, AutoHeadingParams
-from pdr_est.front_end.heading.dominant import DominantParams
-from pdr_est.front_end.heading.hde import HdeParams
-from pdr_est.front_end.heading.hindsight import HeadingHindsight
+from pdr_est.front_end.heading.dominant_directions import DominantParams
+from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
-from pdr_est.front_end.heading.mmpdr import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeading, AutoHeadingParams
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
-from pdr_est.front_end.heading.tie import TieParams
+from pdr_est.front_end.heading.tie_controller import TieParams
+from pdr_est.front_end.heading.whole_walk import HeadingHindsight
 from pdr_est.params import params
 from pdr_est.stage import Stage
 

@@ -21,12 +21,13 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.horizontal import to_level
+from pdr_est.front_end.heading.level_frame import to_level
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.front_end.signal.magnitude import specific_force
 from pdr_est.front_end.signal.moving_average import MovingAverage
+from pdr_est.front_end.signal.vectors import specific_force
 from pdr_est.params import Window, params
-from pdr_est.records import LevelBlock, Step
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import Step
 
 
 @params

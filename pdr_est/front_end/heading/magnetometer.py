@@ -12,7 +12,8 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
 from pdr_est.front_end.signal.vectors import dot
-from pdr_est.records import LevelBlock, Step
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import Step
 
 _SIGMA_UNKNOWN_RAD = np.pi / np.sqrt(3.0)  # of an angle that may be any
 _LEAST_Z = 1e-9  # keeps the heading of a device that lies upside down finite

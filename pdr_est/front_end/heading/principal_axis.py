@@ -25,10 +25,10 @@ from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.horizontal import to_level
-from pdr_est.front_end.heading.strides import STRIDE_LATENCY_S, Strides, mean_yaw_of
+from pdr_est.front_end.heading.level_frame import to_level
+from pdr_est.front_end.heading.stride_averaging import STRIDE_LATENCY_S, Strides, mean_yaw_of
 from pdr_est.params import Fraction, NonNegative, params
-from pdr_est.records import CarryingMode, Step
+from pdr_est.types.steps import CarryingMode, Step
 
 _LEAD_RAD = 0.5 * np.pi  # of the forward before the vertical acceleration
 _KNOWS_NOTHING_RAD = float(np.pi / np.sqrt(3.0))  # standard deviation of a uniform angle

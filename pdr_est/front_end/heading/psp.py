@@ -28,10 +28,10 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.hde import HdeController, HdeParams
-from pdr_est.front_end.heading.strides import STRIDE_LATENCY_S, Strides
-from pdr_est.front_end.heading.tie import TieController, TieParams
-from pdr_est.records import Step
+from pdr_est.front_end.heading.hde_controller import HdeController, HdeParams
+from pdr_est.front_end.heading.stride_averaging import STRIDE_LATENCY_S, Strides
+from pdr_est.front_end.heading.tie_controller import TieController, TieParams
+from pdr_est.types.steps import Step
 
 
 class PspHeading:

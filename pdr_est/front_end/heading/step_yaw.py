@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.records import Step
+from pdr_est.types.steps import Step
 
 
 class StepYaw:

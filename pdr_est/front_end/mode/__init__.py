@@ -2,12 +2,12 @@
 
 from typing import Literal
 
-from pdr_est.front_end.mode.auto import AutoMode, AutoModeParams
 from pdr_est.front_end.mode.fixed import FixedMode
-from pdr_est.front_end.mode.mmpdr import MmpdrMode, MmpdrModeParams
+from pdr_est.front_end.mode.hmm_recogniser import AutoMode, AutoModeParams
+from pdr_est.front_end.mode.mmpdr_fsm import MmpdrMode, MmpdrModeParams
 from pdr_est.params import params
-from pdr_est.records import CarryingMode
 from pdr_est.stage import Stage
+from pdr_est.types.steps import CarryingMode
 
 __all__ = ["AutoMode", "AutoModeParams", "FixedMode", "MmpdrMode", "MmpdrModeParams", "ModeParams", "mode_stage"]
 

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pdr_est.records import CarryingMode, LevelBlock
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 
 class FixedMode:

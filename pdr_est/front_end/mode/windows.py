@@ -3,8 +3,16 @@
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.mode.evidence import COLUMNS, MODES, SAMPLE_COLUMNS, hop_means, likelihoods, samples_of, turned
-from pdr_est.records import LevelBlock
+from pdr_est.front_end.mode.window_features import (
+    COLUMNS,
+    MODES,
+    SAMPLE_COLUMNS,
+    hop_means,
+    likelihoods,
+    samples_of,
+    turned,
+)
+from pdr_est.types.sensors import LevelBlock
 
 
 class Windows:

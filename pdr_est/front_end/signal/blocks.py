@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.records import LevelBlock
+from pdr_est.types.sensors import LevelBlock
 
 _COLUMNS = tuple(field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment"))
 _columns_of = attrgetter(*_COLUMNS)

@@ -9,7 +9,7 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length.walker import Gender
-from pdr_est.records import Gait
+from pdr_est.types.steps import Gait
 
 STATIC_K1 = MappingProxyType({"male": 0.415, "female": 0.413})  # MMPDR eq. 2
 MMPDR_K = MappingProxyType({"male": 0.3139, "female": 0.2975})  # MMPDR eq. 9

@@ -11,11 +11,16 @@ from annotated_types import Gt, Le
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import equations
-from pdr_est.front_end.step_length.auto import RunningParams, running_length_m, share_of_running, walking_length_m
-from pdr_est.front_end.step_length.pace import Pace, PaceMeter
+from pdr_est.front_end.step_length.cadence import Pace, PaceMeter
+from pdr_est.front_end.step_length.walk_run_model import (
+    RunningParams,
+    running_length_m,
+    share_of_running,
+    walking_length_m,
+)
 from pdr_est.front_end.step_length.walker import WalkerParams
 from pdr_est.params import Positive, params
-from pdr_est.records import Step
+from pdr_est.types.steps import Step
 
 LengthModel = Literal["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
 LENGTH_MODELS: tuple[LengthModel, ...] = get_args(LengthModel)

@@ -2,9 +2,9 @@
 
 from typing import Literal, get_args
 
-from pdr_est.front_end.steps.auto import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
-from pdr_est.front_end.steps.mmpdr import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
 from pdr_est.front_end.steps.segmentation import SegmentationParams
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams

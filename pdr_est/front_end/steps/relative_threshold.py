@@ -19,14 +19,13 @@ Deviation. The attitude tells the direction of gravity only; the paper's also te
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.front_end.signal.magnitude import specific_force
 from pdr_est.front_end.signal.moving_average import MovingAverage
-from pdr_est.front_end.signal.peaks import local_maxima, local_minima
-from pdr_est.front_end.signal.trigger import far_enough
-from pdr_est.front_end.signal.vectors import dot
-from pdr_est.front_end.steps.undecided import UndecidedSamples
+from pdr_est.front_end.signal.trigger import far_enough, local_maxima, local_minima
+from pdr_est.front_end.signal.vectors import dot, specific_force
+from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
 from pdr_est.params import NonNegative, Window, params
-from pdr_est.records import LevelBlock, StepEvent
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import StepEvent
 
 
 @params

@@ -7,10 +7,11 @@ III-D).
 import numpy as np
 
 from pdr_est.front_end.signal.blocks import join, part
-from pdr_est.front_end.steps.transition import StepFrequency
+from pdr_est.front_end.steps.mode_transition import StepFrequency
 from pdr_est.params import Positive, params
-from pdr_est.records import LevelBlock, Step, StepEvent
 from pdr_est.stage import Stage
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import Step, StepEvent
 
 
 @params

@@ -35,10 +35,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.errors import ConfigError
-from pdr_est.front_end.signal.magnitude import excess_magnitude
-from pdr_est.front_end.steps.undecided import UndecidedSamples
+from pdr_est.front_end.signal.vectors import excess_magnitude
+from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
 from pdr_est.params import NonNegative, params
-from pdr_est.records import LevelBlock, StepEvent
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import StepEvent
 
 
 @params

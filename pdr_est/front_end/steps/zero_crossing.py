@@ -11,11 +11,12 @@ signal was below a dead band only. (4) A crossing soon after a step is not a ste
 """
 
 from pdr_est.front_end.signal.filters import CausalLowPass
-from pdr_est.front_end.signal.magnitude import excess_magnitude
 from pdr_est.front_end.signal.moving_average import MovingAverage
-from pdr_est.front_end.steps.triggered import TriggeredSteps
+from pdr_est.front_end.signal.vectors import excess_magnitude
+from pdr_est.front_end.steps.hysteresis_detector import TriggeredSteps
 from pdr_est.params import NonNegative, Positive, Window, params
-from pdr_est.records import LevelBlock, StepEvent
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import StepEvent
 
 
 @params

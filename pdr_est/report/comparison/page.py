@@ -8,15 +8,15 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from pdr_est.evaluate.definitions import DEFINITIONS, with_unit
-from pdr_est.evaluate.paired import Paired
-from pdr_est.report import svg
+from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
+from pdr_est.evaluate.paired_comparison import Paired
 from pdr_est.report.comparison import tables
-from pdr_est.report.comparison.outcome import TrackOutcome
 from pdr_est.report.comparison.plots import looks, plot_coverage, plot_distribution, plot_growth, plot_tracks
-from pdr_est.report.html import environment
-from pdr_est.report.legend import LegendEntry
-from pdr_est.report.panels import Panel
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.legend import LegendEntry
+from pdr_est.report.walk.page import environment
+from pdr_est.report.walk.panels import Panel
+from pdr_est.types.outcome import TrackOutcome
 
 _TRUTH = LegendEntry("truth", "muted", "true positions")
 _RIGHT = LegendEntry("line", "muted", "right", (1.6, 1.0))

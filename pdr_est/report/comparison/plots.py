@@ -11,9 +11,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLo
 from scipy.stats import chi2
 
 from pdr_est.frames import Array
-from pdr_est.report import svg
-from pdr_est.report.comparison.outcome import TrackOutcome
-from pdr_est.report.legend import LegendEntry
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.legend import LegendEntry
+from pdr_est.types.outcome import TrackOutcome
 
 _DASHES: tuple[tuple[float, ...], ...] = ((), (3.2, 1.6), (1.1, 1.1), (5.0, 1.2, 1.1, 1.2))
 _HEIGHT_IN, _BOTTOM_IN, _TOP_IN = 3.2, 0.52, 0.12

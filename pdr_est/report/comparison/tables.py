@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pdr_est.evaluate.average import Average
-from pdr_est.evaluate.definitions import DEFINITIONS, with_unit
-from pdr_est.evaluate.paired import ROUNDING, Paired
-from pdr_est.records import CarryingMode
-from pdr_est.report.comparison.outcome import TrackOutcome
-from pdr_est.report.html import NO_VALUE, number, percent
+from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
+from pdr_est.evaluate.paired_comparison import ROUNDING, Paired
+from pdr_est.evaluate.statistics import Average
+from pdr_est.report.walk.page import NO_VALUE, number, percent
+from pdr_est.types.outcome import TrackOutcome
+from pdr_est.types.steps import CarryingMode
 
 _MOST_COLUMNS = 5  # of variants side by side, which a page has room for
 

@@ -1,0 +1,115 @@
+"""A walker's profile: the personal constants that a calibration found, as a small YAML file."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from datetime import date as Date
+from pathlib import Path
+from typing import Annotated, Any
+
+import yaml
+from annotated_types import Ge
+from pydantic import TypeAdapter, ValidationError
+
+from pdr_est.config import Config, config_from_dict, config_to_dict
+from pdr_est.config.yaml_lines import load_yaml
+from pdr_est.errors import ConfigError
+from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
+from pdr_est.front_end.steps import DetectorName
+from pdr_est.params import Positive, params
+
+_HEADER = "# A walker's own step length, made by `pdr-est calibrate`. To use it: pdr-est smooth --profile FILE\n"
+_SECTIONS = ("profile", "walker", "odometry")
+
+
+@params
+class ProfileNote:
+    """Where a profile comes from. step_length, detector: of the configuration whose steps the constants correct.
+    recordings: how many walks. distances_m: their true lengths; empty when fixes told the scale."""
+
+    step_length: StepLengthParams
+    detector: DetectorName
+    recordings: Annotated[int, Ge(1)]
+    date: Date
+    distances_m: tuple[Positive, ...] = ()
+
+
+@params
+class Profile:
+    """walker: height, gender and personal constants. sigma_length_scale: what remains unknown of the length scale of
+    the next walk, over the scale."""
+
+    note: ProfileNote
+    walker: WalkerParams
+    sigma_length_scale: Positive
+
+
+_NOTE = TypeAdapter(ProfileNote)
+
+
+def profile_to_yaml(profile: Profile) -> str:
+    """The file's text, which `load_profile` reads back to the same record: a fragment of a configuration with the
+    sections `walker` and `odometry`, and where it comes from under `profile`."""
+    note = asdict(profile.note)
+    document = {
+        "profile": note | {"distances_m": list(note["distances_m"])},
+        **_settings(profile),
+    }
+    return _HEADER + str(yaml.safe_dump(document, sort_keys=False))
+
+
+def load_profile(path: str | Path) -> Profile:
+    """A profile from its file. Raises ConfigError that names the file and the key."""
+    data = load_yaml(path)
+    if not isinstance(data, Mapping) or set(data) != set(_SECTIONS):
+        raise ConfigError(
+            f"{path}: is no profile: it must hold {', '.join(_SECTIONS)} and nothing else; make one with "
+            "`pdr-est calibrate`"
+        )
+    settings = config_from_dict({"walker": data["walker"], "odometry": data["odometry"]}, str(path))
+    foreign = set(data["odometry"]) - {"sigma_length_scale"}
+    if foreign or "sigma_length_scale" not in data["odometry"]:
+        raise ConfigError(f"{path}: odometry must hold sigma_length_scale and nothing else: set the rest by --config")
+    if settings.odometry.sigma_length_scale == 0.0:
+        raise ConfigError(f"{path}: odometry.sigma_length_scale = 0: no scale is known so well; calibrate again")
+    return Profile(
+        note=_note(data["profile"], path),
+        walker=settings.walker,
+        sigma_length_scale=settings.odometry.sigma_length_scale,
+    )
+
+
+def with_profile(config: Config, profile: Profile) -> Config:
+    """The configuration for this walker."""
+    odometry = replace(config.odometry, sigma_length_scale=profile.sigma_length_scale)
+    return replace(config, walker=profile.walker, odometry=odometry)
+
+
+def refuse_contradiction(config: Config, profile: Profile, place: str) -> None:
+    """Raise ConfigError when a configuration is not the one that a profile was made for, or not the one it makes.
+
+    Its constants correct the steps of one detector and the lengths of one model with its constants, for one height
+    and gender. place: what to call the profile.
+    """
+    settings = config_to_dict(config)
+    made_for = {"step_length": asdict(profile.note.step_length), "steps": {"detector": profile.note.detector}}
+    for section, expected in {**made_for, **_settings(profile)}.items():
+        for key, value in expected.items():
+            if settings[section][key] != value:
+                raise ConfigError(
+                    f"{place}: made for {section}.{key} = {value}, but {settings[section][key]} is set: set it like "
+                    "that or leave it out, or calibrate again"
+                )
+
+
+def _settings(profile: Profile) -> dict[str, dict[str, Any]]:
+    """What a profile sets: a fragment of a configuration."""
+    return {"walker": asdict(profile.walker), "odometry": {"sigma_length_scale": profile.sigma_length_scale}}
+
+
+def _note(data: Any, path: str | Path) -> ProfileNote:
+    try:
+        return _NOTE.validate_python(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in ("profile", *first["loc"]))
+        raise ConfigError(f"{path}: {key}: {first['msg']}: correct it, or calibrate again") from error

@@ -1,0 +1,256 @@
+"""The window of the fixed-lag smoother: the poses of the last seconds, in GTSAM's IncrementalFixedLagSmoother."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import gtsam
+import numpy as np
+
+from pdr_est.errors import EstimationError
+from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, Moments
+from pdr_est.estimators.common.timeline import Node
+from pdr_est.estimators.factor_graph.factors import LEAST_SIGMA, add_measurements, displacement, motion_noise
+from pdr_est.estimators.factor_graph.marginals import to_map
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.fixed_lag.window_prior import Known, of_entering, pose_per_scale, prior_factors, scales
+from pdr_est.frames import Array
+
+_SCALE_TOLERANCE = 0.1  # of the scale's sigma; a scale that moved further needs a new window
+_RELINEARISE = 1e-3  # m and rad
+_ITERATIONS = 3  # more of them where a tether pulls, and at the end
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Two devices that are never further apart than max_distance_m."""
+
+    device_a: int
+    device_b: int
+    max_distance_m: float
+    sigma_m: float
+
+
+@dataclass(frozen=True)
+class Followed:
+    """What the filter beside the smoother did last. node: of which device; entered: the state that this device
+    entered with, None if it moved on to the node; limits: tethers that were asked for then.
+
+    mean (5 d,), covariance (5 d, 5 d): of all devices afterwards; present: those that take part.
+    """
+
+    device: int
+    node: Node
+    entered: Moments | None
+    limits: tuple[Limit, ...]
+    mean: Array
+    covariance: Array
+    present: frozenset[int]
+
+
+@dataclass(frozen=True)
+class LaggedPose:
+    """A pose (3,) with its covariance (3, 3) in the map frame, and the length scale with its sigma. The covariance of
+    a node that is no step, and so in no track, is NaN: it takes most of the time."""
+
+    device: int
+    node: Node
+    pose: Array
+    covariance: Array
+    scale: tuple[float, float]
+
+
+class LagWindow:
+    """Takes what the filter did in the order of time, gives each pose a lag later.
+
+    Pickled, it keeps what it was given; the smoother is built anew from that, which changes results by what
+    linearising does. Raises EstimationError when a window has no unique solution.
+    """
+
+    def __init__(self, parameters: FixedLagParams) -> None:
+        self._lag_s = parameters.lag_s
+        self._waiting: deque[Followed] = deque()  # poses that were not given out yet
+        self._relative: set[int] = set()  # devices with headings relative to a reference
+        self._graph: _Graph | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_graph": None}
+
+    def push(self, item: Followed) -> list[LaggedPose]:
+        """The poses that are a lag before `item`."""
+        ready = self.until(item.node.time_s - self._lag_s)
+        new_reference = item.device not in self._relative and any(prior.relative for prior in item.node.priors)
+        if new_reference:
+            self._relative.add(item.device)
+        self._waiting.append(item)
+        if self._graph is None or new_reference or self._graph.outdated_by(item):
+            self._graph = self._anew()
+            return ready
+        try:
+            self._graph.add(item)
+        except (RuntimeError, ValueError):
+            # GTSAM's incremental smoother loses count of its variables now and then; a new one has lost none.
+            self._graph = self._anew()
+        return ready
+
+    def _anew(self) -> "_Graph":
+        try:
+            return _Graph(self._lag_s, self._waiting, self._relative)
+        except (RuntimeError, ValueError) as error:
+            raise _no_solution(error) from error
+
+    def undo(self, count: int) -> None:
+        """Forget the last items, because they will come again in another form; those that were given out already
+        must not."""
+        for _ in range(min(count, len(self._waiting))):
+            self._waiting.pop()
+        self._graph = None
+
+    def until(self, time_s: float) -> list[LaggedPose]:
+        """The poses before a time that were not given out yet, by what is known now."""
+        ready = []
+        while self._waiting and self._waiting[0].node.time_s < time_s:
+            graph = self._built()
+            ready.append(graph.pose_of(self._waiting[0], len(self._waiting)))
+            self._waiting.popleft()
+        return ready
+
+    def flush(self) -> list[LaggedPose]:
+        """The rest."""
+        if self._waiting:
+            self._built().iterate()
+        return self.until(np.inf)
+
+    def _built(self) -> "_Graph":
+        if self._graph is None:  # after a pickle
+            self._graph = self._anew()
+        return self._graph
+
+
+class _Graph:
+    """The smoother of a window at fixed length scales: begun with a prior from the filter, then node by node."""
+
+    def __init__(self, lag_s: float, items: Sequence[Followed], relative: set[int]) -> None:
+        parameters = gtsam.ISAM2Params()
+        parameters.findUnusedFactorSlots = True
+        parameters.setFactorization("QR")
+        parameters.setRelinearizeThreshold(_RELINEARISE)
+        parameters.relinearizeSkip = 1
+        self._smoother = gtsam.IncrementalFixedLagSmoother(lag_s, parameters)
+        self._scale, self._relative = scales(items[-1].mean), relative
+        self._next_key = 0
+        self._keys: deque[int] = deque()  # of the poses that were not given out, the last ones of `items`
+        self._poses: dict[int, int] = {}  # device -> its last pose
+        self._references: dict[int, int] = {}
+        self._now_s = items[0].node.time_s
+        self._last = items[0]
+        self._begin(items[0])
+        for item in list(items)[1:]:
+            self.add(item)
+
+    def outdated_by(self, item: Followed) -> bool:
+        """Whether the filter believes in other length scales than this window has."""
+        sigma = np.sqrt(np.maximum(np.diag(item.covariance)[LENGTH_SCALE::STATES], 0.0))
+        moved = np.abs(scales(item.mean) - self._scale) > _SCALE_TOLERANCE * sigma + 1e-9
+        return bool(moved[sorted(item.present)].any())
+
+    def add(self, item: Followed) -> None:
+        graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        self._now_s, self._last = max(self._now_s, item.node.time_s), item
+        scale, before = float(self._scale[item.device]), self._poses.get(item.device)
+        if item.entered is None and before is not None:
+            key = self._new_key()
+            moved = displacement(item.node, scale)
+            values.insert(key, self._smoother.calculateEstimatePose2(before).compose(moved))
+            graph.add(gtsam.BetweenFactorPose2(before, key, moved, motion_noise((item.node, item.node)).models[0]))
+            add_measurements(graph, item.node, key, self._references.get(item.device))
+            self._poses[item.device] = key
+        else:
+            entered = item.entered if item.entered is not None else _own(item)
+            self._enter(graph, values, [item.device], of_entering(entered, scale))
+            key = self._poses[item.device]
+        self._keys.append(key)
+        self._update(graph, values)
+        self._keep_together(item.limits)
+
+    def pose_of(self, item: Followed, waiting: int) -> LaggedPose:
+        """Pose of a window's item, the first of so many that wait, in the map with the scale's share."""
+        while len(self._keys) > waiting:
+            self._keys.popleft()
+        key = self._keys[0]
+        pose = self._smoother.calculateEstimatePose2(key)
+        mean = np.array([pose.x(), pose.y(), pose.theta()])
+        place = STATES * item.device + LENGTH_SCALE
+        variance = max(float(self._last.covariance[place, place]), 0.0)
+        scale = (float(self._last.mean[place]), float(np.sqrt(variance)))
+        if not item.node.is_step:
+            return LaggedPose(item.device, item.node, mean, np.full((3, 3), np.nan), scale)
+        turn, per_scale = to_map(mean[2:])[0], pose_per_scale(item.covariance, item.device)
+        covariance = turn @ self._smoother.marginalCovariance(key) @ turn.T
+        covariance = covariance + variance * np.outer(per_scale, per_scale)
+        return LaggedPose(item.device, item.node, mean, 0.5 * (covariance + covariance.T), scale)
+
+    def iterate(self) -> None:
+        """Gauss-Newton steps without news."""
+        for _ in range(_ITERATIONS):
+            self._smoother.update()
+
+    def _begin(self, item: Followed) -> None:
+        graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        devices = sorted(item.present)
+        self._enter(graph, values, devices, Known.of_filter(item.mean, item.covariance, self._scale, devices))
+        self._keys.append(self._poses[item.device])
+        self._update(graph, values)
+
+    def _enter(
+        self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, devices: list[int], known: Known
+    ) -> None:
+        """Add first poses of devices, with what is known of them."""
+        keys, references = [], []
+        for number, device in enumerate(devices):
+            self._poses[device] = self._new_key()
+            keys.append(self._poses[device])
+            values.insert(self._poses[device], gtsam.Pose2(*known.mean[4 * number : 4 * number + 3]))
+            fresh = device in self._relative and device not in self._references
+            if fresh:
+                self._references[device] = self._new_key()
+                reference_rad = known.mean[4 * number + 3]
+                values.insert(self._references[device], gtsam.Pose2(0.0, 0.0, reference_rad))
+            references.append(self._references[device] if fresh else None)
+        for factor in prior_factors(known, keys, references):
+            graph.add(factor)
+
+    def _keep_together(self, limits: Sequence[Limit]) -> None:
+        for limit in limits:
+            a, b = self._poses.get(limit.device_a), self._poses.get(limit.device_b)
+            if a is None or b is None:
+                continue
+            between = self._smoother.calculateEstimatePose2(a).between(self._smoother.calculateEstimatePose2(b))
+            if np.hypot(between.x(), between.y()) > limit.max_distance_m:
+                noise = gtsam.noiseModel.Isotropic.Sigma(1, max(limit.sigma_m, LEAST_SIGMA))
+                graph = gtsam.NonlinearFactorGraph()
+                graph.add(gtsam.RangeFactorPose2(a, b, limit.max_distance_m, noise))
+                self._update(graph, gtsam.Values())
+                self.iterate()
+
+    def _update(self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> None:
+        """What later factors will refer to must not leave the window: the last poses, and the references."""
+        alive = (*self._poses.values(), *self._references.values())
+        self._smoother.update(graph, values, dict.fromkeys(alive, self._now_s))
+
+    def _new_key(self) -> int:
+        self._next_key += 1
+        return self._next_key - 1
+
+
+def _own(item: Followed) -> Moments:
+    own = slice(STATES * item.device, STATES * (item.device + 1))
+    return Moments(item.mean[own], item.covariance[own, own])
+
+
+def _no_solution(error: RuntimeError | ValueError) -> EstimationError:
+    reason = str(error).strip().splitlines()[0] if str(error).strip() else "no reason given"
+    return EstimationError(
+        f"the window of fixed-lag has no unique solution ({reason}): give a start pose, more fixes, or use the ekf"
+    )

@@ -1,0 +1,82 @@
+"""The track of the person from those of the devices on the body.
+
+Errors of devices on one body depend on each other in a way that their marginals do not tell: their tethers and the
+fixes are common. The tracks are therefore joined by covariance intersection (Julier and Uhlmann 1997) with equal
+weights, which is honest for any dependence: the information is the mean of theirs, so that a bad device has little
+say, and nothing is counted twice. Whose steps count is told in `person_steps`, what the heading is in
+`person_heading`. Both look a few steps ahead, so that the last rows of a walk that goes on may still change; the
+weights of the headings are those of the track that is given.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.estimators.common.timeline import SAME_S
+from pdr_est.estimators.person.heading import LEAST_VARIANCE, heading_of_person
+from pdr_est.estimators.person.steps import SAME_STEP_S, present_at, steps_of_person
+from pdr_est.frames import Array, turned, wrap_angle
+from pdr_est.types.track import Track
+
+NAME = "fused"
+
+
+def fuse(track: Track) -> Track:
+    """The track of the person, with device `NAME`, from the track of several devices: the start, then a row a step.
+
+    A device has a say from its start to its last pose: one that comes later or stops earlier is left out elsewhere.
+    """
+    tracks = [track.of_device(device) for device in track.devices]
+    begin_s = min(float(one.time_s[0]) for one in tracks)
+    steps = steps_of_person(tracks)
+    time_s = np.concatenate([[begin_s], steps.time_s])
+    present = present_at(tracks, time_s, SAME_STEP_S)
+    at_times = [one.at(time_s) for one in tracks]
+    position, covariance = _intersect(
+        np.stack([place for place, _ in at_times]), np.stack([spread for _, spread in at_times]), present
+    )
+    heading, variance = heading_of_person(tracks, time_s, present)
+    lengths = np.stack([np.interp(time_s, one.time_s, one.step_length_m) for one in tracks])
+    return Track(
+        time_s=time_s,
+        moving_from_s=np.concatenate([[begin_s], steps.moving_from_s]),
+        device=np.array([NAME] * len(time_s)),
+        position_m=position,
+        heading_rad=np.asarray(wrap_angle(heading)),
+        covariance_m2=covariance,
+        sigma_heading_rad=np.sqrt(variance),
+        mode=_modes(tracks, time_s, present),
+        step_length_m=np.sum(lengths * present, axis=0) / present.sum(axis=0),
+        kind=track.kind,
+        estimator=track.estimator,
+        length_scale=track.length_scale,
+        sigma_length_scale=track.sigma_length_scale,
+    )
+
+
+def carried(track: Track, offset_m: tuple[float, float]) -> Track:
+    """The track of a device that sits offset_m, forward and left, from the centre of the body whose track it is."""
+    if offset_m == (0.0, 0.0):
+        return track
+    return replace(track, position_m=track.position_m + turned(np.array(offset_m), track.heading_rad))
+
+
+def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Covariance intersection with equal weights of the estimates (d, n, k) with covariances (d, n, k, k) that are
+    present (d, n)."""
+    weights = present / present.sum(axis=0)
+    information = weights[..., None, None] * np.linalg.inv(covariance + LEAST_VARIANCE * np.eye(mean.shape[-1]))
+    joined = np.linalg.inv(information.sum(axis=0))
+    weighted = np.einsum("dnij,dnj->ni", information, mean)
+    return np.einsum("nij,nj->ni", joined, weighted), joined
+
+
+def _modes(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """The carrying mode (n,) of the device that is surest of its heading, of those that are present (d, n)."""
+    sigma = np.array([float(np.mean(one.sigma_heading_rad)) for one in tracks])
+    whose = np.argmin(np.where(present, sigma[:, None], np.inf), axis=0)
+    rows = [np.minimum(np.searchsorted(one.time_s, time_s - SAME_S), len(one) - 1) for one in tracks]
+    modes = np.stack([one.mode[row] for one, row in zip(tracks, rows, strict=True)])
+    return np.asarray(modes[whose, np.arange(len(time_s))])

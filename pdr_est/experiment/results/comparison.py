@@ -1,0 +1,199 @@
+"""Compares the variants of finished experiments walk by walk, from their tables of results."""
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+
+from pdr_est.config.messages import nearest
+from pdr_est.config.yaml_lines import load_yaml
+from pdr_est.errors import ConfigError, OutputError
+from pdr_est.evaluate.metric_definitions import unit_of
+from pdr_est.evaluate.paired_comparison import Paired, paired
+from pdr_est.experiment.results.result_folder import CONFIG, PROVENANCE, RESULTS
+from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
+from pdr_est.io.writers.parquet import read_parquet
+
+Values = Mapping[str, Mapping[str, Mapping[str, float]]]
+"""metric -> variant -> walk -> value, the mean over the tracks of the walk."""
+
+HEADINGS = (
+    "metric",
+    "unit",
+    "A",
+    "B",
+    "walks",
+    "mean A",
+    "mean B",
+    "B - A",
+    "low",
+    "high",
+    "A wins",
+    "B wins",
+    "ties",
+)
+
+TEXTS = 4  # of these columns, from the left, are words; the others are numbers
+
+
+def read_values(folders: Sequence[Path], track: str | None = None, metrics: Sequence[str] = ()) -> Values:
+    """The results in the folders of experiments. With several folders a variant is called `FOLDER:VARIANT`.
+
+    track: only that of this device, or of the person (`fused`), of walks with several phones; else a walk has the
+    mean over its tracks. metrics: only these, all if none is named.
+
+    Raises OutputError for a folder without results, and for folders in which walks or data of one name, or the fixes
+    that a metric is of, differ: they cannot be compared walk by walk. Raises ConfigError for a track or a metric that
+    no folder has, and for a folder that is given twice.
+    """
+    names = _names(folders)
+    _refuse_other_walks(folders)
+    collected: dict[str, dict[str, dict[str, list[float]]]] = {}
+    tracks: dict[str, None] = {}
+    known: set[str] = set()
+    for folder, prefix in zip(folders, names, strict=True):
+        for metric, variant, walk, of, value in _rows(folder):
+            tracks[str(of)] = None
+            known.add(str(metric))
+            if track not in (None, of) or (metrics and metric not in metrics):
+                continue
+            name = f"{prefix}{variant}"
+            walks = collected.setdefault(str(metric), {}).setdefault(name, {})
+            if value is not None:
+                walks.setdefault(str(walk), []).append(float(value))
+    if track is not None and track not in tracks:
+        raise ConfigError(f"unknown track {track!r}: {nearest(track, list(tracks))}")
+    _refuse_other_fixes(folders, [metric for metric in HELDOUT_METRICS if metric in collected])
+    for metric in metrics:
+        if metric not in collected:
+            raise ConfigError(f"unknown metric {metric!r}: {nearest(metric, sorted(known))}")
+    return {
+        metric: {
+            variant: {walk: float(np.mean(values)) for walk, values in walks.items()}
+            for variant, walks in collected[metric].items()
+        }
+        for metric in metrics or collected
+    }
+
+
+def _rows(folder: Path) -> Iterator[tuple[str | float | None, ...]]:
+    """Metric, variant, walk, track and value of each row of a folder's results."""
+    if not (folder / RESULTS).is_file():
+        raise OutputError(f"{folder}: holds no {RESULTS}: run `pdr-est experiment CONFIG -o {folder}` to its end")
+    table = read_parquet(folder / RESULTS)
+    names = ("metric", "variant", "walk", "track", "value")
+    missing = [name for name in names if name not in table]
+    if missing:
+        raise OutputError(f"{folder / RESULTS}: has no column {missing[0]!r}: it is none of `pdr-est experiment`")
+    return zip(*(table[name] for name in names), strict=True)
+
+
+def _refuse_other_fixes(folders: Sequence[Path], metrics: Sequence[str]) -> None:
+    """Metrics at held-out positions are of the fixes that were given."""
+    given: dict[str, Path] = {}
+    for folder in folders if metrics else ():
+        if (folder / CONFIG).is_file():
+            document = load_yaml(folder / CONFIG)
+            fixes = document.get("fixes") if isinstance(document, dict) else None
+            given.setdefault(json.dumps(fixes, sort_keys=True), folder)
+    if len(given) > 1:
+        first, second, *_ = given.values()
+        raise OutputError(
+            f"{first} and {second}: {', '.join(metrics)} are of different fixes: compare runs with equal `fixes`, or "
+            "other metrics (--metric)"
+        )
+
+
+def _names(folders: Sequence[Path]) -> list[str]:
+    """What to put before the names of each folder's variants."""
+    if len(folders) == 1:
+        return [""]
+    resolved = [folder.resolve() for folder in folders]
+    for number, folder in enumerate(folders):
+        if resolved[number] in resolved[:number]:
+            raise ConfigError(f"{folder}: is given twice: give it once")
+    short = [folder.name for folder in folders]
+    words = short if len(set(short)) == len(short) else [str(folder) for folder in folders]
+    return [f"{word}:" for word in words]
+
+
+def _refuse_other_walks(folders: Sequence[Path]) -> None:
+    seen: dict[str, tuple[str, Path]] = {}
+    for folder in folders:
+        try:
+            document = json.loads((folder / PROVENANCE).read_text(encoding="utf-8"))
+            sums = {**document["data"], **document["scenarios"]}
+        except (OSError, ValueError, KeyError, TypeError):
+            continue  # results that came without their provenance: nothing to check by
+        for name, checksum in sums.items():
+            known, where = seen.setdefault(name, (checksum, folder))
+            if known != checksum:
+                raise OutputError(f"{where} and {folder}: {name} is not the same in both: compare runs on equal data")
+
+
+def compare_variants(values: Values, reference: str | None = None) -> tuple[Paired, ...]:
+    """Each pair of variants on each metric, or each variant with a reference only.
+
+    Raises ConfigError for an unknown reference, and when there is nothing to compare.
+    """
+    if all(len(of_metric) < 2 for of_metric in values.values()):
+        raise ConfigError("there is one variant only: give several, or the folders of several experiments")
+    found = []
+    for metric in values:
+        variants = list(values[metric])
+        if reference is not None and reference not in variants:
+            raise ConfigError(f"unknown variant {reference!r}: {nearest(reference, variants)}")
+        pairs: Iterable[tuple[str, str]] = combinations(variants, 2)
+        if reference is not None:
+            pairs = ((reference, other) for other in variants if other != reference)
+        for first, second in pairs:
+            pair = paired(metric, first, second, values[metric][first], values[metric][second])
+            found += [] if pair is None else [pair]
+    return tuple(found)
+
+
+def as_rows(pairs: Iterable[Paired]) -> list[tuple[str, ...]]:
+    """The comparisons as texts under `HEADINGS`."""
+    return [
+        (
+            pair.metric,
+            unit_of(pair.metric),
+            pair.first,
+            pair.second,
+            str(pair.n),
+            *(_number(value) for value in (pair.mean_first, pair.mean_second, pair.difference, pair.low, pair.high)),
+            str(pair.first_wins),
+            str(pair.second_wins),
+            str(pair.ties),
+        )
+        for pair in pairs
+    ]
+
+
+def as_csv(pairs: Iterable[Paired]) -> str:
+    """The comparisons as a CSV table."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerows([HEADINGS, *as_rows(pairs)])
+    return text.getvalue()
+
+
+def as_markdown(pairs: Iterable[Paired]) -> str:
+    """The comparisons as a Markdown table, with what its columns mean."""
+    rows = [HEADINGS, tuple("---" if i < TEXTS else "---:" for i in range(len(HEADINGS))), *as_rows(pairs)]
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
+    return "\n".join(lines) + f"\n\n{NOTE}\n"
+
+
+NOTE = (
+    "B - A: mean over walks of how much farther B is from the metric's ideal value than A; negative: B is better. "
+    "low, high: its 95 % bootstrap interval over walks, too narrow for fewer than about 20."
+)
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.4f}"

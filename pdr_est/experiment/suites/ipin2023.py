@@ -1,0 +1,43 @@
+"""IPIN 2023 competition, track 3, training logs: held phones, surveyed points marked while walking over them.
+
+Errors are 2-D also where a walk changes floors.
+"""
+
+from pathlib import Path
+
+from pdr_est.errors import RecordingError
+from pdr_est.evaluate.position_errors import OPEN_METRICS
+from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, score_waypoints
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, carried
+from pdr_est.experiment.suite import Suite, WalkFile
+from pdr_est.experiment.walk_files import recordings
+from pdr_est.preprocessing.trim import cut
+from pdr_est.types.recording import Recording
+from pdr_est.types.steps import CarryingMode
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The logs `*.txt`."""
+    held = carried(CarryingMode.HOLDING)
+    return [WalkFile(name, path, truth=held) for name, path in recordings(folder, "*.txt")]
+
+
+def from_first_point(recording: Recording) -> Recording:
+    """The recording from its first surveyed point on: before it, the phones are shaken for a minute to calibrate.
+
+    Raises RecordingError when there is no surveyed point.
+    """
+    positions = recording.truth.positions
+    if positions is None or not len(positions.time_s):
+        raise RecordingError(f"{recording.name}: no surveyed point (POSI): nothing to score the track against")
+    return cut(recording, float(positions.time_s.min()))
+
+
+SUITE = Suite(
+    name="ipin2023",
+    folder="ipin2023",
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, MODE_METRIC),
+    find=find,
+    prepare=from_first_point,
+    score=score_waypoints,
+)

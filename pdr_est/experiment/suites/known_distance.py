@@ -1,0 +1,111 @@
+"""Held phones over a known distance, with the steps counted by hand; a table `truth.csv` gives both for each file.
+
+`scale_coverage68` is the share of the walks whose length is right within the standard deviation that the
+configuration states for the scale of their steps (`odometry.sigma_length_scale`).
+
+`distance_error_calibrated` is `distance_error` after calibrating the walker (`calibrate.fit`) on two other walks of
+the set: the mean over all pairs of them. So is `scale_coverage68_calibrated`, with the standard deviation that the
+calibration states (`Calibration.sigma_next`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pdr_est.calibration.step_length_fit import Calibration, Observation, PacedSteps, observation
+from pdr_est.errors import RecordingError
+from pdr_est.evaluate.position_errors import distance_error, within_sigma
+from pdr_est.evaluate.steps import count_error
+from pdr_est.experiment.scoring.track_scores import Part, device_scores
+from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.walk_files import recordings
+from pdr_est.front_end.step_length import WalkerParams
+from pdr_est.io.side_tables.known_distances import KnownWalk, read_truth_table
+from pdr_est.pipeline import DeviceWalk
+from pdr_est.types.ground_truth import Truth
+
+_TRUTH = "truth"
+_CALIBRATED = ("distance_error_calibrated", "scale_coverage68_calibrated")
+
+
+@dataclass(frozen=True)
+class DistanceCase:
+    """The steps of a walk of known length; at least one."""
+
+    steps: PacedSteps
+    distance_m: float
+
+    @property
+    def observation(self) -> Observation:
+        return observation([self.steps], self.distance_m / float(self.steps.length_m.sum()))
+
+    def errors(self, calibration: Calibration) -> Mapping[str, float]:
+        steps = self.steps.personal(calibration.walker(WalkerParams()))
+        return dict(zip(_CALIBRATED, _distance_metrics(steps, self.distance_m, calibration.sigma_next), strict=True))
+
+
+def _distance_metrics(steps: PacedSteps, distance_m: float, sigma_log: float) -> tuple[float, float]:
+    """How far the length is off, and whether that is within its sigma."""
+    length_m = float(steps.length_m.sum())
+    return distance_error(length_m, distance_m), within_sigma(length_m, distance_m, sigma_log)
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The tables `*.csv` beside a truth.csv in the suite's folder. Raises RecordingError when that is missing or
+    damaged.
+    """
+    tables = [(name, path) for name, path in recordings(folder, "*.csv") if path.parent == folder]
+    truth_path = dict(tables).get(_TRUTH)
+    if truth_path is None and tables:
+        raise RecordingError(
+            f"{folder}: no {_TRUTH}.csv beside the recordings: put the table with file,distance_m,steps there"
+        )
+    if truth_path is None:
+        return []
+    known = read_truth_table(truth_path)
+    return [WalkFile(name, path, truth=_truth(known.get(name))) for name, path in tables if name != _TRUTH]
+
+
+def score(walk: Walked) -> list[Scores]:
+    """Length and number of all steps of the recording; no estimator runs.
+
+    Raises RecordingError for a file that truth.csv does not name.
+    """
+    return [_scores(walk, device) for device in walk.devices]
+
+
+def _scores(walk: Walked, device: DeviceWalk) -> Scores:
+    truth = walk.recording.truth
+    if truth.distance_m is None or truth.step_count is None:
+        raise RecordingError(
+            f"{walk.recording.name}: not in {_TRUTH}.csv: no distance and step count to compare with"
+        )
+    steps = PacedSteps.of(device.steps)
+    error, covered = _distance_metrics(steps, truth.distance_m, walk.config.odometry.sigma_length_scale)
+    part = Part(
+        {
+            "distance_error": error,
+            "scale_coverage68": covered,
+            "count_error": count_error(len(device.steps), truth.step_count),
+        },
+        {"true_steps": truth.step_count, "detected_steps": len(device.steps)},
+    )
+    if not device.steps:
+        return device_scores(walk, device, part, Part(missing=dict.fromkeys(_CALIBRATED, "no step found")))
+    return replace(device_scores(walk, device, part), calibration=DistanceCase(steps, truth.distance_m))
+
+
+def _truth(known: KnownWalk | None) -> Truth:
+    return Truth() if known is None else Truth(distance_m=known.distance_m, step_count=known.step_count)
+
+
+SUITE = Suite(
+    name="known-distance",
+    folder="known-distance",
+    metrics=("distance_error", "scale_coverage68", *_CALIBRATED, "count_error"),
+    find=find,
+    prepare=as_recorded,
+    score=score,
+    calibrated_on=2,
+    calibrated=_CALIBRATED,
+)

@@ -1,0 +1,61 @@
+"""MotionSense: an iPhone in the front trouser pocket, one activity a file, no step annotated.
+
+The mode is scored where people walk, jog or climb stairs, false steps where they stand or sit. The headline is
+walking and jogging; stairs are averaged apart.
+"""
+
+import re
+from pathlib import Path
+
+from pdr_est.evaluate.steps import FALSE_STEPS_METRIC, steps_per_minute
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, Part, carried, device_scores, mode_part
+from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.walk_files import recordings
+from pdr_est.pipeline import DeviceWalk
+from pdr_est.types.steps import CarryingMode
+
+_ACTIVITY = re.compile(r"(wlk|jog|ups|dws|std|sit)_\d+")
+_APART = ("ups", "dws")
+_RESTING = ("standing", "sitting")
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The tables `ACTIVITY_N/sub_S.csv` of the six activities."""
+    walks = []
+    for name, path in recordings(folder, "sub_*.csv"):
+        match = _ACTIVITY.fullmatch(path.parent.name)
+        if match is not None:
+            walks.append(_walk(name, path, match.group(1)))
+    return walks
+
+
+def score(walk: Walked) -> list[Scores]:
+    """The mode of those who move, the false steps of those who rest; no estimator runs."""
+    resting = walk.recording.truth.activity in _RESTING
+    parts = [_false_steps_part(device) if resting else mode_part(walk, device) for device in walk.devices]
+    return [device_scores(walk, device, part) for device, part in zip(walk.devices, parts, strict=True)]
+
+
+def _false_steps_part(device: DeviceWalk) -> Part:
+    return Part({FALSE_STEPS_METRIC: steps_per_minute(len(device.steps), device.span_s)})
+
+
+def _walk(name: str, path: Path, activity: str) -> WalkFile:
+    return WalkFile(
+        name=name,
+        path=path,
+        labels={"activity": activity},
+        group=activity,
+        headline=activity not in _APART,
+        truth=carried(CarryingMode.POCKET),
+    )
+
+
+SUITE = Suite(
+    name="motionsense",
+    folder="motionsense",
+    metrics=(MODE_METRIC, FALSE_STEPS_METRIC),
+    find=find,
+    prepare=as_recorded,
+    score=score,
+)

@@ -1,0 +1,57 @@
+"""WeAllWalk: two iPhones at once in clothing pockets, corridors with turns, every heel strike annotated.
+
+Each phone is a row. The walks are grouped by what the walker held, as the file names have it: `NA` nothing, else a
+kind of cane or a dog.
+"""
+
+import re
+from pathlib import Path
+
+from pdr_est.estimators.person.track import NAME as FUSED
+from pdr_est.evaluate.headings import HEADING_METRICS
+from pdr_est.evaluate.steps import STEP_METRICS
+from pdr_est.experiment.scoring.annotated_steps import heading_part, step_part
+from pdr_est.experiment.scoring.track_scores import device_scores, person_scores, step_times_s
+from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.walk_files import recordings
+
+_TABLE = re.compile(r"(?P<path>iPhoneSensors_T\d+_ID\d+)_(?:1L|2R)_(?P<aid>\w+)")
+
+
+def find(folder: Path) -> list[WalkFile]:
+    """The walks of the tables `iPhoneSensors_*.csv`: both phones are one walk, named after the left phone's table."""
+    walks: dict[tuple[Path, str, str], WalkFile] = {}
+    for name, path in recordings(folder, "iPhoneSensors_*.csv"):
+        match = _TABLE.fullmatch(Path(name).name)
+        if match is not None:
+            aid = match["aid"]
+            walks.setdefault((path.parent, match["path"], aid), WalkFile(name, path, {"aid": aid}, group=aid))
+    return list(walks.values())
+
+
+def score(walk: Walked) -> list[Scores]:
+    """Steps and headings of each phone, and of the person whom both carry, against the annotated ones."""
+    track = walk.track()
+    scores = [
+        device_scores(
+            walk,
+            device,
+            step_part(walk, step_times_s(device)),
+            heading_part(walk, track.of_device(device.device)),
+        )
+        for device in walk.devices
+    ]
+    if FUSED in track.devices:
+        person = track.of_device(FUSED)
+        scores.append(person_scores(walk, step_part(walk, person.time_s[1:]), heading_part(walk, person)))
+    return scores
+
+
+SUITE = Suite(
+    name="weallwalk",
+    folder="weallwalk",
+    metrics=(*STEP_METRICS, *HEADING_METRICS),
+    find=find,
+    prepare=as_recorded,
+    score=score,
+)

@@ -1,0 +1,100 @@
+"""The arithmetic of a gait model on the features of one step."""
+
+from collections.abc import Sequence
+from math import tanh
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.front_end.gait.model import GaitModel, Machine
+from pdr_est.types.steps import Gait
+
+SCORE_LIMIT = 2.0
+"""Scores are cut at this size before steps are averaged: one very sure step must not outvote the next."""
+
+CLEAR_SCORE = 0.5
+"""A first-level score beyond this, on the other side than the step before's, is a change of gait and no mistake.
+
+By SisFall and MotionSense cut together, people left out: without it one change in eight is seen at the third step or
+later, with it one in a hundred; the share of right steps stays within 0.02 %.
+"""
+
+Probabilities = tuple[float, float, float]
+
+
+class LinearScorer:
+    """The decision function of a machine with the linear kernel: one product, the scaling worked in."""
+
+    def __init__(self, machine: Machine) -> None:
+        slope = np.array(machine.dual) @ np.array(machine.support) / np.array(machine.scale)
+        self._intercept = machine.intercept - float(slope @ np.array(machine.mean))
+        self._terms = tuple(zip(machine.columns, slope.tolist(), strict=True))
+
+    def __call__(self, features: Sequence[float]) -> float:
+        """Score of one step's features (all of the set): above zero for the faster side."""
+        return sum([slope * features[column] for column, slope in self._terms], self._intercept)
+
+
+class RbfScorer:
+    """The decision function of a machine with the radial kernel; what all steps share is worked out beforehand."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._columns, self._mean, self._scale = machine.columns, machine.mean, machine.scale
+        self._intercept, self._dual = machine.intercept, np.array(machine.dual)
+        support = np.array(machine.support)
+        # -gamma |s - z|^2 = -gamma (-2 s . z + s . s + z . z), one product with (z, 1, z . z)
+        squares = (support * support).sum(axis=1)
+        self._weights = -machine.gamma * np.column_stack([-2.0 * support, squares, np.ones_like(squares)])
+
+    def __call__(self, features: Sequence[float]) -> float:
+        """Score of one step's features (all of the set): above zero for the faster side."""
+        # Plain numbers: an array operation costs more than these few.
+        z = [(features[c] - m) / s for c, m, s in zip(self._columns, self._mean, self._scale, strict=True)]
+        square = sum([number * number for number in z])
+        kernel = np.exp(self._weights @ np.array((*z, 1.0, square)))
+        return float(self._dual @ kernel) + self._intercept
+
+
+def scorer(machine: Machine) -> LinearScorer | RbfScorer:
+    """The decision function of a machine."""
+    return LinearScorer(machine) if machine.kernel == "linear" else RbfScorer(machine)
+
+
+class GaitScorer:
+    """The two levels of a model. Scores and probabilities are of the faster side: not walking, and then running."""
+
+    def __init__(self, model: GaitModel) -> None:
+        self._faster, self._running = scorer(model.faster), scorer(model.running)
+        self._sigmoids = model.faster.sigmoid, model.running.sigmoid
+
+    def scores(self, features: Array) -> tuple[float, float]:
+        """Scores of both levels, cut at the limit."""
+        numbers = features.tolist()
+        return _cut(self._faster(numbers)), _cut(self._running(numbers))
+
+    def probabilities(self, scores: tuple[float, float]) -> Probabilities:
+        """Of walking, jogging and running."""
+        faster, running = _platt(scores[0], self._sigmoids[0]), _platt(scores[1], self._sigmoids[1])
+        return 1.0 - faster, faster * (1.0 - running), faster * running
+
+
+def changes_gait(score: float, before: float) -> bool:
+    """Whether the first level's score of a step clearly contradicts that of the step before."""
+    return score * before < 0.0 and abs(score) > CLEAR_SCORE
+
+
+def gait_of(probabilities: Probabilities) -> Gait:
+    """The gait at the end of the path through the two levels, at each of which the likelier side is taken."""
+    walking, jogging, running = probabilities
+    if walking >= 0.5:
+        return Gait.WALKING
+    return Gait.RUNNING if running > jogging else Gait.JOGGING
+
+
+def _cut(score: float) -> float:
+    return min(max(score, -SCORE_LIMIT), SCORE_LIMIT)
+
+
+def _platt(score: float, sigmoid: tuple[float, float]) -> float:
+    # The logistic function as a hyperbolic tangent, which cannot overflow.
+    return 0.5 + 0.5 * tanh(0.5 * (sigmoid[0] * score + sigmoid[1]))

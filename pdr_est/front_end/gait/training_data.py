@@ -1,0 +1,120 @@
+"""Steps whose gait is known, as the tables that training and evaluation work on."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.errors import ConfigError
+from pdr_est.frames import Array
+from pdr_est.front_end.gait.features import FeatureSet, step_features
+from pdr_est.front_end.gait.model import DataSet
+from pdr_est.front_end.gait.svm_scorer import SCORE_LIMIT, changes_gait
+from pdr_est.types.steps import Gait, Step, begins_walk
+
+KNOWN_GAITS = (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)
+
+_DECIMALS = 6  # of a feature; finer differences are noise of the arithmetic and not of the walker
+
+
+@dataclass(frozen=True)
+class LabelledSteps:
+    """The steps of one recording, all of one gait.
+
+    features: (n, k); begins: (n,) whether a step begins a walk.
+    """
+
+    person: str
+    data_set: str
+    gait: Gait
+    features: Array
+    begins: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class StepTable:
+    """Steps of many recordings in order. features: (n, k); begins, gait, person, data_set, recording: (n,).
+
+    recording: number of the recording; told_apart: (n,) whether the person was recorded jogging and running.
+    """
+
+    features: Array
+    begins: NDArray[np.bool_]
+    gait: NDArray[np.int8]
+    person: NDArray[np.str_]
+    data_set: NDArray[np.str_]
+    recording: NDArray[np.int64]
+    told_apart: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.gait)
+
+    @property
+    def faster(self) -> NDArray[np.bool_]:
+        """(n,) whether a step is not walked."""
+        faster: NDArray[np.bool_] = self.gait != Gait.WALKING
+        return faster
+
+    def pooled(self, scores: Array) -> Array:
+        """Scores (n, 2) cut at the limit and averaged with those of the step before, as the classifier does."""
+        cut = np.clip(scores, -SCORE_LIMIT, SCORE_LIMIT)
+        before = np.concatenate([cut[:1], cut[:-1]])
+        level = zip(cut[:, 0].tolist(), before[:, 0].tolist(), strict=True)
+        alone = self.begins | np.array([changes_gait(score, earlier) for score, earlier in level], dtype=bool)
+        return np.where(alone[:, None], cut, 0.5 * (cut + before))
+
+
+def labelled_steps(
+    steps: Iterable[Step], features: FeatureSet, *, person: str, data_set: str, gait: Gait
+) -> LabelledSteps:
+    """The features of one recording's steps, in time order. Raises ConfigError when there is none."""
+    extractor = step_features(features)
+    rows, begins = [], []
+    previous: Step | None = None
+    for step in steps:
+        rows.append(extractor.push(step))
+        begins.append(begins_walk(step, previous))
+        previous = step
+    if not rows:
+        raise ConfigError(f"{person}, {gait.name.lower()}: a recording without a step: take it out")
+    rounded: Array = np.stack(rows).round(_DECIMALS)
+    return LabelledSteps(person, data_set, gait, rounded, np.array(begins))
+
+
+def step_table(walks: Sequence[LabelledSteps]) -> StepTable:
+    """The steps of all recordings, by data set and person. Raises ConfigError when there is no recording."""
+    if not walks:
+        raise ConfigError("no labelled recording: there is nothing to train on")
+    ordered = sorted(walks, key=lambda walk: (walk.data_set, walk.person))
+    counts = [len(walk.begins) for walk in ordered]
+    gaits: dict[str, set[Gait]] = {}
+    for walk in ordered:
+        gaits.setdefault(walk.person, set()).add(walk.gait)
+    both = {Gait.JOGGING, Gait.RUNNING}
+    return StepTable(
+        features=np.concatenate([walk.features for walk in ordered]),
+        begins=np.concatenate([walk.begins for walk in ordered]),
+        gait=np.repeat(np.array([walk.gait for walk in ordered], dtype=np.int8), counts),
+        person=np.repeat([walk.person for walk in ordered], counts),
+        data_set=np.repeat([walk.data_set for walk in ordered], counts),
+        recording=np.repeat(np.arange(len(ordered)), counts),
+        told_apart=np.repeat([both <= gaits[walk.person] for walk in ordered], counts),
+    )
+
+
+def data_sets(table: StepTable, chosen: NDArray[np.bool_]) -> tuple[DataSet, ...]:
+    """What the chosen steps (n,) of a table come from."""
+    found = []
+    for name in np.unique(table.data_set[chosen]).tolist():
+        here = chosen & (table.data_set == name)
+        walking, jogging, running = (int(np.sum(table.gait[here] == gait)) for gait in KNOWN_GAITS)
+        found.append(
+            DataSet(
+                name=name,
+                people=len(np.unique(table.person[here])),
+                recordings=len(np.unique(table.recording[here])),
+                steps=(walking, jogging, running),
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,44 @@
+"""How a phone sits on the body: which way is up in it, and its yaw, whatever its posture.
+
+The twist of an attitude about the vertical is undefined for a phone upside down. Counted from how the phone usually
+sits, its yaw is well defined for anything less than half a turn away from that.
+"""
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.front_end.heading.level_frame import to_level
+from pdr_est.types.sensors import LevelBlock
+
+
+def mean_up(samples: LevelBlock) -> Array:
+    """Unit vector (3,) up in device axes, mean over some samples."""
+    total = samples.up.sum(axis=0)
+    return np.asarray(total / max(float(np.linalg.norm(total)), 1e-9))
+
+
+def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
+    """Yaw, rad in (-pi, pi], mean over some samples, of a phone that usually sits with `reference_up` (3,) up.
+
+    Two axes of the phone that are level when it sits so are turned into the level frame, where the one is a quarter
+    turn ahead of the other. The zero of the yaw belongs to the reference.
+    """
+    first, second = level_axes(reference_up)
+    ahead = to_level(np.broadcast_to(first, samples.up.shape), samples.up, samples.yaw_rad)
+    aside = to_level(np.broadcast_to(second, samples.up.shape), samples.up, samples.yaw_rad)
+    east = np.sum(ahead[:, 0] + aside[:, 1])
+    north = np.sum(ahead[:, 1] - aside[:, 0])
+    return float(np.arctan2(north, east))
+
+
+def level_axes(up: Array) -> tuple[Array, Array]:
+    """Two unit vectors (3,) in device axes that make a right-handed frame with `up`, the first near a device axis."""
+    axis = np.eye(3)[int(np.argmin(np.abs(up)))]
+    first = axis - (axis @ up) * up
+    first = first / np.linalg.norm(first)
+    return first, np.cross(up, first)
+
+
+def angle_between(a: Array, b: Array) -> float:
+    """Angle, rad, between two unit vectors (3,)."""
+    return float(np.arccos(np.clip(a @ b, -1.0, 1.0)))

@@ -1,0 +1,60 @@
+"""The samples that a step detector may still need: a filtered signal with its times, indices and modes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import CarryingMode, StepEvent
+
+
+class UndecidedSamples:
+    """A growing and shrinking window of one segment. delay_s: how long before its sign in
+    the filtered signal a step happened. columns: of the signal, which is (n,) without and (n, columns) with them."""
+
+    def __init__(self, rate_hz: float, delay_s: float, columns: int | None = None) -> None:
+        self._delay_s = delay_s
+        self._delay = round(delay_s * rate_hz)
+        self.segment: int | None = None
+        self._first_index = 0
+        self.signal: Array = np.empty(0 if columns is None else (0, columns))
+        self.mode: NDArray[np.int8] = np.empty(0, dtype=np.int8)
+        self._time_s: Array = np.empty(0)
+        self._mode_probability: Array = np.empty(0)
+
+    def begin(self, block: LevelBlock) -> None:
+        """Start a segment with an empty window."""
+        self.clear()
+        self.segment, self._first_index = block.segment, block.first_index
+
+    def append(self, block: LevelBlock, signal: Array) -> None:
+        """Add a block and the filtered signal of the same samples."""
+        self.signal = np.concatenate([self.signal, signal])
+        self.mode = np.concatenate([self.mode, block.mode])
+        self._time_s = np.concatenate([self._time_s, block.time_s])
+        self._mode_probability = np.concatenate([self._mode_probability, block.mode_probability])
+
+    def clear(self) -> None:
+        """Forget all samples."""
+        self.drop(len(self.signal))
+
+    def drop(self, count: int) -> None:
+        """Forget the oldest samples."""
+        self._first_index += count
+        self.signal, self.mode = self.signal[count:], self.mode[count:]
+        self._time_s, self._mode_probability = self._time_s[count:], self._mode_probability[count:]
+
+    def time_s(self, i: int) -> float:
+        """When the feature at position i happened: the sample's time less the delay."""
+        return float(self._time_s[i]) - self._delay_s
+
+    def event(self, i: int, confidence: float = 1.0) -> StepEvent:
+        """The step at position i of the window."""
+        return StepEvent(
+            index=self._first_index + i - self._delay,
+            time_s=self.time_s(i),
+            segment=self.segment or 0,
+            mode=CarryingMode(int(self.mode[i])),
+            confidence=confidence,
+            mode_probability=float(self._mode_probability[i]),
+        )

@@ -1,0 +1,196 @@
+"""GetSensorData logs, the format of the IPIN competition: `TYPE;AppTimestamp;SensorTimestamp;values` rows."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pymap3d
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
+from pdr_est.io.conversion.gnss import GpsFixes, gps_fixes
+from pdr_est.io.conversion.units import acceleration_unit, force_sign
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.members import members_like, only_walk, stem
+from pdr_est.io.text.number_table import finite_rows
+from pdr_est.io.text.tagged_lines import TaggedLog
+from pdr_est.types.ground_truth import TruePositions, Truth
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, GeoOrigin, Recording, Signal
+
+NAME = "GetSensorData (IPIN)"
+
+_POSI_SIGMA_M = 0.7  # surveyed points, marked while walking over them
+_CLOCK_SPREAD_S = 0.5
+_N_FIELDS = 10
+_ROW = re.compile(rb"^(?:ACCE|GYRO|MAGN|AHRS|POSI|WIFI|GNSS|PRES|SOUN|LIGH|PROX|BLUE|BLE4);[\d.]+;", re.MULTILINE)
+_HEADER_VALUE = re.compile(r"^%\s*(Manufacturer|Model):\s*(\S.*?)\s*$", re.MULTILINE)
+
+
+def sniff(source: Source) -> bool:
+    """Whether some member has rows of this format."""
+    return bool(members_like(source, _looks_right))
+
+
+def read(source: Source) -> Recording:
+    """The walk of a GetSensorData log: one phone, surveyed points as truth, GNSS rows as fixes.
+
+    Time is the app's clock; the map frame's origin is the first surveyed point, else the first GNSS position.
+    Raises RecordingError when there are several walks or no accelerometer rows.
+    """
+    member = only_walk(source, members_like(source, _looks_right), NAME)
+    data = source.read(member)
+    log = TaggedLog.parse(data, source.place(member), separator=";", tag_field=0, n_fields=_N_FIELDS)
+    points, floors = _surveyed_points(log)
+    gnss = log.numbers("GNSS", (1, 2, 3, 4, 7))  # app time, Unix time, latitude, longitude, accuracy
+    gps = gps_fixes(gnss[:, 0], gnss[:, 2], gnss[:, 3], gnss[:, 4])
+    origin = GeoOrigin(float(points[0, 1]), float(points[0, 2])) if len(points) else gps.origin
+    return Recording(
+        name=stem(member),
+        format=NAME,
+        devices=(_device(log, data),),
+        truth=Truth(positions=_truth(points, origin)),
+        fixes=_about(gps, origin),
+        origin=origin,
+        epoch_s=_epoch_s(gnss),
+        notes=(*floors, *gps.warnings),
+    )
+
+
+def _looks_right(head: bytes) -> bool:
+    return _ROW.search(head) is not None
+
+
+# --- sensors ---------------------------------------------------------------------------------------------------
+
+
+def _device(log: TaggedLog, data: bytes) -> DeviceRecording:
+    header = dict(_HEADER_VALUE.findall(data[:8192].decode("utf-8", "replace")))
+    decisions: list[str] = ["time zero is that of the app's clock (AppTimestamp)"]
+    warnings: list[str] = []
+    force = _signal(log, "ACCE", (3, 4, 5), decisions, warnings)
+    if force is None:
+        raise RecordingError(f"{log.place}: no accelerometer (ACCE) rows; record again with the accelerometer on")
+    attitude = _attitude(log, decisions, warnings)
+    force, is_apple = _in_si_upwards(force, attitude, decisions, warnings)
+    rate = _signal(log, "GYRO", (3, 4, 5), decisions, warnings)
+    if rate is None:
+        warnings.append("no gyroscope (GYRO) rows: steps can be found, headings cannot")
+    pressure = _signal(log, "PRES", (3,), decisions, warnings)
+    return DeviceRecording(
+        model=" ".join(header[key] for key in ("Manufacturer", "Model") if key in header),
+        platform="ios" if is_apple else "android",
+        specific_force=force,
+        rotation_rate=rate,
+        magnetic_field=_signal(log, "MAGN", _magnetic_fields(log), decisions, warnings),
+        attitude=attitude,
+        pressure=None if pressure is None else Signal(pressure.time_s, pressure.values * 100.0),  # hPa -> Pa
+        decisions=tuple(decisions),
+        warnings=tuple(warnings),
+    )
+
+
+def _signal(
+    log: TaggedLog, tag: str, fields: tuple[int, ...], decisions: list[str], warnings: list[str]
+) -> Signal | None:
+    rows = log.numbers(tag, (1, 2, *fields))
+    if not len(rows):
+        return None
+    time_s, decision = _on_app_clock(tag, rows[:, 0], rows[:, 1])
+    decisions.append(decision)
+    signal, dropped = finite_rows(time_s, rows[:, 2:], tag, log.place)
+    warnings.extend(dropped)
+    return signal
+
+
+def _on_app_clock(tag: str, app_s: Array, sensor_s: Array) -> tuple[Array, str]:
+    """Sample times with the sensor clock's even spacing, shifted to the app clock on which the truth is."""
+    offset_s = app_s - sensor_s
+    finite = np.isfinite(offset_s)
+    if finite.any():
+        median_s = float(np.median(offset_s[finite]))
+        spread_s = float(np.quantile(np.abs(offset_s[finite] - median_s), 0.95))
+        if spread_s <= _CLOCK_SPREAD_S:
+            return (
+                sensor_s + median_s,
+                f"{tag}: SensorTimestamp shifted by the median of App - Sensor, {median_s:.4f} s",
+            )
+    return app_s, f"{tag}: AppTimestamp, because SensorTimestamp does not keep pace with it"
+
+
+def _magnetic_fields(log: TaggedLog) -> tuple[int, int, int]:
+    """The documented layout has an empty field after x, real files have none."""
+    second = log.numbers("MAGN", (4,))
+    return (3, 5, 6) if len(second) and np.isnan(second).all() else (3, 4, 5)
+
+
+def _attitude(log: TaggedLog, decisions: list[str], warnings: list[str]) -> Signal | None:
+    vector = _signal(log, "AHRS", (6, 7, 8), decisions, warnings)
+    if vector is None:
+        return None
+    decisions.append(
+        "attitude is the rotation vector of AHRS, device -> east, north, up; w = sqrt(1 - x^2 - y^2 - z^2)"
+    )
+    return Signal(vector.time_s, quaternion_from_rotation_vector(vector.values))
+
+
+def _in_si_upwards(
+    raw: Signal, attitude: Signal | None, decisions: list[str], warnings: list[str]
+) -> tuple[Signal, bool]:
+    """Specific force in m/s^2 that points up at rest, and whether it was recorded in g, as iPhones do."""
+    unit = acceleration_unit(raw.values)
+    in_g = unit.factor != 1.0
+    expected, reason = (-1.0, "iPhones record in g") if in_g else (1.0, "Android phones record in m/s^2")
+    sign = force_sign(raw, attitude, expected, reason)
+    for finding in (unit, sign):
+        decisions.append(finding.decision)
+        warnings.extend(finding.warnings)
+    return Signal(raw.time_s, raw.values * (unit.factor * sign.factor)), in_g
+
+
+# --- positions -------------------------------------------------------------------------------------------------
+
+
+def _surveyed_points(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:
+    """Rows (time s, latitude deg, longitude deg) of the surveyed points, and notes on their floors and gaps."""
+    rows = log.numbers("POSI", (1, 3, 4, 5))
+    finite = np.isfinite(rows[:, :3]).all(axis=1)
+    notes = []
+    if not finite.all():
+        notes.append(f"{np.count_nonzero(~finite)} of {len(rows)} surveyed points are incomplete and left out")
+    known_floors = rows[finite & np.isfinite(rows[:, 3]), 3].tolist()
+    floors = [f"{floor:g}" for floor in dict.fromkeys(known_floors)]
+    if len(floors) > 1:
+        notes.append(f"surveyed points lie on floors {', '.join(floors)}")
+    return rows[finite, :3], tuple(notes)
+
+
+def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:
+    if origin is None or not len(points):
+        return None
+    position_m = _east_north(points[:, 1], points[:, 2], origin)
+    return TruePositions(points[:, 0], position_m, _POSI_SIGMA_M, "surveyed points")
+
+
+def _about(found: GpsFixes, origin: GeoOrigin | None) -> tuple[PositionFix, ...]:
+    """Fixes moved from their own origin to another one; over a walk's extent a shift is exact to a millimetre."""
+    if origin is None or found.origin is None:
+        return found.fixes
+    own = found.origin
+    shift_m = _east_north(np.array([own.latitude_deg]), np.array([own.longitude_deg]), origin)[0]
+    return tuple(replace(fix, position_m=fix.position_m + shift_m) for fix in found.fixes)
+
+
+def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) -> Array:
+    east, north, _ = pymap3d.geodetic2enu(
+        latitude_deg, longitude_deg, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0
+    )
+    return np.column_stack([east, north])
+
+
+def _epoch_s(gnss: Array) -> float | None:
+    """Unix time of the app's time zero, to about a second: GNSS rows carry whole Unix seconds."""
+    offset_s = gnss[:, 1] - gnss[:, 0]
+    offset_s = offset_s[np.isfinite(offset_s)]
+    return float(np.median(offset_s)) if len(offset_s) else None

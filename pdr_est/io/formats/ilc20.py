@@ -1,0 +1,158 @@
+"""Indoor Location Competition 2.0 logs: tab-separated rows `Unix ms, TYPE_…, values`, with clicked waypoints."""
+
+import re
+
+import numpy as np
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.members import members_like, only_walk, stem
+from pdr_est.io.text.number_table import finite_rows
+from pdr_est.io.text.tagged_lines import TaggedLog
+from pdr_est.types.ground_truth import TruePositions, Truth
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
+
+NAME = "ILC20"
+
+_WAYPOINT_SIGMA_M = 0.7  # clicked by the surveyor on the floor map
+_START_BEFORE_SAMPLES_MS = 60_000
+_ROW = re.compile(rb"^\d{13}\tTYPE_[A-Z]", re.MULTILINE)
+_GLUED = re.compile(rb"(?<=[^\n])(?=\d{13}\tTYPE_)")
+_HEADER_VALUE = re.compile(r"\b(startTime|Brand|Model|FloorName|SiteName):([^\t\r\n]*)")
+_NO_GYROSCOPE = "no gyroscope rows: steps can be found, headings cannot"
+_N_FIELDS = 8  # time, type and the six values of the uncalibrated sensors
+
+
+def sniff(source: Source) -> bool:
+    """Whether some member has rows of this format."""
+    return bool(members_like(source, _looks_right))
+
+
+def read(source: Source) -> Recording:
+    """The walk of an ILC20 log: one Android phone, with truth positions if waypoints were clicked.
+
+    Time zero is the header's startTime, or the first accelerometer row when the header has none that fits.
+    Raises RecordingError when there are several walks or no accelerometer rows.
+    """
+    member = only_walk(source, members_like(source, _looks_right), NAME)
+    place = source.place(member)
+    data = source.read(member)
+    log, glued = _split_log(data, place)
+    header = dict(_HEADER_VALUE.findall(_header_text(data)))
+    epoch_ms, zero = _time_zero(log, header)
+    waypoints, incomplete = _waypoints(log, epoch_ms)
+    return Recording(
+        name=stem(member),
+        format=NAME,
+        devices=(_device(log, header, epoch_ms, zero, glued),),
+        truth=Truth(positions=waypoints),
+        epoch_s=epoch_ms / 1e3,
+        notes=(*_notes(header), *incomplete),
+    )
+
+
+def _looks_right(head: bytes) -> bool:
+    return _ROW.search(head) is not None
+
+
+def _header_text(data: bytes) -> str:
+    lines = data[:8192].splitlines()
+    return "\n".join(line.decode("utf-8", "replace") for line in lines if line.startswith(b"#"))
+
+
+def _split_log(data: bytes, place: str) -> tuple[TaggedLog, int]:
+    """The rows of a log, and how many of them had been glued to the end of another row."""
+    log = _parse(data, place)
+    # A cheap count tells whether the slow search for glued rows is needed.
+    if data.count(b"\tTYPE_") <= log.count("TYPE_"):
+        return log, 0
+    repaired, glued = _GLUED.subn(b"\n", data)
+    return _parse(repaired, place), glued
+
+
+def _parse(data: bytes, place: str) -> TaggedLog:
+    return TaggedLog.parse(data, place, separator="\t", tag_field=1, n_fields=_N_FIELDS)
+
+
+def _time_zero(log: TaggedLog, header: dict[str, str]) -> tuple[float, str]:
+    """Unix time of time zero, ms, and what it is in words."""
+    times_ms = log.numbers("TYPE_ACCELEROMETER", (0,))
+    if not len(times_ms):
+        times_ms = log.numbers("TYPE_ACCELEROMETER_UNCALIBRATED", (0,))
+    if not len(times_ms):
+        raise RecordingError(f"{log.place}: no accelerometer rows; record again with the accelerometer on")
+    # A row without a time is dropped with the others of its sensor later on.
+    first_ms = float(times_ms[np.argmax(np.isfinite(times_ms)), 0])
+    start = header.get("startTime", "").strip()
+    if start.isdecimal() and 0 <= first_ms - int(start) <= _START_BEFORE_SAMPLES_MS:
+        return float(start), "time zero is the header's startTime"
+    return first_ms, "time zero is the first accelerometer row: the header has no startTime that fits"
+
+
+def _device(log: TaggedLog, header: dict[str, str], epoch_ms: float, zero: str, glued: int) -> DeviceRecording:
+    decisions = [zero, "units and signs are Android's: m/s^2 upwards at rest, rad/s, uT"]
+    warnings = [f"{glued} rows were glued to the end of another row and were split off"] if glued else []
+    signals: dict[str, Signal | None] = {}
+    for name in ("ACCELEROMETER", "GYROSCOPE", "MAGNETIC_FIELD"):
+        signals[name], decision, warning = _three_axes(log, name, epoch_ms)
+        decisions += decision
+        warnings += warning
+    attitude, warning = _attitude(log, epoch_ms)
+    if attitude is not None:
+        decisions.append("attitude is TYPE_ROTATION_VECTOR, device -> east, north, up; w = sqrt(1 - x^2 - y^2 - z^2)")
+    return DeviceRecording(
+        model=" ".join(header[key].strip() for key in ("Brand", "Model") if key in header),
+        platform="android",
+        specific_force=signals["ACCELEROMETER"],
+        rotation_rate=signals["GYROSCOPE"],
+        magnetic_field=signals["MAGNETIC_FIELD"],
+        attitude=attitude,
+        decisions=tuple(decisions),
+        warnings=(*warnings, *warning),
+    )
+
+
+def _three_axes(log: TaggedLog, name: str, epoch_ms: float) -> tuple[Signal | None, tuple[str, ...], tuple[str, ...]]:
+    """A sensor's calibrated rows, else its uncalibrated rows without the recorded bias; decisions and warnings."""
+    rows = log.numbers(f"TYPE_{name}", (0, 2, 3, 4))
+    decisions: tuple[str, ...] = ()
+    if not len(rows):
+        raw = log.numbers(f"TYPE_{name}_UNCALIBRATED", (0, 2, 3, 4, 5, 6, 7))
+        if not len(raw):
+            return None, (), (_NO_GYROSCOPE,) if name == "GYROSCOPE" else ()
+        rows = np.column_stack([raw[:, 0], raw[:, 1:4] - raw[:, 4:7]])
+        decisions = (f"{name.lower()}: uncalibrated rows minus their bias columns, calibrated rows are absent",)
+    signal, warnings = finite_rows((rows[:, 0] - epoch_ms) / 1e3, rows[:, 1:], name.lower(), log.place)
+    return signal, decisions, warnings
+
+
+def _attitude(log: TaggedLog, epoch_ms: float) -> tuple[Signal | None, tuple[str, ...]]:
+    rows = log.numbers("TYPE_ROTATION_VECTOR", (0, 2, 3, 4))
+    if not len(rows):
+        return None, ()
+    return finite_rows(
+        (rows[:, 0] - epoch_ms) / 1e3, quaternion_from_rotation_vector(rows[:, 1:]), "attitude", log.place
+    )
+
+
+def _waypoints(log: TaggedLog, epoch_ms: float) -> tuple[TruePositions | None, tuple[str, ...]]:
+    """The clicked positions, and a note on rows that hold none."""
+    rows = log.numbers("TYPE_WAYPOINT", (0, 2, 3))
+    finite = np.isfinite(rows).all(axis=1)
+    note = (
+        () if finite.all() else (f"{np.count_nonzero(~finite)} of {len(rows)} waypoints are incomplete and left out",)
+    )
+    if not finite.any():
+        return None, note
+    time_s, position_m = (rows[finite, 0] - epoch_ms) / 1e3, rows[finite, 1:]
+    return TruePositions(time_s, position_m, _WAYPOINT_SIGMA_M, "waypoints"), note
+
+
+def _notes(header: dict[str, str]) -> tuple[str, ...]:
+    known = [
+        f"{label} {header[key].strip()}"
+        for key, label in (("SiteName", "site"), ("FloorName", "floor"))
+        if header.get(key)
+    ]
+    return (", ".join(known),) if known else ()

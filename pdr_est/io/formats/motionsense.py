@@ -1,0 +1,93 @@
+"""MotionSense: tables of Core Motion at 50 Hz with a header, without time; the activity is the folder's name."""
+
+import re
+
+import numpy as np
+
+from pdr_est.frames import quaternion_from_core_motion
+from pdr_est.io.conversion.axes import core_motion_force, vertical_warning
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.members import members_like, only_walk, stem
+from pdr_est.io.text.number_table import Table, finite_rows, read_table
+from pdr_est.types.ground_truth import Truth
+from pdr_est.types.recording import DeviceRecording, Recording
+
+NAME = "MotionSense"
+
+_ANGLES = ("attitude.roll", "attitude.pitch", "attitude.yaw")
+_GRAVITY = ("gravity.x", "gravity.y", "gravity.z")
+_RATE = ("rotationRate.x", "rotationRate.y", "rotationRate.z")
+_USER = ("userAcceleration.x", "userAcceleration.y", "userAcceleration.z")
+_COLUMNS = (*_ANGLES, *_GRAVITY, *_RATE, *_USER)
+_RATE_HZ = 50.0
+ACTIVITIES = {
+    "wlk": "walking",
+    "jog": "jogging",
+    "std": "standing",
+    "sit": "sitting",
+    "ups": "upstairs",
+    "dws": "downstairs",
+}
+
+
+def sniff(source: Source) -> bool:
+    """Whether some member has the header of this format."""
+    return bool(members_like(source, _looks_right))
+
+
+def read(source: Source) -> Recording:
+    """The walk of a MotionSense table: one iPhone, with the activity if the folder's name tells it.
+
+    Time is the row number at 50 Hz. Raises RecordingError when there are several walks or the table is damaged.
+    """
+    member = only_walk(source, members_like(source, _looks_right), NAME)
+    table = read_table(source.read(member), source.place(member), columns=_COLUMNS)
+    folder = source.folder_name(member)
+    return Recording(
+        name=stem(member),
+        format=NAME,
+        devices=(_device(table),),
+        truth=Truth(activity=_activity(folder)),
+    )
+
+
+def _looks_right(head: bytes) -> bool:
+    header = head.splitlines()[0].decode("utf-8", "replace") if head else ""
+    names = {name.strip().strip('"') for name in header.split(",")}
+    # A table with a time of its own is read by its header, not at an assumed rate.
+    return set(_COLUMNS) <= names and not any("time" in name.lower() for name in names)
+
+
+def _activity(folder: str) -> str | None:
+    match = re.fullmatch(r"([a-z]{3})_\d+", folder)
+    return ACTIVITIES.get(match.group(1)) if match else None
+
+
+def _device(table: Table) -> DeviceRecording:
+    time_s = np.arange(len(table)) / _RATE_HZ
+    gravity_g = table.stack(_GRAVITY)
+    angles = [table.numbers(name) for name in _ANGLES]
+    attitude = quaternion_from_core_motion(*angles)
+    force, force_warnings = finite_rows(
+        time_s, core_motion_force(gravity_g, table.stack(_USER)), "specific force", table.place
+    )
+    rate, rate_warnings = finite_rows(time_s, table.stack(_RATE), "rotation rate", table.place)
+    attitude_signal, attitude_warnings = finite_rows(time_s, attitude, "attitude", table.place)
+    return DeviceRecording(
+        model="iPhone",
+        platform="ios",
+        specific_force=force,
+        rotation_rate=rate,
+        attitude=attitude_signal,
+        decisions=(
+            "time is the row number at 50 Hz: the table has no time column",
+            "specific force is -(gravity + user acceleration): Core Motion's g and sign",
+            "attitude from roll, pitch and yaw as Rz(yaw) Rx(pitch) Ry(roll), device -> z up",
+        ),
+        warnings=(
+            *force_warnings,
+            *rate_warnings,
+            *attitude_warnings,
+            *vertical_warning(attitude, -gravity_g),
+        ),
+    )

@@ -1,0 +1,151 @@
+"""Oxford step counting data set (Salvi et al. 2018): an Android phone's accelerometer, and when each foot was down.
+
+A walk is a folder with `accelerometer.csv` (nanoseconds, accuracy, x, y, z) and `stepcounter.csv` (nanoseconds, left,
+right: 1 while the sensor under that foot is pressed, about ten times a second), both without header and on one clock.
+"""
+
+import io
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.members import members_like, only_walk, stem
+from pdr_est.io.text.number_table import Table, finite_rows, read_table
+from pdr_est.types.ground_truth import TrueSteps, Truth
+from pdr_est.types.recording import DeviceRecording, Recording
+
+NAME = "Oxford steps"
+
+_COLUMNS = ("time", "accuracy", "x", "y", "z")
+_CONTACT_COLUMNS = ("time", "left", "right")
+_CONTACT_FILE = "stepcounter.csv"
+_NOTES_FILE = "notes.txt"
+_TICKS_PER_S = 1e9
+_FEET = (("L", "left"), ("R", "right"))
+_SHORTEST_STRIDE_S = 0.5
+_NUMBER = rb"-?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
+_ROW = re.compile(rb"\d{9,19},-?\d," + b",".join([_NUMBER] * 3))
+_SAMPLE_INTERVALS_S = (1e-4, 0.3)
+_FORCES_MPS2 = (5.0, 20.0)
+
+
+def sniff(source: Source) -> bool:
+    """Whether some member is an accelerometer table of this data set."""
+    return bool(members_like(source, _looks_right))
+
+
+def read(source: Source) -> Recording:
+    """The walk of an accelerometer table, with true steps if `stepcounter.csv` lies beside it.
+
+    Times are seconds since the first accelerometer sample. A true step is a foot contact that begins: the state of
+    a foot going from 0 to 1. The contact of a foot flickers while it rolls, so a contact counts only if the last one
+    of that foot that counted began at least 0.5 s earlier; no walking foot lands twice in that time (four steps a
+    second). A foot that is down when the recording begins is no step.
+
+    Raises RecordingError when there are several walks, or a table is damaged or of another walk.
+    """
+    member = only_walk(source, members_like(source, _looks_right), NAME)
+    table = read_table(source.read(member), source.place(member), has_header=False, columns=_COLUMNS)
+    start_s, time_s = table.clock("time", _TICKS_PER_S)
+    force, warnings = finite_rows(time_s, table.stack(("x", "y", "z")), "specific force", table.place)
+    device = DeviceRecording(
+        platform="android",
+        specific_force=force,
+        decisions=(
+            "time is in nanoseconds, zero at the first accelerometer sample",
+            "specific force in m/s^2 with Android's signs; the data set has no other sensor",
+        ),
+        warnings=warnings,
+    )
+    steps, notes = _true_steps(source, member, start_s, float(force.time_s.max()))
+    name = stem(member)
+    return Recording(
+        name=source.folder_name(member) if name == "accelerometer" else name,
+        format=NAME,
+        devices=(device,),
+        truth=Truth() if steps is None else Truth(steps=steps, step_count=len(steps.time_s)),
+        notes=(*notes, *_walkers_note(source, member)),
+    )
+
+
+def _looks_right(head: bytes) -> bool:
+    """Nanoseconds, an accuracy and three numbers a row; a clock that runs as a sensor's does, and gravity."""
+    lines = head.splitlines()[:-1][:20]
+    if len(lines) < 2 or not all(_ROW.fullmatch(line.strip()) for line in lines):
+        return False
+    rows = np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2)
+    interval_s = float(np.median(np.diff(rows[:, 0]))) / _TICKS_PER_S
+    force_mps2 = float(np.median(np.linalg.norm(rows[:, 2:], axis=1)))
+    shortest, longest = _SAMPLE_INTERVALS_S
+    weakest, strongest = _FORCES_MPS2
+    return shortest < interval_s < longest and weakest < force_mps2 < strongest
+
+
+def _true_steps(
+    source: Source, member: str, start_s: float, end_s: float
+) -> tuple[TrueSteps | None, tuple[str, ...]]:
+    """Contacts that begin, in order of time, and what to say of them. start_s: the phone's clock at time zero."""
+    beside = source.sibling(member, _CONTACT_FILE)
+    if beside is None:
+        return None, (f"no {_CONTACT_FILE} beside the accelerometer: no true steps",)
+    (contact_member,) = beside.members
+    place = beside.place(contact_member)
+    table = read_table(beside.read(contact_member), place, has_header=False, columns=_CONTACT_COLUMNS)
+    first_s, since_s = table.clock("time", _TICKS_PER_S)
+    time_s = first_s - start_s + since_s
+    if not (time_s[0] < end_s and time_s[-1] > 0.0):
+        raise RecordingError(
+            f"{place}: its times do not overlap those of the accelerometer: put the file of the same walk there"
+        )
+    begun, flickers = [], 0
+    for foot, column in _FEET:
+        every = _beginnings(time_s, _contact(table, column))
+        counted = _spaced(every)
+        flickers += len(every) - len(counted)
+        begun += [(time, foot) for time in counted]
+    begun.sort()
+    steps = TrueSteps(np.array([time for time, _ in begun]), np.array([foot for _, foot in begun], dtype=np.str_))
+    note = (
+        f"true steps: {len(begun)} contacts that begin, {flickers} more left out as flicker because the same foot's "
+        f"last one began less than {_SHORTEST_STRIDE_S:g} s earlier"
+    )
+    return steps, (note,)
+
+
+def _contact(table: Table, column: str) -> NDArray[np.bool_]:
+    values = table.numbers(column)
+    wrong = np.flatnonzero(~np.isin(values, (0.0, 1.0)))
+    if len(wrong):
+        raise RecordingError(
+            f"{table.place}, line {wrong[0] + 1}: {column} foot contact {values[wrong[0]]:g} is neither 0 nor 1; "
+            "restore the file"
+        )
+    return np.equal(values, 1.0)
+
+
+def _beginnings(time_s: Array, contact: NDArray[np.bool_]) -> Array:
+    begun: Array = time_s[1:][contact[1:] & ~contact[:-1]]
+    return begun
+
+
+def _spaced(time_s: Array) -> list[float]:
+    """The times that lie a shortest stride or more after the last one kept."""
+    kept: list[float] = []
+    for time in time_s.tolist():
+        if not kept or time - kept[-1] >= _SHORTEST_STRIDE_S:
+            kept.append(time)
+    return kept
+
+
+def _walkers_note(source: Source, member: str) -> tuple[str, ...]:
+    """What was written down at the walk, which is sometimes a count by hand."""
+    beside = source.sibling(member, _NOTES_FILE)
+    if beside is None:
+        return ()
+    (notes_member,) = beside.members
+    text = " ".join(beside.read(notes_member).decode("utf-8", "replace").split())
+    return (f"{_NOTES_FILE}: {text}",) if text else ()

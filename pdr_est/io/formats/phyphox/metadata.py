@@ -1,0 +1,77 @@
+"""The files in the folder `meta` of a phyphox export: when the experiment ran, and on which phone."""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.csv_dialect import find_dialect
+from pdr_est.io.text.number_table import read_table
+
+_EXPERIMENT_TIME, _SYSTEM_TIME = "experiment time", "system time"
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The experiment's clock, which stands still in pauses.
+
+    epoch_s: Unix time of the first start, None when unknown. resumed_s: experiment times at which a pause ended;
+    pause_s: how long each had been.
+    """
+
+    epoch_s: float | None = None
+    resumed_s: tuple[float, ...] = ()
+    pause_s: tuple[float, ...] = ()
+
+    def with_pauses(self, time_s: Array) -> Array:
+        """Experiment times as times on a clock that runs through the pauses."""
+        if not self.resumed_s:
+            return time_s
+        before = np.concatenate([[0.0], np.cumsum(self.pause_s)])
+        shifted: Array = time_s + before[np.searchsorted(self.resumed_s, time_s, side="right")]
+        return shifted
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the walk lost in pauses."""
+        if not self.resumed_s:
+            return ()
+        total = f"{len(self.resumed_s)} times, for {sum(self.pause_s):.1f} s"
+        return (f"the experiment was paused {total}; the pauses became gaps",)
+
+
+def read_clock(source: Source, member: str) -> Clock:
+    """The clock by the start and pause events of `meta/time.csv`; an unknown one when that is absent."""
+    dialect = find_dialect(source.head(member)) if member in source.members else None
+    if dialect is None:
+        return Clock()
+    table = read_table(
+        source.read(member),
+        source.place(member),
+        separator=dialect.separator,
+        decimal_comma=dialect.decimal_comma,
+        columns=(_EXPERIMENT_TIME, _SYSTEM_TIME),
+        text_columns=("event",),
+    )
+    starts = table.texts("event") == "START"
+    if not starts.any():
+        return Clock()
+    experiment_s = table.numbers(_EXPERIMENT_TIME)[starts]
+    offset_s = table.numbers(_SYSTEM_TIME)[starts] - experiment_s
+    resumed_s = tuple(float(t) for t in experiment_s[1:])
+    return Clock(float(offset_s[0]), resumed_s, tuple(float(pause) for pause in np.diff(offset_s)))
+
+
+def read_properties(source: Source, member: str) -> Mapping[str, str]:
+    """The properties of `meta/device.csv`; none when that is absent."""
+    if member not in source.members:
+        return {}
+    data = source.read(member)
+    dialect = find_dialect(data)
+    if dialect is None:
+        return {}
+    rows = csv.reader(data.decode("utf-8-sig", "replace").splitlines(), delimiter=dialect.separator)
+    return {row[0]: row[1] for row in rows if len(row) >= 2}

@@ -1,0 +1,267 @@
+"""phyphox exports: zip or folder of tables, or one table, from Android and iOS, in all five CSV variants.
+
+Sensors are recognised by the column titles; the titles "X (m/s^2)" of iOS say nothing, there the file's name does.
+Both platforms write Android's units. Every sensor has its own time stamps on one clock, "Time (s)".
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.conversion import units
+from pdr_est.io.conversion.axes import with_gravity
+from pdr_est.io.conversion.gnss import GpsFixes, gps_fixes, within
+from pdr_est.io.formats.phyphox.metadata import Clock, read_clock, read_properties
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.csv_dialect import find_dialect
+from pdr_est.io.text.members import members_like, only_walk, stem
+from pdr_est.io.text.number_table import Table, read_table, usable_rows
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
+
+NAME = "phyphox"
+
+_TIME = "Time (s)"
+_AXIS_TITLE = re.compile(r"^(?P<what>.*?)\s*\b(?P<axis>[xyz]) \((?P<unit>[^)]*)\)$", re.IGNORECASE)
+_SENSOR_OF_WORDS = {
+    "acceleration": "acceleration",
+    "accelerometer": "acceleration",
+    "linear acceleration": "linear acceleration",
+    "linear accelerometer": "linear acceleration",
+    "gravity": "gravity",
+    "gyroscope": "gyroscope",
+    "magnetic field": "magnetometer",
+    "magnetometer": "magnetometer",
+}
+_UNIT_OF_SENSOR = {
+    "acceleration": "m/s^2",
+    "linear acceleration": "m/s^2",
+    "gravity": "m/s^2",
+    "gyroscope": "rad/s",
+    "magnetometer": "uT",
+}
+_QUATERNION = ("w", "x", "y", "z")
+_FIX = ("Latitude (°)", "Longitude (°)", "Horizontal Accuracy (m)")
+_PRESSURE_TITLES = ("Pressure (hPa)", "X (hPa)")
+_PA_PER_HPA = 100.0
+
+
+@dataclass(frozen=True)
+class _Column:
+    """Where the columns of a sensor lie: member, and titles in the order of the axes."""
+
+    member: str
+    titles: tuple[str, ...]
+
+
+@dataclass
+class _Reading:
+    """The export while it is read."""
+
+    source: Source
+    sensors: Mapping[str, _Column]
+    clock: Clock
+    decisions: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def table(self, sensor: str) -> Table | None:
+        """The time and the columns of a sensor; None when it is absent or has no rows."""
+        if sensor not in self.sensors:
+            return None
+        where = self.sensors[sensor]
+        head = self.source.head(where.member)
+        dialect = find_dialect(head)
+        if dialect is None or b"\n" not in head.strip():
+            self.warnings.append(f"{sensor}: {where.member} has no rows")
+            return None
+        return read_table(
+            self.source.read(where.member),
+            self.source.place(where.member),
+            separator=dialect.separator,
+            decimal_comma=dialect.decimal_comma,
+            columns=(_TIME, *where.titles),
+        )
+
+    def signal(self, sensor: str) -> Signal | None:
+        """The finite rows of a sensor, on the clock that counts pauses."""
+        table = self.table(sensor)
+        if table is None:
+            return None
+        values = table.stack(self.sensors[sensor].titles)
+        signal, dropped = usable_rows(table.numbers(_TIME), values, sensor, table.place)
+        self.warnings += dropped
+        return None if signal is None else Signal(self.clock.with_pauses(signal.time_s), signal.values)
+
+
+def sniff(source: Source) -> bool:
+    """Whether the source holds a table with phyphox's time column and a known sensor."""
+    return bool(_walks(source))
+
+
+def read(source: Source) -> Recording:
+    """The walk of a phyphox export. Time zero is the start of the experiment.
+
+    Raises RecordingError for several walks, and when neither accelerometer nor gyroscope has rows.
+    """
+    walk = only_walk(source, _walks(source), NAME)
+    members = tuple(member for member in source.members if _folder(member) == walk)
+    prefix = f"{walk}/" if walk else ""
+    clock = read_clock(source, f"{prefix}meta/time.csv")
+    properties = read_properties(source, f"{prefix}meta/device.csv")
+    reading = _Reading(source, _find_sensors(source, members), clock)
+    reading.warnings += [f"{member} is empty" for member in members if not source.head(member).strip()]
+    reading.warnings += clock.warnings
+    signals = _signals(reading)
+    located = _fixes(reading, signals)
+    return Recording(
+        name=stem(source.name) if source.path.is_file() else source.name,
+        format=NAME,
+        devices=(_device(reading, signals, properties),),
+        fixes=located.fixes,
+        origin=located.origin,
+        epoch_s=clock.epoch_s,
+    )
+
+
+def _walks(source: Source) -> tuple[str, ...]:
+    """Folders with at least one table of a known sensor ("" is the top)."""
+    tables = members_like(source, lambda head: _TIME.encode() in head[:64])
+    return tuple(dict.fromkeys(_folder(member) for member in tables if any(_sensors_of(source, member))))
+
+
+def _folder(member: str) -> str:
+    return member.rpartition("/")[0]
+
+
+def _find_sensors(source: Source, members: tuple[str, ...]) -> Mapping[str, _Column]:
+    """The first table of each sensor."""
+    found: dict[str, _Column] = {}
+    for member in members:
+        for sensor, titles in _sensors_of(source, member):
+            found.setdefault(sensor, _Column(member, titles))
+    return found
+
+
+def _sensors_of(source: Source, member: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The sensors of a table with the titles of their columns."""
+    dialect = find_dialect(source.head(member))
+    if dialect is None or _TIME not in dialect.titles:
+        return
+    yield from _three_axes(dialect.titles, stem(member).casefold())
+    if set(_FIX) <= set(dialect.titles):
+        yield "location", _FIX
+    if set(_QUATERNION) <= set(dialect.titles):
+        yield "orientation", _QUATERNION
+    for title in _PRESSURE_TITLES:
+        if title in dialect.titles:
+            yield "pressure", (title,)
+
+
+def _three_axes(titles: tuple[str, ...], file_words: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+    axes: dict[str, dict[str, str]] = {}
+    for title in titles:
+        match = _AXIS_TITLE.match(title)
+        if match is None:
+            continue
+        sensor = _SENSOR_OF_WORDS.get(match["what"].casefold() or file_words)
+        if sensor is not None and _plain_unit(match["unit"]) == _UNIT_OF_SENSOR[sensor]:
+            axes.setdefault(sensor, {})[match["axis"].casefold()] = title
+    for sensor, by_axis in axes.items():
+        if len(by_axis) == 3:
+            yield sensor, (by_axis["x"], by_axis["y"], by_axis["z"])
+
+
+def _plain_unit(unit: str) -> str:
+    """Both Unicode letters for micro, and the superscript, as ASCII."""
+    return unit.replace("µ", "u").replace("μ", "u").replace("²", "^2")
+
+
+def _signals(reading: _Reading) -> Mapping[str, Signal | None]:
+    force = _specific_force(reading)
+    signals = {
+        "force": force,
+        "rate": reading.signal("gyroscope"),
+        "field": reading.signal("magnetometer"),
+        "attitude": reading.signal("orientation"),
+        "pressure": reading.signal("pressure"),
+    }
+    if force is None and signals["rate"] is None:
+        found = ", ".join(sorted(reading.sensors))
+        raise RecordingError(
+            f"{reading.source.path}: no accelerometer or gyroscope with rows among {found}; "
+            "record again with both switched on"
+        )
+    if force is None:
+        reading.warnings.append("no accelerometer in the export")
+    return signals
+
+
+def _specific_force(reading: _Reading) -> Signal | None:
+    """The accelerometer, or linear acceleration plus gravity where that is absent."""
+    force = reading.signal("acceleration")
+    if force is not None:
+        reading.decisions.append("specific force is the accelerometer")
+        return force
+    linear, gravity = reading.signal("linear acceleration"), reading.signal("gravity")
+    if linear is None:
+        return None
+    if gravity is None:
+        raise RecordingError(
+            f"{reading.source.path}: linear acceleration without gravity; "
+            "record again with the accelerometer switched on"
+        )
+    reading.decisions.append("specific force is linear acceleration + gravity: no accelerometer")
+    total, warnings = with_gravity(linear, gravity)
+    reading.warnings += warnings
+    if not len(total):
+        reading.warnings.append("linear acceleration and gravity have no overlap in time: no specific force")
+        return None
+    return total
+
+
+def _fixes(reading: _Reading, signals: Mapping[str, Signal | None]) -> GpsFixes:
+    table = reading.table("location")
+    if table is None:
+        return GpsFixes((), None)
+    latitude, longitude, accuracy = (table.numbers(title) for title in _FIX)
+    time_s = reading.clock.with_pauses(table.numbers(_TIME))
+    found = gps_fixes(time_s, latitude, longitude, accuracy)
+    motion = [signal.time_s for name in ("force", "rate") if (signal := signals[name]) is not None]
+    found = within(found, min(t.min() for t in motion), max(t.max() for t in motion))
+    reading.warnings += found.warnings
+    return found
+
+
+def _device(
+    reading: _Reading, signals: Mapping[str, Signal | None], properties: Mapping[str, str]
+) -> DeviceRecording:
+    force, attitude, pressure = signals["force"], signals["attitude"], signals["pressure"]
+    findings = []
+    if force is not None:
+        findings.append(units.acceleration_unit(force.values))
+        if attitude is not None:
+            attitude, finding = units.fitting_attitude(force, attitude)
+            findings.append(finding)
+        sign = units.force_sign(force, attitude, 1.0, "phyphox writes Android's signs on every platform")
+        findings.append(sign)
+        force = Signal(force.time_s, force.values * sign.factor)
+    return DeviceRecording(
+        model=" ".join(properties[key] for key in ("deviceBrand", "deviceModel") if properties.get(key)),
+        platform=_platform(reading, properties),
+        specific_force=force,
+        rotation_rate=signals["rate"],
+        magnetic_field=signals["field"],
+        attitude=attitude,
+        pressure=None if pressure is None else Signal(pressure.time_s, pressure.values * _PA_PER_HPA),
+        decisions=(*reading.decisions, *(finding.decision for finding in findings)),
+        warnings=(*reading.warnings, *(warning for finding in findings for warning in finding.warnings)),
+    )
+
+
+def _platform(reading: _Reading, properties: Mapping[str, str]) -> str:
+    """By the brand in the metadata, else by the wording of the titles."""
+    if properties:
+        words = f"{properties.get('deviceBrand', '')} {properties.get('deviceModel', '')}".casefold()
+        return "ios" if any(name in words for name in ("apple", "iphone", "ipad")) else "android"
+    titles = {title for where in reading.sensors.values() for title in where.titles}
+    return "ios" if titles & {"X (m/s^2)", "X (rad/s)", "X (µT)", "Gravity X (m/s^2)"} else ""

@@ -1,0 +1,260 @@
+"""Sensor Logger (tszheichoi) exports: folder, zip or JSON, from Android and iOS, of 2021 and today.
+
+`Accelerometer` is the acceleration without gravity. Android's signs have gravity pointing up at rest; iOS negates
+acceleration and gravity unless `standardisation` was switched on, and gives uncalibrated acceleration in g.
+Columns come in any order and are read by name.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
+from pdr_est.io.conversion import units
+from pdr_est.io.conversion.axes import with_gravity
+from pdr_est.io.conversion.gnss import GpsFixes, gps_fixes, within
+from pdr_est.io.formats.sensor_logger.clock import fix_clock, seconds_since
+from pdr_est.io.formats.sensor_logger.export import (
+    Export,
+    FolderExport,
+    JsonExport,
+    looks_like_json,
+    looks_like_sensor,
+)
+from pdr_est.io.text.container import Source, SourceKind
+from pdr_est.io.text.members import members_like, only_walk
+from pdr_est.io.text.number_table import usable_rows
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
+
+NAME = "Sensor Logger"
+
+_LATEST_NS = 2**63 - 1
+_AXES = ("x", "y", "z")
+_QUATERNION = ("qw", "qx", "qy", "qz")
+_FIX = ("latitude", "longitude", "horizontalAccuracy")
+_METADATA = ("platform", "device name", "recording time", "recording epoch time", "standardisation", "appVersion")
+_FORCE_SENSORS = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated")
+_CLOCK_SENSORS = (*_FORCE_SENSORS, "Gyroscope", "GyroscopeUncalibrated")
+
+
+@dataclass
+class _Reading:
+    """The export while it is read: what was decided and what looked wrong."""
+
+    export: Export
+    metadata: Mapping[str, str]
+    zero_ns: int
+    decisions: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def signal(self, sensor: str, columns: tuple[str, ...] = _AXES) -> Signal | None:
+        """The finite rows of a sensor, None when it has none."""
+        table = self.export.table(sensor, columns)
+        if table is None:
+            return None
+        time_s = seconds_since(table, self.zero_ns)
+        signal, dropped = usable_rows(time_s, table.stack(columns), sensor, table.place)
+        self.warnings.extend(dropped)
+        return signal
+
+    def with_gravity(self, linear: Signal, gravity: Signal) -> Signal:
+        """Acceleration with gravity."""
+        total, warnings = with_gravity(linear, gravity)
+        self.warnings.extend(warnings)
+        return total
+
+    def note(self, finding: units.Finding) -> float:
+        """Keep the words of a finding, give its factor."""
+        self.decisions.append(finding.decision)
+        self.warnings.extend(finding.warnings)
+        return finding.factor
+
+
+def sniff(source: Source) -> bool:
+    """Whether the source holds a JSON export or the CSV file of a three-axis sensor."""
+    return bool(_walks(source))
+
+
+def read(source: Source) -> Recording:
+    """The walk of a Sensor Logger export. Time zero is the first sample of accelerometer or gyroscope.
+
+    Raises RecordingError for several walks, the file of a single sensor, no motion sensor at all, or an
+    accelerometer without rows that no other sensor replaces.
+    """
+    export = _open(source)
+    reading = _Reading(export, _metadata(export), _zero_ns(export))
+    reading.warnings += [f"{sensor} is in the export but has no rows" for sensor in export.empty]
+    device = _device(reading)
+    located, epoch_s = _fixes(reading, _end_s(device))
+    return Recording(
+        name=source.path.name.split(".", 1)[0],
+        format=NAME,
+        devices=(replace(device, decisions=tuple(reading.decisions), warnings=tuple(reading.warnings)),),
+        fixes=located.fixes,
+        origin=located.origin,
+        epoch_s=epoch_s,
+        notes=_notes(reading),
+    )
+
+
+def _walks(source: Source) -> tuple[str, ...]:
+    """JSON members, and folders with at least one sensor's CSV file."""
+    documents = members_like(source, looks_like_json)
+    tables = members_like(source, looks_like_sensor)
+    return (*documents, *dict.fromkeys(member.rpartition("/")[0] for member in tables))
+
+
+def _open(source: Source) -> Export:
+    walk = only_walk(source, _walks(source), NAME)
+    if walk in source.members:
+        return JsonExport.parse(source.read(walk), source.place(walk))
+    if source.kind is SourceKind.FILE:
+        raise RecordingError(f"{source.path}: one sensor of a {NAME} export; give the folder or zip that it lies in")
+    return FolderExport.of_folder(source, walk)
+
+
+def _metadata(export: Export) -> Mapping[str, str]:
+    """The first row of the metadata by column name, empty when there is none."""
+    table = export.table("Metadata", (), _METADATA)
+    if table is None:
+        return {}
+    return {name: str(table.texts(name)[0]) for name in _METADATA if name in table}
+
+
+def _zero_ns(export: Export) -> int:
+    """Unix time, ns, of the first motion sample."""
+    tables = (export.table(sensor, ()) for sensor in _CLOCK_SENSORS)
+    starts = [table.columns["time"][0] for table in tables if table is not None and "time" in table]
+    if not starts:
+        present = ", ".join(sorted(export.sensors))
+        raise RecordingError(
+            f"{export.place}: no accelerometer or gyroscope with rows among {present}; "
+            "record again with both switched on"
+        )
+    if not all(0 <= start < _LATEST_NS for start in starts):  # NaN is not either
+        raise RecordingError(f"{export.place}: no Unix time in the first row of a motion sensor; remove that row")
+    return int(min(starts))
+
+
+def _device(reading: _Reading) -> DeviceRecording:
+    attitude = reading.signal("Orientation", _QUATERNION)
+    sign, reason = _expected_sign(reading.metadata)
+    raw = _force_with_gravity(reading, attitude, sign)
+    if raw is not None and not len(raw):
+        reading.warnings.append("accelerometer and gravity have no overlap in time: no specific force")
+        raw = None
+    if raw is not None and attitude is not None:
+        attitude, finding = units.fitting_attitude(raw, attitude)
+        reading.note(finding)
+    return DeviceRecording(
+        model=reading.metadata.get("device name", ""),
+        platform=reading.metadata.get("platform", "").lower(),
+        specific_force=None if raw is None else _upwards(reading, raw, attitude, sign, reason),
+        rotation_rate=_calibrated_or_raw(reading, "Gyroscope"),
+        magnetic_field=_calibrated_or_raw(reading, "Magnetometer"),
+        attitude=attitude,
+        pressure=_pressure(reading),
+    )
+
+
+def _expected_sign(metadata: Mapping[str, str]) -> tuple[float | None, str]:
+    """The sign that the metadata imply, with the reason in words."""
+    platform = metadata.get("platform", "").lower()
+    if platform == "android":
+        return 1.0, "the metadata name android"
+    if platform == "ios":
+        standardised = metadata.get("standardisation", "").lower() == "true"
+        return (1.0, "iOS with standardisation") if standardised else (-1.0, "iOS without standardisation")
+    return None, "the metadata name no platform"
+
+
+def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float | None) -> Signal | None:
+    """Acceleration with gravity, m/s^2, still with the recorder's units."""
+    total = reading.signal("TotalAcceleration")
+    if total is not None:
+        reading.decisions.append("specific force is TotalAcceleration")
+        return total
+    user = reading.signal("Accelerometer")
+    gravity = None if user is None else reading.signal("Gravity")
+    if user is not None and gravity is not None:
+        reading.decisions.append("specific force is Accelerometer + Gravity")
+        return reading.with_gravity(user, gravity)
+    raw = reading.signal("AccelerometerUncalibrated")
+    if raw is not None:
+        reading.decisions.append("specific force is AccelerometerUncalibrated: no accelerometer with gravity")
+        return Signal(raw.time_s, raw.values * reading.note(units.acceleration_unit(raw.values)))
+    if user is not None and attitude is not None:
+        reading.decisions.append("specific force is Accelerometer + gravity along the attitude: no Gravity")
+        up = up_in_device(attitude.values) * (STANDARD_GRAVITY_MPS2 * (1.0 if sign is None else sign))
+        return reading.with_gravity(user, Signal(attitude.time_s, up))
+    _explain_no_force(reading, user is not None)
+    return None
+
+
+def _explain_no_force(reading: _Reading, without_gravity: bool) -> None:
+    place = reading.export.place
+    if without_gravity:
+        raise RecordingError(
+            f"{place}: Accelerometer is without gravity, and Gravity, TotalAcceleration, AccelerometerUncalibrated "
+            "and Orientation are absent; record again with one of them"
+        )
+    empty = [sensor for sensor in _FORCE_SENSORS if sensor in reading.export.empty]
+    if empty:
+        raise RecordingError(
+            f"{place}: {empty[0]} has no rows and no other sensor replaces it; export the recording again"
+        )
+    reading.warnings.append("no accelerometer in the export")
+
+
+def _upwards(reading: _Reading, raw: Signal, attitude: Signal | None, sign: float | None, reason: str) -> Signal:
+    """The acceleration with the sign that points up at rest."""
+    factor = reading.note(units.force_sign(raw, attitude, sign, reason))
+    check = units.acceleration_unit(raw.values)
+    reading.note(check)
+    return Signal(raw.time_s, raw.values * factor)
+
+
+def _calibrated_or_raw(reading: _Reading, sensor: str) -> Signal | None:
+    """A sensor, or its uncalibrated version when there is only that (same unit and signs)."""
+    signal = reading.signal(sensor)
+    if signal is None:
+        signal = reading.signal(f"{sensor}Uncalibrated")
+        if signal is not None:
+            reading.decisions.append(f"{sensor} is absent, {sensor}Uncalibrated is used")
+    return signal
+
+
+def _pressure(reading: _Reading) -> Signal | None:
+    signal = reading.signal("Barometer", ("pressure",))
+    if signal is None:
+        return None
+    return Signal(signal.time_s, signal.values * reading.note(units.pressure_unit(signal.values)))
+
+
+def _end_s(device: DeviceRecording) -> float:
+    return max((float(block.time_s.max()) for block in device.blocks()), default=0.0)
+
+
+def _fixes(reading: _Reading, end_s: float) -> tuple[GpsFixes, float]:
+    """The fixes on the recording's clock, and the Unix time of its zero."""
+    location = reading.export.table("Location", _FIX)
+    if location is None:
+        return GpsFixes((), None), reading.zero_ns / 1e9
+    clock = fix_clock(location, reading.zero_ns, end_s, reading.metadata)
+    latitude, longitude, accuracy = (location.numbers(name) for name in _FIX)
+    found = within(gps_fixes(clock.time_s, latitude, longitude, accuracy), 0.0, end_s)
+    reading.warnings += [*((clock.warning,) if clock.warning else ()), *found.warnings]
+    return found, clock.epoch_s
+
+
+def _notes(reading: _Reading) -> tuple[str, ...]:
+    """Pedometer count and annotations in words."""
+    notes = []
+    pedometer = reading.export.table("Pedometer", ("steps",))
+    if pedometer is not None:
+        notes.append(f"the phone's pedometer counted {pedometer.numbers('steps')[-1]:.0f} steps")
+    annotations = reading.export.table("Annotation", (), ("text",))
+    if annotations is not None:
+        times_s = seconds_since(annotations, reading.zero_ns)
+        notes += [f"{t:.2f} s: {text}" for t, text in zip(times_s, annotations.texts("text"), strict=True)]
+    return tuple(notes)

@@ -1,0 +1,112 @@
+"""SisFall (Sucerquia et al. 2017): a box with two accelerometers and a gyroscope at the belt, one activity a file.
+
+A file `ACTIVITY_PERSON_TRIAL.txt` has no header: nine integers a row, three of each sensor, and ";" at its end.
+"""
+
+import re
+
+import numpy as np
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import STANDARD_GRAVITY_MPS2
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.members import members_like, only_walk, stem
+from pdr_est.io.text.number_table import Table, finite_rows, read_table
+from pdr_est.types.ground_truth import Truth
+from pdr_est.types.recording import DeviceRecording, Recording
+
+NAME = "SisFall"
+
+_FORCE = ("ADXL345 x", "ADXL345 y", "ADXL345 z")
+_RATE = ("ITG3200 x", "ITG3200 y", "ITG3200 z")
+_SECOND_FORCE = ("MMA8451Q x", "MMA8451Q y", "MMA8451Q z")
+_COLUMNS = (*_FORCE, *_RATE, *_SECOND_FORCE)
+_BITS = ((_FORCE, 13), (_RATE, 16), (_SECOND_FORCE, 14))
+_CUT = "the last row has no ';': the file was cut there, and what followed is missing"
+_RATE_HZ = 200.0
+_FORCE_MPS2_PER_BIT = 2 * 16 / 2**13 * STANDARD_GRAVITY_MPS2  # +-16 g in 13 bits
+_RATE_RADPS_PER_BIT = np.deg2rad(2 * 2000 / 2**16)  # +-2000 deg/s in 16 bits
+_ROW = re.compile(rb"(?:\s*-?\d{1,5}\s*,){8}\s*-?\d{1,5}\s*;\s*")
+_FEWEST_ROWS = 2
+_FILE_NAME = re.compile(r"([DF]\d\d)_S[AE]\d\d_R\d\d")
+ACTIVITIES = {
+    "D01": "walking",
+    "D02": "walking",
+    "D03": "jogging",
+    "D04": "running",
+    "D05": "stairs",
+    "D06": "stairs",
+}
+
+
+def sniff(source: Source) -> bool:
+    """Whether some member is a table of this data set."""
+    return bool(members_like(source, _looks_right))
+
+
+def read(source: Source) -> Recording:
+    """The recording of a SisFall table, with the activity if the file's name tells it.
+
+    Slow and quick walking (D01, D02) are "walking", slow jogging (D03) is "jogging", quick jogging (D04) "running".
+    Slow and quick are what the person took them for: one person's running can be another's jogging. Stairs (D05, D06)
+    are "stairs", falls (F01 to F15) "fall"; sitting, lying, bending and jumping have no word here.
+
+    Time is the row number at 200 Hz. Raises RecordingError when there are several recordings, the table is damaged or
+    a number is beyond the range of its sensor. A file that ends within a row's last number has a warning.
+    """
+    member = only_walk(source, members_like(source, _looks_right), NAME)
+    # A blank and not nothing, so that a ";" within a row does not join two numbers into one.
+    rows = source.read(member).replace(b";", b" ")
+    table = read_table(rows, source.place(member), has_header=False, columns=_COLUMNS)
+    _refuse_impossible(table)
+    name = stem(member)
+    cut = () if source.read(member).rstrip().endswith(b";") else (_CUT,)
+    return Recording(name=name, format=NAME, devices=(_device(table, cut),), truth=Truth(activity=_activity(name)))
+
+
+def _looks_right(head: bytes) -> bool:
+    """Nothing but rows of nine integers with a ";" at the end; the last line of the head may be cut."""
+    rows = [line for line in head.splitlines()[:-1] if line.strip()]
+    return len(rows) >= _FEWEST_ROWS and all(_ROW.fullmatch(row) for row in rows)
+
+
+def _activity(name: str) -> str | None:
+    match = _FILE_NAME.fullmatch(name)
+    if match is None:
+        return None
+    code = match.group(1)
+    return "fall" if code.startswith("F") else ACTIVITIES.get(code)
+
+
+def _refuse_impossible(table: Table) -> None:
+    for names, bits in _BITS:
+        for name in names:
+            numbers = table.numbers(name)
+            # NaN, of a blank line, is no number and compares as false.
+            wrong = np.flatnonzero((numbers < -(2 ** (bits - 1))) | (numbers >= 2 ** (bits - 1)))
+            if len(wrong):
+                raise RecordingError(
+                    f"{table.place}, line {wrong[0] + 1}, column {name!r}: {numbers[wrong[0]]:g} does not fit "
+                    f"into the {bits} bits of this sensor; restore the file"
+                )
+
+
+def _device(table: Table, cut: tuple[str, ...]) -> DeviceRecording:
+    written = table.filled(_COLUMNS)  # a blank line is no sample and takes no time
+    time_s = np.arange(int(written.sum())) / _RATE_HZ
+    force_mps2 = _FORCE_MPS2_PER_BIT * table.stack(_FORCE)[written]
+    rate_radps = _RATE_RADPS_PER_BIT * table.stack(_RATE)[written]
+    force, force_warnings = finite_rows(time_s, force_mps2, "specific force", table.place)
+    rate, rate_warnings = finite_rows(time_s, rate_radps, "rotation rate", table.place)
+    return DeviceRecording(
+        model="SisFall box",
+        specific_force=force,
+        rotation_rate=rate,
+        decisions=(
+            "time is the row number at 200 Hz: the table has no time column",
+            "specific force from the ADXL345, 1/256 g a bit; its sign as written, which points up at rest",
+            "rotation rate from the ITG3200, 4000/65536 deg/s a bit",
+            "the second accelerometer (MMA8451Q) is not used: it says the same in a smaller range",
+        ),
+        warnings=(*force_warnings, *rate_warnings, *cut),
+    )

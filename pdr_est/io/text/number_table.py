@@ -1,0 +1,253 @@
+"""Tables of numbers in text form, read by a fast engine into arrays, with errors that name the line and column."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.types.recording import Signal
+
+_BOM = b"\xef\xbb\xbf"
+_ROWS_FOR_TYPES = 100
+_LARGEST = 1e30
+
+
+@dataclass(frozen=True)
+class Table:
+    """The columns of a table, all of one length.
+
+    place: the file, for messages. columns: name -> (n,) of float64, of int64 where every value is an integer
+    (nanosecond clocks exceed what float64 holds exactly), or of str for the columns asked for as text.
+    empty: for number columns with empty cells, (n,) which cells are; a written NaN is none.
+    """
+
+    place: str
+    columns: Mapping[str, NDArray[Any]]
+    empty: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values()))) if self.columns else 0
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Column names in the order of the file."""
+        return tuple(self.columns)
+
+    def numbers(self, name: str) -> Array:
+        """A column as float64; a missing value is NaN."""
+        return self._column(name).astype(np.float64)
+
+    def stack(self, names: Sequence[str]) -> Array:
+        """Several columns side by side, (n, len(names)) float64."""
+        return np.stack([self.numbers(name) for name in names], axis=1)
+
+    def filled(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """Rows in which at least one of some number columns is not empty, (n,)."""
+        filled = np.zeros(len(self), dtype=np.bool_)
+        for name in names:
+            filled |= ~self.empty[name] if name in self.empty else True
+        return filled
+
+    def texts(self, name: str) -> NDArray[Any]:
+        """A column that was asked for as text; a missing value is the empty string."""
+        return self._column(name).astype(np.str_)
+
+    def clock(self, name: str, ticks_per_s: float = 1.0) -> tuple[float, Array]:
+        """A time column as (first time in seconds, seconds since the first).
+
+        The difference is taken before the conversion to float64, so that integer nanoseconds since 1970 lose
+        nothing. Raises RecordingError when the first time is missing.
+        """
+        ticks = self._column(name)
+        if len(ticks) == 0:
+            raise RecordingError(f"{self.place}: no rows; record again or leave this file out")
+        if not np.isfinite(ticks[0]):
+            raise RecordingError(f"{self.place}: no time in the first row of column {name!r}; remove that row")
+        return float(ticks[0]) / ticks_per_s, (ticks - ticks[0]).astype(np.float64) / ticks_per_s
+
+    def _column(self, name: str) -> NDArray[Any]:
+        if name not in self.columns:
+            raise RecordingError(
+                f"{self.place}: no column {name!r} among {', '.join(self.names)}; export it with this column"
+            )
+        return self.columns[name]
+
+
+def read_table(
+    data: bytes,
+    place: str,
+    *,
+    separator: str = ",",
+    decimal_comma: bool = False,
+    has_header: bool = True,
+    columns: Sequence[str] | None = None,
+    text_columns: Sequence[str] = (),
+) -> Table:
+    """Parse a table.
+
+    place: the file, for messages. columns: the names to keep (absent ones are simply not in the result); without
+    a header they name all columns from the left. text_columns: names of columns that stay text; every other
+    column must hold numbers; empty fields, NaN and what no sensor can measure become NaN. A byte-order mark, the line
+    ends of every system and trailing blank lines are tolerated.
+
+    Raises RecordingError for an empty table, text in a number column and rows of unequal length, naming line,
+    column and value.
+    """
+    content = data.removeprefix(_BOM).rstrip(b"\r\n \0")
+    if b"\n" not in content:
+        content = content.replace(b"\r", b"\n")
+    if not content:
+        raise RecordingError(f"{place}: empty, holds no table; export it again or leave this file out")
+    options = _Layout(separator, decimal_comma, has_header)
+    frame = _parse(content, place, options, text_columns)
+    if not has_header:
+        frame.columns = _headerless_names(frame.width, columns, place)
+    else:
+        frame.columns = [name.strip().strip('"') for name in frame.columns]
+        if columns is not None:
+            frame = frame.select([name for name in frame.columns if name in set(columns) | set(text_columns)])
+    arrays: dict[str, NDArray[Any]] = {}
+    empty: dict[str, NDArray[np.bool_]] = {}
+    for name in frame.columns:
+        if name in text_columns:
+            arrays[name] = frame[name].cast(pl.String).fill_null("").to_numpy().astype(np.str_)
+            continue
+        arrays[name] = measurable(_as_numbers(frame[name], place, options))
+        cells = _empty_cells(frame[name])
+        if cells.any():
+            empty[name] = cells
+    return Table(place, arrays, empty)
+
+
+def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal, tuple[str, ...]]:
+    """A signal of the rows that are finite in time and values, with a warning that counts the others.
+
+    Raises RecordingError when there are no rows or none is finite.
+    """
+    if len(time_s) == 0:
+        raise RecordingError(f"{place}: no rows of {what}; record again with this sensor switched on")
+    finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
+    dropped = len(finite) - int(finite.sum())
+    if dropped == 0:
+        return Signal(time_s, values), ()
+    if dropped == len(finite):
+        raise RecordingError(f"{place}: all {dropped} rows of {what} are NaN or infinite; record again")
+    warning = f"{what}: {dropped} of {len(finite)} rows dropped because they hold NaN or infinite values"
+    return Signal(time_s[finite], values[finite]), (warning,)
+
+
+def usable_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal | None, tuple[str, ...]]:
+    """Like `finite_rows`, but None and a warning where no row is finite: for sensors that a track can do without."""
+    timed = np.isfinite(time_s)
+    if len(time_s) and not (timed & np.isfinite(values).all(axis=1)).any():
+        reason = "hold NaN or infinite values" if timed.any() else "have no usable time"
+        return None, (f"{what}: left out because all {len(time_s)} rows {reason}",)
+    return finite_rows(time_s, values, what, place)
+
+
+def measurable(values: NDArray[Any]) -> NDArray[Any]:
+    """Numbers with NaN for infinity and for what is so large that arithmetic would soon get there."""
+    if values.dtype != np.float64:
+        return values
+    return np.where(np.abs(values) <= _LARGEST, values, np.nan)
+
+
+@dataclass(frozen=True)
+class _Layout:
+    separator: str
+    decimal_comma: bool
+    has_header: bool
+
+
+def _parse(content: bytes, place: str, layout: _Layout, text_columns: Sequence[str]) -> pl.DataFrame:
+    try:
+        frame = _frame(content, layout, text_columns, _ROWS_FOR_TYPES)
+    except (pl.exceptions.PolarsError, ValueError):
+        # A later row is not of the type of the first rows: all fields as text, which is slower.
+        try:
+            frame = _frame(content, layout, text_columns, 0)
+        except (pl.exceptions.PolarsError, ValueError) as error:
+            _refuse_ragged(content, place, layout)
+            raise RecordingError(f"{place}: not a readable table ({_first_line(error)}); export it again") from error
+    # The engine fills rows that are too short with nulls; only then is the slow look at the lines needed.
+    if frame.width > 1 and frame[frame.columns[-1]].null_count():
+        _refuse_ragged(content, place, layout)
+    return frame
+
+
+def _frame(content: bytes, layout: _Layout, text_columns: Sequence[str], rows_for_types: int) -> pl.DataFrame:
+    return pl.read_csv(
+        content,
+        separator=layout.separator,
+        decimal_comma=layout.decimal_comma,
+        has_header=layout.has_header,
+        infer_schema_length=rows_for_types,
+        schema_overrides=dict.fromkeys(text_columns, pl.String),
+        encoding="utf8-lossy",
+    )
+
+
+def _refuse_ragged(content: bytes, place: str, layout: _Layout) -> None:
+    rows = csv.reader(io.StringIO(content.decode("utf-8", "replace"), newline=""), delimiter=layout.separator)
+    expected = 0
+    try:
+        for row in rows:
+            expected = expected or len(row)
+            if len(row) != expected and row:
+                raise RecordingError(
+                    f"{place}, line {rows.line_num}: {len(row)} fields instead of {expected}; "
+                    "complete or remove this line"
+                )
+    except csv.Error as error:
+        raise RecordingError(f"{place}, line {rows.line_num}: {error}, is a quote not closed? correct it") from error
+
+
+def _headerless_names(width: int, names: Sequence[str] | None, place: str) -> list[str]:
+    if names is None:
+        return [f"column_{i + 1}" for i in range(width)]
+    if len(names) != width:
+        raise RecordingError(f"{place}: {width} columns instead of {len(names)}; not the expected table")
+    return list(names)
+
+
+def _empty_cells(column: pl.Series) -> NDArray[np.bool_]:
+    empty = column.is_null()
+    if column.dtype == pl.String:
+        empty |= (column.str.strip_chars() == "").fill_null(True)
+    return empty.to_numpy()
+
+
+def _as_numbers(column: pl.Series, place: str, layout: _Layout) -> NDArray[Any]:
+    """int64 when all values are integers, else float64 with NaN for what is missing."""
+    if column.dtype == pl.Int64 and column.null_count() == 0:
+        return column.to_numpy()
+    if column.dtype.is_numeric():
+        return column.cast(pl.Float64).to_numpy().astype(np.float64)
+    text = column.cast(pl.String).str.strip_chars().replace("", None)
+    if layout.decimal_comma:
+        text = text.str.replace_all(",", ".", literal=True)
+    integers = text.cast(pl.Int64, strict=False)
+    if integers.null_count() == 0:
+        return integers.to_numpy()
+    numbers = text.cast(pl.Float64, strict=False)
+    wrong = (numbers.is_null() & text.is_not_null()).arg_max()
+    if wrong is not None and numbers[wrong] is None and text[wrong] is not None:
+        line = wrong + 1 + layout.has_header
+        raise RecordingError(
+            f"{place}, line {line}, column {column.name!r}: {text[wrong]!r} is not a number; correct or remove it"
+        )
+    return numbers.to_numpy().astype(np.float64)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).strip().split("\n", 1)[0]

@@ -1,0 +1,73 @@
+"""Logs that mix the rows of many sensors in one file, each row tagged with its type."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import polars as pl
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.io.text.number_table import measurable
+
+
+@dataclass(frozen=True)
+class TaggedLog:
+    """The rows of a log as text fields, selected by tag and turned into numbers on request.
+
+    place: the file, for messages. A row with fewer fields than asked for gives NaN there.
+    """
+
+    place: str
+    _data: bytes
+    _separator: str
+    _tag_column: str
+    _rows: pl.DataFrame
+
+    @classmethod
+    def parse(cls, data: bytes, place: str, *, separator: str, tag_field: int, n_fields: int) -> "TaggedLog":
+        """Split a log into rows and fields; fields beyond n_fields are left out."""
+        names = [f"field_{i}" for i in range(n_fields)]
+        header = separator.join(names).encode() + b"\n"
+        rows = pl.read_csv(
+            header + data.removeprefix(b"\xef\xbb\xbf"),
+            separator=separator,
+            quote_char=None,
+            truncate_ragged_lines=True,
+            infer_schema=False,
+            encoding="utf8-lossy",
+        )
+        return cls(place, data, separator, names[tag_field], rows)
+
+    def count(self, tag_prefix: str) -> int:
+        """Number of rows whose tag begins so."""
+        return int(self._rows[self._tag_column].str.starts_with(tag_prefix).sum())
+
+    def numbers(self, tag: str, fields: Sequence[int]) -> Array:
+        """The rows of a tag, (n, len(fields)) float64; an empty or absent field is NaN, as is what no sensor can
+        measure.
+
+        Raises RecordingError for text in a number field, naming line, field and value.
+        """
+        rows = self._rows.filter(pl.col(self._tag_column) == tag)
+        text = rows.select(f"field_{i}" for i in fields)
+        numbers = text.cast(pl.Float64, strict=False)
+        for name in numbers.columns:
+            if numbers[name].null_count() == text[name].null_count():
+                continue
+            # Blanks and the CR of CRLF are rare: only a column with unreadable fields is looked at without them.
+            text = text.with_columns(pl.col(name).str.strip_chars().replace("", None))
+            numbers = numbers.with_columns(text[name].cast(pl.Float64, strict=False))
+            if numbers[name].null_count() != text[name].null_count():
+                wrong = int((numbers[name].is_null() & text[name].is_not_null()).arg_max() or 0)
+                raise RecordingError(
+                    f"{self.place}, line {self._line_of(rows.row(wrong))}, {tag}: {text[name][wrong]!r} is not a "
+                    "number; correct or remove this line"
+                )
+        return measurable(numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields)))
+
+    def _line_of(self, row: tuple[str | None, ...]) -> int:
+        """Line of the first row that equals this one, in the file as it was recorded."""
+        fields = [field for field in row if field is not None]
+        found = self._data.find(self._separator.join(fields).encode())
+        return self._data[: max(found, 0)].count(b"\n") + 1

@@ -1,0 +1,79 @@
+"""Everything of the suite `speed`, one part after the other."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pdr_est import __version__
+from pdr_est.config import Config
+from pdr_est.performance.growth import growth
+from pdr_est.performance.online import online_latency
+from pdr_est.performance.smoothing import smoothing_seconds
+from pdr_est.performance.stages import stage_seconds, two_phones
+
+NAME = "speed"
+LENGTHS_MIN = (10.0, 60.0, 480.0)
+_RECORDED_MIN = 5.0
+_ONLINE_MIN = 2.0
+_SMOOTHED_STEPS = (1_000,)
+
+
+@dataclass(frozen=True)
+class SpeedResult:
+    """stage_seconds: CPU seconds a minute of a two-phone recording, by stage. smoothing: of `smoothing_seconds`, and
+    growth: of `growth`, each with what it was asked. online: of `online_latency`, by estimator."""
+
+    stage_seconds: dict[str, float]
+    smoothing: tuple[dict[str, float], ...]
+    growth: tuple[dict[str, float], ...]
+    online: dict[str, dict[str, float]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON document; like those of the other suites it has `walks`, which are none."""
+        return {
+            "suite": NAME,
+            "version": __version__,
+            "stage_seconds_per_minute": self.stage_seconds,
+            "smoothing": list(self.smoothing),
+            "growth": list(self.growth),
+            "online": self.online,
+            "walks": [],
+            "skipped": [],
+        }
+
+
+def run_speed(
+    config: Config,
+    lengths_min: Sequence[float] = LENGTHS_MIN,
+    on_progress: Callable[[int, int], None] | None = None,
+    recorded_min: float = _RECORDED_MIN,
+    smoothed_steps: Sequence[int] = _SMOOTHED_STEPS,
+    online_min: float = _ONLINE_MIN,
+) -> SpeedResult:
+    """Measure all parts. config: of the stages; lengths_min: of the walks for the growth of time and memory;
+    recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too; online_min:
+    length of the walk that is pushed sample by sample."""
+    walks = [(devices, minutes) for devices in (1, 2) for minutes in lengths_min]
+    total = 2 + 2 * len(smoothed_steps) + len(walks)
+    done = 0
+
+    def finished(part: Any) -> Any:
+        nonlocal done
+        done += 1
+        if on_progress is not None:
+            on_progress(done, total)
+        return part
+
+    return SpeedResult(
+        stage_seconds=finished(stage_seconds(two_phones(recorded_min), recorded_min, config)),
+        smoothing=tuple(
+            finished({"devices": devices, "steps": steps, **smoothing_seconds(steps, devices)})
+            for devices in (1, 2)
+            for steps in smoothed_steps
+        ),
+        growth=tuple(
+            finished({"devices": devices, "minutes": minutes, **growth(minutes, devices)})
+            for devices, minutes in walks
+        ),
+        online=finished(online_latency(online_min)),
+    )

@@ -1,0 +1,59 @@
+"""CPU time of every stage of the chain, on a simulated walk with two phones."""
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from pdr_est import pipeline
+from pdr_est.clock_sync import on_one_clock
+from pdr_est.config import Config
+from pdr_est.estimators import ESTIMATORS
+from pdr_est.front_end.heading import hindsight_stage
+from pdr_est.front_end.odometry import Odometry
+from pdr_est.pipeline.front_end_chain import levelling, stepping
+from pdr_est.simulate import simulate_walk
+from pdr_est.simulate.population import PopulationParams, population
+from pdr_est.stage import Stage
+from pdr_est.types.recording import Recording
+
+RATE_HZ = 50.0
+
+T = TypeVar("T")
+
+
+def two_phones(minutes: float) -> Recording:
+    """One phone in the hand and one in a pocket, at 50 Hz."""
+    walk = PopulationParams(
+        number=1, people=1, duration_s=60.0 * minutes, second_phone=("POCKET",), rate_hz=RATE_HZ, magnetometer=True
+    )
+    return simulate_walk(population(walk)[0].scenario).recording
+
+
+def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[str, float]:
+    """CPU seconds by stage for a minute of the recording, both phones together; the clock and the estimators, each by
+    name, are parts of the chain like the stages."""
+    spent: dict[str, float] = {}
+    for device, _ in timed(spent, "clock", lambda: on_one_clock(recording)):
+        _, to_level = levelling(device, recording.name, config)
+        whole_walk = hindsight_stage(config.heading)
+        stages: list[Stage] = [*to_level.stages, *stepping(config).stages]
+        stages += [whole_walk] if whole_walk is not None else []
+        items: list[Any] = list(device.blocks())
+        for stage in [*stages, Odometry(device.name, config.odometry)]:
+            items = timed(spent, type(stage).__name__, lambda stage=stage, items=items: _run(stage, items))  # type: ignore[misc]
+    walks = pipeline.analyse(recording, config)
+    for name in ESTIMATORS:
+        timed(spent, name, lambda name=name: pipeline.estimate(walks, config.with_estimator(name)))  # type: ignore[misc]
+    return {name: seconds / minutes for name, seconds in spent.items()}
+
+
+def timed(spent: dict[str, float], name: str, work: Callable[[], T]) -> T:
+    """The result of some work, whose CPU seconds are added to what was spent under that name."""
+    begin = time.process_time()
+    result = work()
+    spent[name] = spent.get(name, 0.0) + time.process_time() - begin
+    return result
+
+
+def _run(stage: Stage, items: Sequence[Any]) -> list[Any]:
+    return [output for item in items for output in stage.push(item)] + list(stage.flush())

@@ -1,0 +1,142 @@
+"""One channel on its way to the grid: its samples, cleaned, and the integral of the line through them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.preprocessing.sensor_ranges import impossible
+from pdr_est.types.sensors import Channel, Gap
+
+_ROUNDING_S = 1e-6  # time stamps are rounded: a pause of exactly max_gap_s must not become a gap by that
+
+
+class ChannelIntegral:
+    """One channel's samples, cleaned, with the running integral of the line through them."""
+
+    def __init__(self, channel: Channel, max_gap_s: float) -> None:
+        self._channel = channel
+        self._max_gap_s = max_gap_s
+        self._longest_s = max_gap_s + _ROUNDING_S
+        self._last_raw_s: float | None = None
+        self._clock_offset_s = 0.0
+        self._restarts_s: set[float] = set()
+        self.first_s = float("nan")
+        self.time_s: Array = np.empty(0)
+        self._values: Array = np.empty((0, 0))
+        self._integral: Array = np.empty((0, 0))
+        self.gaps: list[Gap] = []
+        self.dropped = {"not finite": 0, "impossible": 0, "duplicate time": 0, "backward time": 0}
+
+    def append(self, time_s: Array, values: Array) -> None:
+        finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
+        possible = finite & ~impossible(self._channel, values)
+        finite_count, count = int(np.count_nonzero(finite)), int(np.count_nonzero(possible))
+        self.dropped["not finite"] += len(time_s) - finite_count
+        self.dropped["impossible"] += finite_count - count
+        time, values = time_s[possible], values[possible]
+        if not count:
+            return
+        time, values = self._increasing(self._continuous(time), values)
+        if not len(time):
+            return
+        if self._channel is Channel.ATTITUDE:
+            values = _same_hemisphere(self._values[-1] if len(self.time_s) else values[0], values)
+        self._extend(time, values)
+
+    def _continuous(self, time: Array) -> Array:
+        """Time stamps with restarts of the clock bridged."""
+        previous = np.concatenate([[time[0] if self._last_raw_s is None else self._last_raw_s], time[:-1]])
+        back = previous - time
+        restart = back > self._max_gap_s
+        if not restart.any():
+            self._last_raw_s = float(time[-1])
+            moved: Array = time + self._clock_offset_s
+            return moved
+        jump = np.where(restart, back + 2.0 * self._max_gap_s, 0.0)
+        # The carry goes in as the first element: that keeps the sum independent of the cutting into blocks.
+        offset = np.cumsum(np.concatenate([[self._clock_offset_s], jump]))
+        for i in np.flatnonzero(restart):
+            start, end = float(previous[i] + offset[i]), float(time[i] + offset[i + 1])
+            self._restarts_s.add(end)
+            self.gaps.append(Gap(self._channel.value, start, end, f"clock reset by {-back[i]:.3f} s"))
+        self._last_raw_s = float(time[-1])
+        self._clock_offset_s = float(offset[-1])
+        continuous: Array = time + offset[1:]
+        return continuous
+
+    def _increasing(self, time: Array, values: Array) -> tuple[Array, Array]:
+        latest = self.time_s[-1] if len(self.time_s) else -np.inf
+        before = np.maximum.accumulate(np.concatenate([[latest], time[:-1]]))
+        keep = time > before
+        if keep.all():
+            return time, values
+        self.dropped["duplicate time"] += int((time == before).sum())
+        self.dropped["backward time"] += int((time < before).sum())
+        return time[keep], values[keep]
+
+    def _extend(self, time: Array, values: Array) -> None:
+        if not len(self.time_s):
+            self.first_s = float(time[0])
+            self.time_s, self._values = time[:1], values[:1]
+            self._integral = np.zeros((1, values.shape[1]))
+            time, values = time[1:], values[1:]
+        all_time = np.concatenate([self.time_s[-1:], time])
+        all_values = np.concatenate([self._values[-1:], values])
+        step = all_time[1:] - all_time[:-1]
+        too_long = step > self._longest_s
+        for i in np.flatnonzero(too_long) if too_long.any() else ():
+            start, end = float(all_time[i]), float(all_time[i + 1])
+            if end not in self._restarts_s:  # those are listed already
+                self.gaps.append(Gap(self._channel.value, start, end, "gap"))
+        areas = 0.5 * step[:, None] * (all_values[:-1] + all_values[1:])
+        integral = np.concatenate([self._integral[-1:], areas]).cumsum(axis=0)
+        self.time_s = np.concatenate([self.time_s, time])
+        self._values = np.concatenate([self._values, values])
+        self._integral = np.concatenate([self._integral, integral[1:]])
+
+    def at(self, edges: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Integral up to each edge, (m, k), and whether the edge lies inside a gap."""
+        i = np.minimum(np.maximum(self.time_s.searchsorted(edges, side="right") - 1, 0), len(self.time_s) - 2)
+        span = self.time_s[i + 1] - self.time_s[i]
+        dt = edges - self.time_s[i]
+        slope = (self._values[i + 1] - self._values[i]) / span[:, None]
+        integral = self._integral[i] + dt[:, None] * (self._values[i] + 0.5 * dt[:, None] * slope)
+        return integral, span > self._longest_s
+
+    def where_recorded(self, edges: Array) -> Array:
+        """Integral up to each edge (m, 3), NaN before the first sample, after the last one and in gaps."""
+        if len(self.time_s) < 2:
+            return np.full((len(edges), 3), np.nan)
+        integral, inside = self.at(edges)
+        outside = inside | (edges < self.time_s[0]) | (edges >= self.time_s[-1])
+        return np.where(outside[:, None], np.nan, integral)
+
+    def gap_end_s(self, time_s: float) -> float:
+        """When the gap that a time lies in ends; the time itself where there is none."""
+        i = int(np.searchsorted(self.time_s, time_s, side="right"))
+        inside = 0 < i < len(self.time_s) and self.time_s[i] - self.time_s[i - 1] > self._longest_s
+        return float(self.time_s[i]) if inside else time_s
+
+    def list_missing_ends(self, first_s: float, last_s: float) -> None:
+        """Add to the gaps what this channel missed between the first and the last sample of any channel."""
+        own_last_s = float(self.time_s[-1])
+        if self.first_s - first_s > self._longest_s:
+            self.gaps.append(Gap(self._channel.value, first_s, self.first_s, "began later than another channel"))
+        if last_s - own_last_s > self._longest_s:
+            self.gaps.append(Gap(self._channel.value, own_last_s, last_s, "ended earlier than another channel"))
+
+    def forget_before(self, time_s: float) -> None:
+        keep = max(int(np.searchsorted(self.time_s, time_s, side="right")) - 1, 0)
+        self.time_s = self.time_s[keep:]
+        self._values = self._values[keep:]
+        self._integral = self._integral[keep:]
+
+
+def _same_hemisphere(reference: Array, quaternion: Array) -> Array:
+    """Signs such that consecutive quaternions point the same way: q and -q are one attitude, their mean is none."""
+    previous = np.concatenate([reference[None, :], quaternion[:-1]])
+    dot = (previous * quaternion)[:, 0].copy()
+    for k in range(1, 4):
+        dot += previous[:, k] * quaternion[:, k]
+    sign = np.cumprod(np.where(dot < 0.0, -1.0, 1.0))
+    return quaternion * sign[:, None]

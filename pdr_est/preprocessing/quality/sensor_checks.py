@@ -1,0 +1,169 @@
+"""What can be wrong with a sensor: its clock, values that stand still, repeat or hit the end of a range."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.types.recording import Signal
+
+LONGEST_PERIOD_S = 0.5
+"""A longer pause between two samples is a gap."""
+
+_STUCK_S = 2.0
+_STUCK_SAMPLES = 5
+_REPEATED_SHARE = 0.3  # of the samples equal the one before: the true rate is below 70 % of the nominal one
+_LINEAR_SHARE = 0.4
+_LINEAR_TOLERANCE = 1e-6
+_PLATEAUS = 2  # separate times at the same extreme for two samples or more
+_CLIPPED_SAMPLES = 5
+_MOVING_SHARE = 0.2  # of the signal's usual variation
+_LEAST_VARIATION = 1e-9  # in the unit of the signal; a constant one has what rounding leaves
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A stretch of time on the recording's clock."""
+
+    start_s: float
+    length_s: float
+
+    @property
+    def end_s(self) -> float:
+        return self.start_s + self.length_s
+
+
+@dataclass(frozen=True)
+class ClockCheck:
+    """rate_hz: by the median period. jitter_p50_s, jitter_p99_s: deviation of the period from its median.
+    duplicates, backward_steps: samples whose time repeats, or goes back. gaps: pauses above `LONGEST_PERIOD_S`."""
+
+    rate_hz: float
+    jitter_p50_s: float
+    jitter_p99_s: float
+    duplicates: int
+    backward_steps: int
+    gaps: tuple[Interval, ...]
+
+
+def check_clock(time_s: Array) -> ClockCheck:
+    """The regularity of a sensor's time stamps. The rate is 0 when fewer than two times differ."""
+    period_s = np.diff(time_s)
+    forward_s = period_s[period_s > 0.0]
+    if not len(forward_s):
+        return ClockCheck(0.0, 0.0, 0.0, int((period_s == 0).sum()), int((period_s < 0).sum()), ())
+    median_s = float(np.median(forward_s))
+    p50, p99 = np.percentile(np.abs(forward_s - median_s), [50, 99])
+    long = np.flatnonzero(period_s > max(LONGEST_PERIOD_S, 5.0 * median_s))
+    return ClockCheck(
+        rate_hz=1.0 / median_s,
+        jitter_p50_s=float(p50),
+        jitter_p99_s=float(p99),
+        duplicates=int((period_s == 0.0).sum()),
+        backward_steps=int((period_s < 0.0).sum()),
+        gaps=tuple(Interval(float(time_s[i]), float(period_s[i])) for i in long),
+    )
+
+
+def effective_rate(signal: Signal, rate_hz: float) -> tuple[float, str]:
+    """Rate at which new values really come, Hz, and how it was hidden: "" (not), "repeated" or "interpolated".
+
+    Samples with repeated time stamps are not counted, they are the clock's fault. A constant signal has rate 0.
+    """
+    keep = np.concatenate([[True], np.diff(signal.time_s) != 0.0])
+    time_s, values = signal.time_s[keep], signal.values[keep]
+    step = np.diff(values, axis=0)
+    changed = (step != 0.0).any(axis=1)
+    if len(values) < 3:
+        return rate_hz, ""
+    if not changed.any():
+        return 0.0, "repeated"
+    if (~changed).mean() > _REPEATED_SHARE:
+        return rate_hz * float(changed.mean()), "repeated"
+    period_s = np.diff(time_s)
+    if (period_s <= 0.0).any():
+        return rate_hz, ""
+    bend = np.abs(np.diff(step / period_s[:, None], axis=0)).max(axis=1)
+    scale = float(np.percentile(bend, 99))
+    straight = bend <= _LINEAR_TOLERANCE * scale
+    if straight.mean() > _LINEAR_SHARE:
+        return rate_hz * float((~straight).mean()), "interpolated"
+    return rate_hz, ""
+
+
+def clipped_axes(values: Array) -> tuple[int, ...]:
+    """Axes that stay at the same extreme value again and again while the other axes move.
+
+    Values that repeat as a whole are counted once: they come from a slower sensor and not from the end of a range.
+    """
+    distinct = values[np.concatenate([[True], (np.diff(values, axis=0) != 0.0).any(axis=1)])]
+    return tuple(axis for axis in range(values.shape[1]) if _is_clipped(distinct[:, axis]))
+
+
+def _is_clipped(values: Array) -> bool:
+    spread = float(values.std())
+    for extreme in (values.min(), values.max()):
+        lengths = _run_lengths(values == extreme)
+        plateaus = lengths[lengths >= 2]
+        far = abs(float(extreme) - float(np.median(values))) > spread
+        if far and len(plateaus) >= _PLATEAUS and plateaus.sum() >= _CLIPPED_SAMPLES:
+            return True
+    return False
+
+
+def stuck_intervals(signal: Signal, others: Sequence[Signal]) -> tuple[Interval, ...]:
+    """Stretches of more than 2 s in which a sensor does not change at all while another one moves."""
+    same = np.concatenate([[False], (np.diff(signal.values, axis=0) == 0.0).all(axis=1)])
+    found = []
+    for first, last in _runs(same):
+        begin = max(first - 1, 0)
+        stretch = Interval(float(signal.time_s[begin]), float(signal.time_s[last] - signal.time_s[begin]))
+        enough = last - begin >= _STUCK_SAMPLES and stretch.length_s > _STUCK_S
+        if enough and any(_moves(other, stretch) for other in others):
+            found.append(stretch)
+    return tuple(found)
+
+
+def _moves(signal: Signal, stretch: Interval) -> bool:
+    """Whether a signal varies in a stretch by a good part of its usual variation."""
+    inside = (signal.time_s >= stretch.start_s) & (signal.time_s <= stretch.end_s)
+    if inside.sum() < 2:
+        return False
+    usual = float(signal.values.std(axis=0).max())
+    return usual > _LEAST_VARIATION and float(signal.values[inside].std(axis=0).max()) > _MOVING_SHARE * usual
+
+
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of each run of True."""
+    edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
+    return [
+        (int(a), int(b) - 1) for a, b in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)
+    ]
+
+
+def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    return np.array([last - first + 1 for first, last in _runs(mask)], dtype=np.int64)
+
+
+def attitude_rate_correlation(attitude: Signal, rate: Signal) -> float | None:
+    """Correlation of the gyroscope with the rotation between consecutive attitudes, over all axes.
+
+    Near +1 when both use the same axes and signs; None without enough motion or overlap.
+    """
+    w, v = attitude.values[:, 0], attitude.values[:, 1:]
+    time_s, period_s = attitude.time_s, np.diff(attitude.time_s)
+    # The vector part of conj(q_k) q_(k+1) is half the rotation vector in device axes, for small rotations.
+    turned = w[:-1, None] * v[1:] - w[1:, None] * v[:-1] - np.cross(v[:-1], v[1:])
+    cosine = w[:-1] * w[1:] + (v[:-1] * v[1:]).sum(axis=1)
+    usable = (period_s > 0.0) & (period_s < LONGEST_PERIOD_S) & (turned != 0.0).any(axis=1)
+    usable &= (time_s[:-1] >= rate.time_s.min()) & (time_s[1:] <= rate.time_s.max())
+    if usable.sum() < 10:
+        return None
+    derived = 2.0 * np.sign(cosine)[usable, None] * turned[usable] / period_s[usable, None]
+    order = np.argsort(rate.time_s, kind="stable")
+    middle_s = (time_s[:-1] + time_s[1:])[usable] / 2.0
+    measured = np.stack([np.interp(middle_s, rate.time_s[order], axis) for axis in rate.values[order].T], axis=1)
+    power = float(np.sqrt((derived**2).sum() * (measured**2).sum()))
+    return float((derived * measured).sum() / power) if power > 0.0 else None

@@ -1,0 +1,186 @@
+"""From recorder time stamps to a uniform grid: a stage that consumes SensorBlock and emits ImuBlock.
+
+Each grid value is the mean of the piecewise linear signal over one grid period. The mean keeps the integral of
+the rotation rate exact, smooths faster input against aliasing and interpolates slower input, whatever the jitter.
+"""
+
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Ge, Le
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.params import Positive, params
+from pdr_est.preprocessing.channel_integral import ChannelIntegral
+from pdr_est.types.sensors import Channel, Gap, ImuBlock, SensorBlock
+
+_LATEST_S = 2.0  # how far an optional channel may lag behind the others
+_MOST_POINTS = 1 << 16  # evaluated at once, which bounds the memory that a jump of the clock can ask for
+
+
+@params
+class ResampleParams:
+    """rate_hz: working rate. max_gap_s: longest pause between samples that is interpolated; a longer one ends
+    the segment."""
+
+    rate_hz: Annotated[float, Ge(10.0), Le(1000.0)] = 50.0
+    max_gap_s: Positive = 0.5
+
+
+class Resampler:
+    """Several channels of one device onto one grid; the specific force must be among them.
+
+    optional: channels that may be absent. Where they have no sample, because of a gap or before their beginning and
+    after their end, their values are NaN; grid, segments and gaps are those of the other channels. Nobody can wait
+    for a channel that has stopped: an optional one may come before the others by any time and `_LATEST_S` after them.
+    Within that, outputs do not depend on the order in which the channels come; of what comes later still, the points
+    that were emitted stay NaN. A whole signal in one block must therefore come before the others.
+
+    Samples with values that are not finite or that no phone can measure (`limits`), and those with duplicate or
+    slightly backward time stamps, are dropped and counted in `dropped`. A clock that
+    jumps back by more than `max_gap_s` was restarted: the samples after it are kept, as a new segment that begins
+    two `max_gap_s` later. Gaps and restarts are collected in `gaps`, and at `flush` what a channel missed because it
+    began later or ended earlier than the others.
+    """
+
+    def __init__(
+        self, channels: tuple[Channel, ...], parameters: ResampleParams, optional: tuple[Channel, ...] = ()
+    ) -> None:
+        self._period_s = 1.0 / parameters.rate_hz
+        self._max_gap_s = parameters.max_gap_s
+        self._inputs = {channel: ChannelIntegral(channel, parameters.max_gap_s) for channel in channels}
+        self._optional = {channel: ChannelIntegral(channel, parameters.max_gap_s) for channel in optional}
+        self._first_edge_s = float("nan")
+        self._next_index = 0
+        self._segment = 0
+        self._in_gap = False
+
+    @property
+    def latency_s(self) -> float:
+        return self._max_gap_s + 1.5 * self._period_s + (self._wait_s if self._optional else 0.0)
+
+    @property
+    def _wait_s(self) -> float:
+        """For an optional channel: what has not come by then lies in a gap of it, however late it is."""
+        return _LATEST_S + self._max_gap_s + 2.0 * self._period_s
+
+    @property
+    def gaps(self) -> tuple[Gap, ...]:
+        """What was not recorded of the channels that are needed, in the order of its beginning."""
+        gaps = [gap for channel in self._inputs.values() for gap in channel.gaps]
+        return tuple(sorted(gaps, key=lambda gap: gap.start_s))
+
+    @property
+    def dropped(self) -> dict[str, int]:
+        """Samples left out, by channel and reason."""
+        return {
+            f"{channel.value}: {reason}": count
+            for channel, integral in (self._inputs | self._optional).items()
+            for reason, count in integral.dropped.items()
+            if count
+        }
+
+    def push(self, item: SensorBlock, /) -> list[ImuBlock]:
+        channel = self._inputs.get(item.channel) or self._optional.get(item.channel)
+        if channel is not None:
+            channel.append(item.time_s, item.values)
+        return self._emit(self._wait_s)
+
+    def flush(self) -> list[ImuBlock]:
+        present = [channel for channel in self._inputs.values() if len(channel.time_s)]
+        if present:
+            first = min(channel.first_s for channel in present)
+            last = max(float(channel.time_s[-1]) for channel in present)
+            for channel in present:
+                channel.list_missing_ends(first, last)
+        return self._emit(wait_s=0.0)
+
+    def _emit(self, wait_s: float) -> list[ImuBlock]:
+        """All grid values that every channel covers, cut into blocks at gaps.
+
+        wait_s: how long the optional channels are waited for, in the time of the others.
+        """
+        inputs = self._inputs.values()
+        if not all(len(channel.time_s) for channel in inputs):
+            return []
+        if np.isnan(self._first_edge_s):
+            self._first_edge_s = max(float(channel.time_s[0]) for channel in inputs)
+        last = min(float(channel.time_s[-1]) for channel in inputs)
+        # One period is held back, so that rounding here never asks for an edge not yet covered.
+        end = self._points_before(last) - 1
+        for optional in self._optional.values():
+            covered_s = float(optional.time_s[-1]) if len(optional.time_s) else -np.inf
+            end = min(end, self._points_before(max(covered_s, last - wait_s)) - 1)
+        blocks = []
+        while self._next_index < end:
+            blocks += self._evaluate(min(end - self._next_index, _MOST_POINTS))
+            self._skip_gap()
+        if blocks:
+            for channel in [*inputs, *self._optional.values()]:
+                channel.forget_before(self._edge_s(self._next_index))
+        return blocks
+
+    def _edge_s(self, index: int) -> float:
+        """Where the period of a grid point begins."""
+        return self._first_edge_s + self._period_s * index
+
+    def _points_before(self, time_s: float) -> int:
+        """Grid points whose whole period lies before a time, give or take one by rounding."""
+        return int(np.floor((time_s - self._first_edge_s) / self._period_s))
+
+    def _evaluate(self, count: int) -> list[ImuBlock]:
+        """The next grid values."""
+        index = np.arange(self._next_index, self._next_index + count + 1, dtype=np.float64)
+        edges: Array = self._first_edge_s + self._period_s * index
+        means, observed = {}, np.ones(count, dtype=np.bool_)
+        for name, channel in self._inputs.items():
+            integral, inside = channel.at(edges)
+            means[name] = (integral[1:] - integral[:-1]) / self._period_s
+            observed &= ~(inside[:-1] | inside[1:])
+        for name, channel in self._optional.items():
+            means[name] = np.diff(channel.where_recorded(edges), axis=0) / self._period_s
+        return self._cut(0.5 * (edges[:-1] + edges[1:]), means, observed)
+
+    def _skip_gap(self) -> None:
+        """Go on behind a gap, with a point to spare: a clock may jump by years."""
+        edge_s = self._edge_s(self._next_index)
+        behind = max(self._points_before(channel.gap_end_s(edge_s)) - 1 for channel in self._inputs.values())
+        self._next_index = max(self._next_index, behind)
+
+    def _cut(self, time: Array, means: dict[Channel, Array], observed: NDArray[np.bool_]) -> list[ImuBlock]:
+        """Blocks of consecutive observed grid points; every stretch after a gap is a new segment."""
+        blocks = []
+        borders = np.flatnonzero(np.diff(observed)) + 1
+        for start, stop in zip([0, *borders], [*borders, len(observed)], strict=True):
+            if not observed[start]:
+                self._in_gap = True
+                continue
+            if self._in_gap:
+                self._segment += 1
+                self._in_gap = False
+            blocks.append(
+                ImuBlock(
+                    first_index=self._next_index + int(start),
+                    segment=self._segment,
+                    time_s=time[start:stop],
+                    specific_force_mps2=means[Channel.SPECIFIC_FORCE][start:stop],
+                    rotation_rate_radps=_part(means.get(Channel.ROTATION_RATE), start, stop),
+                    attitude=_unit(means.get(Channel.ATTITUDE), start, stop),
+                    magnetic_field_ut=_part(means.get(Channel.MAGNETIC_FIELD), start, stop),
+                )
+            )
+        self._next_index += len(observed)
+        return blocks
+
+
+def _part(values: Array | None, start: int, stop: int) -> Array | None:
+    return None if values is None else values[start:stop]
+
+
+def _unit(quaternion: Array | None, start: int, stop: int) -> Array | None:
+    if quaternion is None:
+        return None
+    w, x, y, z = quaternion[start:stop].T
+    norm = np.sqrt(w * w + x * x + y * y + z * z)
+    return np.stack([w / norm, x / norm, y / norm, z / norm], axis=1)

@@ -1,0 +1,77 @@
+"""The time axis that the plots over time share."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from pdr_est.frames import Array
+from pdr_est.pipeline import SmoothedWalk
+from pdr_est.report.plots import figure as svg
+from pdr_est.types.sensors import Gap
+
+RASTER_FROM = 2500  # marks; more are drawn as an image
+
+
+@dataclass(frozen=True)
+class TimeAxis:
+    """A stretch of time in a unit that suits its length. zero_s: where the axis begins to count."""
+
+    zero_s: float
+    begin_s: float
+    end_s: float
+
+    @property
+    def unit(self) -> tuple[float, str]:
+        """Seconds in the unit, and its sign."""
+        duration_s = self.end_s - self.begin_s
+        if duration_s < 200.0:
+            return 1.0, "s"
+        return (60.0, "min") if duration_s < 3 * 3600.0 else (3600.0, "h")
+
+    @property
+    def label(self) -> str:
+        return f"time since the start of the recording ({self.unit[1]})"
+
+    def __call__(self, time_s: Array | float) -> Array:
+        """Times of the recording as this axis shows them."""
+        return (np.asarray(time_s, dtype=np.float64) - self.zero_s) / self.unit[0]
+
+    def stretch(self, begin_s: float, end_s: float) -> "TimeAxis":
+        """A part of this axis."""
+        return TimeAxis(self.zero_s, begin_s, end_s)
+
+    def apply(self, axes: Axes, gaps: Sequence[Gap]) -> None:
+        """Set limits and ticks, and shade what was not recorded."""
+        for gap in gaps:
+            axes.axvspan(*self(np.array([gap.start_s, gap.end_s])), facecolor=svg.MUTED, alpha=0.18, linewidth=0)
+        steps = [1, 2, 5, 10] if self.unit[1] == "s" else [1, 1.5, 3, 6, 10]  # quarters of an hour, not fifths
+        axes.set_xlim(*self(np.array([self.begin_s, self.end_s])))
+        axes.xaxis.set_major_locator(MaxNLocator(12, steps=steps))
+        axes.ticklabel_format(axis="x", style="plain", useOffset=False)
+
+
+def time_axis(walk: SmoothedWalk) -> TimeAxis:
+    """From the first to the last sample or pose of any device, at least a second."""
+    times = [walk.track.time_s, *(block.time_s for device in walk.devices for block in device.level)]
+    ends = np.array([time_s[end] for time_s in times if len(time_s) for end in (0, -1)] or [0.0])
+    begin_s = float(ends.min())
+    return TimeAxis(begin_s, begin_s, max(float(ends.max()), begin_s + 1.0))
+
+
+def draw_dots(axes: Axes, x: Array, y: Array, colour: str) -> None:
+    """A dot a step: smaller the more there are; very many become an image in which density shows."""
+    few, dense = len(x) < 60, len(x) > RASTER_FROM
+    axes.plot(
+        x,
+        y,
+        "o",
+        color=colour,
+        markersize=6.5 if few else 2.6 if len(x) < 600 else 1.6,
+        markeredgecolor=svg.PAPER,
+        markeredgewidth=1.0 if few else 0.0,
+        alpha=0.4 if dense else 1.0,
+        rasterized=dense,
+    )

@@ -1,0 +1,185 @@
+"""The track on equal axes, with its uncertainty, fixes and truth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse
+from matplotlib.ticker import MultipleLocator
+
+from pdr_est.evaluate.consistency import CHI2_95_2D, radius95_m
+from pdr_est.frames import Array
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.track_line import draw_device, draw_mode_bands, draw_modes
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.track import Track
+
+ELLIPSES = 28  # about as many in all at most: more hide the track
+DENSE_POINTS = 200  # truth with more points is a line without markers
+BOTTOM_IN, TOP_IN = 0.72, 0.12
+SMALLEST_SPAN_M = 4.0
+
+
+@dataclass(frozen=True)
+class Window:
+    """The part of the map that is drawn, and the height of the axes in inches."""
+
+    west: float
+    east: float
+    south: float
+    north: float
+    height_in: float
+
+    @property
+    def width(self) -> float:
+        return self.east - self.west
+
+
+def plot_track(
+    track: Track, fixes: tuple[PositionFix, ...] = (), truth_m: Array | None = None, in_map_frame: bool = True
+) -> Figure:
+    """Figure of the track of every device. truth_m: (k, 2) in the same frame as the track, or None.
+
+    The line of a single device has the colours of the carrying modes. Several devices have a colour each, and
+    the modes are bands under their lines.
+    """
+    tracks = [track.of_device(name) for name in track.devices]
+    shown = [thin_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
+    window = _window(tracks, shown, fixes, truth_m)
+    figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
+    axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
+    _set_window(axes, window)
+    alone = len(tracks) == 1
+    for number, (one, chosen) in enumerate(zip(tracks, shown, strict=True)):
+        colour = svg.MUTED if alone else svg.series_colour(number)
+        for i in chosen:
+            _ellipse(axes, one.position_m[i], one.covariance_m2[i], colour)
+    if truth_m is not None and len(truth_m):
+        _truth(axes, truth_m)
+    _lines(axes, tracks, 0.022 * window.width)
+    _fixes(axes, fixes)
+    for number, one in enumerate(tracks):
+        _ends(axes, one, svg.INK if alone else svg.series_colour(number))
+    svg.label_axes(axes, *(("east (m)", "north (m)") if in_map_frame else ("x (m)", "y (m)")))
+    _scale_bar(axes, window)
+    return figure
+
+
+def thin_ellipses(track: Track, count: int) -> list[int]:
+    """Poses of one device whose ellipses are drawn: at most about `count`, wider apart where they are large.
+
+    The last pose is always among them; poses without a finite, visible covariance never are.
+    """
+    radius = radius95_m(track.covariance_m2)
+    legs = np.linalg.norm(np.diff(track.position_m, axis=0), axis=1)
+    way = np.concatenate([[0.0], np.cumsum(legs)])
+    spacing = way[-1] / max(count, 1)
+    visible = np.flatnonzero(np.isfinite(radius) & (radius > 0.0))
+    if not len(visible):
+        return []
+    last = int(visible[-1])
+    chosen = [last]
+    for i in visible[::-1]:  # from the end, so that the last pose is one of an even row
+        apart = way[chosen[-1]] - way[i]
+        if apart >= max(spacing, 0.5 * min(radius[chosen[-1]], radius[i], way[-1] / 8.0)):
+            chosen.append(int(i))
+    return chosen[::-1]
+
+
+def _window(
+    tracks: list[Track], shown: list[list[int]], fixes: tuple[PositionFix, ...], truth_m: Array | None
+) -> Window:
+    """Room for everything; ellipses may widen the view by half at most, so that the track stays readable."""
+    points = [track.position_m for track in tracks] + [fix.position_m[None] for fix in fixes]
+    if truth_m is not None:
+        points.append(truth_m)
+    cloud = np.concatenate(points)
+    cloud = cloud[np.isfinite(cloud).all(axis=1)]
+    low, high = (cloud.min(axis=0), cloud.max(axis=0)) if len(cloud) else (np.zeros(2), np.zeros(2))
+    room = max(0.25 * float((high - low).max()), SMALLEST_SPAN_M / 2.0)
+    wide_low, wide_high = low.copy(), high.copy()
+    for track, chosen in zip(tracks, shown, strict=True):
+        for i in chosen:
+            reach = np.sqrt(CHI2_95_2D * np.diagonal(track.covariance_m2[i]))
+            wide_low = np.minimum(wide_low, track.position_m[i] - reach)
+            wide_high = np.maximum(wide_high, track.position_m[i] + reach)
+    low, high = np.maximum(wide_low, low - room), np.minimum(wide_high, high + room)
+    middle = (low + high) / 2.0
+    span = np.maximum((high - low) * 1.08, SMALLEST_SPAN_M)
+    width_in = svg.WIDTH_IN - svg.LEFT_IN - svg.RIGHT_IN
+    height_in = width_in * float(np.clip(span[1] / span[0], 0.3, 0.8))
+    metres_per_inch = max(span[0] / width_in, span[1] / height_in)
+    half = 0.5 * metres_per_inch * np.array([width_in, height_in])
+    (west, south), (east, north) = middle - half, middle + half
+    return Window(float(west), float(east), float(south), float(north), height_in)
+
+
+def _set_window(axes: Axes, window: Window) -> None:
+    axes.set_xlim(window.west, window.east)
+    axes.set_ylim(window.south, window.north)
+    axes.set_aspect("equal")
+    step = svg.nice_step(window.width, 9)
+    axes.xaxis.set_major_locator(MultipleLocator(step))
+    axes.yaxis.set_major_locator(MultipleLocator(step))
+
+
+def _ellipse(axes: Axes, centre: Array, covariance: Array, colour: str) -> None:
+    """The 95 % region of a 2-D normal distribution."""
+    variances, directions = np.linalg.eigh(covariance)
+    short, long = 2.0 * np.sqrt(CHI2_95_2D * np.maximum(variances, 0.0))
+    angle = np.degrees(np.arctan2(directions[1, 1], directions[0, 1]))
+    for style in ({"facecolor": colour, "alpha": 0.06}, {"facecolor": "none", "edgecolor": colour, "alpha": 0.45}):
+        axes.add_patch(Ellipse((centre[0], centre[1]), long, short, angle=angle, linewidth=0.7, **style))
+
+
+def _truth(axes: Axes, truth_m: Array) -> None:
+    dense = len(truth_m) > DENSE_POINTS
+    axes.plot(*truth_m.T, color=svg.MUTED, linewidth=1.0, dashes=(4, 2.5))
+    if not dense:
+        axes.plot(*truth_m.T, "o", color=svg.PAPER, markeredgecolor=svg.MUTED, markersize=4.0, markeredgewidth=1.0)
+
+
+def _lines(axes: Axes, tracks: list[Track], arrow_m: float) -> None:
+    if len(tracks) == 1:
+        draw_modes(axes, tracks[0], arrow_m)
+        return
+    for one in tracks:
+        draw_mode_bands(axes, one)
+    for number, one in enumerate(tracks):
+        draw_device(axes, one, svg.series_colour(number), arrow_m)
+
+
+def _fixes(axes: Axes, fixes: tuple[PositionFix, ...]) -> None:
+    if fixes:
+        positions = np.array([fix.position_m for fix in fixes])
+        axes.plot(
+            *positions.T, "D", color=svg.FIX, markeredgecolor=svg.PAPER, markersize=5.5, markeredgewidth=0.8, zorder=3
+        )
+
+
+def _ends(axes: Axes, track: Track, colour: str) -> None:
+    """A large open circle at the start, a small full square at the end: both show when they coincide."""
+    start, end = track.position_m[0], track.position_m[-1]
+    axes.plot(*start, "o", color=svg.PAPER, markeredgecolor=colour, markersize=10.0, markeredgewidth=2.0, zorder=4)
+    if len(track) > 1:
+        axes.plot(*end, "s", color=colour, markeredgecolor=svg.PAPER, markersize=6.0, markeredgewidth=0.8, zorder=5)
+
+
+def _scale_bar(axes: Axes, window: Window) -> None:
+    """A bar of round length below the axes, where it cannot hide anything."""
+    length = svg.nice_step(window.width, 9)
+    below = -0.44 / window.height_in
+    frame = axes.get_xaxis_transform()
+    begin, end = window.east - length, window.east
+    axes.plot([begin, end], [below, below], color=svg.INK, linewidth=2.0, transform=frame, clip_on=False)
+    text = f"{length:g} m"
+    axes.text(
+        (begin + end) / 2,
+        below - 0.06 / window.height_in,
+        text,
+        color=svg.INK,
+        ha="center",
+        va="top",
+        transform=frame,
+    )

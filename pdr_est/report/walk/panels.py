@@ -1,0 +1,138 @@
+"""The plots of the report with their titles, legends and captions.
+
+Legends are HTML beside the plot: they never cover it, and names of devices stay text that the template escapes.
+"""
+
+from dataclasses import dataclass
+
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from pdr_est.evaluate.rigid_alignment import best_alignment
+from pdr_est.frames import Array
+from pdr_est.pipeline import DeviceWalk, SmoothedWalk
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.acceleration import plot_acceleration
+from pdr_est.report.plots.gait import plot_gait
+from pdr_est.report.plots.legend import LegendEntry
+from pdr_est.report.plots.mode_style import mode_legend, mode_runs
+from pdr_est.report.plots.time_axis import TimeAxis, time_axis
+from pdr_est.report.plots.track import plot_track
+from pdr_est.report.plots.track_line import mode_legs
+from pdr_est.types.ground_truth import TruePositions
+from pdr_est.types.recording import Recording
+from pdr_est.types.track import Track
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A plot with its words. svg: markup made by `svg.to_svg`, free of foreign text; all else is plain text."""
+
+    title: str
+    svg: Markup
+    legend: tuple[LegendEntry, ...]
+    caption: str = ""
+
+
+NOT_RECORDED = LegendEntry("shade", "muted", "not recorded")
+
+
+def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) -> Panel:
+    """The map. A track in a frame of its own has the truth laid onto it."""
+    track, truth = walk.track, recording.truth.positions
+    truth_m = None if truth is None else _truth_points(track, truth, in_map_frame)
+    figure = plot_track(track, walk.fixes, truth_m, in_map_frame)
+    legend = _track_lines(track)
+    legend += [LegendEntry("ellipse", "muted", "95 % region"), LegendEntry("start", "ink", "start")]
+    if len(track) > len(track.devices):
+        legend.append(LegendEntry("end", "ink", "end"))
+    if walk.fixes:
+        legend.append(LegendEntry("fix", "fix", "position fix"))
+    if truth is not None and truth_m is not None:
+        legend.append(LegendEntry("truth", "muted", f"truth ({truth.source})"))
+    caption = _track_caption(walk, truth_m is not None, in_map_frame)
+    return Panel("Track", _markup(figure, "track", "Map of the track"), tuple(legend), caption)
+
+
+def _track_lines(track: Track) -> list[LegendEntry]:
+    """The line's colours: of the modes when there is one device; else of the devices, with the modes as bands."""
+    legs = {mode for name in track.devices for mode in mode_legs(track.of_device(name))}
+    if len(track.devices) == 1:
+        return mode_legend("line", legs)
+    lines = [LegendEntry("line", _colour(place), name) for place, name in enumerate(track.devices)] if legs else []
+    return lines + mode_legend("band", legs)
+
+
+def _truth_points(track: Track, truth: TruePositions, in_map_frame: bool) -> Array | None:
+    """The true positions in the frame of the track (n, 2), or None when they cannot be brought into it."""
+    if in_map_frame:
+        return truth.position_m
+    first = track.of_device(track.devices[0])
+    if len(first) < 2 or len(truth.time_s) < 2:
+        return None
+    reached, _ = first.at(truth.time_s)
+    return best_alignment(truth.position_m, reached).apply(truth.position_m)
+
+
+def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool) -> str:
+    sentences = []
+    if len(walk.track) == len(walk.track.devices):
+        sentences.append("No step was found: the track is a single point.")
+    else:
+        sentences.append(
+            "The line has the colour of the carrying mode."
+            if len(walk.devices) == 1
+            else "The band under the line of a device has the colour of its carrying mode."
+        )
+        sentences.append("Ellipses are drawn for some of the poses.")
+    if not in_map_frame:
+        sentences.append(
+            "With neither a complete start pose nor fixes the track lies in a frame of its own, "
+            "turned or shifted against the map."
+        )
+        if shows_truth:
+            sentences.append("For this plot the truth was turned and shifted to fit the track best.")
+    return " ".join(sentences)
+
+
+def time_panels(walk: SmoothedWalk) -> list[Panel]:
+    """Acceleration device by device, then the steps of all devices; without steps there is nothing for the latter."""
+    axis = time_axis(walk)
+    panels = [
+        _acceleration_panel(device, place, axis, len(walk.devices) > 1) for place, device in enumerate(walk.devices)
+    ]
+    if any(device.steps for device in walk.devices):
+        panels.append(_gait_panel(walk, axis))
+    return panels
+
+
+def _acceleration_panel(device: DeviceWalk, place: int, axis: TimeAxis, several: bool) -> Panel:
+    figure = plot_acceleration(device, axis, svg.series_colour(place))
+    legend = [LegendEntry("line", "muted", "vertical acceleration, gravity removed")]
+    if device.steps:
+        legend.append(LegendEntry("dot", _colour(place), "detected step"))
+    legend += mode_legend("strip", (run.mode for run in mode_runs(device)))
+    if device.gaps:
+        legend.append(NOT_RECORDED)
+    title = "Acceleration and steps" + (f": {device.device}" if several else "")
+    return Panel(title, _markup(figure, f"acceleration-{place}", "Vertical acceleration over time"), tuple(legend))
+
+
+def _gait_panel(walk: SmoothedWalk, axis: TimeAxis) -> Panel:
+    names = [device.device for device in walk.devices] if len(walk.devices) > 1 else ["step"]
+    legend = [LegendEntry("dot", _colour(place), name) for place, name in enumerate(names)]
+    legend.append(LegendEntry("shade", "series-1", "95 % interval of the heading"))
+    legend += mode_legend("strip", (run.mode for device in walk.devices for run in mode_runs(device)))
+    if any(device.gaps for device in walk.devices):
+        legend.append(NOT_RECORDED)
+    markup = _markup(plot_gait(walk, axis), "gait", "Heading, step length and cadence over time")
+    caption = "Heading counter-clockwise from the x axis of the map; step length as the estimator has it."
+    return Panel("Heading, step length, cadence", markup, tuple(legend), caption)
+
+
+def _colour(place: int) -> str:
+    return svg.css_name(svg.series_colour(place))
+
+
+def _markup(figure: Figure, name: str, description: str) -> Markup:
+    return Markup(svg.to_svg(figure, name, description))

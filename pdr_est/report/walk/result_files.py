@@ -1,0 +1,75 @@
+"""All the files of a smoothed walk."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from pdr_est.calibration.profile import Profile
+from pdr_est.config import Config, config_to_dict
+from pdr_est.evaluate.association import associate
+from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_errors
+from pdr_est.front_end.gait import gait_model
+from pdr_est.front_end.gait.model import model_digest
+from pdr_est.io.writers.track_files import write_geojson, write_steps_csv, write_tum
+from pdr_est.pipeline import SmoothedWalk
+from pdr_est.report.walk.page import render_report
+from pdr_est.report.walk.summary import Json, package_versions, summarise
+from pdr_est.types.recording import Recording
+
+
+def write_results(
+    folder: Path,
+    walk: SmoothedWalk,
+    recording: Recording,
+    config: Config,
+    inputs: Mapping[str, str | None],
+    profile: Profile | None = None,
+) -> Json:
+    """Write track.csv, steps.csv, track.tum, track.geojson, summary.json and report.html; return the summary.
+
+    inputs: name of each input file -> its SHA-256, or None. profile: of the walker, if the configuration was made
+    with one. Raises OutputError when a file cannot be written.
+    """
+    start, gaits = config.start.pose(), gait_model(config.gait)
+    summary = summarise(
+        walk,
+        recording,
+        config_to_dict(config),
+        inputs,
+        package_versions(),
+        start=start,
+        errors=errors(walk, recording),
+        profile=profile,
+        gait_model_sha256=None if gaits is None else model_digest(gaits),
+    )
+    origin = recording.origin if summary["frame"] == "map" else None
+    walk.track.to_csv(folder / "track.csv")
+    write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
+    write_tum(walk.track, folder / "track.tum", recording.epoch_s)
+    write_geojson(walk.track, folder / "track.geojson", origin, fixes=walk.fixes)
+    _write(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
+    _write(folder / "report.html", render_report(walk, recording, summary))
+    return summary
+
+
+def _write(path: Path, text: str) -> None:
+    """Write UTF-8; bytes of file names that are no text are escaped, which JSON reads back as they were."""
+    path.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
+def errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:
+    """Errors of a one-device track against the recording's true positions by the definitions of the benchmark.
+
+    `error_map_m`, the mean error without any alignment, only where fixes tie the track to the map.
+    None for several devices and for recordings without at least two true positions.
+    """
+    truth = recording.truth.positions
+    if truth is None or len(walk.devices) != 1:
+        return None
+    pairs = associate(walk.track, truth.time_s, truth.position_m, walk.devices[0].span_s)
+    if len(pairs) < LEAST_POINTS:
+        return None
+    found = open_metrics(walk.track, pairs, truth.source)
+    if walk.fixes:
+        found["error_map_m"] = float(point_errors(pairs.track_m, pairs.truth_m).mean())
+    return found

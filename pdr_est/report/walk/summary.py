@@ -1,0 +1,235 @@
+"""The numbers of a finished walk as one JSON document: `summary.json`, and the source of the report's tables."""
+
+import math
+import platform
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, is_dataclass
+from datetime import UTC, date, datetime
+from enum import Enum
+from importlib import metadata
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from pdr_est.calibration.profile import Profile
+from pdr_est.clock_sync import ClockEstimate
+from pdr_est.estimators import RECKONERS
+from pdr_est.evaluate.consistency import radius95_m
+from pdr_est.pipeline import DeviceWalk, SmoothedWalk
+from pdr_est.report.walk.mode_shares import mode_use
+from pdr_est.report.walk.wording import directions_in_words, scale_in_words
+from pdr_est.types.ground_truth import Truth
+from pdr_est.types.measurements import PositionFix, StartPose
+from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.track import Track
+
+PACKAGES = ("pdr-est", "numpy", "scipy", "gtsam", "filterpy", "vqf")
+
+Json = dict[str, Any]
+
+
+def package_versions() -> dict[str, str | None]:
+    """Versions of Python, of this package and of the libraries that shape the numbers; None if not installed."""
+    return {"python": platform.python_version()} | {name.replace("-", "_"): _version(name) for name in PACKAGES}
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def summarise(
+    walk: SmoothedWalk,
+    recording: Recording,
+    config_dict: Mapping[str, Any],
+    inputs: Mapping[str, str | None],
+    versions: Mapping[str, str | None],
+    *,
+    start: StartPose | None = None,
+    errors: Mapping[str, float] | None = None,
+    profile: Profile | None = None,
+    gait_model_sha256: str | None = None,
+) -> Json:
+    """What went in, what was done and what came out, JSON-serialisable, with None for a number that is not known.
+
+    config_dict: the resolved configuration. inputs: name of each input file -> its SHA-256 or None.
+    versions: see `package_versions`. start: the start pose that was asked for; it decides, with the fixes,
+    whether the track lies in the map frame or in a frame of its own. errors: metrics against the truth by name.
+    profile: of the walker, None without a calibration. gait_model_sha256: None where gaits are unknown.
+    """
+    track = walk.track
+    summary = {
+        "recording": _recording(recording),
+        "inputs": [{"name": name, "sha256": digest} for name, digest in inputs.items()],
+        "estimator": track.estimator,
+        "kind": track.kind,
+        "frame": _frame(walk, start),
+        "duration_s": _duration_s(walk),
+        "distance_m": track.of_device(track.devices[-1]).distance_m,  # the person's, who comes last
+        "steps": _steps_of_person(walk),
+        "counts": _counts(walk.devices),
+        "carrying_modes": [use for device in walk.devices for use in mode_use(device)],
+        "devices": [_device_track(track.of_device(name)) for name in track.devices],
+        "headings": [_heading(device, config_dict) for device in walk.devices],
+        "length_scale": {
+            "value": track.length_scale,
+            "sigma": track.sigma_length_scale,
+            "meaning": scale_in_words(track, bool(walk.fixes), profile is not None),
+        },
+        "profile": profile,
+        "gait_model_sha256": gait_model_sha256,
+        "start": start,
+        "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
+        "fixes": _fixes(walk.fixes, track.estimator, start),
+        "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
+        "errors_against_truth": errors,
+        "timings_s": walk.timings_s,
+        "warnings": list(dict.fromkeys(walk.warnings)),
+        "config": config_dict,
+        "versions": versions,
+    }
+    document: Json = to_json(summary)
+    return document
+
+
+def to_json(value: Any) -> Any:
+    """The same value in terms that JSON knows: records as objects, arrays as lists, NaN and infinity as None."""
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, np.ndarray):
+        return to_json(value.tolist())
+    if isinstance(value, np.generic):
+        return to_json(value.item())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if is_dataclass(value) and not isinstance(value, type):
+        return to_json(asdict(value))
+    if isinstance(value, Mapping):
+        return {str(key): to_json(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [to_json(item) for item in value]
+    if isinstance(value, date):
+        return value.isoformat()
+    if isinstance(value, PurePath):
+        return str(value)
+    if value is None or isinstance(value, str | int):
+        return value
+    raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
+
+
+def _recording(recording: Recording) -> Json:
+    begin = recording.epoch_s
+    return {
+        "name": recording.name,
+        "format": recording.format,
+        "time_zero": None if begin is None else datetime.fromtimestamp(begin, UTC).isoformat(timespec="milliseconds"),
+        "origin": recording.origin,
+        "notes": recording.notes,
+        "truth": _truth(recording.truth),
+        "devices": [_device(device) for device in recording.devices],
+    }
+
+
+def _device(device: DeviceRecording) -> Json:
+    return {
+        "name": device.name,
+        "model": device.model,
+        "platform": device.platform,
+        "samples": {str(block.channel): len(block.time_s) for block in device.blocks()},
+        "decisions": device.decisions,
+        "warnings": device.warnings,
+    }
+
+
+def _truth(truth: Truth) -> Json:
+    positions = truth.positions
+    return {
+        "positions": None if positions is None else {"count": len(positions.time_s), "source": positions.source},
+        "step_count": truth.step_count,
+        "distance_m": truth.distance_m,
+        "activity": truth.activity,
+    }
+
+
+def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
+    """ "map" when position and direction are tied to the map, else "own": origin at the start of the walk."""
+    places = {tuple(fix.position_m) for fix in walk.fixes}
+    if start is not None and start.position_m is not None:
+        places.add(start.position_m)
+    directed = start is not None and start.heading_rad is not None
+    return "map" if len(places) >= (1 if directed else 2) else "own"
+
+
+def _duration_s(walk: SmoothedWalk) -> float | None:
+    """From the first to the last sample of any device; from the track when no samples were kept."""
+    blocks = [block for device in walk.devices for block in device.level if len(block)]
+    begins = [float(block.time_s[0]) for block in blocks] or [float(t) for t in walk.track.time_s]
+    ends = [float(block.time_s[-1]) for block in blocks] or [float(t) for t in walk.track.time_s]
+    return max(ends) - min(begins) if begins else None
+
+
+def _counts(devices: Sequence[DeviceWalk]) -> Json:
+    return {
+        "steps": {device.device: len(device.steps) for device in devices},
+        "samples": {device.device: sum(len(block) for block in device.level) for device in devices},
+        "dropped_samples": {device.device: device.dropped_samples for device in devices},
+    }
+
+
+def _clock(device: str, clock: ClockEstimate) -> Json:
+    """What a device's clock is ahead of the first one's, and how well that is known; a poor one may be unused."""
+    return {"device": device, "used": clock.used} | asdict(clock)
+
+
+def _steps_of_person(walk: SmoothedWalk) -> int:
+    """Those of the device, or of several devices the rows of the person's track after its start."""
+    if len(walk.devices) == 1:
+        return len(walk.devices[0].steps)
+    return len(walk.track.of_device(walk.track.devices[-1])) - 1
+
+
+def _device_track(track: Track) -> Json:
+    radius = radius95_m(track.covariance_m2)
+    known = radius[np.isfinite(radius)]
+    return {
+        "name": str(track.device[0]),
+        "distance_m": track.distance_m,
+        "start_position_m": track.position_m[0],
+        "end_position_m": track.position_m[-1],
+        "end_radius95_m": radius[-1],
+        "largest_radius95_m": known.max() if len(known) else None,
+    }
+
+
+def _heading(device: DeviceWalk, config_dict: Mapping[str, Any]) -> Json:
+    """How headings were found; the building's directions are None for a method that does not look for them."""
+    found = device.directions
+    return {
+        "device": device.device,
+        "method": config_dict.get("heading", {}).get("method") if device.has_heading else None,
+        "directions": None
+        if found is None
+        else {
+            "number": found.number,
+            "spacing_deg": math.degrees(found.spacing_rad),
+            "log_odds": found.log_odds,
+            "used": found.used,
+        },
+        "meaning": directions_in_words(found),
+    }
+
+
+def _fixes(fixes: Sequence[PositionFix], estimator: str, start: StartPose | None) -> Json:
+    """How many there are and what became of them: measurements of the track, or what its start was found from."""
+    reckoned = estimator in RECKONERS
+    known = start is not None and start.position_m is not None and start.heading_rad is not None
+    return {
+        "given": len(fixes),
+        "used": 0 if reckoned else len(fixes),
+        "aligned_with": len(fixes) if reckoned and not known else 0,
+        "sources": dict(Counter(fix.source for fix in fixes)),
+    }
