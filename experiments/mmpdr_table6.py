@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from recorded import write
 
 from pdr_est.config import Config
-from pdr_est.evaluate.modes import Transitions, confusion, shares, transitions
+from pdr_est.evaluate.carrying_modes import Transitions, confusion, shares, transitions
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.pipeline import analyse
 from pdr_est.simulate import SimulatedWalk, mmpdr_mode_walks, simulate_walk

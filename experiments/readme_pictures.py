@@ -21,7 +21,7 @@ from pdr_est.report.plots.acceleration import plot_acceleration
 from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.plots.track import plot_track
 from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
-from pdr_est.simulate.presets import carried_device
+from pdr_est.simulate.presets.mmpdr import carried_device
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.steps import CarryingMode
 

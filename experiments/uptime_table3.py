@@ -15,8 +15,8 @@ import numpy as np
 from recorded import write, write_table
 
 from pdr_est.config import Config
+from pdr_est.experiment.results.score_rows import BenchmarkResult
 from pdr_est.experiment.runners.score_walk import run_benchmark
-from pdr_est.experiment.score_rows import BenchmarkResult
 from pdr_est.experiment.variants.axes import compare
 
 MARK = "<!-- uptime table 3 -->"

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from recorded import write, write_table
 
 from pdr_est.config import Config
-from pdr_est.evaluate.gait import KNOWN, accuracies, recalls
-from pdr_est.experiment.confusion import Confusion
+from pdr_est.evaluate.gait_recognition import KNOWN, accuracies, recalls
 from pdr_est.experiment.runners.score_walk import run_benchmark
+from pdr_est.experiment.scoring.confusion import Confusion
 from pdr_est.experiment.variants.axes import compare
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.types.steps import Gait

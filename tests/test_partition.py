@@ -32,7 +32,6 @@ from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, Device
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
 from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
-from pdr_est.front_end.heading.dominant_directions import DominantParams
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
@@ -41,7 +40,8 @@ from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxi
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
-from pdr_est.front_end.heading.whole_walk import HeadingHindsight
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
+from pdr_est.front_end.heading.whole_walk.stage import HeadingHindsight
 from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.signal.blocks import join

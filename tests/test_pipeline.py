@@ -16,7 +16,7 @@ from pdr_est.estimators import EstimatorName
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
-from pdr_est.front_end.heading.dominant_directions import DominantParams
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
 from pdr_est.pipeline import SmoothedWalk

@@ -57,9 +57,7 @@ def estimate_walk(
                 return ekf.estimate(timelines[0], start, sigma_length_scale)
             return joint_ekf.estimate(timelines, tethers, start, sigma_length_scale)
         case "factor-graph":
-            from pdr_est.estimators.factor_graph import (
-                smoother as factor_graph,  # gtsam is slow to load: only when it is used
-            )
+            from pdr_est.estimators.factor_graph import smoother as factor_graph
 
             return factor_graph.estimate(timelines, tethers, start, sigma_length_scale)
         case "fixed-lag":

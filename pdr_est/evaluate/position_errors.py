@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.evaluate.association import Association
 from pdr_est.evaluate.rigid_alignment import best_alignment, start_alignment
+from pdr_est.evaluate.time_association import Association
 from pdr_est.frames import Array
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track

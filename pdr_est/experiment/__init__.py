@@ -2,9 +2,9 @@
 
 from pdr_est.experiment.loader import Experiment, load_experiment
 from pdr_est.experiment.results.console_table import print_table
+from pdr_est.experiment.results.score_rows import BenchmarkResult
 from pdr_est.experiment.runner import run_experiment
 from pdr_est.experiment.runners.score_walk import run_benchmark
-from pdr_est.experiment.score_rows import BenchmarkResult
 from pdr_est.experiment.suites import SUITES
 from pdr_est.experiment.variants.axes import compare
 

@@ -5,9 +5,9 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le
 
-from pdr_est.evaluate.heldout import EVERY, WAYPOINT_SIGMA_M
+from pdr_est.evaluate.held_out_fixes import EVERY, WAYPOINT_SIGMA_M
 from pdr_est.params import params
-from pdr_est.simulate.population import PopulationParams
+from pdr_est.simulate.people.population import PopulationParams
 
 Count = Annotated[int, Ge(1), Le(1_000_000)]
 Protocol = Literal["none", "heldout", "every"]

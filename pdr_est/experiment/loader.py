@@ -16,8 +16,8 @@ from pdr_est.errors import ConfigError, PdrError
 from pdr_est.experiment.config import DataParams, ExperimentConfig
 from pdr_est.experiment.scoring.any_recording import Judge, judged, knows_positions
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
-from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import SUITES, suite_named
+from pdr_est.experiment.suites.suite import Suite
 from pdr_est.experiment.variants.axes import Variant
 from pdr_est.experiment.variants.expand import expand
 from pdr_est.experiment.walks import Walk, find_walks

@@ -12,7 +12,7 @@ from pdr_est.front_end.heading import hindsight_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.pipeline.front_end_chain import levelling, stepping
 from pdr_est.simulate import simulate_walk
-from pdr_est.simulate.population import PopulationParams, population
+from pdr_est.simulate.people.population import PopulationParams, population
 from pdr_est.stage import Stage
 from pdr_est.types.recording import Recording
 

@@ -8,13 +8,13 @@ from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
 from pdr_est.params import params
-from pdr_est.simulate.body import BodyParams
-from pdr_est.simulate.magnetic import EarthField, Iron
-from pdr_est.simulate.modes import AnyPhone, ModeChange, check_changes
-from pdr_est.simulate.path import PathParams
-from pdr_est.simulate.phone import HeldPhone
-from pdr_est.simulate.sensors import SensorParams
-from pdr_est.simulate.walker import GaitParams
+from pdr_est.simulate.carrying.held import HeldPhone
+from pdr_est.simulate.carrying.mode_changes import AnyPhone, ModeChange, check_changes
+from pdr_est.simulate.sensors.errors import SensorParams
+from pdr_est.simulate.sensors.magnetic_field import EarthField, Iron
+from pdr_est.simulate.walker.path import PathParams
+from pdr_est.simulate.walker.step_schedule import GaitParams
+from pdr_est.simulate.walker.trunk import BodyParams
 
 
 @params

@@ -7,14 +7,14 @@ import numpy as np
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
-from pdr_est.simulate.body import Body
-from pdr_est.simulate.magnetic import field_ut
-from pdr_est.simulate.modes import carried_motion, true_modes
-from pdr_est.simulate.path import Path
-from pdr_est.simulate.rigid_body import RigidMotion
+from pdr_est.simulate.carrying.mode_changes import carried_motion, true_modes
+from pdr_est.simulate.motion.rigid_body import RigidMotion
 from pdr_est.simulate.scenario import DeviceParams, Scenario, check
-from pdr_est.simulate.sensors import RecordedSensor, SensorErrors, record, record_exactly, sampling_times
-from pdr_est.simulate.walker import Steps, plan_steps
+from pdr_est.simulate.sensors.errors import RecordedSensor, SensorErrors, record, record_exactly, sampling_times
+from pdr_est.simulate.sensors.magnetic_field import field_ut
+from pdr_est.simulate.walker.path import Path
+from pdr_est.simulate.walker.step_schedule import Steps, plan_steps
+from pdr_est.simulate.walker.trunk import Body
 from pdr_est.types.ground_truth import TrueModes, TruePositions, TrueSteps, TrueTurns, Truth
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Recording

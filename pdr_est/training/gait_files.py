@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pdr_est.errors import RecordingError
-from pdr_est.evaluate.gait import KNOWN_BY_NAME
+from pdr_est.evaluate.gait_recognition import KNOWN_BY_NAME
 from pdr_est.io.writers.checksums import file_digests
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import Gait

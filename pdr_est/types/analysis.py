@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from pdr_est.clock_sync import ClockEstimate
 from pdr_est.frames import Array
+from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import Gap, LevelBlock
 from pdr_est.types.steps import Step

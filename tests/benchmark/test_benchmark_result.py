@@ -8,7 +8,7 @@ from rich.console import Console
 
 from pdr_est.evaluate.statistics import Average
 from pdr_est.experiment import BenchmarkResult, print_table
-from pdr_est.experiment.score_rows import SkippedWalk, WalkRow
+from pdr_est.experiment.results.score_rows import SkippedWalk, WalkRow
 
 
 def row(walk, estimator, ate, group=None, headline=True, **labels):

@@ -12,8 +12,8 @@ from small_sets import N_STEPS, bouncing, crests_s, plain_table, write
 from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, Observation
 from pdr_est.config import Config
 from pdr_est.experiment import compare, run_benchmark
-from pdr_est.experiment.calibrated import with_calibrated
-from pdr_est.experiment.score_rows import SkippedWalk, WalkRow
+from pdr_est.experiment.results.score_rows import SkippedWalk, WalkRow
+from pdr_est.experiment.scoring.calibrated import with_calibrated
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.step_length import StepLengthParams
 

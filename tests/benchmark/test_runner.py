@@ -9,8 +9,8 @@ from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.experiment import SUITES, compare, run_benchmark
 from pdr_est.experiment.runners import score_walk as runner
-from pdr_est.experiment.suite import Scores, Walked
 from pdr_est.experiment.suites import ilc20, ipin2023
+from pdr_est.experiment.suites.suite import Scores, Walked
 from pdr_est.experiment.variants.axes import Comparison, Variant
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.mode import ModeParams

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import ConfigError, RecordingError
-from pdr_est.experiment.suite import WalkFile
 from pdr_est.experiment.suites import SUITES, oxiod, suite_named
-from pdr_est.experiment.walk_files import recordings, suite_folder
+from pdr_est.experiment.suites.recording_files import recordings, suite_folder
+from pdr_est.experiment.suites.suite import WalkFile
 from pdr_est.types.steps import CarryingMode
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pdr_est.experiment.score_rows import BenchmarkResult, WalkRow
+from pdr_est.experiment.results.score_rows import BenchmarkResult, WalkRow
 
 EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 SCRIPT = runpy.run_path(str(EXPERIMENTS / "uptime_table3.py"))

@@ -12,7 +12,7 @@ from cli_runs import refused, run
 
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.simulate import DeviceParams, GaitParams, HeldPhone, PocketPhone, Scenario, simulate_walk
-from pdr_est.simulate.path import PathParams
+from pdr_est.simulate.walker.path import PathParams
 from pdr_est.types.recording import DeviceRecording, Recording
 
 pytestmark = pytest.mark.usefixtures("without_report")

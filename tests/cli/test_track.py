@@ -16,7 +16,8 @@ from cli_runs import refused, run
 from click.testing import CliRunner
 
 from pdr_est import pipeline
-from pdr_est.cli import main, track
+from pdr_est.cli import main
+from pdr_est.cli.commands import track
 from pdr_est.config import Config
 from pdr_est.io import read
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.association import associate
+from pdr_est.evaluate.time_association import associate
 
 # A walk of 10 s at 1 m/s to the east; the recording goes on for 3 s more while the walker stands.
 SPAN_S = (0.0, 13.0)

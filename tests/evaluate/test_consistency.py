@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pdr_est.evaluate.consistency import CHI2_95_2D, coverage95, nees_mean, squared_mahalanobis
-from pdr_est.evaluate.heldout import WAYPOINT_SIGMA_M, fixes_at, given_points
+from pdr_est.evaluate.held_out_fixes import WAYPOINT_SIGMA_M, fixes_at, given_points
 
 
 def test_truths_own_sigma_is_added_to_the_tracks_covariance():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.gait import accuracies, counts_of, recalls
+from pdr_est.evaluate.gait_recognition import accuracies, counts_of, recalls
 from pdr_est.types.steps import Gait
 
 UNKNOWN, WALKING, JOGGING, RUNNING = Gait.UNKNOWN, Gait.WALKING, Gait.JOGGING, Gait.RUNNING

@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.headings import heading_at, heading_net_error_deg, turn_error_deg
+from pdr_est.evaluate.heading_errors import heading_at, heading_net_error_deg, turn_error_deg
 
 
 @pytest.fixture

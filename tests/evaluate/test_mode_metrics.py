@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.modes import confusion, shares, transitions
+from pdr_est.evaluate.carrying_modes import confusion, shares, transitions
 from pdr_est.types.ground_truth import TrueModes
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linear_sum_assignment
 
-from pdr_est.evaluate import steps
+from pdr_est.evaluate import step_detection as steps
 
 TRUE_S = np.arange(10.0, 20.0, 0.5)
 # Multiples of 2**-10 s: exact in binary, so that a shift breaks no tie.

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from pdr_est.evaluate.strides import lengths_by_time, lengths_by_two_steps, scored_strides, shares, stride_error
+from pdr_est.evaluate.stride_lengths import (
+    lengths_by_time,
+    lengths_by_two_steps,
+    scored_strides,
+    shares,
+    stride_error,
+)
 from pdr_est.types.ground_truth import TrueStrides
 
 STEP_ENDS_S = np.arange(1.0, 9.0) * 0.5  # eight steps of 0.5 s

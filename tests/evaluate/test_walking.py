@@ -5,7 +5,7 @@ from math import isnan
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.mode_shares import mode_shares
+from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, Step, StepEvent
 

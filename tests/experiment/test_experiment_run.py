@@ -21,7 +21,7 @@ from pdr_est.experiment.runners import walk_job as work_module
 from pdr_est.experiment.runners.processes import run_locally
 from pdr_est.experiment.runners.walk_job import work_of
 from pdr_est.experiment.runners.walk_result import decode, part_file
-from pdr_est.experiment.suite import Suite
+from pdr_est.experiment.suites.suite import Suite
 from pdr_est.experiment.walks import Walk
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.simulate import preset, simulate_walk

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdr_est.experiment.confusion import Confusion
+from pdr_est.experiment.scoring.confusion import Confusion
 from pdr_est.types.steps import Gait
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.circular_grid import Circle
+from pdr_est.front_end.heading.whole_walk.circular_grid import Circle
 
 SPACINGS = [2.0 * np.pi, np.pi, np.pi / 2.0, np.pi / 4.0]
 

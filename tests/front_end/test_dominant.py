@@ -5,8 +5,8 @@ import pytest
 from heading_walks import of_legs, park, random_legs, unsteady, with_headings
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.front_end.heading.dominant_directions import DominantParams, dominant_directions
-from pdr_est.front_end.heading.straight_segments import Pieces, StraightParams, straight_pieces
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
+from pdr_est.front_end.heading.whole_walk.straight_segments import Pieces, StraightParams, straight_pieces
 from pdr_est.types.analysis import DominantDirections
 
 PARAMETERS = DominantParams()

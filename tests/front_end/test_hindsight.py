@@ -9,8 +9,8 @@ from signals import run
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading import HeadingHindsight, HeadingParams, hindsight_stage
-from pdr_est.front_end.heading.dominant_directions import DominantParams
 from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.types.steps import Step
 
 PARAMETERS = DominantParams()

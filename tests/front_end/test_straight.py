@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from heading_walks import STEP_S, of_legs, with_headings
 
-from pdr_est.front_end.heading.straight_segments import Pieces, StraightParams, straight_pieces
+from pdr_est.front_end.heading.whole_walk.straight_segments import Pieces, StraightParams, straight_pieces
 
 PARAMETERS = StraightParams()
 

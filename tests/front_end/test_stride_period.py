@@ -14,7 +14,7 @@ from pdr_est.front_end.steps import StepsParams
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams
 from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, SensorParams, SimulatedWalk, simulate_walk
-from pdr_est.simulate.person import sample_person
+from pdr_est.simulate.people.person import sample_person
 
 
 def stride_in(signal: Array, later: int = 0) -> float:

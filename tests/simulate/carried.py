@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, SimulatedWalk
 from pdr_est.simulate import simulate_walk as _simulate
-from pdr_est.simulate.rigid_body import RigidMotion
+from pdr_est.simulate.motion.rigid_body import RigidMotion
 
 CADENCE_HZ = 1.8
 STRAIGHT = PathParams(vertices_m=((0.0, 0.0), (60.0, 0.0)))

@@ -20,7 +20,7 @@ from pdr_est.simulate import (
     SimulatedWalk,
     simulate_walk,
 )
-from pdr_est.simulate.magnetic import field_ut
+from pdr_est.simulate.sensors.magnetic_field import field_ut
 
 LINE = PathParams(vertices_m=((0.0, 0.0), (20.0, 0.0)))
 

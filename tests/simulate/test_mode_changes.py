@@ -19,7 +19,7 @@ from pdr_est.simulate import (
     preset,
     simulate_walk,
 )
-from pdr_est.simulate.rigid_body import RigidMotion
+from pdr_est.simulate.motion.rigid_body import RigidMotion
 from pdr_est.types.steps import CarryingMode
 
 # the first change while standing, the others while walking, round a corner, and without a pause in between

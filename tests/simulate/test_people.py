@@ -17,7 +17,7 @@ from pdr_est.simulate import (
     sample_person,
     simulate_walk,
 )
-from pdr_est.simulate.walker import plan_steps, usual_speed_mps
+from pdr_est.simulate.walker.step_schedule import plan_steps, usual_speed_mps
 from pdr_est.types.steps import CarryingMode
 
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET

@@ -22,8 +22,8 @@ from pdr_est.simulate import (
     preset,
     simulate_walk,
 )
-from pdr_est.simulate.jet import Jet
-from pdr_est.simulate.rigid_body import RigidMotion
+from pdr_est.simulate.motion.differentiable_signal import Jet
+from pdr_est.simulate.motion.rigid_body import RigidMotion
 
 RATE_HZ = 500.0
 TURNS = PathParams(vertices_m=((0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (14.0, 9.0)))

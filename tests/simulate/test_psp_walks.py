@@ -22,7 +22,7 @@ from pdr_est.simulate import (
     scattered_irons,
     simulate_walk,
 )
-from pdr_est.simulate.magnetic import field_ut
+from pdr_est.simulate.sensors.magnetic_field import field_ut
 
 TURNING, STRAIGHT = psp_path("II", clockwise=False), PathParams(vertices_m=((0.0, 0.0), (290.0, 0.0)))
 STANDING_UPRIGHT = HeldPhone(

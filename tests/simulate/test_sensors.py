@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pdr_est.simulate import PERFECT, SensorErrors, SensorParams
-from pdr_est.simulate.sensors import record, sampling_times
+from pdr_est.simulate.sensors.errors import record, sampling_times
 
 RATE_HZ = 200.0
 TIME_S = sampling_times(100.0, RATE_HZ)

@@ -5,7 +5,7 @@ import pytest
 
 from pdr_est.errors import ConfigError
 from pdr_est.simulate import GaitParams, Pause
-from pdr_est.simulate.walker import plan_steps
+from pdr_est.simulate.walker.step_schedule import plan_steps
 
 REGULAR = GaitParams(
     cadence_hz=2.0, step_length_m=0.75, cadence_variation=0.0, length_variation=0.0, boundary_step_share=1.0

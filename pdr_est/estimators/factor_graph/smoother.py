@@ -23,13 +23,7 @@ from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.factor_graph.deep_stack import with_large_stack
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.estimators.factor_graph.length_scale import _at_scale
-from pdr_est.estimators.factor_graph.newton import (
-    EXACTLY,
-    EXACTLY_TETHERED,
-    ROUGHLY,
-    SOFTENINGS,
-    SOFTLY,
-)
+from pdr_est.estimators.factor_graph.newton import EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTENINGS, SOFTLY
 from pdr_est.estimators.factor_graph.walk_graph import _Scale, _WalkGraph
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose

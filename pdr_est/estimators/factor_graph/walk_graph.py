@@ -12,11 +12,7 @@ from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.cutting_planes import Holding
 from pdr_est.estimators.factor_graph.factors import Keys, add_motion, anchors, motion_noise, reference_guess
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
-from pdr_est.estimators.factor_graph.newton import (
-    Variables,
-    linearised,
-    minimised,
-)
+from pdr_est.estimators.factor_graph.newton import Variables, linearised, minimised
 from pdr_est.estimators.factor_graph.tether_constraints import Tethers
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose

@@ -7,8 +7,8 @@ from rich.measure import Measurement
 from rich.table import Table
 
 from pdr_est.evaluate.statistics import Average
-from pdr_est.experiment.confusion import Confusion
-from pdr_est.experiment.score_rows import BenchmarkResult, Summary
+from pdr_est.experiment.results.score_rows import BenchmarkResult, Summary
+from pdr_est.experiment.scoring.confusion import Confusion
 
 _WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps the lines instead
 

@@ -16,12 +16,12 @@ from pathlib import Path
 from pdr_est import __version__, pipeline
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, EstimationError, PdrError, RecordingError
-from pdr_est.experiment.calibrated import CalibrationCase, with_calibrated
-from pdr_est.experiment.score_rows import BenchmarkResult, SkippedWalk, WalkRow
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile
+from pdr_est.experiment.results.score_rows import BenchmarkResult, SkippedWalk, WalkRow
+from pdr_est.experiment.scoring.calibrated import CalibrationCase, with_calibrated
 from pdr_est.experiment.suites import suite_named
+from pdr_est.experiment.suites.recording_files import in_words, suite_folder
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile
 from pdr_est.experiment.variants.axes import Comparison, Variant, same_front_end
-from pdr_est.experiment.walk_files import in_words, suite_folder
 from pdr_est.experiment.walks import with_truth
 from pdr_est.io import read
 from pdr_est.pipeline import DeviceWalk

@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.person.track import NAME as FUSED
-from pdr_est.evaluate.association import Association, associate
+from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.evaluate.consistency import squared_mahalanobis
-from pdr_est.evaluate.mode_shares import mode_shares
 from pdr_est.evaluate.position_errors import LEAST_POINTS, point_errors
 from pdr_est.evaluate.rigid_alignment import start_alignment
+from pdr_est.evaluate.time_association import Association, associate
 from pdr_est.experiment.runners.score_walk import Scored
 from pdr_est.experiment.scoring.any_recording import Judge
-from pdr_est.experiment.suite import Scores, Walked
+from pdr_est.experiment.suites.suite import Scores, Walked
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.outcome import TrackOutcome

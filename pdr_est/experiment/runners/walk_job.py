@@ -12,8 +12,8 @@ from pdr_est.experiment.runners.score_walk import score_variants, warm_up
 from pdr_est.experiment.runners.track_outcome import outcomes_of
 from pdr_est.experiment.runners.walk_result import Failure, Part, encode
 from pdr_est.experiment.scoring.any_recording import Judge, judged
-from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import suite_named
+from pdr_est.experiment.suites.suite import Suite
 from pdr_est.experiment.variants.axes import Variant, same_front_end
 from pdr_est.experiment.walks import Walk
 from pdr_est.types.outcome import TrackOutcome

@@ -1,10 +1,10 @@
 """Metrics of a device whose steps, and perhaps turns, are annotated."""
 
 from pdr_est.errors import RecordingError
-from pdr_est.evaluate.headings import HEADING_METRICS, heading_net_error_deg, turn_error_deg
-from pdr_est.evaluate.steps import score_steps
+from pdr_est.evaluate.heading_errors import HEADING_METRICS, heading_net_error_deg, turn_error_deg
+from pdr_est.evaluate.step_detection import score_steps
 from pdr_est.experiment.scoring.track_scores import Part
-from pdr_est.experiment.suite import Walked
+from pdr_est.experiment.suites.suite import Walked
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TrueSteps
 from pdr_est.types.track import Track

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from pdr_est.estimators.person.track import NAME as FUSED
-from pdr_est.evaluate.headings import HEADING_METRICS
-from pdr_est.evaluate.heldout import WAYPOINT_SIGMA_M
+from pdr_est.evaluate.heading_errors import HEADING_METRICS
+from pdr_est.evaluate.held_out_fixes import WAYPOINT_SIGMA_M
 from pdr_est.evaluate.position_errors import OPEN_METRICS
-from pdr_est.evaluate.steps import STEP_METRICS
+from pdr_est.evaluate.step_detection import STEP_METRICS
 from pdr_est.experiment.config import FixesParams
 from pdr_est.experiment.scoring.annotated_steps import heading_part, step_part
 from pdr_est.experiment.scoring.positions import (
@@ -30,7 +30,7 @@ from pdr_est.experiment.scoring.track_scores import (
     person_scores,
     step_times_s,
 )
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.track import Track

@@ -10,12 +10,12 @@ from pdr_est.errors import RecordingError
 from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate import position_errors as metrics
 from pdr_est.evaluate import position_errors as open_loop
-from pdr_est.evaluate.association import Association, associate
 from pdr_est.evaluate.consistency import coverage95, nees_mean
-from pdr_est.evaluate.heldout import EVERY, LEAST_POINTS, WAYPOINT_SIGMA_M, fixes_at, given_points
+from pdr_est.evaluate.held_out_fixes import EVERY, LEAST_POINTS, WAYPOINT_SIGMA_M, fixes_at, given_points
 from pdr_est.evaluate.position_errors import open_metrics
+from pdr_est.evaluate.time_association import Association, associate
 from pdr_est.experiment.scoring.track_scores import Part, device_scores, mode_part, person_scores
-from pdr_est.experiment.suite import Scores, Walked
+from pdr_est.experiment.suites.suite import Scores, Walked
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.measurements import PositionFix

@@ -7,8 +7,8 @@ import numpy as np
 
 from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate import position_errors as metrics
-from pdr_est.evaluate.mode_shares import durations_s, mode_shares
-from pdr_est.experiment.suite import Scores, Walked
+from pdr_est.evaluate.carrying_modes import durations_s, mode_shares
+from pdr_est.experiment.suites.suite import Scores, Walked
 from pdr_est.frames import Array
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import TrueModes, Truth

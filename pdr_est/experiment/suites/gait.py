@@ -19,14 +19,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.evaluate import gait as gaits
+from pdr_est.evaluate import gait_recognition as gaits
 from pdr_est.evaluate.cadence_check import PLAUSIBILITY_METRIC, count_plausibility
-from pdr_est.evaluate.steps import FALSE_STEPS_METRIC, steps_per_minute
-from pdr_est.experiment.confusion import Confusion
-from pdr_est.experiment.score_rows import WalkRow
+from pdr_est.evaluate.step_detection import FALSE_STEPS_METRIC, steps_per_minute
+from pdr_est.experiment.results.score_rows import WalkRow
+from pdr_est.experiment.scoring.confusion import Confusion
 from pdr_est.experiment.scoring.track_scores import Part, device_scores
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.front_end.gait import GaitClassifier, gait_model, is_shipped, shipped_folds
 from pdr_est.io.formats import motionsense, sisfall
 from pdr_est.pipeline import DeviceWalk

@@ -15,10 +15,10 @@ from pathlib import Path
 from pdr_est.calibration.step_length_fit import Calibration, Observation, PacedSteps, observation
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import distance_error, within_sigma
-from pdr_est.evaluate.steps import count_error
+from pdr_est.evaluate.step_detection import count_error
 from pdr_est.experiment.scoring.track_scores import Part, device_scores
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io.side_tables.known_distances import KnownWalk, read_truth_table
 from pdr_est.pipeline import DeviceWalk

@@ -7,10 +7,10 @@ walking and jogging; stairs are averaged apart.
 import re
 from pathlib import Path
 
-from pdr_est.evaluate.steps import FALSE_STEPS_METRIC, steps_per_minute
+from pdr_est.evaluate.step_detection import FALSE_STEPS_METRIC, steps_per_minute
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, Part, carried, device_scores, mode_part
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.steps import CarryingMode
 

@@ -6,11 +6,11 @@ A folder `PHONE_PERSON_FLOOR_POSITION_NUMBER` is one walk.
 from pathlib import Path
 
 from pdr_est.errors import RecordingError
-from pdr_est.evaluate.steps import STEP_METRICS
+from pdr_est.evaluate.step_detection import STEP_METRICS
 from pdr_est.experiment.scoring.annotated_steps import step_part
 from pdr_est.experiment.scoring.track_scores import device_scores, step_times_s
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
 
 _SAMPLES, _STEPS = "accelerometer.csv", "stepcounter.csv"
 _LABELS = ("phone", "person", "floor", "position")

@@ -10,8 +10,8 @@ from pathlib import Path
 from pdr_est.evaluate.position_errors import OPEN_METRICS
 from pdr_est.experiment.scoring.positions import score_open
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, carried
-from pdr_est.experiment.suite import Suite, WalkFile, as_recorded
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Suite, WalkFile, as_recorded
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.steps import CarryingMode
 

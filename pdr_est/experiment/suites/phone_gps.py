@@ -8,8 +8,8 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.experiment.scoring.positions import score_open
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, carried
-from pdr_est.experiment.suite import Suite, WalkFile
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Suite, WalkFile
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode

@@ -24,7 +24,7 @@ from pathlib import Path
 from pdr_est.calibration.step_length_fit import Calibration, Observation, PacedSteps, observation
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import distance_error, within_sigma
-from pdr_est.evaluate.strides import (
+from pdr_est.evaluate.stride_lengths import (
     LONGEST_STRIDE_M,
     lengths_by_time,
     lengths_by_two_steps,
@@ -33,8 +33,8 @@ from pdr_est.evaluate.strides import (
     stride_error,
 )
 from pdr_est.experiment.scoring.track_scores import Part, device_scores
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.pipeline import DeviceWalk

@@ -8,12 +8,12 @@ import re
 from pathlib import Path
 
 from pdr_est.estimators.person.track import NAME as FUSED
-from pdr_est.evaluate.headings import HEADING_METRICS
-from pdr_est.evaluate.steps import STEP_METRICS
+from pdr_est.evaluate.heading_errors import HEADING_METRICS
+from pdr_est.evaluate.step_detection import STEP_METRICS
 from pdr_est.experiment.scoring.annotated_steps import heading_part, step_part
 from pdr_est.experiment.scoring.track_scores import device_scores, person_scores, step_times_s
-from pdr_est.experiment.suite import Scores, Suite, Walked, WalkFile, as_recorded
-from pdr_est.experiment.walk_files import recordings
+from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
 
 _TABLE = re.compile(r"(?P<path>iPhoneSensors_T\d+_ID\d+)_(?:1L|2R)_(?P<aid>\w+)")
 

@@ -3,7 +3,6 @@
 from typing import Literal, assert_never, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
-from pdr_est.front_end.heading.dominant_directions import DominantParams
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
@@ -12,7 +11,8 @@ from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxi
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
-from pdr_est.front_end.heading.whole_walk import HeadingHindsight
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
+from pdr_est.front_end.heading.whole_walk.stage import HeadingHindsight
 from pdr_est.params import params
 from pdr_est.stage import Stage
 

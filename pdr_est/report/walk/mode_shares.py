@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.evaluate.mode_shares import mode_shares
+from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.steps import CarryingMode
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from pdr_est.calibration.profile import Profile
 from pdr_est.config import Config, config_to_dict
-from pdr_est.evaluate.association import associate
 from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_errors
+from pdr_est.evaluate.time_association import associate
 from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.track_files import write_geojson, write_steps_csv, write_tum

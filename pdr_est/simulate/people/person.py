@@ -1,0 +1,186 @@
+"""People differ: height, gender, gait, and how they hold, swing, pocket and move their phone."""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from pdr_est.params import params
+from pdr_est.simulate.carrying.held import HeldPhone
+from pdr_est.simulate.carrying.mode_changes import AnyPhone, ModeChange
+from pdr_est.simulate.carrying.pocket import PocketPhone
+from pdr_est.simulate.carrying.swinging import SwingingPhone
+from pdr_est.simulate.walker.step_schedule import GaitParams
+from pdr_est.simulate.walker.trunk import BodyParams, Side
+
+_MEAN_HEIGHT_M = {"male": 1.75, "female": 1.62}
+_USUAL_CADENCE_HZ = 1.85
+
+
+@params
+class Person:
+    """One walker's gait, trunk and ways to carry a phone. change_s: how long one takes to move it."""
+
+    gait: GaitParams
+    body: BodyParams
+    held: HeldPhone
+    swing: SwingingPhone
+    pocket: PocketPhone
+    change_s: float
+
+    def change(self, before: AnyPhone, carry: AnyPhone, start_s: float, rng: np.random.Generator) -> ModeChange:
+        """This person's hand takes the phone from one place to another, a little differently each time.
+
+        What goes into a pocket lies there a little differently each time, too. The flicks of the wrist are such
+        that the fastest rotation of most changes is above that of MMPDR section IV-B, and of a few below.
+        """
+        if isinstance(carry, PocketPhone):
+            carry = replace(
+                carry,
+                facing_rad=carry.facing_rad + 0.15 * _normal(rng),
+                spin_rad=carry.spin_rad + 0.1 * _normal(rng),
+                tip_rad=carry.tip_rad + 0.05 * _normal(rng),
+            )
+        turning = rng.uniform(0.45, 0.65)  # the wrist turns the phone in about half of the time
+        turn_from = rng.uniform(0.1, 0.85 - turning)
+        return ModeChange(
+            start_s=start_s,
+            carry=carry,
+            duration_s=float(np.clip(self.change_s * rng.uniform(0.85, 1.15), 0.8, 1.6)),
+            turn_from=turn_from,
+            turn_to=turn_from + turning,
+            detour_m=(0.08 + 0.03 * _normal(rng), 0.03 * _normal(rng), 0.03 + 0.03 * _normal(rng)),
+            flick_rad=_flick(before, rng),
+        )
+
+
+def sample_person(rng: np.random.Generator) -> Person:
+    """A grown-up drawn at random. Everything that differs between people differs, all else is at its default."""
+    gender: Literal["male", "female"] = "male" if rng.random() < 0.5 else "female"
+    height_m = _MEAN_HEIGHT_M[gender] + 0.065 * _normal(rng)
+    # tall people take fewer steps a second: the leg is a pendulum
+    cadence_hz = _USUAL_CADENCE_HZ * np.sqrt(1.7 / height_m) * (1.0 + 0.06 * _normal(rng))
+    briskness = cadence_hz / _USUAL_CADENCE_HZ
+    size = height_m / 1.73
+    return Person(
+        gait=_gait(gender, height_m, cadence_hz, rng),
+        body=_body(rng),
+        held=_held(size, rng),
+        swing=_swing(size, briskness, rng),
+        pocket=_pocket(size, briskness, rng),
+        change_s=rng.uniform(0.9, 1.45),
+    )
+
+
+def _gait(
+    gender: Literal["male", "female"], height_m: float, cadence_hz: float, rng: np.random.Generator
+) -> GaitParams:
+    return GaitParams(
+        height_m=height_m,
+        gender=gender,
+        cadence_hz=cadence_hz,
+        length_habit=1.0 + 0.05 * _normal(rng),
+        cadence_variation=rng.uniform(0.012, 0.03),
+        length_variation=rng.uniform(0.015, 0.04),
+        cadence_drift=rng.uniform(0.01, 0.03),
+        length_drift=rng.uniform(0.005, 0.02),
+        boundary_step_share=rng.uniform(0.5, 0.75),
+        first_foot="R" if rng.random() < 0.5 else "L",
+        lead_in_s=rng.uniform(2.0, 4.0),
+        lead_out_s=rng.uniform(1.5, 3.0),
+    )
+
+
+def _body(rng: np.random.Generator) -> BodyParams:
+    return BodyParams(
+        bounce_share=rng.uniform(0.6, 1.2),
+        impact=(rng.uniform(0.15, 0.45), rng.uniform(0.05, 0.18)),
+        speed_ripple=rng.uniform(0.04, 0.09),
+        sway_m=rng.uniform(0.01, 0.028),
+    )
+
+
+def _held(size: float, rng: np.random.Generator) -> HeldPhone:
+    return HeldPhone(
+        tilt_rad=rng.uniform(0.0, 1.0),
+        heading_offset_rad=0.06 * _normal(rng),
+        forward_m=size * rng.uniform(0.28, 0.42),
+        left_m=rng.uniform(-0.12, 0.12),
+        up_m=size * rng.uniform(0.1, 0.3),
+        rock_pitch_rad=rng.uniform(0.01, 0.06),
+        rock_yaw_rad=rng.uniform(0.02, 0.05),
+        rock_roll_rad=rng.uniform(0.01, 0.03),
+        wander_rad=rng.uniform(0.01, 0.04),
+        unrest_radps=rng.uniform(0.1, 0.25),
+        unrest_mps2=rng.uniform(0.4, 1.0),
+    )
+
+
+def _swing(size: float, briskness: float, rng: np.random.Generator) -> SwingingPhone:
+    amplitude_rad = briskness**2 * rng.uniform(0.15, 0.36)
+    return SwingingPhone(
+        hand=_side(rng),
+        grip_rad=0.1 + 0.15 * _normal(rng),
+        palm_rad=0.1 + 0.15 * _normal(rng),
+        tip_rad=0.12 * _normal(rng),
+        amplitude_rad=amplitude_rad,
+        forward_rad=0.05 * _normal(rng),
+        elbow_rad=amplitude_rad * rng.uniform(0.5, 1.0),
+        bend_rad=rng.uniform(0.12, 0.45),
+        lag=rng.uniform(0.02, 0.08),
+        second=rng.uniform(0.04, 0.12),
+        twist_rad=rng.uniform(0.05, 0.2),
+        spread_rad=rng.uniform(0.02, 0.07),
+        upper_m=size * 0.29,
+        fore_m=size * 0.34,
+        shoulder_left_m=size * 0.22,
+        shoulder_up_m=size * 0.42,
+        unrest_radps=rng.uniform(0.15, 0.35),
+        unrest_mps2=rng.uniform(0.2, 0.5),
+    )
+
+
+def _pocket(size: float, briskness: float, rng: np.random.Generator) -> PocketPhone:
+    side = _side(rng)
+    outward = 1.0 if side == "left" else -1.0
+    against_thigh = rng.random() < 0.6
+    facing_rad = outward * rng.uniform(0.0, 0.9) + (np.pi if against_thigh else 0.0)
+    jolt = briskness**2 * rng.uniform(0.4, 1.2)
+    return PocketPhone(
+        side=side,
+        facing_rad=facing_rad,
+        spin_rad=float(rng.choice([0.0, np.pi, np.pi, np.pi / 2.0])) + 0.2 * _normal(rng),
+        tip_rad=0.12 * _normal(rng),
+        amplitude_rad=briskness * rng.uniform(0.26, 0.44),
+        twist_rad=rng.uniform(0.12, 0.32),
+        spread_rad=rng.uniform(0.03, 0.12),
+        lag=rng.uniform(0.0, 0.13),
+        circling_rad=0.07 + 0.3 * _normal(rng.spawn(1)[0]),  # a stream of its own: the other draws stay
+        give_m=0.024 * jolt,
+        give_rad=0.06 * jolt,
+        shock_m=0.005 * jolt,
+        shock_rad=0.04 * jolt,
+        other_leg=rng.uniform(0.15, 0.5),
+        from_hip_m=(size * 0.09, size * rng.uniform(0.0, 0.06), size * rng.uniform(-0.24, -0.14)),
+        hip_left_m=size * 0.09,
+        unrest_radps=0.4 * jolt,
+        unrest_mps2=0.9 * jolt,
+    )
+
+
+def _flick(before: AnyPhone, rng: np.random.Generator) -> tuple[float, float, float]:
+    """A pocket is left by levering the phone out in its own plane, a swing by turning the forearm."""
+    about_x, about_y, about_z = (0.3 * _normal(rng) for _ in range(3))
+    turned_rad = rng.uniform(0.6, 1.4) * rng.choice([-1.0, 1.0])
+    if isinstance(before, PocketPhone):
+        return about_x, about_y, about_z + turned_rad
+    return about_x, about_y + 0.6 * turned_rad, about_z
+
+
+def _side(rng: np.random.Generator) -> Side:
+    return "right" if rng.random() < 0.8 else "left"
+
+
+def _normal(rng: np.random.Generator) -> float:
+    """A standard normal number cut at 2.5, so that nobody is a giant."""
+    return float(np.clip(rng.standard_normal(), -2.5, 2.5))
