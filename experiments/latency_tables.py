@@ -18,7 +18,7 @@ from recorded import write_table
 from pdr_est.config import Config, load_config
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
-from pdr_est.front_end.heading import HEADINGS, heading_stage, hindsight_stage
+from pdr_est.front_end.heading import HEADINGS, heading_stage, whole_walk_stage
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
@@ -61,7 +61,7 @@ def stage_table() -> str:
         *(("heading", name, heading_stage(rate_hz, replace(config.heading, method=name))) for name in HEADINGS),
         ("odometry", "", Odometry("phone", config.odometry)),
     ]
-    whole_walk = hindsight_stage(config.heading)
+    whole_walk = whole_walk_stage(config.heading)
     if whole_walk is not None:
         rows.insert(-1, ("dominant directions", "", whole_walk))
     return as_table(

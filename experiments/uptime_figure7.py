@@ -31,7 +31,7 @@ from recorded import RESULTS, write
 
 from pdr_est.config import Config
 from pdr_est.evaluate.stride_lengths import lengths_by_time, scored_strides, shares
-from pdr_est.experiment.suites.recording_files import recordings
+from pdr_est.experiment.recording_files import recordings
 from pdr_est.front_end.step_length import LengthModel, StepLength, StepLengthParams, WalkerParams
 from pdr_est.io import read
 from pdr_est.io.side_tables.known_distances import read_truth_table

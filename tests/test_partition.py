@@ -35,19 +35,26 @@ from pdr_est.front_end.heading.acceleration_integration import AccelerationInteg
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
-from pdr_est.front_end.heading.posture_aware_yaw import AutoHeading, AutoHeadingParams
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams, PostureAwareYaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
-from pdr_est.front_end.heading.whole_walk.stage import HeadingHindsight
-from pdr_est.front_end.mode import AutoMode, AutoModeParams, FixedMode, MmpdrMode, MmpdrModeParams, ModeParams
+from pdr_est.front_end.heading.whole_walk.stage import WholeWalkHeading
+from pdr_est.front_end.mode import (
+    AutoModeParams,
+    FixedMode,
+    HmmModeRecogniser,
+    MmpdrMode,
+    MmpdrModeParams,
+    ModeParams,
+)
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.signal.blocks import join
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
 from pdr_est.front_end.steps import DETECTORS, DetectorName
-from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
@@ -68,11 +75,11 @@ FOUR_WAYS = DominantParams(number=4)  # used whatever the walk tells
 
 
 def auto_steps() -> Stage:
-    return AutoSteps(WORKING_HZ, AutoStepParams())
+    return BandpassPeakDetector(WORKING_HZ, AutoStepParams())
 
 
 def short_sighted(spoilt_hops: int, ahead_hops: int) -> Stage:
-    return AutoMode(WORKING_HZ, AutoModeParams(spoilt_hops=spoilt_hops, ahead_hops=ahead_hops))
+    return HmmModeRecogniser(WORKING_HZ, AutoModeParams(spoilt_hops=spoilt_hops, ahead_hops=ahead_hops))
 
 
 def mmpdr() -> Stage:
@@ -93,7 +100,7 @@ CASES = {
     "DeviceAttitude": Case(DeviceAttitude, "imu"),
     "AccelerometerTilt": Case(lambda: AccelerometerTilt(WORKING_HZ, AttitudeParams()), "imu"),
     "FixedMode": Case(lambda: FixedMode(CarryingMode.HOLDING), "level"),
-    "AutoMode": Case(lambda: AutoMode(WORKING_HZ, AutoModeParams()), "level"),
+    "HmmModeRecogniser": Case(lambda: HmmModeRecogniser(WORKING_HZ, AutoModeParams()), "level"),
     "AutoMode-0-0": Case(lambda: short_sighted(0, 0), "level"),
     "AutoMode-0-3": Case(lambda: short_sighted(0, 3), "level"),
     "AutoMode-3-0": Case(lambda: short_sighted(3, 0), "level"),
@@ -102,7 +109,7 @@ CASES = {
     "RelativeThreshold": Case(lambda: RelativeThreshold(WORKING_HZ, RelativeThresholdParams()), "level"),
     "UptimeFsm": Case(lambda: UptimeFsm(WORKING_HZ, UptimeFsmParams()), "level"),
     "ZeroCrossing": Case(lambda: ZeroCrossing(WORKING_HZ, ZeroCrossingParams()), "level"),
-    "AutoSteps": Case(auto_steps, "level"),
+    "BandpassPeakDetector": Case(auto_steps, "level"),
     "MmpdrSteps": Case(mmpdr, "level"),
     "StepSegmentation-AutoSteps": Case(lambda: StepSegmentation(auto_steps(), SegmentationParams()), "level"),
     "StepSegmentation-MmpdrSteps": Case(lambda: StepSegmentation(mmpdr(), SegmentationParams()), "level"),
@@ -112,9 +119,9 @@ CASES = {
     "StepLength": Case(lambda: StepLength(WORKING_HZ, WalkerParams(), StepLengthParams()), "steps"),
     "StepYaw": Case(StepYaw, "steps"),
     "MagnetometerHeading": Case(MagnetometerHeading, "steps with field"),
-    "AutoHeading": Case(lambda: AutoHeading(AutoHeadingParams(), PrincipalAxisParams()), "steps"),
-    "HeadingHindsight-priors": Case(lambda: HeadingHindsight(FOUR_WAYS, as_priors=True), "complete steps"),
-    "HeadingHindsight-increments": Case(lambda: HeadingHindsight(FOUR_WAYS, as_priors=False), "complete steps"),
+    "PostureAwareYaw": Case(lambda: PostureAwareYaw(AutoHeadingParams(), PrincipalAxisParams()), "steps"),
+    "HeadingHindsight-priors": Case(lambda: WholeWalkHeading(FOUR_WAYS, as_priors=True), "complete steps"),
+    "HeadingHindsight-increments": Case(lambda: WholeWalkHeading(FOUR_WAYS, as_priors=False), "complete steps"),
     "MmpdrHeading": Case(lambda: MmpdrHeading(MmpdrHeadingParams()), "steps"),
     "PspHeading": Case(lambda: PspHeading(WORKING_HZ, HdeParams(), TieParams(), priors=True), "steps"),
     "PspHeading-gyro": Case(lambda: PspHeading(WORKING_HZ, None, None, priors=False), "steps"),

@@ -51,7 +51,7 @@ class _Group(click.Group):
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
             raise click.UsageError(f"No such command {cmd_name!r}: {hint}", ctx)
         name = cmd_name.replace("-", "_")
-        command: click.Command = getattr(import_module(f"pdr_est.cli.{name}"), name)
+        command: click.Command = getattr(import_module(f"pdr_est.cli.commands.{name}"), name)
         return command
 
     def invoke(self, ctx: click.Context) -> object:

@@ -41,9 +41,10 @@ def estimate_walk(
     Raises EstimationError for odometry out of order, a tether to an unknown device, or a graph without a unique
     solution.
     """
-    moments_s = sorted({tether.time_s for tether in tethers})
+    split_times_s = sorted({tether.time_s for tether in tethers})
     timelines = [
-        build_timeline(one.device, one.start_s, _shared(one.measurements, len(devices)), moments_s) for one in devices
+        build_timeline(one.device, one.start_s, _shared(one.measurements, len(devices)), split_times_s)
+        for one in devices
     ]
     match name:
         case "dead-reckoning":

@@ -3,10 +3,10 @@
 import numpy as np
 
 from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import Moments, reckon
+from pdr_est.estimators.common.motion_model import GaussianState, reckon
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.kalman.rts_smoother import smooth
-from pdr_est.estimators.kalman.single_device import Stretch, run_filter, undecided_anchor
+from pdr_est.estimators.kalman.single_device import FilteredSegment, run_filter, undecided_anchor
 from pdr_est.types.measurements import StartPose
 from pdr_est.types.track import Track
 
@@ -26,7 +26,7 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
     return track_from_nodes(timeline, mean[:, :2], mean[:, 2], covariance, "filtered", NAME, scale)
 
 
-def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[Moments]:
+def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[GaussianState]:
     prior = start_prior(timeline, start, sigma_length_scale)
     if not prior.heading_open and not prior.position_open:
         return reckon(timeline.nodes, 0, prior.moments)
@@ -45,7 +45,7 @@ def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> 
     return reckon(timeline.nodes, *undecided_anchor(stretches[0]))
 
 
-def _anchor(stretch: Stretch, position_open: bool) -> int | None:
+def _anchor(stretch: FilteredSegment, position_open: bool) -> int | None:
     """The first node of a stretch whose position and direction are known."""
     if stretch.aligned_from is None:
         return None

@@ -14,10 +14,10 @@ from pdr_est.config.messages import explain, nearest
 from pdr_est.config.yaml_lines import Lines, Location, load_yaml_lines
 from pdr_est.errors import ConfigError, PdrError
 from pdr_est.experiment.config import DataParams, ExperimentConfig
-from pdr_est.experiment.scoring.any_recording import Judge, judged, knows_positions
+from pdr_est.experiment.scoring.any_recording import HeldOutProtocol, judged, knows_positions
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
+from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import SUITES, suite_named
-from pdr_est.experiment.suites.suite import Suite
 from pdr_est.experiment.variants.axes import Variant
 from pdr_est.experiment.variants.expand import expand
 from pdr_est.experiment.walks import Walk, find_walks
@@ -75,7 +75,7 @@ def load_experiment(path: str | Path, data: Path | None = None, limit: int | Non
         config = replace(config, data=replace(config.data, limit=min(limit, config.data.limit or limit)))
     known = _suite(config.data, path, lines)
     _check_fixes(config, known, path, lines)
-    suite = judged(known, Judge(config.fixes, config.seed))
+    suite = judged(known, HeldOutProtocol(config.fixes, config.seed))
     variants = expand(config, path, lines)
     metrics = _metrics(config, suite, path, lines)
     folder = path.parent / config.data.folder if data is None else data

@@ -16,7 +16,7 @@ from pdr_est.experiment.results.tables import ordered, write_tables
 from pdr_est.experiment.runners.dask_cluster import connected, run_on_cluster
 from pdr_est.experiment.runners.processes import Done, run_locally
 from pdr_est.experiment.runners.walk_job import Work, work_of
-from pdr_est.experiment.runners.walk_result import Part, decode, store, stored
+from pdr_est.experiment.runners.walk_result import WalkResult, decode, store, stored
 from pdr_est.experiment.walks import Walk
 
 Progress = Callable[[int, int], None]
@@ -29,7 +29,7 @@ _MOST_PAIRED = 4  # variants that the page compares each with each; of more, the
 class Finished:
     """A run that came to its end. parts: in the order of the experiment's walks. resumed: how many were there."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[WalkResult, ...]
     resumed: int
 
     @property
@@ -94,7 +94,9 @@ def _runner(workers: int, cluster: str | None) -> Iterator[Run]:
         yield lambda work, walks: run_on_cluster(work, walks, client)
 
 
-def _write_report(output: Path, experiment: Experiment, parts: tuple[Part, ...], document: dict[str, Any]) -> None:
+def _write_report(
+    output: Path, experiment: Experiment, parts: tuple[WalkResult, ...], document: dict[str, Any]
+) -> None:
     from pdr_est.report.comparison.page import Content, render_comparison  # matplotlib is slow to load
 
     names = tuple(variant.name for variant in experiment.variants)

@@ -9,8 +9,8 @@ import numpy as np
 
 from pdr_est.errors import ConfigError
 from pdr_est.experiment.config import DataParams, Series, SimulatedParams
-from pdr_est.experiment.suites.recording_files import recordings, suite_folder
-from pdr_est.experiment.suites.suite import Suite, WalkFile
+from pdr_est.experiment.recording_files import recordings, suite_folder
+from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.io import read
 from pdr_est.simulate import PRESETS, Scenario, preset, psp_walks, robust_dr_trials, simulate_walk
 from pdr_est.simulate.people.population import population

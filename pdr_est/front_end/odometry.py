@@ -60,10 +60,10 @@ class Odometry:
     def _straight(self, step: Step) -> list[HeadingPrior]:
         if self._first_segment is None:
             self._first_segment = step.event.segment
-        if np.isnan(step.straight_rad) or step.event.segment != self._first_segment:
+        if np.isnan(step.path_heading_rad) or step.event.segment != self._first_segment:
             return []
         sigma = float(np.hypot(step.sigma_straight_rad, self._parameters.sigma_straight_rad))
-        return [HeadingPrior(self._device, step.event.time_s, step.straight_rad, sigma, relative=True)]
+        return [HeadingPrior(self._device, step.event.time_s, step.path_heading_rad, sigma, relative=True)]
 
     def _motion(self, item: Step) -> list[StepOdometry]:
         previous, self._previous = self._previous, item

@@ -4,7 +4,7 @@ from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from pdr_est.estimators.common.motion_model import Moments
+from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
 from pdr_est.online.filter_records import Record, WalkState
@@ -28,11 +28,11 @@ class Row:
         )
 
 
-def moments_of_pose(moments: Moments) -> tuple[Array, Array]:
+def moments_of_pose(moments: GaussianState) -> tuple[Array, Array]:
     return moments.mean[:3], moments.covariance[:3, :3]
 
 
-class Rows:
+class ChangedPoses:
     """Keeps what was given, as long as it may change."""
 
     def __init__(self) -> None:

@@ -5,7 +5,7 @@ from math import inf
 
 from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import Followed, LaggedPose, LagWindow, Limit
+from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow, Limit
 from pdr_est.online.filter_records import Record, WalkState, joint_moments
 
 
@@ -66,7 +66,7 @@ class Delayed:
         moments = joint_moments(state)
         limits = tuple(Limit(a, b, self._tether.max_distance_m, self._tether.sigma_m) for a, b in pulls)
         found = self._window.push(
-            Followed(
+            FilteredNode(
                 record.pending.device,
                 record.pending.node,
                 record.entered,

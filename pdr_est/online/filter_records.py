@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 
-from pdr_est.estimators.common.motion_model import STATES, Moments
+from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.timeline import Node
-from pdr_est.estimators.kalman.filter_step import Alone, Raw
+from pdr_est.estimators.kalman.filter_step import DeviceFilterState, Raw
 
 _NEAR = 50  # records among which the nodes of a step are looked for
 
@@ -31,7 +31,7 @@ class WalkState:
     for a single device; present: the devices that ever came into it. next_tie: number of the next moment at which
     tethers are asked for. begun_s: time of the first node of all."""
 
-    alone: tuple[Alone | None, ...] = ()
+    alone: tuple[DeviceFilterState | None, ...] = ()
     at: tuple[Pending | None, ...] = ()
     joint: Raw | None = None
     present: frozenset[int] = frozenset()
@@ -43,16 +43,16 @@ class WalkState:
         own = self.alone[device]
         return own is not None and own.directed
 
-    def moments(self, device: int) -> Moments:
+    def moments(self, device: int) -> GaussianState:
         """What is known of a device that has started: by all of them, or where its direction is open by itself."""
         own = self.alone[device]
         if own is None:
             raise LookupError(f"device {device} has not started")
         if self.joint is None or not own.directed:
-            return Moments(own.end.mean, own.end.covariance)
+            return GaussianState(own.end.mean, own.end.covariance)
         rows = slice(STATES * device, STATES * (device + 1))
         covariance = self.joint[1][rows, rows]
-        return Moments(self.joint[0][rows], 0.5 * (covariance + covariance.T))
+        return GaussianState(self.joint[0][rows], 0.5 * (covariance + covariance.T))
 
 
 @dataclass(frozen=True)
@@ -69,15 +69,15 @@ class Record:
     before: WalkState
     pulls: tuple[tuple[int, int], ...]
     pulled: WalkState
-    entered: Moments | None
+    entered: GaussianState | None
     after: WalkState
 
 
-def joint_moments(state: WalkState) -> Moments:
+def joint_moments(state: WalkState) -> GaussianState:
     """Mean (5 d,) and covariance (5 d, 5 d) of all devices; of a single one by itself."""
     if state.joint is None:
         return state.moments(0)
-    return Moments(state.joint[0].copy(), 0.5 * (state.joint[1] + state.joint[1].T))
+    return GaussianState(state.joint[0].copy(), 0.5 * (state.joint[1] + state.joint[1].T))
 
 
 def whole_steps(history: Sequence[Record], count: int) -> int:

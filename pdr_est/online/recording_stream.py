@@ -16,7 +16,7 @@ EVERY_S = 0.1
 
 
 @dataclass(frozen=True)
-class Moment:
+class StreamSlice:
     """What was made up to a time, since the moment before."""
 
     time_s: float
@@ -36,7 +36,7 @@ def expected(devices: Sequence[DeviceRecording], place: str, config: Config) -> 
     return [ExpectedDevice(device.name, better_attitude(device) if auto else None) for device in devices]
 
 
-def moments(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = ()) -> Iterator[Moment]:
+def moments(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = ()) -> Iterator[StreamSlice]:
     """The samples of recorded devices ten times a second. A sample with a time before its predecessor's comes with
     that one."""
     streams = [
@@ -60,6 +60,6 @@ def moments(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = (
                 done[i] = stop
         known = [fix for fix in waiting if fix.time_s <= now_s]
         waiting = waiting[len(known) :]
-        yield Moment(now_s, tuple(blocks), tuple(known))
+        yield StreamSlice(now_s, tuple(blocks), tuple(known))
     if waiting:
-        yield Moment(now_s, (), tuple(waiting))
+        yield StreamSlice(now_s, (), tuple(waiting))

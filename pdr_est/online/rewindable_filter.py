@@ -8,15 +8,15 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import inf, nextafter
 
-from pdr_est.estimators.common.motion_model import Moments
-from pdr_est.estimators.common.tethers import TetherParams, lender_of
+from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.tethers import TetherParams, donor_of
 from pdr_est.estimators.common.timeline import SAME_S
 from pdr_est.estimators.kalman import filter_step as single
-from pdr_est.estimators.kalman.filter_step import Alone
+from pdr_est.estimators.kalman.filter_step import DeviceFilterState
 from pdr_est.estimators.kalman.multi_device_ekf import PoseFilter
 from pdr_est.online.filter_records import Pending, Record, WalkState, whole_steps
 from pdr_est.online.params import OnlineParams
-from pdr_est.online.start_and_fixes import Known
+from pdr_est.online.start_and_fixes import StartAndFixes
 from pdr_est.online.step_log import DeviceLog
 from pdr_est.online.tether_schedule import Pair, Tethering
 from pdr_est.types.measurements import PositionFix
@@ -29,7 +29,7 @@ class WalkFilter:
     take, because it has been standing for too long.
     """
 
-    def __init__(self, known: Known, tether: TetherParams | None, parameters: OnlineParams) -> None:
+    def __init__(self, known: StartAndFixes, tether: TetherParams | None, parameters: OnlineParams) -> None:
         self._known, self._tether, self._parameters = known, tether, parameters
         self.logs: list[DeviceLog | None] = []
         self._tethering = Tethering(None if tether is None else tether.every_s, self.logs)
@@ -224,8 +224,8 @@ class WalkFilter:
 
     def _pending(self, device: int, log: DeviceLog, step: int) -> Iterable[Pending]:
         fixes, begin_s, end_s = self._known.fixes, log.begin_s(step), log.step_end_s(step)
-        moments_s = self._tethering.moments_between(begin_s, end_s) if step else []
-        nodes = log.nodes_of(step, fixes, moments_s, self._known.reached_s(log.end_s))
+        split_times_s = self._tethering.moments_between(begin_s, end_s) if step else []
+        nodes = log.nodes_of(step, fixes, split_times_s, self._known.reached_s(log.end_s))
         told = self._known.last_fix_s >= end_s or (log.flushed and log.home is not None)
         for i, node in enumerate(nodes):
             later = told or any(other.fixes for other in nodes[i:])
@@ -242,8 +242,8 @@ class WalkFilter:
         alone = (*pulled.alone[:device], own, *pulled.alone[device + 1 :])
         joint, entered = pulled.joint, own.end if own.entered else None
         if joint is not None and own.directed:
-            lender = lender_of(number, pending.time_s, pulled.begun_s, pulled.present)
-            joint, entered = _followed(self._all, joint, pending, entered, lender)
+            donor = donor_of(number, pending.time_s, pulled.begun_s, pulled.present)
+            joint, entered = _followed(self._all, joint, pending, entered, donor)
         present = pulled.present | {device} if own.directed else pulled.present
         at = (*pulled.at[:device], pending, *pulled.at[device + 1 :])
         self.state = WalkState(alone, at, joint, present, pulled.next_tie, min(before.begun_s, pending.time_s))
@@ -253,7 +253,9 @@ class WalkFilter:
         if pending.is_last:
             log.ready = pending.step + 1
 
-    def _alone(self, before: Alone | None, pending: Pending, number: int, log: DeviceLog) -> Alone:
+    def _alone(
+        self, before: DeviceFilterState | None, pending: Pending, number: int, log: DeviceLog
+    ) -> DeviceFilterState:
         if before is None:
             prior = self._known.prior(pending.device, len(self.logs))
             return single.begin(pending.node, number, prior, self._one)
@@ -280,12 +282,12 @@ class WalkFilter:
 
 
 def _followed(
-    workhorse: PoseFilter, joint: single.Raw, pending: Pending, entered: Moments | None, lender: int | None
-) -> tuple[single.Raw, Moments | None]:
+    workhorse: PoseFilter, joint: single.Raw, pending: Pending, entered: GaussianState | None, donor: int | None
+) -> tuple[single.Raw, GaussianState | None]:
     """The joint filter after a node of one device, and the state that the device entered it with, if it did."""
     single.load(workhorse, joint)
     if entered is not None:
-        entered = workhorse.join(entered, pending.node, pending.device, lender)
+        entered = workhorse.join(entered, pending.node, pending.device, donor)
     else:
         workhorse.advance(pending.node, pending.device)
         workhorse.measure(pending.node, pending.device)

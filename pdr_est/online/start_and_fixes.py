@@ -7,7 +7,7 @@ import numpy as np
 
 from pdr_est.estimators.common.initial_state import StartPrior, start_prior
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
-from pdr_est.estimators.common.motion_model import Moments
+from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import starts_of
 from pdr_est.estimators.common.timeline import Node, Timeline
 from pdr_est.estimators.kalman.single_device import home_fix
@@ -15,7 +15,7 @@ from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.steps import CarryingMode
 
 
-class Known:
+class StartAndFixes:
     """Start and fixes of a walk, of which each of several devices gets its share of the information.
 
     fixes: those that may still matter, as shares, in the order in which a timeline takes them. latency_s: of the
@@ -27,7 +27,7 @@ class Known:
         self._given: list[PositionFix] = []
         self._devices = 1
         self._first: PositionFix | None = None
-        self._walked: Mapping[int, Moments] = {}
+        self._walked: Mapping[int, GaussianState] = {}
         self.last_fix_s = -np.inf
         self.latency_s = 0.0
         self.fixes: tuple[PositionFix, ...] = ()
@@ -69,7 +69,7 @@ class Known:
         self._given = [fix for fix in self._given if fix.time_s >= before_s][-most:]
         self.share(self._devices)
 
-    def begin_anew(self, walked: Mapping[int, Moments]) -> None:
+    def begin_anew(self, walked: Mapping[int, GaussianState]) -> None:
         """The start is too long ago to be gone through again: from now on it is where the devices are, in a frame of
         their own."""
         self._walked = walked
@@ -97,4 +97,4 @@ class Known:
         if not prior.position_open:
             walked = here.mean[:2] - mean[:2]
             covariance[:2, :2] += here.covariance[:2, :2] + np.outer(walked, walked) + walked @ walked * np.eye(2)
-        return replace(prior, moments=Moments(mean, covariance))
+        return replace(prior, moments=GaussianState(mean, covariance))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pdr_est.estimators.common.timeline import Node, WantedMoment, split_step
+from pdr_est.estimators.common.timeline import Node, SplitPoint, split_step
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.steps import CarryingMode
 
@@ -58,7 +58,7 @@ class DeviceLog:
             return -np.inf
         return max(self._steps[number - self._first].start_s, self.step_end_s(number - 1))
 
-    def nodes_of(self, number: int, fixes: Fixes, moments_s: Sequence[float], reached_s: float) -> list[Node]:
+    def nodes_of(self, number: int, fixes: Fixes, split_times_s: Sequence[float], reached_s: float) -> list[Node]:
         """The nodes of a step, or of the start. reached_s: no step that is still to come begins before that."""
         standing = self.standing(number, fixes, reached_s)
         if number == 0:
@@ -67,8 +67,8 @@ class DeviceLog:
             return [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, mode, fixes=standing)]
         step, begin_s = self._steps[number - self._first], self.begin_s(number)
         inside = _from_to(fixes, begin_s, step.time_s)
-        moments = [WantedMoment(fix.time_s, (fix,)) for fix in inside if begin_s < fix.time_s < step.time_s]
-        moments += [WantedMoment(time_s, ()) for time_s in moments_s if begin_s < time_s < step.time_s]
+        moments = [SplitPoint(fix.time_s, (fix,)) for fix in inside if begin_s < fix.time_s < step.time_s]
+        moments += [SplitPoint(time_s, ()) for time_s in split_times_s if begin_s < time_s < step.time_s]
         *before, last = split_step(step, begin_s, sorted(moments, key=lambda moment: moment.time_s))
         priors = self._priors[number - self._first]
         return [*before, replace(last, fixes=standing, priors=priors)]

@@ -8,12 +8,12 @@ from pdr_est.config import Config, check
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.person.track import NAME as PERSON
-from pdr_est.online.changed_poses import Rows
+from pdr_est.online.changed_poses import ChangedPoses
 from pdr_est.online.device_front_end import DeviceFrontEnd, ExpectedDevice
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.rewindable_filter import WalkFilter
 from pdr_est.online.sample_checks import refuse_malformed
-from pdr_est.online.start_and_fixes import Known
+from pdr_est.online.start_and_fixes import StartAndFixes
 from pdr_est.online.step_log import DeviceLog
 from pdr_est.online.update import Kind, Update
 from pdr_est.online.update_assembly import Estimates
@@ -60,10 +60,10 @@ class Tracker:
         self._found: list[list[StepOdometry | HeadingPrior]] = []  # by device: what waits for the filter
         self._waited = 0  # pushes since nothing waited
         start, sigma_scale = self._config.start.pose(), self._config.odometry.sigma_length_scale
-        self._known = Known(start, sigma_scale)
+        self._known = StartAndFixes(start, sigma_scale)
         tether = self._config.devices.tether if self._config.devices.tethered else None
         self._walk = WalkFilter(self._known, tether, online)
-        self._rows = Rows()
+        self._rows = ChangedPoses()
         self._delayed = None
         behind_s: dict[Kind, float] = {"filtered": 0.0}
         if self._config.estimator.name == "fixed-lag":

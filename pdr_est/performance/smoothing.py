@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import gtsam
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import STATES, Moments
-from pdr_est.estimators.common.tethers import Tie, starts_of, ties_between
+from pdr_est.estimators.common.motion_model import STATES, GaussianState
+from pdr_est.estimators.common.tethers import NodeTether, node_tethers_between, starts_of
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.factor_graph import smoother as factor_graph
 from pdr_est.estimators.factor_graph.deep_stack import with_large_stack
@@ -28,16 +28,16 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     smoothing over bare.
     """
     known, tethers = walk_of(steps, devices)
-    moments_s = sorted({tether.time_s for tether in tethers})
-    timelines = [build_timeline(one.device, one.start_s, one.measurements, moments_s) for one in known]
+    split_times_s = sorted({tether.time_s for tether in tethers})
+    timelines = [build_timeline(one.device, one.start_s, one.measurements, split_times_s) for one in known]
     begin = time.process_time()
     factor_graph.estimate(timelines, tethers, START, SIGMA_SCALE)
     smoothing_s = time.process_time() - begin
-    starts, ties = starts_of(timelines, START), ties_between(timelines, tethers)
+    starts, node_tethers = starts_of(timelines, START), node_tethers_between(timelines, tethers)
     begin = time.process_time()
-    initial_states(timelines, ties, starts, SIGMA_SCALE)
+    initial_states(timelines, node_tethers, starts, SIGMA_SCALE)
     start_s = time.process_time() - begin
-    bare_s, marginals_s = with_large_stack(lambda: _bare(timelines, ties, starts))
+    bare_s, marginals_s = with_large_stack(lambda: _bare(timelines, node_tethers, starts))
     return {
         "poses": float(sum(len(timeline.nodes) for timeline in timelines)),
         "smoothing": smoothing_s,
@@ -48,7 +48,9 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     }
 
 
-def _bare(timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[StartPose]) -> tuple[float, float]:
+def _bare(
+    timelines: Sequence[Timeline], node_tethers: Sequence[NodeTether], starts: Sequence[StartPose]
+) -> tuple[float, float]:
     begin = time.process_time()
     keys, guesses = Keys.of(timelines), [_known_start(timeline) for timeline in timelines]
     graph, values = anchors(timelines, keys, starts, guesses), gtsam.Values()
@@ -59,10 +61,12 @@ def _bare(timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[S
         for i, node in enumerate(timeline.nodes[1:], first + 1):
             pose = pose.compose(displacement(node, 1.0))
             values.insert(i, pose)
-    for tie in ties:
-        dead_zone = gtsam.noiseModel.mEstimator.L2WithDeadZone.Create(tie.max_distance_m / tie.sigma_m)
-        noise = gtsam.noiseModel.Robust.Create(dead_zone, gtsam.noiseModel.Isotropic.Sigma(1, tie.sigma_m))
-        graph.add(gtsam.RangeFactorPose2(*keys.of_tie(tie), 0.0, noise))
+    for node_tether in node_tethers:
+        dead_zone = gtsam.noiseModel.mEstimator.L2WithDeadZone.Create(
+            node_tether.max_distance_m / node_tether.sigma_m
+        )
+        noise = gtsam.noiseModel.Robust.Create(dead_zone, gtsam.noiseModel.Isotropic.Sigma(1, node_tether.sigma_m))
+        graph.add(gtsam.RangeFactorPose2(*keys.of_node_tether(node_tether), 0.0, noise))
     found = gtsam.LevenbergMarquardtOptimizer(graph, values, gtsam.LevenbergMarquardtParams()).optimize()
     optimised = time.process_time()
     try:
@@ -74,6 +78,6 @@ def _bare(timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[S
     return ended - begin, ended - optimised
 
 
-def _known_start(timeline: Timeline) -> list[Moments]:
-    at_start = Moments(np.zeros(STATES), np.zeros((STATES, STATES)))
+def _known_start(timeline: Timeline) -> list[GaussianState]:
+    at_start = GaussianState(np.zeros(STATES), np.zeros((STATES, STATES)))
     return [at_start] * len(timeline.nodes)

@@ -8,7 +8,7 @@ from pdr_est import pipeline
 from pdr_est.clock_sync import on_one_clock
 from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS
-from pdr_est.front_end.heading import hindsight_stage
+from pdr_est.front_end.heading import whole_walk_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.pipeline.front_end_chain import levelling, stepping
 from pdr_est.simulate import simulate_walk
@@ -35,7 +35,7 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
     spent: dict[str, float] = {}
     for device, _ in timed(spent, "clock", lambda: on_one_clock(recording)):
         _, to_level = levelling(device, recording.name, config)
-        whole_walk = hindsight_stage(config.heading)
+        whole_walk = whole_walk_stage(config.heading)
         stages: list[Stage] = [*to_level.stages, *stepping(config).stages]
         stages += [whole_walk] if whole_walk is not None else []
         items: list[Any] = list(device.blocks())

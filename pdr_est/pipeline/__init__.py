@@ -59,10 +59,10 @@ def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Positi
     Raises EstimationError for a device without gyroscope, and what `estimate_walk` raises.
     """
     refuse_without_heading(walks)
-    devices, ties = [measured(walk, config, fixes) for walk in walks], tethers(walks, config)
-    track = track_of(devices, ties, config)
+    devices, node_tethers = [measured(walk, config, fixes) for walk in walks], tethers(walks, config)
+    track = track_of(devices, node_tethers, config)
     direction_rad = config.heading.dominant.direction_rad
     if direction_rad is not None:
         devices = [in_map(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)]
-        track = track_of(devices, ties, config)
+        track = track_of(devices, node_tethers, config)
     return with_person(track, config) if len(walks) > 1 else track

@@ -5,7 +5,7 @@ from typing import Any
 from pdr_est.config import Config
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
-from pdr_est.front_end.heading import heading_stage, hindsight_stage, needs_magnetometer
+from pdr_est.front_end.heading import heading_stage, needs_magnetometer, whole_walk_stage
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import StepLength
@@ -38,10 +38,10 @@ def analyse_device(device: DeviceRecording, place: str, config: Config) -> Devic
     steps = _run(stepping(config), level)
     has_heading = has_gyroscope(device)
     odometry = _run(Odometry(device.name, config.odometry), steps) if has_heading else []
-    hindsight, directions = odometry, None
-    whole_walk = hindsight_stage(config.heading) if has_heading else None
+    whole_walk_odometry, directions = odometry, None
+    whole_walk = whole_walk_stage(config.heading) if has_heading else None
     if whole_walk is not None:
-        hindsight = _run(Odometry(device.name, config.odometry), _run(whole_walk, steps))
+        whole_walk_odometry = _run(Odometry(device.name, config.odometry), _run(whole_walk, steps))
         directions = whole_walk.found
     return DeviceWalk(
         device=device.name,
@@ -49,7 +49,7 @@ def analyse_device(device: DeviceRecording, place: str, config: Config) -> Devic
         level=tuple(level),
         steps=tuple(steps),
         odometry=tuple(odometry),
-        hindsight=tuple(hindsight),
+        whole_walk_odometry=tuple(whole_walk_odometry),
         directions=directions,
         has_heading=has_heading,
         gaps=resampler.gaps,

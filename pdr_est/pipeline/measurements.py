@@ -9,7 +9,7 @@ from pdr_est.estimators import ONLINE, SMOOTHERS, estimate_walk
 from pdr_est.estimators.common.late_start import from_own_start, with_way_to_start
 from pdr_est.estimators.common.map_directions import tied_to_map
 from pdr_est.estimators.common.tethers import tethers_between
-from pdr_est.estimators.person.track import carried, fuse
+from pdr_est.estimators.person.track import at_lever_arm, fuse
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import LATE_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
 from pdr_est.types.track import Track, concatenate
@@ -27,7 +27,7 @@ def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
 
 def measured(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix]) -> DeviceMeasurements:
     """What the configured estimator gets of a device: what the whole walk tells only if it smooths."""
-    own = walk.hindsight if config.estimator.name in SMOOTHERS else walk.odometry
+    own = walk.whole_walk_odometry if config.estimator.name in SMOOTHERS else walk.odometry
     closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
     return DeviceMeasurements(walk.device, walk.start_s, (*own, *closure, *fixes))
 
@@ -40,16 +40,18 @@ def tethers(walks: Sequence[DeviceWalk], config: Config) -> list[DeviceTether]:
     return tethers_between(spans_s, config.devices.tether, at_end=config.estimator.name in SMOOTHERS)
 
 
-def track_of(devices: Sequence[DeviceMeasurements], ties: Sequence[DeviceTether], config: Config) -> Track:
+def track_of(devices: Sequence[DeviceMeasurements], node_tethers: Sequence[DeviceTether], config: Config) -> Track:
     """The configured estimator on the measurements of every device. Raises what `estimate_walk` raises.
 
     A device that began late is led to its start by another one; those that work online, too, know of late ones.
     """
     chosen, start = config.estimator, config.start.pose()
     sigma_scale = config.odometry.sigma_length_scale
-    led = devices if chosen.name in ONLINE else with_way_to_start(devices, LATE_S)
-    track = estimate_walk(chosen.name, led, start, sigma_scale, ties, chosen.map_fusion, chosen.fixed_lag)
-    return from_own_start(track, devices, led)
+    extended = devices if chosen.name in ONLINE else with_way_to_start(devices, LATE_S)
+    track = estimate_walk(
+        chosen.name, extended, start, sigma_scale, node_tethers, chosen.map_fusion, chosen.fixed_lag
+    )
+    return from_own_start(track, devices, extended)
 
 
 def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float) -> DeviceMeasurements:
@@ -63,5 +65,7 @@ def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_
 
 def with_person(track: Track, config: Config) -> Track:
     """The tracks of the devices, each where it sits on the body, and that of the person."""
-    placed = [carried(track.of_device(name), config.devices.mounting_of(name).offset_m) for name in track.devices]
+    placed = [
+        at_lever_arm(track.of_device(name), config.devices.mounting_of(name).offset_m) for name in track.devices
+    ]
     return concatenate([*placed, fuse(track)])

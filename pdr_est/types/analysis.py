@@ -26,7 +26,7 @@ class DominantDirections:
     drift_per_sqrt_s: float
     drift_rad: Array
     sigma_rad: Array
-    straight_rad: Array
+    path_heading_rad: Array
     follows: Array
 
 
@@ -34,8 +34,8 @@ class DominantDirections:
 class DeviceWalk:
     """What the front end found in one device's recording. start_s: time of the first usable sample.
 
-    odometry: what it tells of its motion step by step, hindsight: the same with what the whole walk tells, for
-    estimators that smooth; directions: the building's, as far as the walk tells them.
+    odometry: its motion step by step. whole_walk_odometry: the same with what only the whole walk tells, for
+    estimators that smooth. directions: the dominant directions of the building, as far as the walk shows them.
     clock: against that of the first device, where it was estimated. warnings: of the reader and of the clock.
     has_heading is False for a device without gyroscope: its steps have a length but no heading, and no odometry.
     """
@@ -45,7 +45,7 @@ class DeviceWalk:
     level: tuple[LevelBlock, ...]
     steps: tuple[Step, ...]
     odometry: tuple[StepOdometry | HeadingPrior, ...]
-    hindsight: tuple[StepOdometry | HeadingPrior, ...] = ()
+    whole_walk_odometry: tuple[StepOdometry | HeadingPrior, ...] = ()
     directions: DominantDirections | None = None
     has_heading: bool = True
     clock: ClockEstimate | None = None

@@ -67,7 +67,7 @@ class Step:
     heading_rad: float = float("nan")
     sigma_turn_rad: float = 0.0
     follows_phone: bool = False
-    straight_rad: float = float("nan")
+    path_heading_rad: float = float("nan")
     sigma_straight_rad: float = float("nan")
     gait: Gait = Gait.UNKNOWN
     gait_probability: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, run, simulate
 from least_squares import solve
-from walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, run, simulate
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.timeline import build_timeline

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from walks import SIGMA_SCALE, fix, heading_prior, run, simulate, step, straight, winding
+from estimator_walks import SIGMA_SCALE, fix, heading_prior, run, simulate, step, straight, winding
 
 from pdr_est.frames import Array
 from pdr_est.front_end.odometry import step_covariance

@@ -9,7 +9,7 @@ from pathlib import Path
 import gtsam
 import numpy as np
 import pytest
-from walks import STEP_S, fix, run, simulate, step, straight, usual_covariance, winding
+from estimator_walks import STEP_S, fix, run, simulate, step, straight, usual_covariance, winding
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import ESTIMATORS, EstimatorName, estimate_track
@@ -139,8 +139,8 @@ def test_a_graph_that_cannot_be_solved_is_an_estimation_error(steps: int, monkey
 LONG_WALK = """
 import sys
 import numpy as np
-from walks import fix, run, step
-from pdr_est.records import StartPose
+from estimator_walks import fix, run, step
+from pdr_est.types.measurements import StartPose
 count = int(sys.argv[1])
 turns = 0.1 * np.sin(np.arange(count) / 50.0)
 walk = [step(k, 0.7, float(turn)) for k, turn in enumerate(turns, 1)]
@@ -156,7 +156,7 @@ def largest_error_with_an_8_mb_stack(count: int) -> float:
         ["sh", "-c", 'ulimit -s 8192; exec "$@"', "sh", sys.executable, "-c", LONG_WALK, str(count)],
         capture_output=True,
         text=True,
-        cwd=Path(__file__).parent,
+        cwd=Path(__file__).parents[1] / "support",
         check=False,
     )
     assert done.returncode == 0, done.stderr

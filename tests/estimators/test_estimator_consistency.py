@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from estimator_walks import SIGMA_SCALE, run, simulate, step, winding
 from scipy.stats import chi2
-from walks import SIGMA_SCALE, run, simulate, step, winding
 
 from pdr_est.estimators import EstimatorName
 from pdr_est.evaluate.consistency import coverage95, nees_mean

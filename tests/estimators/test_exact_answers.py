@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, winding
 from least_squares import solve, solve_linear
-from walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, winding
 
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.kalman import single_device as ekf

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from walks import fix, heading_prior, run, step, straight
+from estimator_walks import fix, heading_prior, run, step, straight
 
 from pdr_est.estimators import EstimatorName
 from pdr_est.frames import wrap_angle

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, straight, winding
 from least_squares import solve
-from walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, straight, winding
 
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.kalman import single_device as ekf

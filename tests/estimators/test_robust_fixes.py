@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from walks import fix, run, straight
+from estimator_walks import fix, run, straight
 
 from pdr_est.estimators import EstimatorName
 from pdr_est.estimators.common.huber import HUBER, huber_inflation

@@ -21,7 +21,7 @@ from pdr_est.experiment.runners import walk_job as work_module
 from pdr_est.experiment.runners.processes import run_locally
 from pdr_est.experiment.runners.walk_job import work_of
 from pdr_est.experiment.runners.walk_result import decode, part_file
-from pdr_est.experiment.suites.suite import Suite
+from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.walks import Walk
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.simulate import preset, simulate_walk
@@ -261,7 +261,7 @@ def test_changed_data_are_noticed(recorded: Path, tmp_path: Path) -> None:
 def test_a_fault_of_ours_costs_one_walk_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     intact = work_module._part
 
-    def faulty(work: work_module.Work, walk: Walk) -> work_module.Part:
+    def faulty(work: work_module.Work, walk: Walk) -> work_module.WalkResult:
         if walk.name == "walk_0002":
             raise ZeroDivisionError("a fault")
         return intact(work, walk)

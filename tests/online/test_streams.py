@@ -15,7 +15,7 @@ from pdr_est.front_end.odometry import step_covariance
 from pdr_est.online import OnlineParams, Tracker, track_of
 from pdr_est.online.delayed_estimates import Delayed
 from pdr_est.online.rewindable_filter import WalkFilter
-from pdr_est.online.start_and_fixes import Known
+from pdr_est.online.start_and_fixes import StartAndFixes
 from pdr_est.online.step_log import DeviceLog
 from pdr_est.types.measurements import PositionFix, StartPose, StepOdometry
 from pdr_est.types.sensors import Channel
@@ -109,10 +109,12 @@ def test_nothing_is_taken_after_the_end_and_nothing_absurd_before() -> None:
         Tracker(replace(KNOWN_START, heading=corridors))
 
 
-def walked(hours: float, fix_every: int, start: StartPose, gap_every: int = 0) -> tuple[WalkFilter, Known, list[int]]:
+def walked(
+    hours: float, fix_every: int, start: StartPose, gap_every: int = 0
+) -> tuple[WalkFilter, StartAndFixes, list[int]]:
     """The filter after hours of steps of two devices, with how much it remembered after each thousand."""
     rng, parameters = np.random.default_rng(3), OnlineParams(remembered_steps=500)
-    known = Known(start, 0.1)
+    known = StartAndFixes(start, 0.1)
     walk, delayed = WalkFilter(known, TetherParams(), parameters), Delayed(FixedLagParams(lag_s=2.0), TetherParams())
     for _ in range(2):
         walk.add_device()

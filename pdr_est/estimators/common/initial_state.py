@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import Moments
+from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Node, Timeline
 from pdr_est.types.measurements import StartPose
 
@@ -21,7 +21,7 @@ class StartPrior:
     that of an open heading is without meaning.
     """
 
-    moments: Moments
+    moments: GaussianState
     position_open: bool
     heading_open: bool
 
@@ -41,12 +41,12 @@ def start_prior(timeline: Timeline, start: StartPose, sigma_length_scale: float)
         mean[2], sigma[2] = start.heading_rad, start.sigma_heading_rad
     elif heading_open:
         sigma[2] = UNKNOWN_SIGMA_RAD
-    return StartPrior(Moments(mean, np.diag(sigma**2)), position_open, heading_open)
+    return StartPrior(GaussianState(mean, np.diag(sigma**2)), position_open, heading_open)
 
 
-def prior_after_lost_turn(before: Moments, node: Node) -> StartPrior:
+def prior_after_lost_turn(before: GaussianState, node: Node) -> StartPrior:
     """The state at `node` after a motion in any direction, whose turn leaves nothing of the heading."""
     reach = 0.5 * (node.length_m**2 + node.covariance[0, 0] + node.covariance[1, 1])
     covariance = np.diag([reach, reach, UNKNOWN_SIGMA_RAD**2, *np.diag(before.covariance)[3:]])
     covariance[:2, :2] += before.covariance[:2, :2]
-    return StartPrior(Moments(before.mean, covariance), position_open=False, heading_open=True)
+    return StartPrior(GaussianState(before.mean, covariance), position_open=False, heading_open=True)

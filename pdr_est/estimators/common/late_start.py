@@ -28,14 +28,16 @@ def with_way_to_start(devices: Sequence[DeviceMeasurements], late_s: float) -> l
     first_s = min((one.start_s for one in devices), default=0.0)
     complete: dict[str, DeviceMeasurements] = {}
     for one in sorted(devices, key=lambda device: device.start_s):
-        lender = _lender(list(complete.values()), one.start_s) if one.start_s - first_s > late_s else None
-        complete[one.device] = one if lender is None else _led(one, lender)
+        donor = _lender(list(complete.values()), one.start_s) if one.start_s - first_s > late_s else None
+        complete[one.device] = one if donor is None else _led(one, donor)
     return [complete[one.device] for one in devices]
 
 
-def from_own_start(track: Track, devices: Sequence[DeviceMeasurements], led: Sequence[DeviceMeasurements]) -> Track:
+def from_own_start(
+    track: Track, devices: Sequence[DeviceMeasurements], extended: Sequence[DeviceMeasurements]
+) -> Track:
     """The track without what was borrowed. devices, led: as they were before and after `with_way_to_start`."""
-    late_s = {one.device: one.start_s for one, whole in zip(devices, led, strict=True) if whole is not one}
+    late_s = {one.device: one.start_s for one, whole in zip(devices, extended, strict=True) if whole is not one}
     begin_s = np.array([late_s.get(str(name), -np.inf) for name in track.device])
     own = track.rows_where(track.time_s >= begin_s)
     begins = np.isin(own.time_s, list(late_s.values())) & np.isin(own.device, list(late_s))
@@ -51,13 +53,13 @@ def _lender(earlier: Sequence[DeviceMeasurements], start_s: float) -> DeviceMeas
     return next((one for one in earlier if any(step.time_s > start_s for step in _steps(one))), None)
 
 
-def _led(one: DeviceMeasurements, lender: DeviceMeasurements) -> DeviceMeasurements:
-    own, lent = _steps(one), _steps(lender)
+def _led(one: DeviceMeasurements, donor: DeviceMeasurements) -> DeviceMeasurements:
+    own, lent = _steps(one), _steps(donor)
     before = [replace(step, device=one.device) for step in lent if step.time_s < one.start_s]
     under_way = next(step for step in lent if step.time_s >= one.start_s)
     first_s = own[0].time_s if own else one.start_s
     turns_rad = [step.heading_change_rad for step in lent if one.start_s <= step.time_s <= first_s + _NEAR_S]
-    begin_s = before[-1].time_s if before else lender.start_s
+    begin_s = before[-1].time_s if before else donor.start_s
     moving_s = max(under_way.start_s, begin_s)
     share = (one.start_s - moving_s) / (under_way.time_s - moving_s) if one.start_s > moving_s else 0.0
     arrival = StepOdometry(
@@ -72,7 +74,7 @@ def _led(one: DeviceMeasurements, lender: DeviceMeasurements) -> DeviceMeasureme
     )
     # A detector may put the first step back to before the first sample.
     after = [m for m in one.measurements if not (isinstance(m, StepOdometry) and m.time_s <= one.start_s)]
-    return DeviceMeasurements(one.device, lender.start_s, (*before, arrival, *after))
+    return DeviceMeasurements(one.device, donor.start_s, (*before, arrival, *after))
 
 
 def _steps(one: DeviceMeasurements) -> list[StepOdometry]:

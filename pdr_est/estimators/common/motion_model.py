@@ -19,7 +19,7 @@ LENGTH_SCALE = 3  # its place in the state
 
 
 @dataclass(frozen=True)
-class Moments:
+class GaussianState:
     """Mean (5,) and covariance (5, 5) of the state."""
 
     mean: Array
@@ -71,13 +71,13 @@ def linearise_each(states: Array, nodes: Sequence[Node]) -> tuple[Array, Array, 
     return moved, jacobian, noise
 
 
-def advance(moments: Moments, node: Node) -> Moments:
+def advance(moments: GaussianState, node: Node) -> GaussianState:
     """Mean and covariance after the motion that leads to `node`."""
     jacobian, noise = linearise(moments.mean, node)
-    return Moments(move(moments.mean, node), jacobian @ moments.covariance @ jacobian.T + noise)
+    return GaussianState(move(moments.mean, node), jacobian @ moments.covariance @ jacobian.T + noise)
 
 
-def retreat(moments: Moments, node: Node) -> Moments:
+def retreat(moments: GaussianState, node: Node) -> GaussianState:
     """Mean and covariance before the motion that led to `node`: `advance` in the other direction of time."""
     x, y, heading, scale, reference = moments.mean
     length = scale * node.length_m
@@ -85,10 +85,10 @@ def retreat(moments: Moments, node: Node) -> Moments:
     mean = np.array([x - length * cos(heading), y - length * sin(heading), before, scale, reference])
     jacobian, noise = linearise(mean, node)
     jacobian[:2, 2:4] *= -1.0  # its inverse
-    return Moments(mean, jacobian @ (moments.covariance + noise) @ jacobian.T)
+    return GaussianState(mean, jacobian @ (moments.covariance + noise) @ jacobian.T)
 
 
-def reckon(nodes: tuple[Node, ...], anchor: int, moments: Moments) -> list[Moments]:
+def reckon(nodes: tuple[Node, ...], anchor: int, moments: GaussianState) -> list[GaussianState]:
     """States at all nodes from the state at one of them and the motion between them."""
     earlier, later = [moments], [moments]
     for node in reversed(nodes[1 : anchor + 1]):

@@ -49,7 +49,7 @@ def tethers_between(
 
 
 @dataclass(frozen=True)
-class Tie:
+class NodeTether:
     """Two nodes at one moment, by number of device and of node, that are never farther apart than max_distance_m."""
 
     time_s: float
@@ -61,7 +61,7 @@ class Tie:
     sigma_m: float
 
 
-def ties_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether]) -> list[Tie]:
+def node_tethers_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether]) -> list[NodeTether]:
     """The tethers as ties, in order of time; those before the walk of one of their devices are left out. After its
     last step a device stands.
 
@@ -71,7 +71,7 @@ def ties_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether])
     if len(set(names)) < len(names):
         raise EstimationError(f"devices {names}: each needs a name of its own")
     times_s = [np.array([node.time_s for node in timeline.nodes]) for timeline in timelines]
-    ties = []
+    node_tethers = []
     for tether in sorted(tethers, key=lambda one: one.time_s):
         ends = (tether.device_a, tether.device_b)
         if not set(ends) <= set(names) or ends[0] == ends[1]:
@@ -79,11 +79,13 @@ def ties_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether])
         a, b = names.index(ends[0]), names.index(ends[1])
         if max(times_s[a][0], times_s[b][0]) <= tether.time_s:
             nodes = (int(np.searchsorted(times_s[d], tether.time_s + SAME_S, side="right")) - 1 for d in (a, b))
-            ties.append(Tie(tether.time_s, a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m))
-    return ties
+            node_tethers.append(
+                NodeTether(tether.time_s, a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m)
+            )
+    return node_tethers
 
 
-def lender_of(number: int, time_s: float, begun_s: float, present: Collection[int]) -> int | None:
+def donor_of(number: int, time_s: float, begun_s: float, present: Collection[int]) -> int | None:
     """The device beside which another one joins a filter, with its node of that number, because the walk is under way
     since begun_s; None for a device that joins by itself. present: those that have joined."""
     late = number == 0 and time_s - begun_s > LATE_S

@@ -62,7 +62,7 @@ class Timeline:
 
 
 def build_timeline(
-    device: str, start_s: float, measurements: Iterable[Measurement], moments_s: Iterable[float] = ()
+    device: str, start_s: float, measurements: Iterable[Measurement], split_times_s: Iterable[float] = ()
 ) -> Timeline:
     """Order the measurements of a device and split steps at the fixes and at other moments that fall inside them.
 
@@ -82,7 +82,7 @@ def build_timeline(
     first_mode = steps[0].mode if steps else CarryingMode.UNKNOWN
     begin_s = min([start_s, *(step.time_s for step in steps[:1])])
     nodes = [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, first_mode)]
-    pending = [WantedMoment(fix.time_s, (fix,)) for fix in fixes] + [WantedMoment(time_s, ()) for time_s in moments_s]
+    pending = [SplitPoint(fix.time_s, (fix,)) for fix in fixes] + [SplitPoint(time_s, ()) for time_s in split_times_s]
     pending.sort(key=lambda moment: moment.time_s, reverse=True)
     for step in steps:
         begin = max(step.start_s, nodes[-1].time_s)
@@ -131,18 +131,18 @@ def track_from_nodes(
 
 
 @dataclass(frozen=True)
-class WantedMoment:
+class SplitPoint:
     """A time at which a pose is wanted, with what was measured then."""
 
     time_s: float
     fixes: tuple[PositionFix, ...]
 
 
-def _with_fixes(node: Node, moment: WantedMoment) -> Node:
+def _with_fixes(node: Node, moment: SplitPoint) -> Node:
     return replace(node, fixes=(*node.fixes, *moment.fixes)) if moment.fixes else node
 
 
-def split_step(step: StepOdometry, begin_s: float, inside: Sequence[WantedMoment]) -> list[Node]:
+def split_step(step: StepOdometry, begin_s: float, inside: Sequence[SplitPoint]) -> list[Node]:
     """The nodes of a step: one at each moment inside it, and its end. The walker's pace is even."""
     moments = [
         (time_s, tuple(fix for moment in group for fix in moment.fixes))

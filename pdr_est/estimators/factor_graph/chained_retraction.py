@@ -17,7 +17,7 @@ from pdr_est.frames import Array, turned
 
 
 @dataclass(frozen=True)
-class Rewalking:
+class ChainedRetraction:
     """From which other pose each one is reached: on the first device from the one before, on another device from the
     first device's last one by then. leading: number of the first device's poses; led_by: (n - leading,)."""
 
@@ -25,7 +25,7 @@ class Rewalking:
     led_by: NDArray[np.int64]
 
     @classmethod
-    def of(cls, timelines: Sequence[Timeline]) -> "Rewalking":
+    def of(cls, timelines: Sequence[Timeline]) -> "ChainedRetraction":
         """Of devices whose poses are numbered one device after the other."""
         times_s = [np.array([node.time_s for node in timeline.nodes]) for timeline in timelines]
         leader_s = times_s[0]

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.common.tethers import Tie
+from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.factors import Keys
-from pdr_est.estimators.factor_graph.tether_constraints import Tethers
+from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 from pdr_est.types.track import legs_at
 
@@ -25,45 +25,47 @@ _WITHIN = 0.02  # of the largest distance, that tracks may exceed it by before a
 
 
 @dataclass(frozen=True)
-class Holding:
+class BetweenStepConstraints:
     """Every moment at which the lines of two tethered tracks may be farthest apart, pair by pair, as the tether that
     it would take; none that is a tie already. stretch (m,): number of the tie that comes next, pair by pair."""
 
-    tethers: Tethers
+    tethers: TetherConstraints
     stretch: NDArray[np.int64]
 
     @classmethod
-    def of(cls, timelines: Sequence[Timeline], ties: Sequence[Tie], keys: Keys) -> "Holding":
+    def of(
+        cls, timelines: Sequence[Timeline], node_tethers: Sequence[NodeTether], keys: Keys
+    ) -> "BetweenStepConstraints":
         """Between successive ties of a pair, and from where both walk to the first."""
         drawn = [_Rows.of(timeline, first) for timeline, first in zip(timelines, keys.first, strict=True)]
-        pairs: dict[tuple[int, int], list[Tie]] = defaultdict(list)
-        for tie in ties:
-            pairs[tie.device_a, tie.device_b].append(tie)
-        tethers, stretches, count = Tethers.of([], keys), [np.zeros(0, dtype=np.int64)], 0
+        pairs: dict[tuple[int, int], list[NodeTether]] = defaultdict(list)
+        for node_tether in node_tethers:
+            pairs[node_tether.device_a, node_tether.device_b].append(node_tether)
+        tethers, stretches, count = TetherConstraints.of([], keys), [np.zeros(0, dtype=np.int64)], 0
         for (a, b), own in pairs.items():
             for rows in (drawn, [one.without_pauses() for one in drawn]):
                 time_s, stretch = _moments(rows[a], rows[b], own)
                 tethers = tethers + _between(rows[a], rows[b], time_s, own, stretch)
                 stretches.append(stretch + count)
             count += len(own)
-        held = Tethers.of(ties, keys)
+        held = TetherConstraints.of(node_tethers, keys)
         _, first = np.unique(np.concatenate([held.ends, tethers.ends]), axis=0, return_index=True)
         return cls(tethers, np.concatenate(stretches))._only(np.sort(first[first >= len(held)]) - len(held))
 
-    def exceeded(self, pose: Array) -> tuple[Tethers, "Holding"]:
+    def exceeded(self, pose: Array) -> tuple[TetherConstraints, "BetweenStepConstraints"]:
         """Tethers where poses (n, 3) exceed the distance most, one in each stretch in which they do, and what is left
         without these: a tether gives way, and one that was added twice would be stricter than it should."""
         if not len(self.tethers):
             return self.tethers, self
-        excess = self.tethers.near(pose).excess_m / self.tethers.max_distance_m
+        excess = self.tethers.near(pose).violation_m / self.tethers.max_distance_m
         order = np.lexsort((-excess, self.stretch))
         _, worst = np.unique(self.stretch[order], return_index=True)
         chosen = order[worst]
         chosen = chosen[excess[chosen] > _WITHIN]
         return self.tethers.only(chosen), self._only(np.delete(np.arange(len(self.stretch)), chosen))
 
-    def _only(self, chosen: NDArray[np.int64]) -> "Holding":
-        return Holding(self.tethers.only(chosen), self.stretch[chosen])
+    def _only(self, chosen: NDArray[np.int64]) -> "BetweenStepConstraints":
+        return BetweenStepConstraints(self.tethers.only(chosen), self.stretch[chosen])
 
 
 @dataclass(frozen=True)
@@ -91,10 +93,10 @@ class _Rows:
         return self.key[before], self.key[after], share
 
 
-def _moments(a: _Rows, b: _Rows, ties: Sequence[Tie]) -> tuple[Array, NDArray[np.int64]]:
+def _moments(a: _Rows, b: _Rows, node_tethers: Sequence[NodeTether]) -> tuple[Array, NDArray[np.int64]]:
     """Times (m,) at which a line of either ends within a stretch before a tie, and numbers (m,) of the ties."""
     begin_s = max(a.time_s[0], b.time_s[0])
-    asked_s = np.array([begin_s, *(tie.time_s for tie in ties)])
+    asked_s = np.array([begin_s, *(node_tether.time_s for node_tether in node_tethers)])
     time_s = np.unique(np.concatenate([a.time_s, a.moving_from_s, b.time_s, b.moving_from_s]))
     stretch = np.searchsorted(asked_s, time_s, side="right") - 1
     inside = (stretch >= 0) & (stretch < len(asked_s) - 1)
@@ -103,13 +105,15 @@ def _moments(a: _Rows, b: _Rows, ties: Sequence[Tie]) -> tuple[Array, NDArray[np
     return time_s[short], stretch[short]
 
 
-def _between(a: _Rows, b: _Rows, time_s: Array, ties: Sequence[Tie], stretch: NDArray[np.int64]) -> Tethers:
+def _between(
+    a: _Rows, b: _Rows, time_s: Array, node_tethers: Sequence[NodeTether], stretch: NDArray[np.int64]
+) -> TetherConstraints:
     """The larger of the distances of the two ties about a stretch, and the sigma that goes with it."""
-    limits = np.array([[tie.max_distance_m, tie.sigma_m] for tie in ties])
+    limits = np.array([[node_tether.max_distance_m, node_tether.sigma_m] for node_tether in node_tethers])
     before = np.maximum(stretch - 1, 0)
     wider = np.where(limits[before, 0] > limits[stretch, 0], before, stretch)
     (earlier_a, later_a, share_a), (earlier_b, later_b, share_b) = a.places(time_s), b.places(time_s)
-    return Tethers.between(
+    return TetherConstraints.between(
         np.stack([earlier_a, earlier_b], axis=1),
         np.stack([later_a, later_b], axis=1),
         np.stack([share_a, share_b], axis=1),

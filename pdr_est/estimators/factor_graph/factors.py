@@ -13,8 +13,8 @@ import numpy as np
 
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD, start_prior
-from pdr_est.estimators.common.motion_model import Moments
-from pdr_est.estimators.common.tethers import Tie
+from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Node, Timeline
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose
@@ -45,9 +45,11 @@ class Keys:
             next_key += relative
         return cls(first, tuple(references), sum(counts))
 
-    def of_tie(self, tie: Tie) -> tuple[int, int]:
+    def of_node_tether(self, node_tether: NodeTether) -> tuple[int, int]:
         """The two poses that a tie is between."""
-        return self.first[tie.device_a] + tie.node_a, self.first[tie.device_b] + tie.node_b
+        return self.first[node_tether.device_a] + node_tether.node_a, self.first[
+            node_tether.device_b
+        ] + node_tether.node_b
 
     @property
     def present_references(self) -> list[int]:
@@ -58,7 +60,7 @@ def anchors(
     timelines: Sequence[Timeline],
     keys: Keys,
     starts: Sequence[StartPose],
-    guesses: Sequence[Sequence[Moments]],
+    guesses: Sequence[Sequence[GaussianState]],
 ) -> gtsam.NonlinearFactorGraph:
     """What ties the walk to the map: start, fixes and heading priors, and the end of a closed walk to its start.
 
@@ -86,7 +88,7 @@ def anchors(
     return graph
 
 
-def reference_guess(guess: Sequence[Moments]) -> gtsam.Pose2:
+def reference_guess(guess: Sequence[GaussianState]) -> gtsam.Pose2:
     """The reference of a walk's relative priors to start from. It lies where the walk begins: from far away, nothing
     that factors say of its position would be weak enough."""
     east_m, north_m = guess[0].mean[:2]
@@ -138,7 +140,7 @@ def displacement(node: Node, length_scale: float) -> gtsam.Pose2:
     return gtsam.Pose2(length * cos(turn), length * sin(turn), turn)
 
 
-def _closure_factor(first: int, last: int, sigma_m: float, guess: Sequence[Moments]) -> gtsam.NonlinearFactor:
+def _closure_factor(first: int, last: int, sigma_m: float, guess: Sequence[GaussianState]) -> gtsam.NonlinearFactor:
     """The last pose is where the first one is, turned by anything. The turn is expected where it is guessed, for
     GTSAM's error of a pose, its logarithm, is that of the position only if the turn is about right."""
     sigma = max(sigma_m, LEAST_SIGMA)

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import Moments, reckoned
-from pdr_est.estimators.common.tethers import Tie
+from pdr_est.estimators.common.motion_model import GaussianState, reckoned
+from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.rts_smoother import alone_smoothed, smoothed_states
 from pdr_est.estimators.kalman.single_device import run_filter
@@ -12,12 +12,15 @@ from pdr_est.types.measurements import StartPose
 
 
 def initial_states(
-    timelines: Sequence[Timeline], ties: Sequence[Tie], starts: Sequence[StartPose], sigma_length_scale: float
-) -> list[list[Moments]]:
+    timelines: Sequence[Timeline],
+    node_tethers: Sequence[NodeTether],
+    starts: Sequence[StartPose],
+    sigma_length_scale: float,
+) -> list[list[GaussianState]]:
     """States at all nodes of each device to start from: those of the smoothed filter, which are those of dead
     reckoning where nothing is measured on the way. Only their means count."""
-    if ties:
-        return smoothed_states(timelines, ties, starts, sigma_length_scale)
+    if node_tethers:
+        return smoothed_states(timelines, node_tethers, starts, sigma_length_scale)
     states = []
     for timeline, start in zip(timelines, starts, strict=True):
         prior = start_prior(timeline, start, sigma_length_scale)
@@ -26,6 +29,9 @@ def initial_states(
             states.append(alone_smoothed(run_filter(timeline, start, sigma_length_scale)))
         else:
             states.append(
-                [Moments(mean, prior.moments.covariance) for mean in reckoned(timeline.nodes, prior.moments.mean)]
+                [
+                    GaussianState(mean, prior.moments.covariance)
+                    for mean in reckoned(timeline.nodes, prior.moments.mean)
+                ]
             )
     return states

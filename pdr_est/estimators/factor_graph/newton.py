@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.factor_graph.chained_retraction import Rewalking
+from pdr_est.estimators.factor_graph.chained_retraction import ChainedRetraction
 from pdr_est.estimators.factor_graph.factors import Keys
 from pdr_est.estimators.factor_graph.marginals import ordering_of
-from pdr_est.estimators.factor_graph.tether_constraints import Tethers
+from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 
 _MOST_STEPS = 200
@@ -30,7 +30,7 @@ _HALVINGS = 20
 _ENOUGH = 1e-4  # share of the fall that the slope promises (Armijo)
 _SWITCHES = 8  # most solutions of one linear system, with one set of taut tethers after the other
 _WORTHWHILE = 0.1  # of the step's promise, that another solution must have added for yet another one
-SOFTENINGS = (64.0, 8.0, 1.0)  # of the tethers' sigmas, one after the other
+CONTINUATION_FACTORS = (64.0, 8.0, 1.0)  # of the tethers' sigmas, one after the other
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Variables:
     poses: int
     order: tuple[int, ...]
     ordering: gtsam.Ordering
-    rewalking: Rewalking | None
+    rewalking: ChainedRetraction | None
 
     @classmethod
     def of(cls, timelines: Sequence[Timeline], keys: Keys) -> "Variables":
@@ -49,7 +49,9 @@ class Variables:
         times = np.concatenate([[node.time_s for node in timeline.nodes] for timeline in timelines])
         latest_first = np.lexsort((np.arange(len(times)), times))[::-1]
         order = (*latest_first.tolist(), *keys.present_references)
-        return cls(keys.poses, order, ordering_of(order), Rewalking.of(timelines) if len(timelines) > 1 else None)
+        return cls(
+            keys.poses, order, ordering_of(order), ChainedRetraction.of(timelines) if len(timelines) > 1 else None
+        )
 
     def pose(self, values: gtsam.Values) -> Array:
         """Poses (poses, 3)."""
@@ -74,19 +76,25 @@ class Variables:
 
 
 def linearised(
-    graph: gtsam.NonlinearFactorGraph, tethers: Tethers, values: gtsam.Values, variables: Variables, resisting: bool
+    graph: gtsam.NonlinearFactorGraph,
+    tethers: TetherConstraints,
+    values: gtsam.Values,
+    variables: Variables,
+    resisting: bool,
 ) -> gtsam.GaussianFactorGraph:
     """The linear system at some values, with the taut tethers; resisting: of Newton's method, not Gauss and his."""
     linear = graph.linearize(values)
     if len(tethers):
         near = tethers.near(variables.pose(values))
-        linear.push_back(near.factors(near.excess_m > 0.0, near.excess_m if resisting else 0.0 * near.excess_m))
+        linear.push_back(
+            near.factors(near.violation_m > 0.0, near.violation_m if resisting else 0.0 * near.violation_m)
+        )
     return linear
 
 
 def minimised(
     graph: gtsam.NonlinearFactorGraph,
-    tethers: Tethers,
+    tethers: TetherConstraints,
     values: gtsam.Values,
     variables: Variables,
     least_promise: float,
@@ -97,16 +105,16 @@ def minimised(
     def error(at: gtsam.Values) -> float:
         return float(graph.error(at)) + (tethers.error(variables.pose(at)) if len(tethers) else 0.0)
 
-    here, taut = error(values), None
+    here, active = error(values), None
     for _ in range(_MOST_STEPS):
-        step = _step(graph.linearize(values), tethers, values, variables, taut)
-        if step.promise < least_promise:
+        step = _step(graph.linearize(values), tethers, values, variables, active)
+        if step.predicted_decrease < least_promise:
             there = values.retract(step.change)
             return there if error(there) <= here else values
-        found = _along(step, values, variables, error, here)
+        found = line_search(step, values, variables, error, here)
         if found is None:  # rounding leaves no better values
             return values
-        (values, here), taut = found, step.taut
+        (values, here), active = found, step.active
     return values
 
 
@@ -116,43 +124,43 @@ class _Step:
     change leaves exceeded."""
 
     change: gtsam.VectorValues
-    promise: float
-    taut: NDArray[np.bool_]
+    predicted_decrease: float
+    active: NDArray[np.bool_]
 
 
 def _step(
     linear: gtsam.GaussianFactorGraph,
-    tethers: Tethers,
+    tethers: TetherConstraints,
     values: gtsam.Values,
     variables: Variables,
-    taut: NDArray[np.bool_] | None,
+    active: NDArray[np.bool_] | None,
 ) -> _Step:
     """The step of least error in the linear system with those tethers that it leaves exceeded. taut: where the last
     step left them so."""
     if not len(tethers):
         change = _solution(linear, variables)
-        promise = linear.error(values.zeroVectors()) - linear.error(change)
-        return _Step(change, promise, np.zeros(0, dtype=np.bool_))
+        predicted_decrease = linear.error(values.zeroVectors()) - linear.error(change)
+        return _Step(change, predicted_decrease, np.zeros(0, dtype=np.bool_))
     near = tethers.near(variables.pose(values))
     # Not the graph's own error: a robust factor is linear with its weight, and the square then is not its cost.
     here = linear.error(values.zeroVectors()) + tethers.error(variables.pose(values))
-    pull_m, before = near.excess_m, np.inf
-    taut = pull_m > 0.0 if taut is None else taut
-    best, tried = _Step(gtsam.VectorValues(), -np.inf, taut), set[bytes]()
+    expected_violation_m, before = near.violation_m, np.inf
+    active = expected_violation_m > 0.0 if active is None else active
+    best, tried = _Step(gtsam.VectorValues(), -np.inf, active), set[bytes]()
     for _ in range(_SWITCHES):
         system = gtsam.GaussianFactorGraph()
         system.push_back(linear)
-        system.push_back(near.factors(taut, pull_m))
+        system.push_back(near.factors(active, expected_violation_m))
         change = _solution(system, variables)
         moves = variables.of_poses(change)
-        left = linear.error(change) + near.error(moves, pull_m)
-        pull_m = near.excess_m + near.moved(moves)[0]
-        tried.add(taut.tobytes())
-        taut = pull_m > 0.0
-        if here - left > best.promise:
-            best = _Step(change, here - left, taut)
-        enough = best.promise > 0.0 and before - left < _WORTHWHILE * best.promise
-        if enough or taut.tobytes() in tried:
+        left = linear.error(change) + near.error(moves, expected_violation_m)
+        expected_violation_m = near.violation_m + near.moved(moves)[0]
+        tried.add(active.tobytes())
+        active = expected_violation_m > 0.0
+        if here - left > best.predicted_decrease:
+            best = _Step(change, here - left, active)
+        enough = best.predicted_decrease > 0.0 and before - left < _WORTHWHILE * best.predicted_decrease
+        if enough or active.tobytes() in tried:
             break
         before = left
     return best
@@ -162,7 +170,7 @@ def _solution(linear: gtsam.GaussianFactorGraph, variables: Variables) -> gtsam.
     return linear.eliminateSequential(variables.ordering, gtsam.EliminateQR).optimize()
 
 
-def _along(
+def line_search(
     step: _Step,
     values: gtsam.Values,
     variables: Variables,
@@ -175,6 +183,6 @@ def _along(
         change = step.change.scale(share) if halving else step.change
         reached = [(there, error(there)) for there in variables.moved(values, change)]
         there, error_there = min(reached, key=lambda one: one[1])
-        if error_there <= here - 2.0 * _ENOUGH * share * step.promise:
+        if error_there <= here - 2.0 * _ENOUGH * share * step.predicted_decrease:
             return there, error_there
     return None

@@ -17,13 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.motion_model import Moments
-from pdr_est.estimators.common.tethers import starts_of, ties_between
+from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.factor_graph.deep_stack import with_large_stack
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.estimators.factor_graph.length_scale import _at_scale
-from pdr_est.estimators.factor_graph.newton import EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTENINGS, SOFTLY
+from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTLY
 from pdr_est.estimators.factor_graph.walk_graph import _Scale, _WalkGraph
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
@@ -43,10 +43,10 @@ def estimate(
     Raises EstimationError if GTSAM finds the graph indeterminate, or tethers do not fit the devices.
     """
     starts = starts_of(timelines, start)
-    ties = ties_between(timelines, tethers)
-    guesses = initial_states(timelines, ties, starts, sigma_length_scale)
+    node_tethers = node_tethers_between(timelines, tethers)
+    guesses = initial_states(timelines, node_tethers, starts, sigma_length_scale)
 
-    graph = _WalkGraph(timelines, ties, starts, guesses)
+    graph = _WalkGraph(timelines, node_tethers, starts, guesses)
 
     def work() -> _Solution:
         return _solve(graph, guesses, sigma_length_scale)
@@ -67,12 +67,12 @@ def estimate(
     return concatenate(tracks)
 
 
-def _solve(graph: "_WalkGraph", guesses: Sequence[list[Moments]], sigma_length_scale: float) -> "_Solution":
+def _solve(graph: "_WalkGraph", guesses: Sequence[list[GaussianState]], sigma_length_scale: float) -> "_Solution":
     """The optimum over poses and length scales, and its covariances."""
     expected = [guess[-1].mean[3] if graph.tells_scale else 1.0 for guess in guesses]
     scale = _Scale.without_effect(np.array(expected), graph.keys.poses)
     values = graph.initial_values(guesses)
-    for softening in SOFTENINGS[:-1] if len(graph.tethers) else ():
+    for softening in CONTINUATION_FACTORS[:-1] if len(graph.tethers) else ():
         graph.softening = softening
         scale, values = _at_scale(graph, values, scale, sigma_length_scale, SOFTLY, _SOFT_ROUNDS)
         graph.held(values)

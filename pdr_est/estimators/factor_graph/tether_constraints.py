@@ -15,7 +15,7 @@ import gtsam
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.common.tethers import Tie
+from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.factor_graph.factors import LEAST_SIGMA, Keys
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
@@ -24,7 +24,7 @@ _LEAST_DISTANCE_M = 1e-9
 
 
 @dataclass(frozen=True)
-class Tethers:
+class TetherConstraints:
     """Distances between pairs of places that cost beyond max_distance_m (m,) by sigma_m (m,).
 
     The two places of each are on the straight lines between two poses: earlier, later (m, 2) by key, at a share
@@ -38,10 +38,14 @@ class Tethers:
     sigma_m: Array
 
     @classmethod
-    def of(cls, ties: Sequence[Tie], keys: Keys) -> "Tethers":
+    def of(cls, node_tethers: Sequence[NodeTether], keys: Keys) -> "TetherConstraints":
         """Of ties between nodes."""
-        ends = np.array([keys.of_tie(tie) for tie in ties], dtype=np.int64).reshape(-1, 2)
-        limits = np.array([[tie.max_distance_m, tie.sigma_m] for tie in ties]).reshape(-1, 2)
+        ends = np.array([keys.of_node_tether(node_tether) for node_tether in node_tethers], dtype=np.int64).reshape(
+            -1, 2
+        )
+        limits = np.array(
+            [[node_tether.max_distance_m, node_tether.sigma_m] for node_tether in node_tethers]
+        ).reshape(-1, 2)
         return cls.between(ends, ends, np.ones(ends.shape), limits[:, 0], limits[:, 1])
 
     @classmethod
@@ -52,7 +56,7 @@ class Tethers:
         share: Array,
         max_distance_m: Array,
         sigma_m: Array,
-    ) -> "Tethers":
+    ) -> "TetherConstraints":
         """With sigmas that do not make the elimination fail."""
         at_pose = np.where(earlier == later, 1.0, share)
         return cls(earlier, later, at_pose, max_distance_m, np.maximum(sigma_m, LEAST_SIGMA))
@@ -65,8 +69,8 @@ class Tethers:
         """What tells their places (m, 6); two tethers with the same ones are one."""
         return np.concatenate([self.earlier, self.later, self.share], axis=1)
 
-    def __add__(self, others: "Tethers") -> "Tethers":
-        return Tethers(
+    def __add__(self, others: "TetherConstraints") -> "TetherConstraints":
+        return TetherConstraints(
             np.concatenate([self.earlier, others.earlier]),
             np.concatenate([self.later, others.later]),
             np.concatenate([self.share, others.share]),
@@ -74,9 +78,9 @@ class Tethers:
             np.concatenate([self.sigma_m, others.sigma_m]),
         )
 
-    def only(self, chosen: NDArray[np.int64]) -> "Tethers":
+    def only(self, chosen: NDArray[np.int64]) -> "TetherConstraints":
         """Some of them, by number."""
-        return Tethers(
+        return TetherConstraints(
             self.earlier[chosen],
             self.later[chosen],
             self.share[chosen],
@@ -84,14 +88,14 @@ class Tethers:
             self.sigma_m[chosen],
         )
 
-    def softened(self, factor: float) -> "Tethers":
+    def softened(self, factor: float) -> "TetherConstraints":
         return replace(self, sigma_m=factor * self.sigma_m)
 
     def error(self, pose: Array) -> float:
         """Half the sum of squares of what poses (n, 3) exceed, in sigmas."""
         apart = self._between(pose[:, :2])
-        excess_m = np.maximum(np.hypot(apart[:, 0], apart[:, 1]) - self.max_distance_m, 0.0)
-        return 0.5 * float(np.sum((excess_m / self.sigma_m) ** 2))
+        violation_m = np.maximum(np.hypot(apart[:, 0], apart[:, 1]) - self.max_distance_m, 0.0)
+        return 0.5 * float(np.sum((violation_m / self.sigma_m) ** 2))
 
     def near(self, pose: Array) -> "LinearTethers":
         """The tethers near poses (n, 3)."""
@@ -111,13 +115,13 @@ class LinearTethers:
     """Tethers near some poses. along (m, 2): direction from the second place to the first, in the map; distance_m
     (m,); to_map: (n, 2, 2) from a pose's own axes."""
 
-    tethers: Tethers
+    tethers: TetherConstraints
     along: Array
     distance_m: Array
     to_map: Array
 
     @property
-    def excess_m(self) -> Array:
+    def violation_m(self) -> Array:
         """(m,), negative for slack ones."""
         excess: Array = self.distance_m - self.tethers.max_distance_m
         return excess
@@ -130,25 +134,25 @@ class LinearTethers:
         turned = 0.5 * change[self.tethers.earlier, 2].sum(axis=1)
         return np.sum(self.along * apart, axis=1), across - self.distance_m * turned
 
-    def error(self, change: Array, pull_m: Array) -> float:
+    def error(self, change: Array, expected_violation_m: Array) -> float:
         """What the tethers that are exceeded after a change cost then, with the stiffness of `factors`."""
         longer, across = self.moved(change)
-        excess_m = np.maximum(self.excess_m + longer, 0.0)
-        resisting = self._stiffness(pull_m) * across
-        return 0.5 * float(np.sum((excess_m / self.tethers.sigma_m) ** 2 + resisting**2))
+        violation_m = np.maximum(self.violation_m + longer, 0.0)
+        resisting = self._stiffness(expected_violation_m) * across
+        return 0.5 * float(np.sum((violation_m / self.tethers.sigma_m) ** 2 + resisting**2))
 
-    def factors(self, taut: NDArray[np.bool_], pull_m: Array) -> gtsam.GaussianFactorGraph:
+    def factors(self, active: NDArray[np.bool_], expected_violation_m: Array) -> gtsam.GaussianFactorGraph:
         """Linear factors of the taut tethers (m,). pull_m: (m,) what they are expected to be exceeded by in the end,
         which is their force; 0 for Gauss and Newton's factors."""
-        graph, chosen = gtsam.GaussianFactorGraph(), np.flatnonzero(taut)
+        graph, chosen = gtsam.GaussianFactorGraph(), np.flatnonzero(active)
         if not len(chosen):
             return graph
-        sigma_m, stiff = self.tethers.sigma_m[chosen], self._stiffness(pull_m)[chosen]
+        sigma_m, stiff = self.tethers.sigma_m[chosen], self._stiffness(expected_violation_m)[chosen]
         x, y = self.along[chosen].T
         rows = np.array([[x, y] / sigma_m, [-y, x] * stiff]).transpose(2, 0, 1)  # (chosen, 2, 2)
         turned = np.zeros((len(chosen), 2, 1))
         turned[:, 1, 0] = -0.5 * stiff * self.distance_m[chosen]
-        short = np.stack([-self.excess_m[chosen] / sigma_m, np.zeros(len(chosen))], axis=1)
+        short = np.stack([-self.violation_m[chosen] / sigma_m, np.zeros(len(chosen))], axis=1)
         earlier, later = self.tethers.earlier[chosen], self.tethers.later[chosen]
         share = self.tethers.share[chosen]
         blocks = []
@@ -164,9 +168,9 @@ class LinearTethers:
             graph.add(_factor(own_keys, [block[:kept] for block in own], own_short[:kept], _UNIT[kept]))
         return graph
 
-    def _stiffness(self, pull_m: Array) -> Array:
+    def _stiffness(self, expected_violation_m: Array) -> Array:
         """Root of the force over the length (m,), 1/m."""
-        stiffness: Array = np.sqrt(np.maximum(pull_m, 0.0) / self.distance_m) / self.tethers.sigma_m
+        stiffness: Array = np.sqrt(np.maximum(expected_violation_m, 0.0) / self.distance_m) / self.tethers.sigma_m
         return stiffness
 
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import gtsam
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import Moments
-from pdr_est.estimators.common.tethers import Tie
+from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.factor_graph.cutting_planes import Holding
+from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
 from pdr_est.estimators.factor_graph.factors import Keys, add_motion, anchors, motion_noise, reference_guess
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
 from pdr_est.estimators.factor_graph.newton import Variables, linearised, minimised
-from pdr_est.estimators.factor_graph.tether_constraints import Tethers
+from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 
@@ -38,17 +38,17 @@ class _WalkGraph:
     def __init__(
         self,
         timelines: Sequence[Timeline],
-        ties: Sequence[Tie],
+        node_tethers: Sequence[NodeTether],
         starts: Sequence[StartPose],
-        guesses: Sequence[list[Moments]],
+        guesses: Sequence[list[GaussianState]],
     ) -> None:
         self.keys = Keys.of(timelines)
         self._timelines = timelines
         self._tied = anchors(timelines, self.keys, starts, guesses)
         self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
         self._at: tuple[Array, gtsam.NonlinearFactorGraph] | None = None
-        self.tethers, self.softening = Tethers.of(ties, self.keys), 1.0
-        self._holding = Holding.of(timelines, ties, self.keys)
+        self.tethers, self.softening = TetherConstraints.of(node_tethers, self.keys), 1.0
+        self._holding = BetweenStepConstraints.of(timelines, node_tethers, self.keys)
         self.variables = Variables.of(timelines, self.keys)
         # Tethers alone would only shrink the walk: tracks that disagree are nearer to each other when all is smaller.
         self.tells_scale = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
@@ -71,7 +71,7 @@ class _WalkGraph:
             [np.sum(own_m**2 * noise.information_ahead) for own_m, noise in zip(lengths_m, self._noises, strict=True)]
         )
 
-    def initial_values(self, guesses: Sequence[list[Moments]]) -> gtsam.Values:
+    def initial_values(self, guesses: Sequence[list[GaussianState]]) -> gtsam.Values:
         values = gtsam.Values()
         for guess, first, reference in zip(guesses, self.keys.first, self.keys.references, strict=True):
             for i, state in enumerate(guess, first):

@@ -14,12 +14,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from pdr_est.estimators.common.motion_model import reckon
-from pdr_est.estimators.common.tethers import Tie, starts_of, ties_between
+from pdr_est.estimators.common.tethers import NodeTether, node_tethers_between, starts_of
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import Followed, LaggedPose, LagWindow, Limit
+from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow, Limit
 from pdr_est.estimators.kalman.multi_device import follow
-from pdr_est.estimators.kalman.single_device import Stretch, run_filter
+from pdr_est.estimators.kalman.single_device import FilteredSegment, run_filter
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
@@ -39,11 +39,11 @@ def estimate(
     Where the direction of a device is open for longer than the lag, its poses are those of the filter. Raises
     EstimationError if GTSAM finds a window indeterminate, or tethers do not fit the devices.
     """
-    ties, starts = ties_between(timelines, tethers), starts_of(timelines, start)
+    node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, start)
     alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
     tracks = [_Delayed(stretches, parameters.lag_s) for stretches in alone]
     window, numbers = LagWindow(parameters), [iter(track.followed) for track in tracks]
-    for item in _followed(timelines, alone, ties):
+    for item in _followed(timelines, alone, node_tethers):
         for ready in window.push(item):
             tracks[ready.device].record(next(numbers[ready.device]), ready)
     for ready in window.flush():
@@ -52,14 +52,17 @@ def estimate(
 
 
 def _followed(
-    timelines: Sequence[Timeline], alone: Sequence[Sequence[Stretch]], ties: Sequence[Tie]
-) -> Iterator[Followed]:
+    timelines: Sequence[Timeline], alone: Sequence[Sequence[FilteredSegment]], node_tethers: Sequence[NodeTether]
+) -> Iterator[FilteredNode]:
     present: frozenset[int] = frozenset()
-    for moment in follow(timelines, alone, ties):
+    for moment in follow(timelines, alone, node_tethers):
         device, node = moment.touched[0]
         present |= {device}
-        limits = tuple(Limit(tie.device_a, tie.device_b, tie.max_distance_m, tie.sigma_m) for tie in moment.ties)
-        yield Followed(
+        limits = tuple(
+            Limit(node_tether.device_a, node_tether.device_b, node_tether.max_distance_m, node_tether.sigma_m)
+            for node_tether in moment.node_tethers
+        )
+        yield FilteredNode(
             device, timelines[device].nodes[node], moment.entered, limits, moment.mean, moment.covariance, present
         )
 
@@ -68,7 +71,7 @@ class _Delayed:
     """The poses of one device: those of its own filter until the smoother gives them. followed: numbers of the nodes
     that the smoother gives."""
 
-    def __init__(self, stretches: Sequence[Stretch], lag_s: float) -> None:
+    def __init__(self, stretches: Sequence[FilteredSegment], lag_s: float) -> None:
         self._pose = np.concatenate([_known_later(stretch, lag_s)[0] for stretch in stretches])
         self._covariance = np.concatenate([_known_later(stretch, lag_s)[1] for stretch in stretches])
         self._scale = stretches[-1].end.length_scale
@@ -87,7 +90,7 @@ class _Delayed:
         return track_from_nodes(timeline, pose[:, :2], pose[:, 2], self._covariance, "delayed", NAME, self._scale)
 
 
-def _known_later(stretch: Stretch, lag_s: float) -> tuple[Array, Array]:
+def _known_later(stretch: FilteredSegment, lag_s: float) -> tuple[Array, Array]:
     """Filtered poses (n, 3) and covariances (n, 3, 3); where the direction became known within the lag, those that
     lead there."""
     pose, covariance, aligned = stretch.pose.copy(), stretch.covariance.copy(), stretch.aligned_from

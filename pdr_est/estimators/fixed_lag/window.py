@@ -9,12 +9,18 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, Moments
+from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.estimators.factor_graph.factors import LEAST_SIGMA, add_measurements, displacement, motion_noise
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window_prior import Known, of_entering, pose_per_scale, prior_factors, scales
+from pdr_est.estimators.fixed_lag.window_prior import (
+    ConditionalPrior,
+    of_entering,
+    pose_per_scale,
+    prior_factors,
+    scales,
+)
 from pdr_est.frames import Array
 
 _SCALE_TOLERANCE = 0.1  # of the scale's sigma; a scale that moved further needs a new window
@@ -33,7 +39,7 @@ class Limit:
 
 
 @dataclass(frozen=True)
-class Followed:
+class FilteredNode:
     """What the filter beside the smoother did last. node: of which device; entered: the state that this device
     entered with, None if it moved on to the node; limits: tethers that were asked for then.
 
@@ -42,7 +48,7 @@ class Followed:
 
     device: int
     node: Node
-    entered: Moments | None
+    entered: GaussianState | None
     limits: tuple[Limit, ...]
     mean: Array
     covariance: Array
@@ -70,14 +76,14 @@ class LagWindow:
 
     def __init__(self, parameters: FixedLagParams) -> None:
         self._lag_s = parameters.lag_s
-        self._waiting: deque[Followed] = deque()  # poses that were not given out yet
+        self._waiting: deque[FilteredNode] = deque()  # poses that were not given out yet
         self._relative: set[int] = set()  # devices with headings relative to a reference
         self._graph: _Graph | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_graph": None}
 
-    def push(self, item: Followed) -> list[LaggedPose]:
+    def push(self, item: FilteredNode) -> list[LaggedPose]:
         """The poses that are a lag before `item`."""
         ready = self.until(item.node.time_s - self._lag_s)
         new_reference = item.device not in self._relative and any(prior.relative for prior in item.node.priors)
@@ -131,7 +137,7 @@ class LagWindow:
 class _Graph:
     """The smoother of a window at fixed length scales: begun with a prior from the filter, then node by node."""
 
-    def __init__(self, lag_s: float, items: Sequence[Followed], relative: set[int]) -> None:
+    def __init__(self, lag_s: float, items: Sequence[FilteredNode], relative: set[int]) -> None:
         parameters = gtsam.ISAM2Params()
         parameters.findUnusedFactorSlots = True
         parameters.setFactorization("QR")
@@ -149,13 +155,13 @@ class _Graph:
         for item in list(items)[1:]:
             self.add(item)
 
-    def outdated_by(self, item: Followed) -> bool:
+    def outdated_by(self, item: FilteredNode) -> bool:
         """Whether the filter believes in other length scales than this window has."""
         sigma = np.sqrt(np.maximum(np.diag(item.covariance)[LENGTH_SCALE::STATES], 0.0))
         moved = np.abs(scales(item.mean) - self._scale) > _SCALE_TOLERANCE * sigma + 1e-9
         return bool(moved[sorted(item.present)].any())
 
-    def add(self, item: Followed) -> None:
+    def add(self, item: FilteredNode) -> None:
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         self._now_s, self._last = max(self._now_s, item.node.time_s), item
         scale, before = float(self._scale[item.device]), self._poses.get(item.device)
@@ -174,7 +180,7 @@ class _Graph:
         self._update(graph, values)
         self._keep_together(item.limits)
 
-    def pose_of(self, item: Followed, waiting: int) -> LaggedPose:
+    def pose_of(self, item: FilteredNode, waiting: int) -> LaggedPose:
         """Pose of a window's item, the first of so many that wait, in the map with the scale's share."""
         while len(self._keys) > waiting:
             self._keys.popleft()
@@ -196,15 +202,17 @@ class _Graph:
         for _ in range(_ITERATIONS):
             self._smoother.update()
 
-    def _begin(self, item: Followed) -> None:
+    def _begin(self, item: FilteredNode) -> None:
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         devices = sorted(item.present)
-        self._enter(graph, values, devices, Known.of_filter(item.mean, item.covariance, self._scale, devices))
+        self._enter(
+            graph, values, devices, ConditionalPrior.of_filter(item.mean, item.covariance, self._scale, devices)
+        )
         self._keys.append(self._poses[item.device])
         self._update(graph, values)
 
     def _enter(
-        self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, devices: list[int], known: Known
+        self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, devices: list[int], known: ConditionalPrior
     ) -> None:
         """Add first poses of devices, with what is known of them."""
         keys, references = [], []
@@ -244,9 +252,9 @@ class _Graph:
         return self._next_key - 1
 
 
-def _own(item: Followed) -> Moments:
+def _own(item: FilteredNode) -> GaussianState:
     own = slice(STATES * item.device, STATES * (item.device + 1))
-    return Moments(item.mean[own], item.covariance[own, own])
+    return GaussianState(item.mean[own], item.covariance[own, own])
 
 
 def _no_solution(error: RuntimeError | ValueError) -> EstimationError:

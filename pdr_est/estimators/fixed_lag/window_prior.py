@@ -7,7 +7,7 @@ from typing import Any
 import gtsam
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, Moments
+from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
 from pdr_est.estimators.factor_graph.factors import LEAST_SIGMA
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
@@ -17,7 +17,7 @@ _ANYWHERE_M = 1.0  # sigma of where a reference is, which is of no meaning
 
 
 @dataclass(frozen=True)
-class Known:
+class ConditionalPrior:
     """Mean (4 d,) and covariance (4 d, 4 d) of east, north, heading and reference of some devices, given the length
     scales."""
 
@@ -25,7 +25,7 @@ class Known:
     covariance: Array
 
     @classmethod
-    def of_filter(cls, mean: Array, covariance: Array, scale: Array, devices: Sequence[int]) -> "Known":
+    def of_filter(cls, mean: Array, covariance: Array, scale: Array, devices: Sequence[int]) -> "ConditionalPrior":
         """From a filter's state (5 n,): what it says of some devices if the scales (n,) are these."""
         others = [STATES * d + i for d in devices for i in range(STATES) if i != LENGTH_SCALE]
         of_scales = [STATES * d + LENGTH_SCALE for d in devices]
@@ -35,9 +35,9 @@ class Known:
         return cls(mean[others] + moved, covariance[np.ix_(others, others)] - gain @ across.T)
 
 
-def of_entering(moments: Moments, scale: float) -> Known:
+def of_entering(moments: GaussianState, scale: float) -> ConditionalPrior:
     """From the state of one device."""
-    return Known.of_filter(moments.mean, moments.covariance, np.array([scale]), [0])
+    return ConditionalPrior.of_filter(moments.mean, moments.covariance, np.array([scale]), [0])
 
 
 def scales(mean: Array) -> Array:
@@ -55,7 +55,7 @@ def pose_per_scale(covariance: Array, device: int) -> Array:
 
 
 def prior_factors(
-    known: Known, poses: Sequence[int], references: Sequence[int | None]
+    known: ConditionalPrior, poses: Sequence[int], references: Sequence[int | None]
 ) -> Iterator[gtsam.NonlinearFactor]:
     """One factor a variable, by the chain rule: a pose given the first device's and the one's before it, a reference
     given its device's pose. For two devices without references that is all that is known.
@@ -80,7 +80,7 @@ def prior_factors(
             yield gtsam.LinearContainerFactor(_conditional(covariance, [reference, pose], rows), at)
 
 
-def _in_own_frames(known: Known) -> Array:
+def _in_own_frames(known: ConditionalPrior) -> Array:
     """The covariance with positions in the poses' own frames, in which GTSAM counts."""
     covariance = known.covariance + LEAST_SIGMA**2 * np.eye(len(known.mean))
     turn = np.eye(len(known.mean))

@@ -18,7 +18,7 @@ from filterpy.kalman import KalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
-from pdr_est.estimators.common.motion_model import STATES, Moments
+from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix
@@ -39,20 +39,20 @@ class Alignment:
 
     pose: Array
     covariance: Array
-    aligned: Moments | None
+    aligned: GaussianState | None
 
 
-def align(nodes: tuple[Node, ...], prior: Moments) -> Alignment:
+def align(nodes: tuple[Node, ...], prior: GaussianState) -> Alignment:
     """Follow the walk with the heading vector until its direction is known.
 
     prior: of the state at the first node; its heading is ignored. Until the direction is known, the heading is what
     the measurements favour, with the sigma of a uniform direction or less.
     """
-    seeking: Seeking | None = None
+    seeking: HeadingSearch | None = None
     poses: list[Array] = []
     covariances: list[Array] = []
     for i, node in enumerate(nodes):
-        seeking, aligned = seek(seeking, node, nodes[: i + 1], prior)
+        seeking, aligned = search_heading(seeking, node, nodes[: i + 1], prior)
         if aligned is not None:
             poses.append(aligned.mean[:3])
             covariances.append(aligned.covariance[:3, :3])
@@ -63,7 +63,7 @@ def align(nodes: tuple[Node, ...], prior: Moments) -> Alignment:
 
 
 @dataclass(frozen=True)
-class Seeking:
+class HeadingSearch:
     """How far the search for the direction has come: the heading vector's mean (6,) and covariance (6, 6), and what
     they say of the pose, (3,) and (3, 3)."""
 
@@ -73,7 +73,9 @@ class Seeking:
     covariance: Array
 
 
-def seek(before: Seeking | None, node: Node, nodes: Sequence[Node], prior: Moments) -> tuple[Seeking, Moments | None]:
+def search_heading(
+    before: HeadingSearch | None, node: Node, nodes: Sequence[Node], prior: GaussianState
+) -> tuple[HeadingSearch, GaussianState | None]:
     """Follow the walk to its next node; with the state there once the direction is known.
 
     before: None at the first node, where `prior` holds. nodes: all of them up to this one.
@@ -86,7 +88,7 @@ def seek(before: Seeking | None, node: Node, nodes: Sequence[Node], prior: Momen
     return found, _follow_again(nodes, prior, float(found.pose[2])).state()
 
 
-def _follow_again(nodes: Sequence[Node], prior: Moments, heading_rad: float) -> "_HeadingVectorFilter":
+def _follow_again(nodes: Sequence[Node], prior: GaussianState, heading_rad: float) -> "_HeadingVectorFilter":
     """The filter at the last of some nodes, when the heading there is known about."""
     turns = np.array([node.heading_change_rad for node in nodes])
     headings = heading_rad - turns.sum() + turns.cumsum()
@@ -99,7 +101,7 @@ def _follow_again(nodes: Sequence[Node], prior: Moments, heading_rad: float) -> 
 class _HeadingVectorFilter:
     """Linear Kalman filter over (east, north, u, v, u at the start, v at the start)."""
 
-    def __init__(self, prior: Moments, before: Seeking | None = None) -> None:
+    def __init__(self, prior: GaussianState, before: HeadingSearch | None = None) -> None:
         self._prior = prior
         self._filter = KalmanFilter(dim_x=6, dim_z=2)
         if before is not None:
@@ -133,14 +135,14 @@ class _HeadingVectorFilter:
             if not prior.relative:
                 self._update_heading(prior)
 
-    def found(self) -> Seeking:
+    def found(self) -> HeadingSearch:
         """With mean (x, y, heading) and covariance (3, 3) for the track."""
         x, y, u, v = self._filter.x[_NOW]
         covariance = np.diag([0.0, 0.0, min(self.sigma_heading_rad(), UNKNOWN_SIGMA_RAD) ** 2])
         covariance[:2, :2] = self._filter.P[_POSITION, _POSITION]
-        return Seeking(self._filter.x, self._filter.P, np.array([x, y, np.arctan2(v, u)]), covariance)
+        return HeadingSearch(self._filter.x, self._filter.P, np.array([x, y, np.arctan2(v, u)]), covariance)
 
-    def state(self) -> Moments:
+    def state(self) -> GaussianState:
         """The state for a heading vector that is known well enough for a first-order conversion."""
         mean, covariance = self._without_uniform_prior()
         return _with_scale_prior(_to_state(mean[_NOW], covariance[_NOW, _NOW], self._prior), self._prior)
@@ -196,7 +198,7 @@ def _directed_noise(node: Node, heading_rad: float) -> Array:
     return np.asarray(to_map @ node.covariance @ to_map.T)
 
 
-def _to_state(vector_state: Array, covariance: Array, prior: Moments) -> Moments:
+def _to_state(vector_state: Array, covariance: Array, prior: GaussianState) -> GaussianState:
     """The state from (x, y, u, v), to first order; nothing was learnt of the reference direction."""
     x, y, u, v = vector_state
     norm = np.hypot(u, v)
@@ -205,11 +207,11 @@ def _to_state(vector_state: Array, covariance: Array, prior: Moments) -> Moments
     jacobian[3, 2:] = [u / norm, v / norm]
     state = jacobian @ covariance @ jacobian.T
     state[4, 4] = prior.covariance[4, 4]
-    return Moments(np.array([x, y, np.arctan2(v, u), norm, prior.mean[4]]), state)
+    return GaussianState(np.array([x, y, np.arctan2(v, u), norm, prior.mean[4]]), state)
 
 
-def _with_scale_prior(moments: Moments, prior: Moments) -> Moments:
+def _with_scale_prior(moments: GaussianState, prior: GaussianState) -> GaussianState:
     """What is known of the length scale beside these measurements: one Kalman update of the last state."""
     gain = moments.covariance[:, 3] / (moments.covariance[3, 3] + prior.covariance[3, 3])
     mean = moments.mean + gain * (prior.mean[3] - moments.mean[3])
-    return Moments(mean, moments.covariance - np.outer(gain, moments.covariance[3]))
+    return GaussianState(mean, moments.covariance - np.outer(gain, moments.covariance[3]))

@@ -6,7 +6,7 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
-from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, Moments, linearise, move
+from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.tethers import SIGMA_SET_OFF_RAD
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array, wrap_angle
@@ -31,37 +31,37 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         self.P = np.zeros((STATES * devices, STATES * devices))
         self.F, self.Q = np.eye(STATES * devices), np.zeros((STATES * devices, STATES * devices))
 
-    def enter(self, moments: Moments, device: int = 0) -> None:
+    def enter(self, moments: GaussianState, device: int = 0) -> None:
         """Set the state of a device; nothing ties it to the others yet."""
         own = _rows(device)
         self.x[own] = moments.mean
         self.P[own, :], self.P[:, own] = 0.0, 0.0
         self.P[own, own] = moments.covariance
 
-    def join(self, moments: Moments, node: Node, device: int, lender: int | None) -> Moments:
+    def join(self, moments: GaussianState, node: Node, device: int, donor: int | None) -> GaussianState:
         """Set the state of a device that takes part from `node` on, and return it. moments: by itself.
 
         lender: given for a device that began to record while the walk was under way, and by itself would begin where
         the walk did. It is where the lender is by then, within a step, and heads as the lender does, within what
         directions differ by at the start; fixes at the node count.
         """
-        if lender is None:
+        if donor is None:
             self.enter(moments, device)
             return moments
-        beside, mean, covariance = self.moments(lender), moments.mean.copy(), moments.covariance.copy()
+        beside, mean, covariance = self.moments(donor), moments.mean.copy(), moments.covariance.copy()
         mean[:3] = beside.mean[:3]
         covariance[:3, :], covariance[:, :3] = 0.0, 0.0
         spread = np.array([_SIGMA_WITHIN_STEP_M, _SIGMA_WITHIN_STEP_M, SIGMA_SET_OFF_RAD])
         covariance[:3, :3] = beside.covariance[:3, :3] + np.diag(spread**2)
-        self.enter(Moments(mean, covariance), device)
+        self.enter(GaussianState(mean, covariance), device)
         for fix in node.fixes:
             self.update_position(fix, device)
         return self.moments(device)
 
-    def moments(self, device: int = 0) -> Moments:
+    def moments(self, device: int = 0) -> GaussianState:
         own = _rows(device)
         covariance = self.P[own, own]
-        return Moments(self.x[own].copy(), 0.5 * (covariance + covariance.T))
+        return GaussianState(self.x[own].copy(), 0.5 * (covariance + covariance.T))
 
     def advance(self, node: Node, device: int = 0) -> None:
         """The motion of a device that leads to `node`; the others stay where they are."""

@@ -56,7 +56,7 @@ def fuse(track: Track) -> Track:
     )
 
 
-def carried(track: Track, offset_m: tuple[float, float]) -> Track:
+def at_lever_arm(track: Track, offset_m: tuple[float, float]) -> Track:
     """The track of a device that sits offset_m, forward and left, from the centre of the body whose track it is."""
     if offset_m == (0.0, 0.0):
         return track

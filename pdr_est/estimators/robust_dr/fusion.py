@@ -26,7 +26,7 @@ from scipy.sparse.csgraph import shortest_path
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import STATES, Moments, reckon
+from pdr_est.estimators.common.motion_model import STATES, GaussianState, reckon
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.robust_dr.constrained_map import closed_form, general_many, with_width
 from pdr_est.frames import Array
@@ -179,7 +179,7 @@ def _independent(timeline: Timeline, start: StartPose, track: Track) -> Track:
     prior = start_prior(timeline, start, 0.0)
     covariance = np.zeros_like(track.covariance_m2)
     if not (prior.position_open or prior.heading_open):
-        states = reckon(timeline.nodes, 0, Moments(prior.moments.mean, np.zeros((STATES, STATES))))
+        states = reckon(timeline.nodes, 0, GaussianState(prior.moments.mean, np.zeros((STATES, STATES))))
         steps = (state for state, node in zip(states, timeline.nodes, strict=True) if node.is_step)
         covariance = np.array([state.covariance[:2, :2] for state in steps])
     return replace(track, covariance_m2=covariance)

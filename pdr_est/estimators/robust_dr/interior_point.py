@@ -63,36 +63,40 @@ class _Problem:
 
     estimate: Array
     information: Array
-    ties: Tied
+    node_tethers: Tied
 
     def gradient(self, position: Array, multiplier: Array) -> Array:
         """Of the Lagrangian, zero at the optimum."""
-        pull: Array = self.information @ (position - self.estimate) + self.ties.jacobian(position).T @ multiplier
+        pull: Array = (
+            self.information @ (position - self.estimate) + self.node_tethers.jacobian(position).T @ multiplier
+        )
         return pull
 
 
-def solve(estimates_m: Array, covariances_m2: Array, ties: Tied) -> Array:
+def solve(estimates_m: Array, covariances_m2: Array, node_tethers: Tied) -> Array:
     """Positions (n, 2) nearest to the estimates (n, 2) by their covariances (n, 2, 2), positive definite.
 
     At least one pair of estimates must be farther apart than allowed.
     """
     inverse = np.linalg.inv(covariances_m2)
     together = np.linalg.solve(inverse.sum(axis=0), np.einsum("nij,nj->i", inverse, estimates_m))
-    scale_m = float(np.max(ties.max_distance))
+    scale_m = float(np.max(node_tethers.max_distance))
     information = block_diag(*inverse)
     estimate = ((estimates_m - together) / scale_m).ravel()
     information = information / np.abs(information @ estimate).max()
-    problem = _Problem(estimate, information, Tied(ties.a, ties.b, ties.max_distance / scale_m))
+    problem = _Problem(
+        estimate, information, Tied(node_tethers.a, node_tethers.b, node_tethers.max_distance / scale_m)
+    )
     position = _polish(problem, *_interior_point(problem))
-    return together + scale_m * _within(position, problem.ties).reshape(-1, 2)
+    return together + scale_m * _within(position, problem.node_tethers).reshape(-1, 2)
 
 
 def _interior_point(problem: _Problem) -> tuple[Array, Array]:
     """Positions (2 n,) and multipliers (m,), from all devices at one place."""
-    ties, position = problem.ties, np.zeros_like(problem.estimate)
-    multiplier = 1.0 / ties.slack(position)
+    node_tethers, position = problem.node_tethers, np.zeros_like(problem.estimate)
+    multiplier = 1.0 / node_tethers.slack(position)
     for _ in range(_ITERATIONS):
-        slack = ties.slack(position)
+        slack = node_tethers.slack(position)
         gap = float(slack @ multiplier)
         if gap < _GAP:
             break
@@ -103,7 +107,7 @@ def _interior_point(problem: _Problem) -> tuple[Array, Array]:
         before = _residual(problem, position, multiplier, target)
         while share > 1e-10:
             tried, weights = position + share * move, multiplier + share * change
-            inside = np.all(ties.slack(tried) > 0.0)
+            inside = np.all(node_tethers.slack(tried) > 0.0)
             if inside and _residual(problem, tried, weights, target) <= (1.0 - 0.01 * share) * before:
                 break
             share *= 0.5
@@ -115,8 +119,8 @@ def _interior_point(problem: _Problem) -> tuple[Array, Array]:
 
 def _newton_step(problem: _Problem, position: Array, multiplier: Array, target: float) -> tuple[Array, Array]:
     """Towards a gradient of zero and slack times multiplier = target."""
-    slack, jacobian = problem.ties.slack(position), problem.ties.jacobian(position)
-    stiffness = problem.information + problem.ties.curvature(multiplier, len(position) // 2)
+    slack, jacobian = problem.node_tethers.slack(position), problem.node_tethers.jacobian(position)
+    stiffness = problem.information + problem.node_tethers.curvature(multiplier, len(position) // 2)
     system = np.block([[stiffness, jacobian.T], [-multiplier[:, None] * jacobian, np.diag(slack)]])
     wanted = np.concatenate([-problem.gradient(position, multiplier), target - slack * multiplier])
     move = np.linalg.lstsq(system, wanted, rcond=None)[0]
@@ -124,7 +128,7 @@ def _newton_step(problem: _Problem, position: Array, multiplier: Array, target: 
 
 
 def _residual(problem: _Problem, position: Array, multiplier: Array, target: float) -> float:
-    centre = problem.ties.slack(position) * multiplier - target
+    centre = problem.node_tethers.slack(position) * multiplier - target
     return float(np.hypot(np.linalg.norm(problem.gradient(position, multiplier)), np.linalg.norm(centre)))
 
 
@@ -133,13 +137,13 @@ def _polish(problem: _Problem, position: Array, multiplier: Array) -> Array:
 
     Without a consistent answer, which only rounding can cause, the positions stay as they are.
     """
-    ties = problem.ties
-    binds = multiplier > ties.slack(position)
+    node_tethers = problem.node_tethers
+    binds = multiplier > node_tethers.slack(position)
     for _ in range(4 * len(binds)):
         rows = np.flatnonzero(binds)
-        held = Tied(ties.a[rows], ties.b[rows], ties.max_distance[rows])
-        found, weights = _on_the_rim(replace(problem, ties=held), position, multiplier[rows])
-        slack = np.where(binds, 0.0, ties.slack(found))
+        held = Tied(node_tethers.a[rows], node_tethers.b[rows], node_tethers.max_distance[rows])
+        found, weights = _on_the_rim(replace(problem, node_tethers=held), position, multiplier[rows])
+        slack = np.where(binds, 0.0, node_tethers.slack(found))
         if np.any(slack < -_ROUNDING):
             binds[np.argmin(slack)] = True
         elif np.any(weights < -_ROUNDING):
@@ -151,13 +155,13 @@ def _polish(problem: _Problem, position: Array, multiplier: Array) -> Array:
 
 def _on_the_rim(problem: _Problem, position: Array, multiplier: Array) -> tuple[Array, Array]:
     """The stationary point with all constraints as equalities, by Newton's method for as long as it helps."""
-    ties, best = problem.ties, (position, multiplier)
+    node_tethers, best = problem.node_tethers, (position, multiplier)
     for _ in range(_POLISHES):
         here, weights = best
-        jacobian, count = ties.jacobian(here), len(weights)
-        stiffness = problem.information + ties.curvature(weights, len(here) // 2)
+        jacobian, count = node_tethers.jacobian(here), len(weights)
+        stiffness = problem.information + node_tethers.curvature(weights, len(here) // 2)
         system = np.block([[stiffness, jacobian.T], [jacobian, np.zeros((count, count))]])
-        wanted = np.concatenate([-problem.gradient(here, weights), ties.slack(here)])
+        wanted = np.concatenate([-problem.gradient(here, weights), node_tethers.slack(here)])
         move = np.linalg.lstsq(system, wanted, rcond=1e-15)[0]
         tried = (here + move[: len(here)], weights + move[len(here) :])
         if not _error(problem, *tried) < _error(problem, *best):
@@ -167,11 +171,11 @@ def _on_the_rim(problem: _Problem, position: Array, multiplier: Array) -> tuple[
 
 
 def _error(problem: _Problem, position: Array, multiplier: Array) -> float:
-    slack = np.abs(problem.ties.slack(position)).max(initial=0.0)
+    slack = np.abs(problem.node_tethers.slack(position)).max(initial=0.0)
     return float(max(np.abs(problem.gradient(position, multiplier)).max(), slack))
 
 
-def _within(position: Array, ties: Tied) -> Array:
+def _within(position: Array, node_tethers: Tied) -> Array:
     """The same, drawn together by what rounding left outside the constraints."""
-    excess = float(np.max(np.hypot(*ties.apart(position).T) / ties.max_distance))
+    excess = float(np.max(np.hypot(*node_tethers.apart(position).T) / node_tethers.max_distance))
     return position / max(1.0, excess)

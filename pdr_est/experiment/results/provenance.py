@@ -11,7 +11,7 @@ from typing import Any
 
 from pdr_est import __version__
 from pdr_est.experiment.loader import Experiment
-from pdr_est.experiment.suites.suite import WalkFile
+from pdr_est.experiment.suite import WalkFile
 from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.checksums import file_digests

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.results.result_folder import FAILED, RESULTS, TIMINGS, write
-from pdr_est.experiment.runners.walk_result import Part
+from pdr_est.experiment.runners.walk_result import WalkResult
 from pdr_est.io.writers.parquet import write_parquet
 from pdr_est.types.outcome import TrackOutcome
 
 
-def write_tables(folder: Path, experiment: Experiment, parts: Sequence[Part]) -> None:
+def write_tables(folder: Path, experiment: Experiment, parts: Sequence[WalkResult]) -> None:
     """Write results.parquet, timings.parquet and failed.csv. parts: in the order of the experiment's walks.
 
     results.parquet is long: walk, track, variant, the keys to group by, mode, metric, value. CPU times are never the
@@ -50,7 +50,7 @@ def write_tables(folder: Path, experiment: Experiment, parts: Sequence[Part]) ->
     write(folder / FAILED, text.getvalue())
 
 
-def ordered(experiment: Experiment, parts: Sequence[Part]) -> list[TrackOutcome]:
+def ordered(experiment: Experiment, parts: Sequence[WalkResult]) -> list[TrackOutcome]:
     """All tracks: by walk, then by track, then by variant in the order of the experiment."""
     place = {variant.name: number for number, variant in enumerate(experiment.variants)}
     outcomes = []

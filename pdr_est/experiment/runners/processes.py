@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from pdr_est.experiment.runners.score_walk import without_interrupts
 from pdr_est.experiment.runners.walk_job import Work, do, prepare
-from pdr_est.experiment.runners.walk_result import Failure, Part, encode
+from pdr_est.experiment.runners.walk_result import Failure, WalkResult, encode
 from pdr_est.experiment.walks import Walk
 
 _AHEAD = 2  # walks given to each process: enough that none waits, few enough to stop soon
@@ -48,7 +48,7 @@ def run_locally(work: Work, walks: Sequence[Walk], workers: int) -> Iterator[Don
 
 def lost(walk: Walk, why: str) -> Done:
     """What is told of a walk whose process died."""
-    return Done(walk, encode(Part(walk.name, failures=(Failure(walk.name, why, whole=True),))), keep=False)
+    return Done(walk, encode(WalkResult(walk.name, failures=(Failure(walk.name, why, whole=True),))), keep=False)
 
 
 def _in_pool(work: Work, waiting: deque[Walk], workers: int, under_way: dict[Future[bytes], Walk]) -> Iterator[Done]:

@@ -16,11 +16,11 @@ from pathlib import Path
 from pdr_est import __version__, pipeline
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, EstimationError, PdrError, RecordingError
+from pdr_est.experiment.recording_files import in_words, suite_folder
 from pdr_est.experiment.results.score_rows import BenchmarkResult, SkippedWalk, WalkRow
 from pdr_est.experiment.scoring.calibrated import CalibrationCase, with_calibrated
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile
 from pdr_est.experiment.suites import suite_named
-from pdr_est.experiment.suites.recording_files import in_words, suite_folder
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile
 from pdr_est.experiment.variants.axes import Comparison, Variant, same_front_end
 from pdr_est.experiment.walks import with_truth
 from pdr_est.io import read
@@ -126,7 +126,7 @@ class Scored:
     why."""
 
     variant: Variant
-    walk: Walked
+    walk: AnalysedWalk
     scores: tuple[Scores, ...]
     reasons: tuple[str, ...]
 
@@ -142,9 +142,9 @@ def score_variants(suite: Suite, recording: Recording, variants: Sequence[Varian
         if isinstance(devices, RecordingError):
             if all(same_front_end(variant.config, other.config) for other in variants):
                 raise devices
-            yield Scored(variant, Walked(recording, (), variant.config), (), (f"{variant.name}: {devices}",))
+            yield Scored(variant, AnalysedWalk(recording, (), variant.config), (), (f"{variant.name}: {devices}",))
             continue
-        walk = Walked(recording, devices, variant.config, seconds)
+        walk = AnalysedWalk(recording, devices, variant.config, seconds)
         try:
             scores = suite.score(walk)
         except EstimationError as error:

@@ -13,8 +13,8 @@ from pdr_est.evaluate.position_errors import LEAST_POINTS, point_errors
 from pdr_est.evaluate.rigid_alignment import start_alignment
 from pdr_est.evaluate.time_association import Association, associate
 from pdr_est.experiment.runners.score_walk import Scored
-from pdr_est.experiment.scoring.any_recording import Judge
-from pdr_est.experiment.suites.suite import Scores, Walked
+from pdr_est.experiment.scoring.any_recording import HeldOutProtocol
+from pdr_est.experiment.suite import AnalysedWalk, Scores
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.outcome import TrackOutcome
@@ -25,7 +25,7 @@ _NOTHING = np.empty(0)
 
 
 def outcomes_of(
-    scored: Scored, walk: str, labels: Mapping[str, str], metrics: Sequence[str], judge: Judge
+    scored: Scored, walk: str, labels: Mapping[str, str], metrics: Sequence[str], judge: HeldOutProtocol
 ) -> Iterator[TrackOutcome]:
     """Of each track of a scored walk. judge: which of its true positions were given to the estimator."""
     walked = scored.walk
@@ -59,7 +59,7 @@ def _finite(scores: Scores, name: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _shown(walked: Walked) -> list[tuple[Track, bool]]:
+def _shown(walked: AnalysedWalk) -> list[tuple[Track, bool]]:
     """The track of each device, and then of the person if several are, as shown, and whether it was given fixes: each
     has fixes of its own."""
     opened = [track for fixes, track in walked.estimates if not fixes]
@@ -72,7 +72,7 @@ def _shown(walked: Walked) -> list[tuple[Track, bool]]:
 
 
 def _beside_truth(
-    walked: Walked, name: str, track: Track, judge: Judge | None
+    walked: AnalysedWalk, name: str, track: Track, judge: HeldOutProtocol | None
 ) -> tuple[Array, tuple[Array, Array, Array]]:
     """The track in the frame of the truth, and way, error and squared error at the points that judge it.
 
@@ -89,20 +89,20 @@ def _beside_truth(
         moved = start_alignment(pairs.track_m, pairs.truth_m)
         error_m = point_errors(moved.apply(pairs.track_m), pairs.truth_m)
         later = np.arange(len(pairs)) > 0  # the first point is matched by the alignment
-        return moved.apply(track.position_m), _along(pairs, error_m, _NOTHING, later)
+        return moved.apply(track.position_m), _errors_along_way(pairs, error_m, _NOTHING, later)
     return track.position_m, _held_out_along(pairs, truth, judge)
 
 
-def _held_out_along(pairs: Association, truth: TruePositions, judge: Judge) -> tuple[Array, Array, Array]:
+def _held_out_along(pairs: Association, truth: TruePositions, judge: HeldOutProtocol) -> tuple[Array, Array, Array]:
     protocol = judge.held_out(truth)
     if protocol is None:
         return _NOTHING, _NOTHING, _NOTHING
     difference_m = pairs.track_m - pairs.truth_m
     squared = squared_mahalanobis(difference_m, pairs.covariance_m2, protocol.truth_sigma_m)
-    return _along(pairs, point_errors(pairs.track_m, pairs.truth_m), squared, ~protocol.given(pairs))
+    return _errors_along_way(pairs, point_errors(pairs.track_m, pairs.truth_m), squared, ~protocol.given(pairs))
 
 
-def _along(
+def _errors_along_way(
     pairs: Association, error_m: Array, squared: Array, chosen: NDArray[np.bool_]
 ) -> tuple[Array, Array, Array]:
     legs_m = np.linalg.norm(np.diff(pairs.truth_m, axis=0), axis=1)

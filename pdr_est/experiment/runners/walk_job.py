@@ -10,10 +10,10 @@ from pdr_est.errors import PdrError
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.runners.score_walk import score_variants, warm_up
 from pdr_est.experiment.runners.track_outcome import outcomes_of
-from pdr_est.experiment.runners.walk_result import Failure, Part, encode
-from pdr_est.experiment.scoring.any_recording import Judge, judged
+from pdr_est.experiment.runners.walk_result import Failure, WalkResult, encode
+from pdr_est.experiment.scoring.any_recording import HeldOutProtocol, judged
+from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import suite_named
-from pdr_est.experiment.suites.suite import Suite
 from pdr_est.experiment.variants.axes import Variant, same_front_end
 from pdr_est.experiment.walks import Walk
 from pdr_est.types.outcome import TrackOutcome
@@ -25,7 +25,7 @@ class Work:
     stand in a row."""
 
     suite: str | None
-    judge: Judge
+    judge: HeldOutProtocol
     variants: tuple[Variant, ...]
     metrics: tuple[str, ...]
 
@@ -34,7 +34,7 @@ def work_of(experiment: Experiment) -> Work:
     """The work of an experiment."""
     config = experiment.config
     variants = _front_ends_in_a_row(experiment.variants)
-    return Work(config.data.suite, Judge(config.fixes, config.seed), variants, experiment.metrics)
+    return Work(config.data.suite, HeldOutProtocol(config.fixes, config.seed), variants, experiment.metrics)
 
 
 def prepare(work: Work) -> None:
@@ -57,10 +57,10 @@ def do(work: Work, walk: Walk) -> bytes:
         except Exception as error:  # a fault of ours in one walk must not cost the others
             reason = f"{type(error).__name__}: {error}"
         failure = Failure(walk.name, reason, whole=True)
-        return encode(Part(walk.name, failures=(failure,), work_s=time.process_time() - started))
+        return encode(WalkResult(walk.name, failures=(failure,), work_s=time.process_time() - started))
 
 
-def _part(work: Work, walk: Walk) -> Part:
+def _part(work: Work, walk: Walk) -> WalkResult:
     judge = replace(work.judge, walk=walk.name)
     suite: Suite = judged(None if work.suite is None else suite_named(work.suite), judge)
     suite = replace(suite, metrics=work.metrics)
@@ -71,7 +71,7 @@ def _part(work: Work, walk: Walk) -> Part:
         tracks += list(outcomes_of(scored, walk.name, walk.labels, work.metrics, judge)) if scored.scores else []
         reasons += scored.reasons
         seconds[scored.variant.name] = scored.walk.seconds
-    return Part(
+    return WalkResult(
         walk=walk.name,
         tracks=tuple(tracks),
         failures=tuple(Failure(walk.name, reason, whole=not tracks) for reason in dict.fromkeys(reasons)),

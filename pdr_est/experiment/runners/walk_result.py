@@ -27,7 +27,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Part:
+class WalkResult:
     """Everything of one walk. seconds: variant -> CPU time of its chain. work_s: CPU time of the whole walk, reading
     or simulating it included."""
 
@@ -38,7 +38,7 @@ class Part:
     work_s: float = 0.0
 
 
-def encode(part: Part) -> bytes:
+def encode(part: WalkResult) -> bytes:
     """The content of the part's file; the plotted lines are rounded, the metrics are not."""
     document = {
         "walk": part.walk,
@@ -50,13 +50,13 @@ def encode(part: Part) -> bytes:
     return gzip.compress(json.dumps(document, allow_nan=False).encode(), compresslevel=3, mtime=0)
 
 
-def decode(content: bytes) -> Part:
+def decode(content: bytes) -> WalkResult:
     """The part in the content of its file. Raises ValueError, KeyError or TypeError for anything else."""
     try:
         document = json.loads(gzip.decompress(content))
     except (OSError, EOFError) as error:
         raise ValueError("is no complete gzip file") from error
-    return Part(
+    return WalkResult(
         walk=document["walk"],
         tracks=tuple(_track(row) for row in document["tracks"]),
         failures=tuple(Failure(**row) for row in document["failures"]),
@@ -79,9 +79,9 @@ def store(folder: Path, walk: str, content: bytes) -> None:
     half.replace(target)
 
 
-def stored(folder: Path, walks: Iterable[str]) -> dict[str, Part]:
+def stored(folder: Path, walks: Iterable[str]) -> dict[str, WalkResult]:
     """The parts that are there, by walk; files that cannot be read count as missing."""
-    found: dict[str, Part] = {}
+    found: dict[str, WalkResult] = {}
     for walk in walks:
         try:
             part = decode(part_file(folder, walk).read_bytes())

@@ -3,37 +3,37 @@
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.heading_errors import HEADING_METRICS, heading_net_error_deg, turn_error_deg
 from pdr_est.evaluate.step_detection import score_steps
-from pdr_est.experiment.scoring.track_scores import Part
-from pdr_est.experiment.suites.suite import Walked
+from pdr_est.experiment.scoring.track_scores import MetricPart
+from pdr_est.experiment.suite import AnalysedWalk
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TrueSteps
 from pdr_est.types.track import Track
 
 
-def step_part(walk: Walked, step_s: Array) -> Part:
+def step_part(walk: AnalysedWalk, step_s: Array) -> MetricPart:
     """`STEP_METRICS` of detected steps (n,) over the annotated time span. Raises RecordingError when no step is
     annotated."""
     score = score_steps(step_s, _true_steps(walk).time_s)
-    return Part(
+    return MetricPart(
         values=score.values(),
         counts={"true_steps": score.true, "detected_steps": score.detected, "matched_steps": score.matched},
         missing={} if score.detected else {"step_precision": "no step found"},
     )
 
 
-def heading_part(walk: Walked, track: Track) -> Part:
+def heading_part(walk: AnalysedWalk, track: Track) -> MetricPart:
     """`HEADING_METRICS` of one device's track; missing when no turn is annotated."""
     turns, steps_s = walk.recording.truth.turns, _true_steps(walk).time_s
     if turns is None or not len(turns.time_s):
-        return Part(missing=dict.fromkeys(HEADING_METRICS, "no annotated turn"))
+        return MetricPart(missing=dict.fromkeys(HEADING_METRICS, "no annotated turn"))
     values = (
         turn_error_deg(track, turns.time_s, turns.angle_rad),
         heading_net_error_deg(track, float(steps_s[0]), float(steps_s[-1]), turns.angle_rad),
     )
-    return Part(dict(zip(HEADING_METRICS, values, strict=True)), {"true_turns": len(turns.time_s)})
+    return MetricPart(dict(zip(HEADING_METRICS, values, strict=True)), {"true_turns": len(turns.time_s)})
 
 
-def _true_steps(walk: Walked) -> TrueSteps:
+def _true_steps(walk: AnalysedWalk) -> TrueSteps:
     steps = walk.recording.truth.steps
     if steps is None or not len(steps.time_s):
         raise RecordingError(f"{walk.recording.name}: no annotated step: nothing to compare the detected ones with")

@@ -24,13 +24,13 @@ from pdr_est.experiment.scoring.positions import (
 )
 from pdr_est.experiment.scoring.track_scores import (
     MODE_METRIC,
-    Part,
+    MetricPart,
     device_scores,
     mode_part,
     person_scores,
     step_times_s,
 )
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.track import Track
@@ -39,7 +39,7 @@ _NO_POSITIONS, _NO_STEPS = "the true positions are not known", "no annotated ste
 
 
 @dataclass(frozen=True)
-class Judge:
+class HeldOutProtocol:
     """fixes: what the estimators get. seed, walk: of the errors of fixes on a walk whose truth has none."""
 
     fixes: FixesParams
@@ -62,7 +62,7 @@ def knows_positions(suite: Suite) -> bool:
     return suite.score in (score_open, score_waypoints)
 
 
-def judged(suite: Suite | None, judge: Judge) -> Suite:
+def judged(suite: Suite | None, judge: HeldOutProtocol) -> Suite:
     """The suite with the experiment's fixes instead of its own; None is for recordings with their own truth.
 
     Metrics after a calibration on other walks are left out: here a walk is worked on alone.
@@ -79,12 +79,12 @@ def judged(suite: Suite | None, judge: Judge) -> Suite:
     return replace(suite, metrics=(*opened, *held_out, *others), score=partial(_score_positions, judge=judge))
 
 
-def _score_positions(walk: Walked, judge: Judge) -> list[Scores]:
+def _score_positions(walk: AnalysedWalk, judge: HeldOutProtocol) -> list[Scores]:
     truth = walk.recording.truth.positions
     return score_positions(walk, None if truth is None else judge.held_out(truth))
 
 
-def _score_known(walk: Walked, judge: Judge) -> list[Scores]:
+def _score_known(walk: AnalysedWalk, judge: HeldOutProtocol) -> list[Scores]:
     """Every metric that the truth of the recording allows, of each device and of the person who carries several."""
     track = walk.track()
     scores = [
@@ -102,16 +102,18 @@ def _score_known(walk: Walked, judge: Judge) -> list[Scores]:
     return scores
 
 
-def _known_parts(walk: Walked, name: str, step_s: Array, track: Track, judge: Judge) -> list[Part]:
+def _known_parts(
+    walk: AnalysedWalk, name: str, step_s: Array, track: Track, judge: HeldOutProtocol
+) -> list[MetricPart]:
     """Of one device, or of the person. step_s: (n,) times of the steps; track: of all, from the sensors only."""
     truth = walk.recording.truth
-    parts: list[Part] = []
+    parts: list[MetricPart] = []
     if truth.positions is None or not len(truth.positions.time_s):
-        parts.append(Part(missing=dict.fromkeys((*OPEN_METRICS, *HELDOUT_METRICS), _NO_POSITIONS)))
+        parts.append(MetricPart(missing=dict.fromkeys((*OPEN_METRICS, *HELDOUT_METRICS), _NO_POSITIONS)))
     else:
         parts += position_parts(walk, name, track, truth.positions, judge.held_out(truth.positions))
     if truth.steps is None or not len(truth.steps.time_s):
-        parts.append(Part(missing=dict.fromkeys((*STEP_METRICS, *HEADING_METRICS), _NO_STEPS)))
+        parts.append(MetricPart(missing=dict.fromkeys((*STEP_METRICS, *HEADING_METRICS), _NO_STEPS)))
     else:
         parts += [step_part(walk, step_s), heading_part(walk, track.of_device(name))]
     return parts

@@ -14,8 +14,8 @@ from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.evaluate.held_out_fixes import EVERY, LEAST_POINTS, WAYPOINT_SIGMA_M, fixes_at, given_points
 from pdr_est.evaluate.position_errors import open_metrics
 from pdr_est.evaluate.time_association import Association, associate
-from pdr_est.experiment.scoring.track_scores import Part, device_scores, mode_part, person_scores
-from pdr_est.experiment.suites.suite import Scores, Walked
+from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores, mode_part, person_scores
+from pdr_est.experiment.suite import AnalysedWalk, Scores
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.measurements import PositionFix
@@ -50,7 +50,7 @@ class HeldOut:
         return fixes_at(pairs.time_s[given], position_m, self.sigma_m)
 
 
-def score_open(walk: Walked) -> list[Scores]:
+def score_open(walk: AnalysedWalk) -> list[Scores]:
     """`OPEN_METRICS`, from nothing but the sensors, and `mode_accuracy` of each device.
 
     Raises RecordingError when fewer than two truth points lie within the recording.
@@ -58,7 +58,7 @@ def score_open(walk: Walked) -> list[Scores]:
     return score_positions(walk, None)
 
 
-def score_waypoints(walk: Walked) -> list[Scores]:
+def score_waypoints(walk: AnalysedWalk) -> list[Scores]:
     """`OPEN_METRICS`, `HELDOUT_METRICS` and `mode_accuracy` of each device.
 
     With fewer than five truth points the held-out ones are missing. Raises RecordingError when fewer than two truth
@@ -67,7 +67,7 @@ def score_waypoints(walk: Walked) -> list[Scores]:
     return score_positions(walk, HeldOut())
 
 
-def score_positions(walk: Walked, held_out: HeldOut | None) -> list[Scores]:
+def score_positions(walk: AnalysedWalk, held_out: HeldOut | None) -> list[Scores]:
     """`OPEN_METRICS` and `mode_accuracy` of each device, and `HELDOUT_METRICS` if points are held out; the same
     without `mode_accuracy` of the person who carries several devices."""
     truth, track = _truth(walk), walk.track()
@@ -83,8 +83,8 @@ def score_positions(walk: Walked, held_out: HeldOut | None) -> list[Scores]:
 
 
 def position_parts(
-    walk: Walked, name: str, track: Track, truth: TruePositions, held_out: HeldOut | None
-) -> tuple[Part, ...]:
+    walk: AnalysedWalk, name: str, track: Track, truth: TruePositions, held_out: HeldOut | None
+) -> tuple[MetricPart, ...]:
     """The metrics of the true positions for one device, or for the person. track: of all of them, from nothing but
     the sensors.
 
@@ -96,20 +96,20 @@ def position_parts(
     return (opened,) if held_out is None else (opened, _heldout_part(walk, name, pairs, held_out))
 
 
-def _open_part(track: Track, pairs: Association, truth: TruePositions) -> Part:
+def _open_part(track: Track, pairs: Association, truth: TruePositions) -> MetricPart:
     counts = {"truth_points": len(pairs), "truth_points_not_scored": pairs.not_scored}
-    return Part(open_metrics(track, pairs, truth.source), counts)
+    return MetricPart(open_metrics(track, pairs, truth.source), counts)
 
 
-def _heldout_part(walk: Walked, name: str, pairs: Association, held_out: HeldOut) -> Part:
+def _heldout_part(walk: AnalysedWalk, name: str, pairs: Association, held_out: HeldOut) -> MetricPart:
     """Metrics at the held-out points of a track that was given the others as fixes."""
     given = held_out.given(pairs)
     if len(pairs) < LEAST_POINTS or given.all():
-        return Part(missing=dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_POINTS} truth points"))
+        return MetricPart(missing=dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_POINTS} truth points"))
     track = walk.track(held_out.fixes(pairs)).of_device(name)
     held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], walk.span_of(name))
     error_m = held.track_m - held.truth_m
-    return Part(
+    return MetricPart(
         {
             "error_heldout_m": float(metrics.point_errors(held.track_m, held.truth_m).mean()),
             "coverage95": coverage95(error_m, held.covariance_m2, held_out.truth_sigma_m),
@@ -118,14 +118,14 @@ def _heldout_part(walk: Walked, name: str, pairs: Association, held_out: HeldOut
     )
 
 
-def _truth(walk: Walked) -> TruePositions:
+def _truth(walk: AnalysedWalk) -> TruePositions:
     positions = walk.recording.truth.positions
     if positions is None or not len(positions.time_s):
         raise RecordingError(f"{walk.recording.name}: no true positions: nothing to score the track against")
     return positions
 
 
-def _pairs(walk: Walked, name: str, track: Track, truth: TruePositions) -> Association:
+def _pairs(walk: AnalysedWalk, name: str, track: Track, truth: TruePositions) -> Association:
     pairs = associate(track, truth.time_s, truth.position_m, walk.span_of(name))
     if len(pairs) < open_loop.LEAST_POINTS:
         raise RecordingError(

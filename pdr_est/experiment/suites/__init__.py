@@ -1,6 +1,7 @@
 """The benchmark suites, one module each."""
 
 from pdr_est.errors import ConfigError
+from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import (
     gait,
     ilc20,
@@ -13,7 +14,6 @@ from pdr_est.experiment.suites import (
     stride_length,
     weallwalk,
 )
-from pdr_est.experiment.suites.suite import Suite
 
 SUITES: tuple[Suite, ...] = (
     ilc20.SUITE,

@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 from pdr_est.evaluate import gait_recognition as gaits
 from pdr_est.evaluate.cadence_check import PLAUSIBILITY_METRIC, count_plausibility
 from pdr_est.evaluate.step_detection import FALSE_STEPS_METRIC, steps_per_minute
+from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.results.score_rows import WalkRow
 from pdr_est.experiment.scoring.confusion import Confusion
-from pdr_est.experiment.scoring.track_scores import Part, device_scores
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 from pdr_est.front_end.gait import GaitClassifier, gait_model, is_shipped, shipped_folds
 from pdr_est.io.formats import motionsense, sisfall
 from pdr_est.pipeline import DeviceWalk
@@ -62,7 +62,7 @@ def find(folder: Path) -> list[WalkFile]:
     return walks
 
 
-def score(walk: Walked) -> list[Scores]:
+def score(walk: AnalysedWalk) -> list[Scores]:
     """Gaits and plausibility of those who move, false steps of those who rest; no estimator runs."""
     return [device_scores(walk, device, _part(walk, device)) for device in walk.devices]
 
@@ -99,23 +99,23 @@ def _walk(name: str, path: Path, data_set: str, person: str, code: str) -> WalkF
     )
 
 
-def _part(walk: Walked, device: DeviceWalk) -> Part:
+def _part(walk: AnalysedWalk, device: DeviceWalk) -> MetricPart:
     activity = walk.recording.truth.activity
     if activity in _RESTING:
-        return Part({FALSE_STEPS_METRIC: steps_per_minute(len(device.steps), device.span_s)})
+        return MetricPart({FALSE_STEPS_METRIC: steps_per_minute(len(device.steps), device.span_s)})
     labelled = _labelled(device.steps, walk)
     if labelled is None:
-        return Part(missing=dict.fromkeys((gaits.GAIT_METRIC, gaits.WALKING_METRIC), _SEEN))
+        return MetricPart(missing=dict.fromkeys((gaits.GAIT_METRIC, gaits.WALKING_METRIC), _SEEN))
     labels = [step.gait for step in labelled]
     true = gaits.KNOWN_BY_NAME.get(activity or "", Gait.UNKNOWN)
     counts = gaits.counts_of(true, labels)
     predicted = _by_label(counts[true])
     if true is Gait.UNKNOWN:
-        return Part(predicted=predicted)
+        return MetricPart(predicted=predicted)
     accuracies = gaits.accuracies(counts)
     plausibility = count_plausibility(device.level, np.array([step.event.time_s for step in device.steps]))
     of_labels = {name: accuracies[name] for name in (gaits.GAIT_METRIC, gaits.WALKING_METRIC)}
-    return Part(
+    return MetricPart(
         {**of_labels, PLAUSIBILITY_METRIC: plausibility.ratio},
         missing={
             **({} if labels else dict.fromkeys(of_labels, "no step found")),
@@ -125,7 +125,7 @@ def _part(walk: Walked, device: DeviceWalk) -> Part:
     )
 
 
-def _labelled(steps: Sequence[Step], walk: Walked) -> Sequence[Step] | None:
+def _labelled(steps: Sequence[Step], walk: AnalysedWalk) -> Sequence[Step] | None:
     """The steps with gaits of a model that has not seen the person; None when there is no such model."""
     configured, person = gait_model(walk.config.gait), person_of(walk.recording)
     if configured is None:

@@ -3,16 +3,16 @@
 from pathlib import Path
 
 from pdr_est.evaluate.position_errors import OPEN_METRICS
+from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, score_waypoints
-from pdr_est.experiment.scoring.track_scores import MODE_METRIC, carried
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Suite, WalkFile, as_recorded
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth
+from pdr_est.experiment.suite import Suite, WalkFile, as_recorded
 from pdr_est.types.steps import CarryingMode
 
 
 def find(folder: Path) -> list[WalkFile]:
     """The logs `SITE/FLOOR/*.txt`."""
-    held = carried(CarryingMode.HOLDING)
+    held = mode_truth(CarryingMode.HOLDING)
     return [WalkFile(name, path, truth=held) for name, path in recordings(folder, "*.txt")]
 
 

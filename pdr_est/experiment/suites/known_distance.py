@@ -16,9 +16,9 @@ from pdr_est.calibration.step_length_fit import Calibration, Observation, PacedS
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import distance_error, within_sigma
 from pdr_est.evaluate.step_detection import count_error
-from pdr_est.experiment.scoring.track_scores import Part, device_scores
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.recording_files import recordings
+from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io.side_tables.known_distances import KnownWalk, read_truth_table
 from pdr_est.pipeline import DeviceWalk
@@ -66,7 +66,7 @@ def find(folder: Path) -> list[WalkFile]:
     return [WalkFile(name, path, truth=_truth(known.get(name))) for name, path in tables if name != _TRUTH]
 
 
-def score(walk: Walked) -> list[Scores]:
+def score(walk: AnalysedWalk) -> list[Scores]:
     """Length and number of all steps of the recording; no estimator runs.
 
     Raises RecordingError for a file that truth.csv does not name.
@@ -74,7 +74,7 @@ def score(walk: Walked) -> list[Scores]:
     return [_scores(walk, device) for device in walk.devices]
 
 
-def _scores(walk: Walked, device: DeviceWalk) -> Scores:
+def _scores(walk: AnalysedWalk, device: DeviceWalk) -> Scores:
     truth = walk.recording.truth
     if truth.distance_m is None or truth.step_count is None:
         raise RecordingError(
@@ -82,7 +82,7 @@ def _scores(walk: Walked, device: DeviceWalk) -> Scores:
         )
     steps = PacedSteps.of(device.steps)
     error, covered = _distance_metrics(steps, truth.distance_m, walk.config.odometry.sigma_length_scale)
-    part = Part(
+    part = MetricPart(
         {
             "distance_error": error,
             "scale_coverage68": covered,
@@ -91,7 +91,7 @@ def _scores(walk: Walked, device: DeviceWalk) -> Scores:
         {"true_steps": truth.step_count, "detected_steps": len(device.steps)},
     )
     if not device.steps:
-        return device_scores(walk, device, part, Part(missing=dict.fromkeys(_CALIBRATED, "no step found")))
+        return device_scores(walk, device, part, MetricPart(missing=dict.fromkeys(_CALIBRATED, "no step found")))
     return replace(device_scores(walk, device, part), calibration=DistanceCase(steps, truth.distance_m))
 
 

@@ -8,9 +8,9 @@ import re
 from pathlib import Path
 
 from pdr_est.evaluate.step_detection import FALSE_STEPS_METRIC, steps_per_minute
-from pdr_est.experiment.scoring.track_scores import MODE_METRIC, Part, carried, device_scores, mode_part
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.recording_files import recordings
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, MetricPart, device_scores, mode_part, mode_truth
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.steps import CarryingMode
 
@@ -29,15 +29,15 @@ def find(folder: Path) -> list[WalkFile]:
     return walks
 
 
-def score(walk: Walked) -> list[Scores]:
+def score(walk: AnalysedWalk) -> list[Scores]:
     """The mode of those who move, the false steps of those who rest; no estimator runs."""
     resting = walk.recording.truth.activity in _RESTING
     parts = [_false_steps_part(device) if resting else mode_part(walk, device) for device in walk.devices]
     return [device_scores(walk, device, part) for device, part in zip(walk.devices, parts, strict=True)]
 
 
-def _false_steps_part(device: DeviceWalk) -> Part:
-    return Part({FALSE_STEPS_METRIC: steps_per_minute(len(device.steps), device.span_s)})
+def _false_steps_part(device: DeviceWalk) -> MetricPart:
+    return MetricPart({FALSE_STEPS_METRIC: steps_per_minute(len(device.steps), device.span_s)})
 
 
 def _walk(name: str, path: Path, activity: str) -> WalkFile:
@@ -47,7 +47,7 @@ def _walk(name: str, path: Path, activity: str) -> WalkFile:
         labels={"activity": activity},
         group=activity,
         headline=activity not in _APART,
-        truth=carried(CarryingMode.POCKET),
+        truth=mode_truth(CarryingMode.POCKET),
     )
 
 

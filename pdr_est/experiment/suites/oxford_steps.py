@@ -7,10 +7,10 @@ from pathlib import Path
 
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.step_detection import STEP_METRICS
+from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.annotated_steps import step_part
 from pdr_est.experiment.scoring.track_scores import device_scores, step_times_s
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 
 _SAMPLES, _STEPS = "accelerometer.csv", "stepcounter.csv"
 _LABELS = ("phone", "person", "floor", "position")
@@ -27,7 +27,7 @@ def find(folder: Path) -> list[WalkFile]:
     return walks
 
 
-def score(walk: Walked) -> list[Scores]:
+def score(walk: AnalysedWalk) -> list[Scores]:
     """Steps against the annotated ones; without a gyroscope there are no headings, and no estimator runs."""
     return [device_scores(walk, device, step_part(walk, step_times_s(device))) for device in walk.devices]
 

@@ -8,10 +8,10 @@ import re
 from pathlib import Path
 
 from pdr_est.evaluate.position_errors import OPEN_METRICS
+from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.positions import score_open
-from pdr_est.experiment.scoring.track_scores import MODE_METRIC, carried
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Suite, WalkFile, as_recorded
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth
+from pdr_est.experiment.suite import Suite, WalkFile, as_recorded
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.steps import CarryingMode
 
@@ -67,7 +67,7 @@ def _walk(name: str, path: Path) -> WalkFile:
         labels={"position": position},
         group=f"{_LARGE_SCALE if large else 'vicon'}/{position or 'unknown'}",
         headline=large,
-        truth=Truth() if mode is None else carried(mode),
+        truth=Truth() if mode is None else mode_truth(mode),
     )
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from pdr_est.errors import RecordingError
+from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.positions import score_open
-from pdr_est.experiment.scoring.track_scores import MODE_METRIC, carried
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Suite, WalkFile
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth
+from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode
@@ -39,7 +39,7 @@ def with_fixes_as_truth(recording: Recording) -> Recording:
 
 def _walk(name: str, path: Path) -> WalkFile:
     mode = CarryingMode.SWING if "swing" in Path(name).name.lower() else CarryingMode.HOLDING
-    return WalkFile(name, path, group=mode.name.lower(), truth=carried(mode))
+    return WalkFile(name, path, group=mode.name.lower(), truth=mode_truth(mode))
 
 
 SUITE = Suite(

@@ -32,9 +32,9 @@ from pdr_est.evaluate.stride_lengths import (
     shares,
     stride_error,
 )
-from pdr_est.experiment.scoring.track_scores import Part, device_scores
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.recording_files import recordings
+from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.pipeline import DeviceWalk
@@ -89,12 +89,12 @@ def find(folder: Path) -> list[WalkFile]:
     return [WalkFile(name, path) for name, path in recordings(folder, "PDR_Raw_*.txt")]
 
 
-def score(walk: Walked) -> list[Scores]:
+def score(walk: AnalysedWalk) -> list[Scores]:
     """Lengths of strides and of the way; no estimator runs. Raises RecordingError when no stride can be scored."""
     return [_scores(walk, device) for device in walk.devices]
 
 
-def _scores(walk: Walked, device: DeviceWalk) -> Scores:
+def _scores(walk: AnalysedWalk, device: DeviceWalk) -> Scores:
     truth = walk.recording.truth.strides
     if truth is None or not len(truth.length_m):
         raise RecordingError(f"{walk.recording.name}: no stride to compare with: none measured from beginning to end")
@@ -107,10 +107,10 @@ def _scores(walk: Walked, device: DeviceWalk) -> Scores:
         )
     case = StrideCase(PacedSteps.of(device.steps), strides)
     counts = {"true_strides": len(strides.length_m), "detected_steps": case.steps_within}
-    part = Part(case.errors_uncalibrated(walk.config.odometry.sigma_length_scale), counts)
+    part = MetricPart(case.errors_uncalibrated(walk.config.odometry.sigma_length_scale), counts)
     if case.steps_within:
         return replace(device_scores(walk, device, part), calibration=case)
-    return device_scores(walk, device, part, Part(missing=dict.fromkeys(_CALIBRATED, "no step found")))
+    return device_scores(walk, device, part, MetricPart(missing=dict.fromkeys(_CALIBRATED, "no step found")))
 
 
 SUITE = Suite(

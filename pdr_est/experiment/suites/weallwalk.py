@@ -10,10 +10,10 @@ from pathlib import Path
 from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate.heading_errors import HEADING_METRICS
 from pdr_est.evaluate.step_detection import STEP_METRICS
+from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.annotated_steps import heading_part, step_part
 from pdr_est.experiment.scoring.track_scores import device_scores, person_scores, step_times_s
-from pdr_est.experiment.suites.recording_files import recordings
-from pdr_est.experiment.suites.suite import Scores, Suite, Walked, WalkFile, as_recorded
+from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 
 _TABLE = re.compile(r"(?P<path>iPhoneSensors_T\d+_ID\d+)_(?:1L|2R)_(?P<aid>\w+)")
 
@@ -29,7 +29,7 @@ def find(folder: Path) -> list[WalkFile]:
     return list(walks.values())
 
 
-def score(walk: Walked) -> list[Scores]:
+def score(walk: AnalysedWalk) -> list[Scores]:
     """Steps and headings of each phone, and of the person whom both carry, against the annotated ones."""
     track = walk.track()
     scores = [

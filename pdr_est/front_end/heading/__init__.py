@@ -6,13 +6,13 @@ from pdr_est.front_end.heading.acceleration_integration import AccelerationInteg
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
-from pdr_est.front_end.heading.posture_aware_yaw import AutoHeading, AutoHeadingParams
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams, PostureAwareYaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
-from pdr_est.front_end.heading.whole_walk.stage import HeadingHindsight
+from pdr_est.front_end.heading.whole_walk.stage import WholeWalkHeading
 from pdr_est.params import params
 from pdr_est.stage import Stage
 
@@ -53,7 +53,7 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     priors = parameters.use == "priors"
     match parameters.method:
         case "auto":
-            return AutoHeading(parameters.auto, parameters.principal_axis)
+            return PostureAwareYaw(parameters.auto, parameters.principal_axis)
         case "step-yaw":
             return StepYaw()
         case "mmpdr":
@@ -73,8 +73,8 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     assert_never(parameters.method)
 
 
-def hindsight_stage(parameters: HeadingParams) -> HeadingHindsight | None:
+def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:
     """Stage Step -> Step that sets headings right at the end of the walk; None for a method that has none."""
     if parameters.method != "auto" or not parameters.dominant.enabled:
         return None
-    return HeadingHindsight(parameters.dominant, as_priors=parameters.use == "priors")
+    return WholeWalkHeading(parameters.dominant, as_priors=parameters.use == "priors")

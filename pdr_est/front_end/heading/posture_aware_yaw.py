@@ -56,7 +56,7 @@ class _Placement:
     mode: CarryingMode
 
 
-class AutoHeading:
+class PostureAwareYaw:
     """Stage Step -> Step that fills in the heading, and sigma_turn_rad where the phone was put elsewhere.
 
     A step is emitted when the next one is there, with which it may be averaged, or at the end of a segment.

@@ -73,13 +73,13 @@ class PspHeading:
         self._gyro_rad += increment_rad
         if self._hde is None or self._hde_parameters is None or not self._priors:
             return [replace(step, heading_rad=float(wrap_angle(heading_rad))) for step in steps]
-        straight_rad = self._hde.dominant_rad(heading_rad) if turn == 0 else np.nan
+        path_heading_rad = self._hde.dominant_rad(heading_rad) if turn == 0 else np.nan
         sigma_rad = self._hde_parameters.sigma_straight_rad if turn == 0 else np.nan
         return [
             replace(
                 step,
                 heading_rad=float(wrap_angle(self._gyro_rad)),
-                straight_rad=straight_rad,
+                path_heading_rad=path_heading_rad,
                 sigma_straight_rad=sigma_rad,
             )
             for step in steps

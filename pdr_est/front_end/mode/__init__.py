@@ -3,13 +3,21 @@
 from typing import Literal
 
 from pdr_est.front_end.mode.fixed import FixedMode
-from pdr_est.front_end.mode.hmm_recogniser import AutoMode, AutoModeParams
+from pdr_est.front_end.mode.hmm_recogniser import AutoModeParams, HmmModeRecogniser
 from pdr_est.front_end.mode.mmpdr_fsm import MmpdrMode, MmpdrModeParams
 from pdr_est.params import params
 from pdr_est.stage import Stage
 from pdr_est.types.steps import CarryingMode
 
-__all__ = ["AutoMode", "AutoModeParams", "FixedMode", "MmpdrMode", "MmpdrModeParams", "ModeParams", "mode_stage"]
+__all__ = [
+    "AutoModeParams",
+    "FixedMode",
+    "HmmModeRecogniser",
+    "MmpdrMode",
+    "MmpdrModeParams",
+    "ModeParams",
+    "mode_stage",
+]
 
 
 @params
@@ -26,7 +34,7 @@ def mode_stage(rate_hz: float, parameters: ModeParams) -> Stage:
     """The configured stage LevelBlock -> LevelBlock."""
     match parameters.method:
         case "auto":
-            return AutoMode(rate_hz, parameters.auto)
+            return HmmModeRecogniser(rate_hz, parameters.auto)
         case "mmpdr":
             return MmpdrMode(rate_hz, parameters.mmpdr)
         case "fixed":

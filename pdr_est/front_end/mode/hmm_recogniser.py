@@ -54,7 +54,7 @@ class AutoModeParams:
     memory_s: Positive = 60.0
 
 
-class AutoMode:
+class HmmModeRecogniser:
     """Stage LevelBlock -> LevelBlock with mode and probability of every sample."""
 
     def __init__(self, rate_hz: float, parameters: AutoModeParams) -> None:

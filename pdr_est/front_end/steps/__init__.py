@@ -2,7 +2,7 @@
 
 from typing import Literal, get_args
 
-from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, AutoSteps
+from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
@@ -34,7 +34,7 @@ def step_detector(rate_hz: float, parameters: StepsParams) -> Stage:
     """The configured step detector."""
     match parameters.detector:
         case "auto":
-            return AutoSteps(rate_hz, parameters.auto)
+            return BandpassPeakDetector(rate_hz, parameters.auto)
         case "mmpdr":
             return MmpdrSteps(rate_hz, parameters.mmpdr)
         case "uptime-fsm":

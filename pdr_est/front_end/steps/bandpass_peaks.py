@@ -25,7 +25,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.signal.filters import CausalBandPass
 from pdr_est.front_end.signal.trigger import far_enough, local_maxima
 from pdr_est.front_end.signal.vectors import dot
-from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
+from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.types.sensors import LevelBlock
@@ -68,7 +68,7 @@ _SWING = np.int8(CarryingMode.SWING)
 _HIGH = 2.0  # times the recent humps: not one between two steps
 
 
-class AutoSteps:
+class BandpassPeakDetector:
     """Stage LevelBlock -> StepEvent.
 
     The confidence of a step grows from 0 for a hump as high as the threshold to 1 for one far above it. It is 0 for
@@ -79,7 +79,7 @@ class AutoSteps:
         self._parameters = parameters
         self._filter = CausalBandPass(parameters.low_hz, parameters.high_hz, rate_hz)
         delay_s = self._filter.delay_s + parameters.strike_lead_s
-        self._samples = UndecidedSamples(rate_hz, delay_s)
+        self._samples = SampleBuffer(rate_hz, delay_s)
         self._stride = StridePeriod(rate_hz, parameters.stride)
         self._begin_walk()
         # The first step of a walk waits for the second one, a hidden one for the next.

@@ -2,7 +2,7 @@
 
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.trigger import Refractory, Trigger
-from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
+from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import StepEvent
 
@@ -16,7 +16,7 @@ class TriggeredSteps:
 
     def __init__(self, rate_hz: float, delay_s: float, *, above: float, below: float, min_interval_s: float) -> None:
         self._above, self._below = above, below
-        self._samples = UndecidedSamples(rate_hz, delay_s)
+        self._samples = SampleBuffer(rate_hz, delay_s)
         self._trigger = Trigger()
         self._refractory = Refractory(min_interval_s)
 

@@ -36,7 +36,7 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.trigger import Refractory, local_maxima, local_minima
 from pdr_est.front_end.steps.mode_transition import StepFrequency, Transition
-from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
+from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.run_lengths import runs
 from pdr_est.types.sensors import LevelBlock
@@ -88,7 +88,7 @@ class MmpdrSteps:
         self._rules = _rules(rate_hz, parameters)
         self._look_ahead = max(rule.window for rule in self._rules.values()) + 1
         self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
-        self._samples = UndecidedSamples(rate_hz, self._low_pass.delay_s, columns=_COLUMNS)
+        self._samples = SampleBuffer(rate_hz, self._low_pass.delay_s, columns=_COLUMNS)
         self._decided = 0  # samples at the front of the window that have been judged
         self.latency_s = self._low_pass.delay_s + parameters.transition_s + self._look_ahead / rate_hz
         self._begin_walk()

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
+from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.types.steps import StepEvent
 
 
@@ -45,7 +45,7 @@ class Transition:
         self._first: StepEvent | None = None
         self._count = 0
 
-    def extend(self, samples: UndecidedSamples, start: int, stop: int) -> list[StepEvent]:
+    def extend(self, samples: SampleBuffer, start: int, stop: int) -> list[StepEvent]:
         """Samples start to stop (exclusive) lie in the transition; return the steps of its complete parts."""
         events: list[StepEvent] = []
         while start < stop:

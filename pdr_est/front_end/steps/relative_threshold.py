@@ -22,7 +22,7 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.front_end.signal.moving_average import MovingAverage
 from pdr_est.front_end.signal.trigger import far_enough, local_maxima, local_minima
 from pdr_est.front_end.signal.vectors import dot, specific_force
-from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
+from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.params import NonNegative, Window, params
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import StepEvent
@@ -47,7 +47,7 @@ class RelativeThreshold:
         self._before = MovingAverage(parameters.pre_window_s, rate_hz)
         self._after = MovingAverage(parameters.post_window_s, rate_hz)
         delay_s = self._before.delay_s + self._after.delay_s
-        self._samples = UndecidedSamples(rate_hz, delay_s)
+        self._samples = SampleBuffer(rate_hz, delay_s)
         self._maximum = self._minimum = (-np.inf, 0.0)  # time_s and value of the most recent valid extremes
         self._rising = False  # whether the most recent valid extreme is a maximum
         self.latency_s = delay_s + 1.0 / rate_hz

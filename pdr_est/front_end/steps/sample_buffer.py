@@ -8,7 +8,7 @@ from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 
 
-class UndecidedSamples:
+class SampleBuffer:
     """A growing and shrinking window of one segment. delay_s: how long before its sign in
     the filtered signal a step happened. columns: of the signal, which is (n,) without and (n, columns) with them."""
 

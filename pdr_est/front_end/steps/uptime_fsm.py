@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.signal.vectors import excess_magnitude
-from pdr_est.front_end.steps.sample_buffer import UndecidedSamples
+from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.params import NonNegative, params
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import StepEvent
@@ -88,7 +88,7 @@ class UptimeFsm:
     def __init__(self, rate_hz: float, parameters: UptimeFsmParams) -> None:
         self._thresholds = np.array(parameters.rising())
         self._stay = max(round(parameters.transition_s * rate_hz), 1)
-        self._samples = UndecidedSamples(rate_hz, delay_s=0.0)
+        self._samples = SampleBuffer(rate_hz, delay_s=0.0)
         self._state = State.NOT_WALKING
         self._wait = 0  # samples until the state may change again
 

@@ -207,6 +207,6 @@ def _smoothed(pieces: Pieces, run: _Run, number: int, log_odds: float, used: boo
         drift_per_sqrt_s=run.level.per_sqrt_s,
         drift_rad=drift - drift[0],
         sigma_rad=sigma,
-        straight_rad=along + drift[0],
+        path_heading_rad=along + drift[0],
         follows=straight * bell / (bell + _STRAY),
     )

@@ -15,7 +15,7 @@ from pdr_est.types.steps import Step
 _LEAST_FOLLOWING = 0.5  # probability that a piece follows a dominant direction
 
 
-class HeadingHindsight:
+class WholeWalkHeading:
     """Stage Step -> Step that sets the heading right by the dominant directions of the building, if it has some.
 
     as_priors: whether steps along a dominant direction get it as straight_rad and keep their heading, or get the
@@ -57,7 +57,7 @@ def _with_priors(steps: Sequence[Step], pieces: Pieces, directions: DominantDire
         for k in range(pieces.first[i], pieces.last[i]):
             told[k] = replace(
                 told[k],
-                straight_rad=float(wrap_angle(directions.straight_rad[i])),
+                path_heading_rad=float(wrap_angle(directions.path_heading_rad[i])),
                 sigma_straight_rad=float(directions.sigma_rad[i]),
             )
     return told

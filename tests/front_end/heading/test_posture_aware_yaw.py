@@ -1,0 +1,203 @@
+"""The default heading on made-up steps of phones in any posture, which a hand puts elsewhere."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heading_steps import SAMPLES, block, step_of
+from scipy.spatial.transform import Rotation
+from signals import run
+
+from pdr_est.frames import Array, twist_about_vertical, up_in_device, wrap_angle
+from pdr_est.front_end.heading.phone_posture import angle_between, level_axes, mean_up, mean_yaw
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams, PostureAwareYaw
+from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
+from pdr_est.types.steps import CarryingMode, Step
+
+PARAMETERS, AXIS = AutoHeadingParams(), PrincipalAxisParams()
+FLAT = Rotation.identity()
+HEAD_DOWN = Rotation.from_euler("x", 179.5, degrees=True)  # exactly so, an attitude has no yaw
+UPRIGHT = Rotation.from_euler("x", 90.0, degrees=True)
+HOLDING, POCKET, SWING = CarryingMode.HOLDING, CarryingMode.POCKET, CarryingMode.SWING
+PHASE = 2.0 * np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
+
+
+def carried(
+    number: int,
+    heading_deg: float,
+    mount: Rotation = FLAT,
+    *,
+    mode: CarryingMode = HOLDING,
+    segment: int = 0,
+    nod_deg: float = 0.0,
+    compensated: bool = False,
+    forward_mps2: float = 0.0,
+) -> Step:
+    """Step `number` of a walker in this direction, whose phone sits on the body as `mount` (device -> body) turns it.
+
+    nod_deg: by how much it nods about the walker's sides during the step. forward_mps2: of the acceleration ahead,
+    which leads the vertical one by a quarter of a step.
+    """
+    nod = Rotation.from_euler("y", nod_deg * np.sin(PHASE)[:, None], degrees=True)
+    attitude = Rotation.from_euler("z", heading_deg, degrees=True) * nod * mount
+    quaternion = np.roll(attitude.as_quat(), 1, axis=1)
+    angle = np.deg2rad(heading_deg)
+    ahead = -forward_mps2 * np.sin(PHASE)
+    lift = 1.5 * forward_mps2 * np.cos(PHASE)
+    world = np.stack([ahead * np.cos(angle), ahead * np.sin(angle), lift], axis=1)
+    samples = replace(
+        block(number, segment=segment),
+        up=up_in_device(quaternion),
+        yaw_rad=twist_about_vertical(quaternion),
+        acceleration_mps2=attitude.inv().apply(world),
+        vertical_mps2=lift,
+    )
+    return step_of(samples, mode, compensated)
+
+
+def directed(steps: Sequence[Step], axis: PrincipalAxisParams = AXIS) -> Array:
+    """Headings (n,) of the steps, degrees, not wrapped, less the first one."""
+    found = run(PostureAwareYaw(PARAMETERS, axis), steps)
+    assert [step.event for step in found] == [step.event for step in steps]
+    assert all(-np.pi <= step.heading_rad < np.pi for step in found)
+    heading = np.rad2deg(np.unwrap([step.heading_rad for step in found]))
+    return np.asarray(heading - heading[0])
+
+
+def sigmas(steps: Sequence[Step], axis: PrincipalAxisParams = AXIS) -> Array:
+    return np.array([step.sigma_turn_rad for step in run(PostureAwareYaw(PARAMETERS, axis), steps)])
+
+
+def test_level_axes_and_up_make_a_right_handed_frame() -> None:
+    for up in Rotation.random(20, random_state=1).apply([0.0, 0.0, 1.0]):
+        first, second = level_axes(up)
+        frame = np.stack([first, second, up])
+        np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(frame) == pytest.approx(1.0)
+
+
+def test_the_angle_between_directions() -> None:
+    assert angle_between(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])) == pytest.approx(np.pi / 2.0)
+    assert angle_between(np.array([0.6, 0.8, 0.0]), np.array([0.6, 0.8, 0.0])) == pytest.approx(0.0, abs=1e-7)
+    assert angle_between(np.array([0.6, 0.8, 0.0]), np.array([-0.6, -0.8, 0.0])) == pytest.approx(np.pi)
+
+
+@pytest.mark.parametrize("nod_deg", [0.0, 15.0])
+@pytest.mark.parametrize("number", range(12))
+def test_the_yaw_turns_with_the_walker_in_any_posture(number: int, nod_deg: float) -> None:
+    mount = [FLAT, HEAD_DOWN, UPRIGHT, *Rotation.random(9, random_state=7)][number]
+    reference = mean_up(carried(0, 0.0, mount).samples)
+    yaws = [
+        mean_yaw(carried(0, heading_deg, mount, nod_deg=nod_deg).samples, reference)
+        for heading_deg in (0.0, 40.0, 170.0, -160.0)
+    ]
+    turned = wrap_angle(np.array(yaws) - yaws[0] - np.deg2rad([0.0, 40.0, 170.0, -160.0]))
+    np.testing.assert_allclose(turned, 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("mount", [FLAT, UPRIGHT, HEAD_DOWN])
+def test_a_corner_and_a_full_circle(mount: Rotation) -> None:
+    """Head down the twist of the attitude about the vertical is undefined; nodding about there, it jumps about."""
+    directions = [0.0] * 6 + [45.0] + [90.0 + 15.0 * k for k in range(25)]
+    steps = [carried(number, heading, mount, nod_deg=3.0) for number, heading in enumerate(directions)]
+    np.testing.assert_allclose(directed(steps), directions, atol=0.5)
+
+
+@pytest.mark.parametrize(("mode", "left_deg"), [(POCKET, 0.0), (SWING, 0.0), (HOLDING, 5.0)])
+def test_what_alternates_with_the_legs_cancels_where_the_phone_is_on_a_limb(
+    mode: CarryingMode, left_deg: float
+) -> None:
+    steps = [carried(number, 5.0 * (-1) ** number, mode=mode) for number in range(20)]
+    found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)
+    inside = np.rad2deg([step.heading_rad for step in found])[1:-1]
+    np.testing.assert_allclose(np.abs(inside), left_deg, atol=1e-6)
+
+
+def test_corners_are_not_averaged() -> None:
+    directions = [0.0] * 8 + [90.0] * 8
+    steps = [carried(number, heading, mode=POCKET) for number, heading in enumerate(directions)]
+    np.testing.assert_allclose(directed(steps), directions, atol=1e-6)
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_a_phone_put_elsewhere_keeps_the_direction_and_turns_from_there(number: int) -> None:
+    """It is turned by anything between two steps; the walker goes on, and turns later."""
+    new = Rotation.from_euler("ZXZ", [50.0 * number, 50.0 + 15.0 * number, 70.0 * number], degrees=True)
+    assert angle_between(new.inv().apply([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0])) > PARAMETERS.moved_rad
+    steps = [carried(k, 20.0) for k in range(10)]
+    steps += [carried(k, 20.0, new) for k in range(10, 20)]
+    steps += [carried(k, 110.0, new) for k in range(20, 30)]
+    np.testing.assert_allclose(directed(steps), [0.0] * 20 + [90.0] * 10, atol=1e-6)
+    told = sigmas(steps)
+    assert np.flatnonzero(told).tolist() == [14]  # one step to arrive, four to learn from
+    assert told[14] == pytest.approx(PARAMETERS.sigma_kept_rad)
+
+
+def test_steps_in_a_transition_and_unseen_ones_keep_the_direction() -> None:
+    steps = [carried(number, 20.0) for number in range(10)]
+    steps += [carried(number, 60.0 * number, mode=CarryingMode.TRANS) for number in range(10, 13)]
+    steps += [carried(13, 200.0, compensated=True)]
+    steps += [carried(number, 20.0, UPRIGHT) for number in range(14, 24)]
+    np.testing.assert_allclose(directed(steps), 0.0, atol=1e-6)
+
+
+def test_a_glance_at_the_screen_keeps_the_old_offset() -> None:
+    """The walker turns meanwhile: back in its place the phone tells it, without a new offset to learn."""
+    steps = [carried(number, 20.0, UPRIGHT) for number in range(10)]
+    steps += [carried(number, 20.0) for number in range(10, 13)]
+    steps += [carried(number, 80.0, UPRIGHT) for number in range(13, 20)]
+    np.testing.assert_allclose(directed(steps), [0.0] * 13 + [60.0] * 7, atol=1e-6)
+    assert not sigmas(steps).any()
+
+
+def with_a_turn_meanwhile() -> list[Step]:
+    """The walker turns by 60 degrees between two steps, just when the phone is put elsewhere."""
+    steps = [carried(number, 20.0, forward_mps2=2.0) for number in range(12)]
+    return steps + [carried(number, 80.0, UPRIGHT, forward_mps2=2.0) for number in range(12, 30)]
+
+
+def test_the_axis_of_the_acceleration_tells_a_turn_made_meanwhile() -> None:
+    """By its share: it is as uncertain as the habit to go on, and so are the directions before and behind."""
+    p, axis = PARAMETERS, PrincipalAxisParams(strides=2)
+    variance = p.sigma_axis_rad**2 + 2.0 * axis.sigma_rad**2
+    share = p.sigma_kept_rad**2 / (p.sigma_kept_rad**2 + variance)
+    assert 0.3 < share < 0.5
+    turned = directed(with_a_turn_meanwhile(), axis)
+    np.testing.assert_allclose(turned[:16], 0.0, atol=1e-6)
+    np.testing.assert_allclose(turned[16:], 60.0 * share, atol=1e-6)
+    told = sigmas(with_a_turn_meanwhile(), axis)
+    assert np.flatnonzero(told).tolist() == [16]
+    assert told[16] == pytest.approx(np.sqrt(share * variance))
+    assert told[16] < p.sigma_kept_rad
+
+
+def test_an_axis_that_is_not_trusted_tells_nothing() -> None:
+    """By default two strides are too few for that."""
+    np.testing.assert_allclose(directed(with_a_turn_meanwhile()), 0.0, atol=1e-6)
+    assert sigmas(with_a_turn_meanwhile())[16] == pytest.approx(PARAMETERS.sigma_kept_rad)
+
+
+def test_a_turn_before_the_phone_was_taken_is_not_one_made_meanwhile() -> None:
+    """The strides before tell the offset of the phone; the direction is that of the last steps alone."""
+    steps = [carried(number, 0.0, forward_mps2=2.0) for number in range(10)]
+    steps += [carried(number, 90.0, forward_mps2=2.0) for number in range(10, 15)]
+    steps += [carried(number, 90.0, UPRIGHT, forward_mps2=2.0) for number in range(15, 30)]
+    np.testing.assert_allclose(directed(steps, PrincipalAxisParams(strides=2))[10:], 90.0, atol=1e-6)
+
+
+def test_a_new_segment_begins_anew() -> None:
+    steps = [carried(number, 20.0) for number in range(6)]
+    steps += [carried(number, 70.0, UPRIGHT, segment=1) for number in range(8, 14)]
+    found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)
+    alone = run(PostureAwareYaw(PARAMETERS, AXIS), steps[6:])
+    assert [step.heading_rad for step in found[6:]] == [step.heading_rad for step in alone]
+    assert not any(step.sigma_turn_rad for step in found)
+
+
+def test_a_step_waits_for_the_next_one() -> None:
+    stage = PostureAwareYaw(PARAMETERS, AXIS)
+    steps = [carried(0, 0.0), carried(1, 0.0), carried(2, 0.0, segment=1)]
+    assert [len(stage.push(step)) for step in steps] == [0, 1, 1]
+    assert len(stage.flush()) == 1
+    assert stage.flush() == []
