@@ -62,7 +62,7 @@ class Odometry:
             self._first_segment = step.event.segment
         if np.isnan(step.path_heading_rad) or step.event.segment != self._first_segment:
             return []
-        sigma = float(np.hypot(step.sigma_straight_rad, self._parameters.sigma_straight_rad))
+        sigma = float(np.hypot(step.sigma_path_heading_rad, self._parameters.sigma_straight_rad))
         return [HeadingPrior(self._device, step.event.time_s, step.path_heading_rad, sigma, relative=True)]
 
     def _motion(self, item: Step) -> list[StepOdometry]:

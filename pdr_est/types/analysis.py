@@ -16,7 +16,7 @@ class DominantDirections:
     used: whether that suffices, or the number was given. spacing_rad: between them. drift_per_sqrt_s: rad per root
     second, of the phone's headings, by the level that the walk fits best. Per piece of the straight
     stretches: drift_rad (n,) of the heading since the first piece, sigma_rad (n,) of the heading less its drift,
-    straight_rad (n,) the direction it follows, with the zero of the first piece, not wrapped, and follows (n,) the
+    path_heading_rad (n,) the direction it follows, with the zero of the first piece, not wrapped, and follows (n,) the
     probability that it follows one."""
 
     number: int

@@ -52,8 +52,8 @@ class Step:
     heading_rad: direction of the step as the heading stage found it, arbitrary zero per segment. sigma_turn_rad: of
     the change of heading since the step before, beyond what every step has. follows_phone: whether the heading stage
     tells with it where the phone was turned against the body; else a change of the mode may have. recorded_share: of
-    the movement, less than 1 for a step that had begun before the segment. straight_rad,
-    sigma_straight_rad: heading of the straight path that the step lies on, with the same zero, and its standard
+    the movement, less than 1 for a step that had begun before the segment. path_heading_rad,
+    sigma_path_heading_rad: heading of the straight path that the step lies on, with the same zero, and its standard
     deviation; NaN where no such path is known.
     gait_probability: of walking, jogging and running; NaN where gait is UNKNOWN. sigma_length_m: of the length,
     independent from step to step.
@@ -68,7 +68,7 @@ class Step:
     sigma_turn_rad: float = 0.0
     follows_phone: bool = False
     path_heading_rad: float = float("nan")
-    sigma_straight_rad: float = float("nan")
+    sigma_path_heading_rad: float = float("nan")
     gait: Gait = Gait.UNKNOWN
     gait_probability: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))
     sigma_length_m: float = float("nan")

@@ -49,7 +49,7 @@ def needs_magnetometer(parameters: HeadingParams) -> bool:
 
 
 def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
-    """Stage Step -> Step that fills in heading_rad, sigma_turn_rad and, on straight paths, straight_rad."""
+    """Stage Step -> Step that fills in heading_rad, sigma_turn_rad and, on straight paths, path_heading_rad."""
     priors = parameters.use == "priors"
     match parameters.method:
         case "auto":

@@ -80,7 +80,7 @@ class PspHeading:
                 step,
                 heading_rad=float(wrap_angle(self._gyro_rad)),
                 path_heading_rad=path_heading_rad,
-                sigma_straight_rad=sigma_rad,
+                sigma_path_heading_rad=sigma_rad,
             )
             for step in steps
         ]

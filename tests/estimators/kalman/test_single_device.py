@@ -6,6 +6,7 @@ from estimator_walks import DEVICE, fix, heading_prior, simulate, winding
 
 from pdr_est.estimators.common.motion_model import GaussianState, advance, linearise, move, reckon, retreat
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.kalman import rts_smoother
 from pdr_est.estimators.kalman import single_device as ekf
 from pdr_est.types.measurements import StartPose
 
@@ -76,4 +77,4 @@ def test_reckoning_from_any_node_gives_the_same_walk() -> None:
 
 def test_smoothing_one_state_leaves_it() -> None:
     one = GaussianState(np.zeros(5), np.eye(5))
-    assert ekf.smooth(timeline().nodes[:1], (one,)) == [one]
+    assert rts_smoother.smooth(timeline().nodes[:1], (one,)) == [one]

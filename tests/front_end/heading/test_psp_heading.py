@@ -149,8 +149,8 @@ def test_hde_removes_a_constant_drift(first_deg: float) -> None:
 def test_as_priors_the_headings_stay_and_straight_strides_get_their_direction() -> None:
     found = run(stage(priors=True), strides(1.0, 0.0, 0.0, 45.0, 44.0, 0.0, 0.0))
     assert degrees_of(found) == [1.0, 1.0, 1.0, 46.0, 90.0, 90.0, 90.0]
-    np.testing.assert_equal(degrees_of(found, "straight_rad"), [0.0, 0.0, 0.0, 90.0, np.nan, np.nan, 90.0])
-    sigma = [step.sigma_straight_rad for step in found[::2]]
+    np.testing.assert_equal(degrees_of(found, "path_heading_rad"), [0.0, 0.0, 0.0, 90.0, np.nan, np.nan, 90.0])
+    sigma = [step.sigma_path_heading_rad for step in found[::2]]
     np.testing.assert_equal(sigma, [0.05] * 4 + [np.nan] * 2 + [0.05])
 
 

@@ -28,7 +28,7 @@ def headings(steps: list[Step]) -> Array:
 
 
 def bare(step: Step) -> Step:
-    return replace(step, path_heading_rad=0.0, sigma_straight_rad=0.0, sigma_turn_rad=0.0)
+    return replace(step, path_heading_rad=0.0, sigma_path_heading_rad=0.0, sigma_turn_rad=0.0)
 
 
 def test_as_priors_the_headings_stay_and_straight_steps_get_their_direction() -> None:
@@ -47,7 +47,7 @@ def test_as_priors_the_headings_stay_and_straight_steps_get_their_direction() ->
     error = wrap_angle(straight[known] - OFFICE[known])
     inside = np.abs(wrap_angle(error - np.median(error))) < 1e-6
     assert inside.mean() > 0.95  # the last step of a leg may belong to the next piece
-    sigma = np.array([step.sigma_straight_rad for step in found])
+    sigma = np.array([step.sigma_path_heading_rad for step in found])
     assert (np.isfinite(sigma) == known).all()
     assert (sigma[known] < 0.15).all()
 

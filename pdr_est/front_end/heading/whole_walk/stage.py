@@ -18,7 +18,7 @@ _LEAST_FOLLOWING = 0.5  # probability that a piece follows a dominant direction
 class WholeWalkHeading:
     """Stage Step -> Step that sets the heading right by the dominant directions of the building, if it has some.
 
-    as_priors: whether steps along a dominant direction get it as straight_rad and keep their heading, or get the
+    as_priors: whether steps along a dominant direction get it as path_heading_rad and keep their heading, or get the
     drift taken off their heading. `found`: what was found in the first segment with straight stretches.
     """
 
@@ -58,7 +58,7 @@ def _with_priors(steps: Sequence[Step], pieces: Pieces, directions: DominantDire
             told[k] = replace(
                 told[k],
                 path_heading_rad=float(wrap_angle(directions.path_heading_rad[i])),
-                sigma_straight_rad=float(directions.sigma_rad[i]),
+                sigma_path_heading_rad=float(directions.sigma_rad[i]),
             )
     return told
 
