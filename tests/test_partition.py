@@ -41,7 +41,7 @@ from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
-from pdr_est.front_end.heading.whole_walk.stage import WholeWalkHeading
+from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
 from pdr_est.front_end.mode import (
     AutoModeParams,
     FixedMode,

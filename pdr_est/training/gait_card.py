@@ -6,7 +6,7 @@ from importlib.metadata import version
 
 from pdr_est.front_end.gait.evaluation import ALL
 from pdr_est.front_end.gait.folds import GaitFolds
-from pdr_est.front_end.gait.model import GaitModel, Metrics, model_digest
+from pdr_est.front_end.gait.model import GaitMetrics, GaitModel, model_digest
 from pdr_est.front_end.gait.training import TrainedGait
 from pdr_est.training.gait_files import OWN
 
@@ -100,7 +100,7 @@ def _figures(model: GaitModel, folds: GaitFolds) -> Iterator[str]:
         yield from _confusion(metrics, name)
 
 
-def _confusion(metrics: Metrics, name: str) -> Iterator[str]:
+def _confusion(metrics: GaitMetrics, name: str) -> Iterator[str]:
     yield f"\nSteps of {'all data sets' if name == ALL else name}, true gait by row, found by column:\n"
     yield f"| | {' | '.join(_NAMES)} |"
     yield "|---|---|---|---|"

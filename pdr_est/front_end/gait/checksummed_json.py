@@ -12,18 +12,18 @@ Json = dict[str, Any]
 _SEAL = "sha256"
 
 
-def digest(content: Json) -> str:
+def content_sha256(content: Json) -> str:
     """SHA-256 of the canonical text of a document: keys in order, no blanks."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def write_sealed(path: Path, content: Json) -> str:
+def write_checksummed(path: Path, content: Json) -> str:
     """Write a document with its digest, one top key a line, and return the digest; same content, same bytes.
 
     Raises OutputError when the file cannot be written.
     """
-    seal = digest(content)
+    seal = content_sha256(content)
     lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in {**content, _SEAL: seal}.items()]
     try:
         path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8", newline="\n")
@@ -32,7 +32,7 @@ def write_sealed(path: Path, content: Json) -> str:
     return seal
 
 
-def read_sealed(path: Path, kind: str, version: int, remedy: str) -> Json:
+def read_checksummed(path: Path, kind: str, version: int, remedy: str) -> Json:
     """The document in a file, less its digest.
 
     kind, version: what the document's `format` and `version` must say. remedy: how to get a good file, for messages.
@@ -55,7 +55,7 @@ def read_sealed(path: Path, kind: str, version: int, remedy: str) -> Json:
 def _digest_or_none(content: Json) -> str | None:
     """The digest, None for what no digest can be made of: NaN, infinity, halves of characters."""
     try:
-        return digest(content)
+        return content_sha256(content)
     except ValueError:
         return None
 

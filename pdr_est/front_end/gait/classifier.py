@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import GaitModel
-from pdr_est.front_end.gait.svm_scorer import GaitScorer, changes_gait, gait_of
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, decide_gait, is_gait_change
 from pdr_est.types.steps import Step, begins_walk
 
 
@@ -12,7 +12,7 @@ class GaitClassifier:
     """Stage Step -> Step that fills in the gait and the probability of each.
 
     The scores of a step are averaged with those of the step before, except at the beginning of a walk and when it
-    clearly contradicts that step (`changes_gait`). So a step is emitted at once. A stride that joins two gaits has a
+    clearly contradicts that step (`is_gait_change`). So a step is emitted at once. A stride that joins two gaits has a
     score of neither, so most changes between walking and faster are seen at their second step, and about one in a
     hundred later: experiments/gait_changes.py measures it.
     """
@@ -27,13 +27,13 @@ class GaitClassifier:
 
     def push(self, item: Step, /) -> list[Step]:
         scores = self._scorer.scores(self._features.push(item))
-        if begins_walk(item, self._previous) or changes_gait(scores[0], self._scores[0]):
+        if begins_walk(item, self._previous) or is_gait_change(scores[0], self._scores[0]):
             pooled = scores
         else:
             pooled = 0.5 * (scores[0] + self._scores[0]), 0.5 * (scores[1] + self._scores[1])
         self._previous, self._scores = item, scores
         probabilities = self._scorer.probabilities(pooled)
-        return [replace(item, gait=gait_of(probabilities), gait_probability=probabilities)]
+        return [replace(item, gait=decide_gait(probabilities), gait_probability=probabilities)]
 
     def flush(self) -> list[Step]:
         return []

@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
-from pdr_est.front_end.gait.checksummed_json import read_sealed, write_sealed
+from pdr_est.front_end.gait.checksummed_json import read_checksummed, write_checksummed
 from pdr_est.front_end.gait.model import REMEDY, GaitModel, model_from_dict
 from pdr_est.params import params
 
@@ -32,7 +32,7 @@ _FOLD_OF = TypeAdapter(dict[str, int])
 
 def save_folds(folds: GaitFolds, path: Path) -> str:
     """Write the folds; the same folds give the same bytes. Returns their digest. Raises OutputError."""
-    return write_sealed(path, {"format": FORMAT, "version": VERSION, **asdict(folds)})
+    return write_checksummed(path, {"format": FORMAT, "version": VERSION, **asdict(folds)})
 
 
 def load_folds(path: Path) -> GaitFolds:
@@ -40,7 +40,7 @@ def load_folds(path: Path) -> GaitFolds:
 
     Raises ConfigError for a file that is missing, damaged, changed, foreign or of another version.
     """
-    content = read_sealed(path, FORMAT, VERSION, REMEDY)
+    content = read_checksummed(path, FORMAT, VERSION, REMEDY)
     documents: Any = content.get("models")
     if not isinstance(documents, list):
         raise ConfigError(f"{path}: models: is no list: {REMEDY}")

@@ -13,7 +13,7 @@ from typing import Any, Literal
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
-from pdr_est.front_end.gait.checksummed_json import digest, read_sealed, write_sealed
+from pdr_est.front_end.gait.checksummed_json import content_sha256, read_checksummed, write_checksummed
 from pdr_est.front_end.gait.features import FeatureSet, step_features
 from pdr_est.params import Positive, params
 
@@ -29,7 +29,7 @@ Confusion = tuple[tuple[int, int, int], tuple[int, int, int], tuple[int, int, in
 
 
 @params
-class Machine:
+class SupportVectorMachine:
     """A support-vector machine on standardised features z = (x[columns] - mean) / scale.
 
     Its score is sum_i dual_i K(support_i, z) + intercept, above zero for the faster of its two sides.
@@ -50,7 +50,7 @@ class Machine:
 
 
 @params
-class DataSet:
+class TrainingDataSet:
     """What was trained on: people and recordings, and steps of walking, jogging and running."""
 
     name: str
@@ -60,7 +60,7 @@ class DataSet:
 
 
 @params
-class Metrics:
+class GaitMetrics:
     """How the classifier did on steps of people whom it had not seen; all per step.
 
     faster_accuracy: walking against faster. balanced_accuracy: mean over the three gaits of the share found.
@@ -82,11 +82,11 @@ class GaitModel:
     """
 
     features: FeatureSet
-    faster: Machine
-    running: Machine
+    faster: SupportVectorMachine
+    running: SupportVectorMachine
     people: tuple[str, ...]
-    data: tuple[DataSet, ...]
-    metrics: Metrics | None = None
+    data: tuple[TrainingDataSet, ...]
+    metrics: GaitMetrics | None = None
 
 
 _MODEL = TypeAdapter(GaitModel)
@@ -97,19 +97,19 @@ def load_model(path: Path) -> GaitModel:
 
     Raises ConfigError for a file that is missing, damaged, changed, foreign or of another version.
     """
-    content = read_sealed(path, FORMAT, VERSION, REMEDY)
+    content = read_checksummed(path, FORMAT, VERSION, REMEDY)
     del content["format"], content["version"]
     return model_from_dict(content, str(path))
 
 
 def save_model(model: GaitModel, path: Path) -> str:
     """Write a model; the same model gives the same bytes. Returns its digest. Raises OutputError."""
-    return write_sealed(path, _document(model))
+    return write_checksummed(path, _document(model))
 
 
 def model_digest(model: GaitModel) -> str:
     """The SHA-256 that a file of this model carries."""
-    return digest(_document(model))
+    return content_sha256(_document(model))
 
 
 def model_from_dict(content: Any, place: str) -> GaitModel:
@@ -136,7 +136,7 @@ def _document(model: GaitModel) -> dict[str, Any]:
     return {"format": FORMAT, "version": VERSION, **asdict(model)}
 
 
-def _oddities(machine: Machine) -> Iterator[tuple[str, float, str]]:
+def _oddities(machine: SupportVectorMachine) -> Iterator[tuple[str, float, str]]:
     """Key and value of what no training gives, and what it has to be."""
     if machine.kernel == "rbf" and not machine.gamma > 0.0:
         yield "gamma", machine.gamma, "is no width of the kernel rbf, which is above 0"
@@ -152,7 +152,7 @@ def _oddities(machine: Machine) -> Iterator[tuple[str, float, str]]:
                 yield key, value, f"is beyond {_LARGEST:g}"
 
 
-def _fits(machine: Machine, features: int) -> bool:
+def _fits(machine: SupportVectorMachine, features: int) -> bool:
     """Whether the arrays of a machine belong together, and its columns are features."""
     width = len(machine.columns)
     return (

@@ -6,7 +6,7 @@ from math import tanh
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.gait.model import GaitModel, Machine
+from pdr_est.front_end.gait.model import GaitModel, SupportVectorMachine
 from pdr_est.types.steps import Gait
 
 SCORE_LIMIT = 2.0
@@ -25,7 +25,7 @@ Probabilities = tuple[float, float, float]
 class LinearScorer:
     """The decision function of a machine with the linear kernel: one product, the scaling worked in."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: SupportVectorMachine) -> None:
         slope = np.array(machine.dual) @ np.array(machine.support) / np.array(machine.scale)
         self._intercept = machine.intercept - float(slope @ np.array(machine.mean))
         self._terms = tuple(zip(machine.columns, slope.tolist(), strict=True))
@@ -38,7 +38,7 @@ class LinearScorer:
 class RbfScorer:
     """The decision function of a machine with the radial kernel; what all steps share is worked out beforehand."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: SupportVectorMachine) -> None:
         self._columns, self._mean, self._scale = machine.columns, machine.mean, machine.scale
         self._intercept, self._dual = machine.intercept, np.array(machine.dual)
         support = np.array(machine.support)
@@ -55,7 +55,7 @@ class RbfScorer:
         return float(self._dual @ kernel) + self._intercept
 
 
-def scorer(machine: Machine) -> LinearScorer | RbfScorer:
+def scorer(machine: SupportVectorMachine) -> LinearScorer | RbfScorer:
     """The decision function of a machine."""
     return LinearScorer(machine) if machine.kernel == "linear" else RbfScorer(machine)
 
@@ -78,12 +78,12 @@ class GaitScorer:
         return 1.0 - faster, faster * (1.0 - running), faster * running
 
 
-def changes_gait(score: float, before: float) -> bool:
+def is_gait_change(score: float, before: float) -> bool:
     """Whether the first level's score of a step clearly contradicts that of the step before."""
     return score * before < 0.0 and abs(score) > CLEAR_SCORE
 
 
-def gait_of(probabilities: Probabilities) -> Gait:
+def decide_gait(probabilities: Probabilities) -> Gait:
     """The gait at the end of the path through the two levels, at each of which the likelier side is taken."""
     walking, jogging, running = probabilities
     if walking >= 0.5:

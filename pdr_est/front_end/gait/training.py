@@ -17,10 +17,10 @@ from sklearn.svm import SVC, LinearSVC
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
-from pdr_est.front_end.gait.evaluation import gait_metrics, probabilities
+from pdr_est.front_end.gait.evaluation import gait_metrics, gait_probabilities
 from pdr_est.front_end.gait.features import STRIDE_NAMES, UPTIME_NAMES, FeatureSet
 from pdr_est.front_end.gait.folds import GaitFolds
-from pdr_est.front_end.gait.model import GaitModel, Machine
+from pdr_est.front_end.gait.model import GaitModel, SupportVectorMachine
 from pdr_est.front_end.gait.training_data import LabelledSteps, StepTable, data_sets, step_table
 from pdr_est.types.steps import Gait
 
@@ -36,7 +36,7 @@ Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class Recipe:
+class TrainingRecipe:
     """What a feature set is trained with. faster, running: features of the two levels; gamma: of the first one's
     kernel; faster_c, running_c: the cost of errors. most_steps: of one fit; more of the same people add support
     vectors and hardly anything else."""
@@ -54,9 +54,11 @@ class Recipe:
         return tuple(self.names.index(name) for name in level)
 
 
-RECIPES: dict[FeatureSet, Recipe] = {
-    "auto": Recipe(STRIDE_NAMES, STRIDE_NAMES[:3], STRIDE_NAMES[2:], gamma=0.25, faster_c=10.0, most_steps=4500),
-    "uptime": Recipe(UPTIME_NAMES, UPTIME_NAMES, UPTIME_NAMES, gamma=0.25, faster_c=1.0, most_steps=1000),
+TRAINING_RECIPES: dict[FeatureSet, TrainingRecipe] = {
+    "auto": TrainingRecipe(
+        STRIDE_NAMES, STRIDE_NAMES[:3], STRIDE_NAMES[2:], gamma=0.25, faster_c=10.0, most_steps=4500
+    ),
+    "uptime": TrainingRecipe(UPTIME_NAMES, UPTIME_NAMES, UPTIME_NAMES, gamma=0.25, faster_c=1.0, most_steps=1000),
 }
 
 
@@ -76,7 +78,7 @@ def train(walks: Sequence[LabelledSteps], features: FeatureSet, folds: int = MOS
     alone does not tell where it lies. Raises ConfigError when there are too few people for the folds.
     """
     table = step_table(walks)
-    recipe = RECIPES[features]
+    recipe = TRAINING_RECIPES[features]
     everybody = np.ones(len(table), dtype=bool)
     fold_of = _deal(table, everybody, folds)
     left_out = []
@@ -86,7 +88,7 @@ def train(walks: Sequence[LabelledSteps], features: FeatureSet, folds: int = MOS
         left_out.append(fit.model(features, table, ~away, _scores_left_out(table, ~away, recipe)))
         scores = np.zeros((len(table), 2))
         scores[away] = fit.scores(table.features[away])
-        probability[away] = probabilities(left_out[-1], table.pooled(scores)[away])
+        probability[away] = gait_probabilities(left_out[-1], table.pooled(scores)[away])
     fit = _fit(table, everybody, recipe)
     model = fit.model(features, table, everybody, _scores_left_out(table, everybody, recipe))
     return TrainedGait(
@@ -107,10 +109,10 @@ class _Level:
         found: Array = self.machine.decision_function(self.scaler.transform(features[:, self.columns]))
         return found
 
-    def numbers(self, sigmoid: tuple[float, float]) -> Machine:
+    def numbers(self, sigmoid: tuple[float, float]) -> SupportVectorMachine:
         """The machine as plain numbers."""
         linear = isinstance(self.machine, LinearSVC)
-        return Machine(
+        return SupportVectorMachine(
             columns=self.columns,
             mean=_short(self.scaler.mean_),
             scale=_short(self.scaler.scale_),
@@ -137,7 +139,7 @@ class _Fit:
     def model(self, features: FeatureSet, table: StepTable, seen: Mask, pooled: Array) -> GaitModel:
         """The model of the people that were seen, sigmoids fitted to their scores (n, 2) when they were left out."""
         upper = table.gait == Gait.RUNNING
-        told = seen & table.told_apart & table.faster
+        told = seen & table.has_both_gaits & table.faster
         return GaitModel(
             features=features,
             faster=self.faster.numbers(_platt(pooled[seen, 0], table.faster[seen], table.person[seen])),
@@ -149,7 +151,7 @@ class _Fit:
 
 def _deal(table: StepTable, seen: Mask, folds: int) -> dict[str, int]:
     """Fold of each person seen: those who teach the second level are dealt out first, so that every fold has some."""
-    told = set(table.person[seen & table.told_apart].tolist())
+    told = set(table.person[seen & table.has_both_gaits].tolist())
     people = sorted(set(table.person[seen].tolist()), key=lambda person: (person not in told, person))
     return {person: i % folds for i, person in enumerate(people)}
 
@@ -161,7 +163,7 @@ def _groups(table: StepTable, fold_of: Mapping[str, int]) -> Iterator[Mask]:
         yield fold == number
 
 
-def _scores_left_out(table: StepTable, seen: Mask, recipe: Recipe) -> Array:
+def _scores_left_out(table: StepTable, seen: Mask, recipe: TrainingRecipe) -> Array:
     """Pooled scores (n, 2) of the people seen, by fits on the others of them; zeros for those not seen."""
     scores = np.zeros((len(table), 2))
     for away in _groups(table, _deal(table, seen, _SIGMOID_FOLDS)):
@@ -169,8 +171,8 @@ def _scores_left_out(table: StepTable, seen: Mask, recipe: Recipe) -> Array:
     return table.pooled(scores)
 
 
-def _fit(table: StepTable, seen: Mask, recipe: Recipe) -> _Fit:
-    told = seen & table.told_apart & table.faster
+def _fit(table: StepTable, seen: Mask, recipe: TrainingRecipe) -> _Fit:
+    told = seen & table.has_both_gaits & table.faster
     faster = SVC(C=recipe.faster_c, kernel="rbf", gamma=recipe.gamma)
     running = LinearSVC(C=recipe.running_c, random_state=0)
     return _Fit(
@@ -179,7 +181,7 @@ def _fit(table: StepTable, seen: Mask, recipe: Recipe) -> _Fit:
     )
 
 
-def _thin(chosen: Mask, recipe: Recipe) -> Index:
+def _thin(chosen: Mask, recipe: TrainingRecipe) -> Index:
     """Numbers of the chosen steps, evenly thinned."""
     index = np.flatnonzero(chosen)
     return index[:: max(-(-len(index) // recipe.most_steps), 1)]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.front_end.gait.features import FeatureSet, step_features
-from pdr_est.front_end.gait.model import DataSet
-from pdr_est.front_end.gait.svm_scorer import SCORE_LIMIT, changes_gait
+from pdr_est.front_end.gait.model import TrainingDataSet
+from pdr_est.front_end.gait.svm_scorer import SCORE_LIMIT, is_gait_change
 from pdr_est.types.steps import Gait, Step, begins_walk
 
 KNOWN_GAITS = (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)
@@ -36,7 +36,7 @@ class LabelledSteps:
 class StepTable:
     """Steps of many recordings in order. features: (n, k); begins, gait, person, data_set, recording: (n,).
 
-    recording: number of the recording; told_apart: (n,) whether the person was recorded jogging and running.
+    recording: number of the recording; has_both_gaits: (n,) whether the person was recorded jogging and running.
     """
 
     features: Array
@@ -45,7 +45,7 @@ class StepTable:
     person: NDArray[np.str_]
     data_set: NDArray[np.str_]
     recording: NDArray[np.int64]
-    told_apart: NDArray[np.bool_]
+    has_both_gaits: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.gait)
@@ -61,7 +61,7 @@ class StepTable:
         cut = np.clip(scores, -SCORE_LIMIT, SCORE_LIMIT)
         before = np.concatenate([cut[:1], cut[:-1]])
         level = zip(cut[:, 0].tolist(), before[:, 0].tolist(), strict=True)
-        alone = self.begins | np.array([changes_gait(score, earlier) for score, earlier in level], dtype=bool)
+        alone = self.begins | np.array([is_gait_change(score, earlier) for score, earlier in level], dtype=bool)
         return np.where(alone[:, None], cut, 0.5 * (cut + before))
 
 
@@ -99,18 +99,18 @@ def step_table(walks: Sequence[LabelledSteps]) -> StepTable:
         person=np.repeat([walk.person for walk in ordered], counts),
         data_set=np.repeat([walk.data_set for walk in ordered], counts),
         recording=np.repeat(np.arange(len(ordered)), counts),
-        told_apart=np.repeat([both <= gaits[walk.person] for walk in ordered], counts),
+        has_both_gaits=np.repeat([both <= gaits[walk.person] for walk in ordered], counts),
     )
 
 
-def data_sets(table: StepTable, chosen: NDArray[np.bool_]) -> tuple[DataSet, ...]:
+def data_sets(table: StepTable, chosen: NDArray[np.bool_]) -> tuple[TrainingDataSet, ...]:
     """What the chosen steps (n,) of a table come from."""
     found = []
     for name in np.unique(table.data_set[chosen]).tolist():
         here = chosen & (table.data_set == name)
         walking, jogging, running = (int(np.sum(table.gait[here] == gait)) for gait in KNOWN_GAITS)
         found.append(
-            DataSet(
+            TrainingDataSet(
                 name=name,
                 people=len(np.unique(table.person[here])),
                 recordings=len(np.unique(table.recording[here])),

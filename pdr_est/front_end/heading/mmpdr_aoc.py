@@ -32,7 +32,7 @@ from annotated_types import Ge, Le
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
-from pdr_est.front_end.heading.stride_averaging import STRIDE_LATENCY_S, Strides, mean_yaw_of
+from pdr_est.front_end.heading.stride_pairing import STRIDE_LATENCY_S, StridePairing, mean_yaw_of
 from pdr_est.params import params
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -86,7 +86,7 @@ class MmpdrHeading:
     def __init__(self, parameters: MmpdrHeadingParams) -> None:
         self._parameters = parameters
         self._offsets: list[TrainedOffset] = []
-        self._strides = Strides()
+        self._strides = StridePairing()
         self._begin(None)
 
     @property

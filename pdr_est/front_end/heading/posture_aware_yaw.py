@@ -19,8 +19,8 @@ from annotated_types import Ge, Le
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.phone_posture import angle_between, mean_up, mean_yaw
-from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams, direction_of
-from pdr_est.front_end.heading.stride_averaging import mean_yaw_of, over_stride
+from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams, direction_from_steps
+from pdr_est.front_end.heading.stride_pairing import mean_yaw_of, stride_average
 from pdr_est.params import Positive, params
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -173,7 +173,7 @@ class PostureAwareYaw:
     def _turn_meanwhile(self, steps: Sequence[Step]) -> tuple[float, float]:
         """By how much the walker turned since the phone was taken, and the standard deviation."""
         p = self._parameters
-        before, after = direction_of(self._before, self._axis), direction_of(steps, self._axis)
+        before, after = direction_from_steps(self._before, self._axis), direction_from_steps(steps, self._axis)
         if before is None or after is None or not (before.trusted and after.trusted):
             return 0.0, p.sigma_kept_rad
         # The offset is that of all steps before, the direction that of the latest: the walker may have turned.
@@ -196,5 +196,5 @@ class PostureAwareYaw:
     def _over_stride(self, before_rad: float, step: Step, after_rad: float) -> Step:
         heading_rad = step.heading_rad
         if step.event.mode in _WITH_A_LIMB and abs(after_rad - before_rad) < self._parameters.bend_rad:
-            heading_rad = over_stride(before_rad, heading_rad, after_rad)
+            heading_rad = stride_average(before_rad, heading_rad, after_rad)
         return replace(step, heading_rad=float(wrap_angle(heading_rad)), follows_phone=True)

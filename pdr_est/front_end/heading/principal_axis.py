@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.level_frame import to_level
-from pdr_est.front_end.heading.stride_averaging import STRIDE_LATENCY_S, Strides, mean_yaw_of
+from pdr_est.front_end.heading.stride_pairing import STRIDE_LATENCY_S, StridePairing, mean_yaw_of
 from pdr_est.params import Fraction, NonNegative, params
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -83,7 +83,7 @@ class PrincipalAxis:
     def __init__(self, parameters: PrincipalAxisParams) -> None:
         self._parameters = parameters
         self.latency_s = parameters.strides * STRIDE_LATENCY_S
-        self._strides = Strides()
+        self._strides = StridePairing()
         self._waiting: list[tuple[Step, ...]] = []
         self._latest: deque[StrideMotion] = deque(maxlen=parameters.strides)
         self._begin(None)
@@ -139,9 +139,9 @@ class PrincipalAxis:
         return [replace(step, heading_rad=heading_rad) for step in steps]
 
 
-def direction_of(steps: Sequence[Step], parameters: PrincipalAxisParams) -> WalkingDirection | None:
+def direction_from_steps(steps: Sequence[Step], parameters: PrincipalAxisParams) -> WalkingDirection | None:
     """The walking direction over a run of steps in one carrying mode; None if none of its strides counts."""
-    strides = Strides()
+    strides = StridePairing()
     pairs = [pair for step in steps for pair in strides.add(step) if is_walking_stride(pair)]
     return walking_direction([stride_motion(pair) for pair in pairs], parameters) if pairs else None
 

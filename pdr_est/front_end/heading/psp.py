@@ -29,7 +29,7 @@ import numpy as np
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.hde_controller import HdeController, HdeParams
-from pdr_est.front_end.heading.stride_averaging import STRIDE_LATENCY_S, Strides
+from pdr_est.front_end.heading.stride_pairing import STRIDE_LATENCY_S, StridePairing
 from pdr_est.front_end.heading.tie_controller import TieController, TieParams
 from pdr_est.types.steps import Step
 
@@ -46,7 +46,7 @@ class PspHeading:
         self._rate_hz = rate_hz
         self._hde_parameters, self._tie_parameters = hde, tie
         self._priors = priors
-        self._strides = Strides()
+        self._strides = StridePairing()
         self._begin(None)
 
     def push(self, item: Step, /) -> list[Step]:

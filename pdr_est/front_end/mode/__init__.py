@@ -1,4 +1,10 @@
-"""The carrying mode of each sample: given, by MMPDR's state machine, or recognised."""
+"""Recognise the carrying mode of each sample.
+
+* `fixed`: one mode for the whole recording, given by the user.
+* `mmpdr_fsm`: the state machine of MMPDR.
+* `hmm_recogniser`: the default, a hidden Markov model. `sliding_windows` and `window_features` make its evidence,
+  `hidden_markov` weighs it.
+"""
 
 from typing import Literal
 
@@ -22,16 +28,21 @@ __all__ = [
 
 @params
 class ModeParams:
-    """method: "auto" recognises the mode, "mmpdr" is the paper's state machine, "fixed" takes `fixed` throughout."""
+    """Choose how the carrying mode is recognised."""
 
     method: Literal["auto", "mmpdr", "fixed"] = "auto"
+    """Method: "auto" recognises the mode, "mmpdr" is the state machine of the paper, "fixed" takes the mode `fixed`.
+    """
     fixed: Literal["HOLDING", "SWING", "POCKET", "OTHER"] = "HOLDING"
+    """Carrying mode of every sample for the method "fixed"."""
     auto: AutoModeParams = AutoModeParams()
+    """Parameters of the method "auto"."""
     mmpdr: MmpdrModeParams = MmpdrModeParams()
+    """Parameters of the method "mmpdr"."""
 
 
 def mode_stage(rate_hz: float, parameters: ModeParams) -> Stage:
-    """The configured stage LevelBlock -> LevelBlock."""
+    """Make the configured stage LevelBlock -> LevelBlock."""
     match parameters.method:
         case "auto":
             return HmmModeRecogniser(rate_hz, parameters.auto)

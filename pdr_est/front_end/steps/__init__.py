@@ -1,4 +1,13 @@
-"""Step detectors, one file each: stages LevelBlock -> StepEvent."""
+"""Step detectors, one file each: stages LevelBlock -> StepEvent; and the stage that cuts the samples into steps.
+
+* `bandpass_peaks`: the default. `stride_period` finds the period of the strides in a pocket.
+* `mmpdr_peaks`: the peaks of MMPDR in each carrying mode. `mode_transition` makes up the steps of a transition.
+* `uptime_fsm`: the state machine of UPTIME.
+* `relative_threshold`: the alternating extremes of Robust DR.
+* `local_variance`, `zero_crossing`: the baselines of UPTIME, on a common `hysteresis_detector`.
+* `sample_buffer`: the samples that a detector may still need.
+* `segmentation`: from step events to steps with their samples.
+"""
 
 from typing import Literal, get_args
 
@@ -18,20 +27,28 @@ DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)
 
 @params
 class StepsParams:
-    """detector: which step detector; the parameters of each lie under its own name."""
+    """Choose the step detector; the parameters of each lie under its own name."""
 
     detector: DetectorName = "auto"
+    """Name of the step detector."""
     auto: AutoStepParams = AutoStepParams()
+    """Parameters of the detector "auto" (`BandpassPeakDetector`)."""
     mmpdr: MmpdrStepParams = MmpdrStepParams()
+    """Parameters of the detector "mmpdr"."""
     uptime_fsm: UptimeFsmParams = UptimeFsmParams()
+    """Parameters of the detector "uptime-fsm"."""
     relative_threshold: RelativeThresholdParams = RelativeThresholdParams()
+    """Parameters of the detector "relative-threshold"."""
     local_variance: LocalVarianceParams = LocalVarianceParams()
+    """Parameters of the detector "local-variance"."""
     zero_crossing: ZeroCrossingParams = ZeroCrossingParams()
+    """Parameters of the detector "zero-crossing"."""
     segmentation: SegmentationParams = SegmentationParams()
+    """Parameters of the cut of the samples into steps."""
 
 
 def step_detector(rate_hz: float, parameters: StepsParams) -> Stage:
-    """The configured step detector."""
+    """Make the configured step detector."""
     match parameters.detector:
         case "auto":
             return BandpassPeakDetector(rate_hz, parameters.auto)

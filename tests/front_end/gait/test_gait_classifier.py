@@ -14,7 +14,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait import GaitClassifier, GaitParams, gait_stage, shipped_folds, shipped_model
 from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import save_model
-from pdr_est.front_end.gait.svm_scorer import GaitScorer, gait_of
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, decide_gait
 from pdr_est.front_end.gait.training import train
 from pdr_est.stage import Stage
 from pdr_est.types.steps import Gait, Step
@@ -52,7 +52,7 @@ def test_a_step_is_emitted_at_once_with_its_probabilities_and_nothing_else_chang
     for given in steps_of((SLOW, 3), (FAST, 3)):
         (found,) = stage.push(given)
         assert sum(found.gait_probability) == pytest.approx(1.0)
-        assert found.gait is gait_of(found.gait_probability)
+        assert found.gait is decide_gait(found.gait_probability)
         kept = replace(found, gait=given.gait, gait_probability=given.gait_probability)
         assert kept.samples is given.samples
         assert (kept.event, kept.start_s, kept.frequency_hz) == (given.event, given.start_s, given.frequency_hz)
@@ -87,9 +87,9 @@ def test_without_a_method_the_gait_stays_unknown() -> None:
 
 
 def test_the_class_is_the_end_of_the_path_through_the_levels() -> None:
-    assert gait_of((0.5, 0.3, 0.2)) is Gait.WALKING
-    assert gait_of((0.4, 0.35, 0.25)) is Gait.JOGGING
-    assert gait_of((0.4, 0.25, 0.35)) is Gait.RUNNING
+    assert decide_gait((0.5, 0.3, 0.2)) is Gait.WALKING
+    assert decide_gait((0.4, 0.35, 0.25)) is Gait.JOGGING
+    assert decide_gait((0.4, 0.25, 0.35)) is Gait.RUNNING
 
 
 @pytest.mark.parametrize("method", ["auto", "uptime"])

@@ -12,9 +12,9 @@ from sklearn.svm import SVC, LinearSVC
 
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait.classifier import GaitClassifier
-from pdr_est.front_end.gait.evaluation import balanced_accuracy, gait_metrics, probabilities
+from pdr_est.front_end.gait.evaluation import balanced_accuracy, gait_metrics, gait_probabilities
 from pdr_est.front_end.gait.folds import load_folds, save_folds
-from pdr_est.front_end.gait.model import Machine, save_model
+from pdr_est.front_end.gait.model import SupportVectorMachine, save_model
 from pdr_est.front_end.gait.svm_scorer import GaitScorer, scorer
 from pdr_est.front_end.gait.training import TrainedGait, _platt, train
 from pdr_est.front_end.gait.training_data import step_table
@@ -90,7 +90,7 @@ def test_scores_are_those_of_scikit_learn(kernel: str) -> None:
     svm = SVC(C=1.0, gamma=0.4) if kernel == "rbf" else LinearSVC(random_state=0)
     svm.fit(scaler.transform(x[:, columns]), upper)
     rbf = isinstance(svm, SVC)
-    machine = Machine(
+    machine = SupportVectorMachine(
         columns=columns,
         mean=tuple(scaler.mean_),
         scale=tuple(scaler.scale_),
@@ -130,7 +130,7 @@ def test_the_classifier_pools_as_training_does(trained: TrainedGait) -> None:
     found = [labelled.gait_probability for each in steps for labelled in stage.push(each)]
     table = replace(step_table(walks_of(people=1, steps=60)[:1]), begins=np.arange(60) % 11 == 0)
     pooled = table.pooled(scores)
-    np.testing.assert_allclose(found, probabilities(trained.model, pooled), rtol=1e-12)
+    np.testing.assert_allclose(found, gait_probabilities(trained.model, pooled), rtol=1e-12)
     alone = np.all(pooled == scores, axis=1)
     assert 11 < alone.sum() < 55
 

@@ -18,7 +18,7 @@ from pdr_est.front_end.step_length.equations import (
     static_length_m,
     weinberg_length_m,
 )
-from pdr_est.front_end.step_length.stage import mixture, running_mean
+from pdr_est.front_end.step_length.step_length_stage import mixture, running_mean
 from pdr_est.front_end.step_length.walk_run_model import share_of_running
 from pdr_est.types.steps import Gait, Step
 

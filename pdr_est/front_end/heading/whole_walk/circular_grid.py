@@ -8,7 +8,7 @@ _CELL_RAD = 0.035
 _LEAST_CELLS = 18
 
 
-class Circle:
+class CircularGrid:
     """Probability densities, relative to the uniform one, of an angle modulo `spacing_rad`."""
 
     def __init__(self, spacing_rad: float) -> None:

@@ -23,8 +23,8 @@ from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.whole_walk.circular_grid import Circle
-from pdr_est.front_end.heading.whole_walk.straight_segments import Pieces, StraightParams
+from pdr_est.front_end.heading.whole_walk.circular_grid import CircularGrid
+from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams
 from pdr_est.params import params
 from pdr_est.types.analysis import DominantDirections
 
@@ -72,7 +72,7 @@ class DominantParams:
     direction_rad: Annotated[float, Ge(-6.3), Le(6.3)] | None = None
     least_log_odds: float = 2.0
     turn_rad: Annotated[float, Ge(0.1), Le(1.5)] = 0.44
-    straight: StraightParams = StraightParams()
+    straight: StraightLegParams = StraightLegParams()
 
     @property
     def given_number(self) -> int | None:
@@ -80,7 +80,7 @@ class DominantParams:
         return 4 if self.number is None and self.direction_rad is not None else self.number
 
 
-def dominant_directions(pieces: Pieces, parameters: DominantParams) -> DominantDirections | None:
+def dominant_directions(pieces: LegSections, parameters: DominantParams) -> DominantDirections | None:
     """The most probable dominant directions of a walk; None for one without straight stretches."""
     if not len(pieces):
         return None
@@ -113,7 +113,7 @@ class _Turned:
     tells: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, pieces: Pieces, turn_rad: float) -> "_Turned":
+    def of(cls, pieces: LegSections, turn_rad: float) -> "_Turned":
         change = np.abs(np.diff(pieces.heading_rad))
         elsewhere = np.diff(pieces.stretch) != 0
         quarters = np.where(elsewhere, np.minimum(change / _QUARTER_RAD, _MOST_TURN), 0.0)
@@ -128,7 +128,7 @@ class _Run:
     pieces; elsewhere: (n - 1,) whether another stretch begins. log_with, log_without: log probability of the headings
     with dominant directions, and if each turn leads anywhere."""
 
-    circle: Circle
+    circle: CircularGrid
     level: DriftLevel
     likelihood: Array
     forward: Array
@@ -138,8 +138,8 @@ class _Run:
     log_without: float
 
 
-def _follow(pieces: Pieces, turned: _Turned, number: int, level: DriftLevel) -> _Run:
-    circle = Circle(2.0 * np.pi / number)
+def _follow(pieces: LegSections, turned: _Turned, number: int, level: DriftLevel) -> _Run:
+    circle = CircularGrid(2.0 * np.pi / number)
     along = circle.likelihood(pieces.heading_rad, level.of_piece, _STRAY)
     walked = level.per_sqrt_s**2 * turned.elapsed_s + (level.per_turn * turned.quarters) ** 2
     sigma = np.sqrt(walked + pieces.changed_rad[1:] ** 2)
@@ -161,7 +161,7 @@ def _follow(pieces: Pieces, turned: _Turned, number: int, level: DriftLevel) -> 
     return _Run(circle, level, likelihood, forward, sigma, turned.elsewhere, log_with, log_without)
 
 
-def _foreseen(circle: Circle, along: Array, sigma: Array, anew: NDArray[np.bool_]) -> Array:
+def _foreseen(circle: CircularGrid, along: Array, sigma: Array, anew: NDArray[np.bool_]) -> Array:
     """Probabilities (n,) of the pieces by those before, over the uniform one, if some of them, but the first, lead
     anywhere anew (n - 1,)."""
     probability = np.empty(len(along))
@@ -181,7 +181,7 @@ def _log_mean(logs: Sequence[float]) -> float:
     return float(np.logaddexp.reduce(np.array(logs) + weights))
 
 
-def _smoothed(pieces: Pieces, run: _Run, number: int, log_odds: float, used: bool) -> DominantDirections:
+def _smoothed(pieces: LegSections, run: _Run, number: int, log_odds: float, used: bool) -> DominantDirections:
     """Directions of the pieces by what came before and after them."""
     belief, future = np.empty_like(run.forward), np.ones_like(run.forward[0])
     for i in range(len(pieces) - 1, -1, -1):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from pdr_est.front_end.signal.event_detection import local_maxima, local_minima
 from pdr_est.front_end.signal.filters import CADENCE_HZ, CausalBandPass, CausalFilter, CausalLowPass
-from pdr_est.front_end.signal.trigger import local_maxima, local_minima
 
 RATE_HZ = 50.0
 TIME_S = np.arange(1500) / RATE_HZ

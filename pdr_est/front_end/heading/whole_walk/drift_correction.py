@@ -8,7 +8,7 @@ import numpy as np
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
-from pdr_est.front_end.heading.whole_walk.straight_segments import Pieces, straight_pieces
+from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
 
@@ -40,7 +40,7 @@ class WholeWalkHeading:
         return [step for _, segment in segments for step in self._set_right(list(segment))]
 
     def _set_right(self, steps: list[Step]) -> list[Step]:
-        pieces = straight_pieces(steps, self._parameters.straight)
+        pieces = straight_leg_sections(steps, self._parameters.straight)
         directions = dominant_directions(pieces, self._parameters)
         if self.found is None:
             self.found = directions
@@ -51,7 +51,7 @@ class WholeWalkHeading:
         return _with_drift_noise(_with_priors(steps, pieces, directions), directions.drift_per_sqrt_s)
 
 
-def _with_priors(steps: Sequence[Step], pieces: Pieces, directions: DominantDirections) -> list[Step]:
+def _with_priors(steps: Sequence[Step], pieces: LegSections, directions: DominantDirections) -> list[Step]:
     told = list(steps)
     for i in np.flatnonzero(directions.follows >= _LEAST_FOLLOWING):
         for k in range(pieces.first[i], pieces.last[i]):
@@ -74,7 +74,7 @@ def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
     ]
 
 
-def _without_drift(steps: Sequence[Step], pieces: Pieces, directions: DominantDirections) -> list[Step]:
+def _without_drift(steps: Sequence[Step], pieces: LegSections, directions: DominantDirections) -> list[Step]:
     drift = np.interp([step.event.time_s for step in steps], pieces.time_s, directions.drift_rad)
     return [
         replace(step, heading_rad=float(wrap_angle(step.heading_rad - off)))

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from heading_walks import STEP_S, of_legs, with_headings
 
-from pdr_est.front_end.heading.whole_walk.straight_segments import Pieces, StraightParams, straight_pieces
+from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams, straight_leg_sections
 
-PARAMETERS = StraightParams()
+PARAMETERS = StraightLegParams()
 
 
-def pieces_of(heading_rad: np.ndarray) -> Pieces:
-    return straight_pieces(with_headings(heading_rad), PARAMETERS)
+def pieces_of(heading_rad: np.ndarray) -> LegSections:
+    return straight_leg_sections(with_headings(heading_rad), PARAMETERS)
 
 
 def test_one_leg_is_one_stretch_in_equal_pieces() -> None:
@@ -41,7 +41,7 @@ def test_what_bends_or_is_short_is_no_stretch() -> None:
     assert len(pieces_of(np.arange(40) * 0.15)) == 0
     assert len(pieces_of(of_legs([(0.0, 5), (90.0, 5), (180.0, 5), (270.0, 5)])[:4])) == 0
     assert len(pieces_of(np.zeros(1))) == 0
-    assert len(straight_pieces([], PARAMETERS)) == 0
+    assert len(straight_leg_sections([], PARAMETERS)) == 0
 
 
 def test_to_and_fro_with_the_legs_is_straight() -> None:
@@ -53,20 +53,20 @@ def test_to_and_fro_with_the_legs_is_straight() -> None:
 def test_a_phone_put_elsewhere_may_displace_its_own_piece_and_the_next() -> None:
     steps = with_headings(of_legs([(0.0, 20)]))
     steps[9] = replace(steps[9], sigma_turn_rad=0.3)
-    changed = straight_pieces(steps, PARAMETERS).changed_rad
+    changed = straight_leg_sections(steps, PARAMETERS).changed_rad
     np.testing.assert_allclose(changed, [0.0, 0.0, 0.3, 0.3, 0.0])
 
 
 def test_one_put_elsewhere_at_the_first_step_of_a_piece_displaces_that_one_only() -> None:
     steps = with_headings(of_legs([(0.0, 20)]))
     steps[8] = replace(steps[8], sigma_turn_rad=0.3)
-    np.testing.assert_allclose(straight_pieces(steps, PARAMETERS).changed_rad, [0.0, 0.0, 0.3, 0.0, 0.0])
+    np.testing.assert_allclose(straight_leg_sections(steps, PARAMETERS).changed_rad, [0.0, 0.0, 0.3, 0.0, 0.0])
 
 
 def test_one_put_elsewhere_between_stretches_displaces_the_next() -> None:
     steps = with_headings(of_legs([(0.0, 12), (90.0, 12)]))
     steps[12] = replace(steps[12], sigma_turn_rad=0.3)
-    pieces = straight_pieces(steps, PARAMETERS)
+    pieces = straight_leg_sections(steps, PARAMETERS)
     assert pieces.changed_rad[pieces.stretch == 1].tolist() == pytest.approx(
         [0.3] + [0.0] * (sum(pieces.stretch) - 1)
     )

@@ -14,7 +14,7 @@ Heading = TypeVar("Heading", float, Array)
 STRIDE_LATENCY_S = 2.0  # a step waits for the next one, which in a walk comes before it counts as a standstill
 
 
-class Strides:
+class StridePairing:
     """Pairs of steps that follow each other. One that no step follows before a standstill or a gap stays alone; it
     is known to be alone when the next step comes, or at the end."""
 
@@ -41,7 +41,7 @@ def mean_yaw_of(steps: Sequence[Step]) -> float:
     return calibrated_mean_yaw(np.concatenate([step.samples.yaw_rad for step in steps]))
 
 
-def over_stride(before: Heading, at: Heading, after: Heading) -> Heading:
+def stride_average(before: Heading, at: Heading, after: Heading) -> Heading:
     """Headings, rad, not wrapped, of steps and their neighbours averaged so that what goes to and fro with the legs,
     from one step to the next, cancels."""
     return 0.25 * before + 0.5 * at + 0.25 * after

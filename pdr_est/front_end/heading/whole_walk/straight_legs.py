@@ -10,7 +10,7 @@ from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.stride_averaging import over_stride
+from pdr_est.front_end.heading.stride_pairing import stride_average
 from pdr_est.params import params
 from pdr_est.types.steps import Step
 
@@ -18,7 +18,7 @@ _REACH = 2  # steps before and after one across which its turn is taken
 
 
 @params
-class StraightParams:
+class StraightLegParams:
     """turn_rad: change of heading over four steps beyond which the walker turns. least_steps: of a stretch.
     piece_steps: about as many steps are looked at together. All three are ours."""
 
@@ -28,8 +28,8 @@ class StraightParams:
 
 
 @dataclass(frozen=True)
-class Pieces:
-    """Pieces of straight stretches in order of time.
+class LegSections:
+    """LegSections of straight stretches in order of time.
 
     stretch: (n,) number of the stretch; first, last: (n,) steps, `last` exclusive; time_s, heading_rad: (n,)
     means, the heading continuous along the walk; changed_rad: (n,) standard deviation of what the headings may have
@@ -47,7 +47,7 @@ class Pieces:
         return len(self.time_s)
 
 
-def straight_pieces(steps: Sequence[Step], parameters: StraightParams) -> Pieces:
+def straight_leg_sections(steps: Sequence[Step], parameters: StraightLegParams) -> LegSections:
     """The pieces of the straight stretches of some steps, which lie in one segment."""
     time_s = np.array([step.event.time_s for step in steps])
     heading = _over_strides(np.unwrap([step.heading_rad for step in steps]))
@@ -64,7 +64,7 @@ def straight_pieces(steps: Sequence[Step], parameters: StraightParams) -> Pieces
     # A displacement within a piece lies between it and the one before, and between it and the next as well.
     since = np.concatenate([first[:1], first[:-1]])
     displaced = variance[last - 1] - variance[since] if len(rows) else np.empty(0)
-    return Pieces(stretch, first, last, mean_time, mean_heading, np.sqrt(np.maximum(displaced, 0.0)))
+    return LegSections(stretch, first, last, mean_time, mean_heading, np.sqrt(np.maximum(displaced, 0.0)))
 
 
 def _over_strides(heading: Array) -> Array:
@@ -73,10 +73,10 @@ def _over_strides(heading: Array) -> Array:
     if len(heading) < 2:
         return heading
     padded = np.concatenate([heading[1:2], heading, heading[-2:-1]])
-    return over_stride(padded[:-2], padded[1:-1], padded[2:])
+    return stride_average(padded[:-2], padded[1:-1], padded[2:])
 
 
-def _stretches(heading: Array, parameters: StraightParams) -> list[tuple[int, int]]:
+def _stretches(heading: Array, parameters: StraightLegParams) -> list[tuple[int, int]]:
     """Runs of steps, from and to (exclusive), in which the heading changes slowly."""
     count = len(heading)
     index = np.arange(count)

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from pdr_est.front_end.signal.event_detection import RefractoryPeriod, SchmittTrigger
 from pdr_est.front_end.signal.moving_average import MovingAverage
-from pdr_est.front_end.signal.trigger import Refractory, Trigger
 
 
 def test_the_mean_of_the_latest_window_by_hand() -> None:
@@ -56,12 +56,12 @@ def test_cuts_change_no_bit_of_an_average(seed: int) -> None:
 def test_a_trigger_fires_once_after_each_arming() -> None:
     arms = np.array([0, 0, 1, 1, 0, 0, 0, 1, 0, 1], dtype=bool)
     fires = np.array([1, 0, 0, 0, 0, 1, 1, 0, 1, 0], dtype=bool)
-    assert Trigger().push(arms, fires).tolist() == [5, 8]
+    assert SchmittTrigger().push(arms, fires).tolist() == [5, 8]
 
 
 def test_a_trigger_stays_armed_from_block_to_block_until_it_is_reset() -> None:
     yes, no = np.array([True]), np.array([False])
-    trigger = Trigger()
+    trigger = SchmittTrigger()
     assert trigger.push(yes, no).tolist() == []
     assert trigger.push(no, no).tolist() == []
     assert trigger.push(no, yes).tolist() == [0]
@@ -75,8 +75,8 @@ def test_a_trigger_stays_armed_from_block_to_block_until_it_is_reset() -> None:
 def test_cuts_do_not_matter_to_a_trigger(seed: int) -> None:
     rng = np.random.default_rng(seed)
     signal = rng.standard_normal(200)
-    expected = Trigger().push(signal < -1.0, signal > 1.0)
-    trigger, found = Trigger(), []
+    expected = SchmittTrigger().push(signal < -1.0, signal > 1.0)
+    trigger, found = SchmittTrigger(), []
     for start, stop in cuts(len(signal), rng):
         part = signal[start:stop]
         found += (start + trigger.push(part < -1.0, part > 1.0)).tolist()
@@ -88,13 +88,13 @@ def test_exactly_the_refractory_time_later_is_late_enough(offset_s: float) -> No
     """Ten samples at 50 Hz are 0.2 s, wherever the clock stands and whatever rounding makes of the difference."""
     times_s = offset_s + np.arange(60) / 50.0
     for first in range(40):
-        refractory = Refractory(0.2)
+        refractory = RefractoryPeriod(0.2)
         found = [refractory.accepts(float(times_s[first + k])) for k in (0, 9, 10)]
         assert found == [True, False, True]
 
 
 def test_a_refractory_time_begins_with_what_was_accepted() -> None:
-    refractory = Refractory(0.3)
+    refractory = RefractoryPeriod(0.3)
     assert [refractory.accepts(time_s) for time_s in (-5.0, -4.8, -4.69, -4.4, -4.38)] == [
         True,
         False,
