@@ -118,7 +118,7 @@ class Odometry:
         )
 
     def _bridge(self, start_s: float, end_s: float, mode: CarryingMode) -> StepOdometry:
-        """Make an unobserved motion: anywhere within reach, turned by at most anything (sigma pi / sqrt 3)."""
+        """Make an unobserved motion: anywhere within reach, with a heading change up to uniform (pi / sqrt 3)."""
         duration = max(end_s - start_s, 0.0)
         reach = self._parameters.gap_speed_mps * duration
         turn = min(self._parameters.gap_turn_rad_per_sqrt_s * np.sqrt(duration), np.pi / np.sqrt(3.0))

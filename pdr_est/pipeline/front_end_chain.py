@@ -42,7 +42,7 @@ def analyse_device(device: DeviceRecording, place: str, config: Config) -> Devic
     whole_walk = whole_walk_stage(config.heading) if has_heading else None
     if whole_walk is not None:
         whole_walk_odometry = _run(Odometry(device.name, config.odometry), _run(whole_walk, steps))
-        directions = whole_walk.found
+        directions = whole_walk.directions
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),

@@ -12,7 +12,7 @@ from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.gait.features import FeatureSet
 from pdr_est.front_end.gait.folds import save_folds
 from pdr_est.front_end.gait.model import save_model
-from pdr_est.front_end.gait.training import TrainedGait, train
+from pdr_est.front_end.gait.training import TrainedGait, train_gait_model
 from pdr_est.front_end.gait.training_data import LabelledSteps, labelled_steps
 from pdr_est.io import read
 from pdr_est.training.gait_card import model_card
@@ -33,7 +33,7 @@ def train_gait(data: Path, features: FeatureSet, on_progress: Progress = lambda 
         on_progress(done, len(files))
         walks += _steps_of(file, features)
     on_progress(len(files), len(files))
-    return train(walks, features)
+    return train_gait_model(walks, features)
 
 
 def write_trained(trained: TrainedGait, folder: Path, trained_on: date, recordings_sha256: str) -> None:

@@ -1,4 +1,11 @@
-"""The gait of each step: walking, jogging or running."""
+"""Classify the gait of each step: walking, jogging or running.
+
+* `features`: the features of a step.
+* `classifier`: the stage that fills in the gait; `svm_scorer` is its arithmetic.
+* `model`: the support-vector machines as plain data; `checksummed_json` reads and writes their files.
+* `training`, `training_data`: training on labelled steps; `evaluation`: how well the gaits are recognised.
+* `folds`: models that left some people out, to score people of the training data.
+"""
 
 from pathlib import Path
 from typing import Literal
@@ -27,25 +34,33 @@ __all__ = [
 
 @params
 class GaitParams:
-    """method: "auto" takes the features of a stride, "uptime" those of the paper, "none" leaves the gait unknown.
-
-    model: a file of `pdr-est train-gait` for the same method; null is the shipped one.
-    """
+    """Choose the gait classifier."""
 
     method: Literal["auto", "uptime", "none"] = "auto"
+    """Features: "auto" takes those of a stride, "uptime" those of the paper, "none" leaves the gait unknown."""
     model: str | None = None
+    """Path of a model file written by `pdr-est train-gait` for the same method; null is the shipped model."""
 
 
 def gait_stage(parameters: GaitParams) -> Stage:
-    """The configured stage Step -> Step. Raises ConfigError when the model cannot be used."""
+    """Make the configured stage Step -> Step.
+
+    Raises
+    ------
+    ConfigError
+        If the model cannot be used.
+    """
     model = gait_model(parameters)
     return UnknownGait() if model is None else GaitClassifier(model)
 
 
 def gait_model(parameters: GaitParams) -> GaitModel | None:
-    """The configured model, None for the method "none".
+    """Load the configured model; return None for the method "none".
 
-    Raises ConfigError when it cannot be loaded, is of another method, or is given for no method.
+    Raises
+    ------
+    ConfigError
+        If the model cannot be loaded, is of another method, or is given for the method "none".
     """
     if parameters.method == "none":
         if parameters.model is not None:
@@ -65,22 +80,22 @@ def gait_model(parameters: GaitParams) -> GaitModel | None:
 
 
 def is_shipped(model: GaitModel) -> bool:
-    """Whether a model is the one that comes with the package, wherever its file lies."""
+    """Return True if a model is the one that comes with the package, wherever its file lies."""
     return model_digest(model) == model_digest(shipped_model(model.features))
 
 
 def shipped_model(method: FeatureSet) -> GaitModel:
-    """The model that comes with the package."""
+    """Load the model that comes with the package."""
     return load_model(_shipped(f"gait-{method}.json"))
 
 
 def shipped_folds(method: FeatureSet) -> GaitFolds:
-    """The left-out models of the shipped one."""
+    """Load the models of the folds of the shipped model."""
     return load_folds(_shipped(f"gait-{method}-folds.json"))
 
 
 def _shipped(name: str) -> Path:
-    """A file of the models: within an installed package, beside it in the repository."""
+    """Find a model file: within an installed package, or beside the package in the repository."""
     package = Path(__file__).resolve().parents[2]
     installed = package / "models" / name
     return installed if installed.is_file() else package.parent / "models" / name

@@ -1,4 +1,4 @@
-"""Steps whose gait is known, as the tables that training and evaluation work on."""
+"""Steps of known gait, as the tables that training and evaluation work on."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -15,14 +15,23 @@ from pdr_est.types.steps import Gait, Step, begins_walk
 
 KNOWN_GAITS = (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)
 
-_DECIMALS = 6  # of a feature; finer differences are noise of the arithmetic and not of the walker
+_DECIMALS = 6  # of a feature; finer differences come from the arithmetic and not from the walker
 
 
 @dataclass(frozen=True)
 class LabelledSteps:
-    """The steps of one recording, all of one gait.
+    """Steps of one recording, all of one gait.
 
-    features: (n, k); begins: (n,) whether a step begins a walk.
+    Attributes
+    ----------
+    person, data_set : str
+        Names.
+    gait : Gait
+        Gait of all steps.
+    features : ndarray, shape (n, k)
+        Features of the steps.
+    begins : ndarray of bool, shape (n,)
+        True for a step that begins a walk.
     """
 
     person: str
@@ -34,9 +43,22 @@ class LabelledSteps:
 
 @dataclass(frozen=True)
 class StepTable:
-    """Steps of many recordings in order. features: (n, k); begins, gait, person, data_set, recording: (n,).
+    """Steps of many recordings in order.
 
-    recording: number of the recording; has_both_gaits: (n,) whether the person was recorded jogging and running.
+    Attributes
+    ----------
+    features : ndarray, shape (n, k)
+        Features of the steps.
+    begins : ndarray of bool, shape (n,)
+        True for a step that begins a walk.
+    gait : ndarray of int8, shape (n,)
+        Values of `Gait`.
+    person, data_set : ndarray of str, shape (n,)
+        Names.
+    recording : ndarray of int, shape (n,)
+        Number of the recording.
+    has_both_gaits : ndarray of bool, shape (n,)
+        True if the person was recorded both jogging and running.
     """
 
     features: Array
@@ -52,12 +74,12 @@ class StepTable:
 
     @property
     def faster(self) -> NDArray[np.bool_]:
-        """(n,) whether a step is not walked."""
+        """Return (n,) True for the steps that are not walked."""
         faster: NDArray[np.bool_] = self.gait != Gait.WALKING
         return faster
 
     def pooled(self, scores: Array) -> Array:
-        """Scores (n, 2) cut at the limit and averaged with those of the step before, as the classifier does."""
+        """Clip scores (n, 2) at the limit and average them with those of the step before, as the classifier does."""
         cut = np.clip(scores, -SCORE_LIMIT, SCORE_LIMIT)
         before = np.concatenate([cut[:1], cut[:-1]])
         level = zip(cut[:, 0].tolist(), before[:, 0].tolist(), strict=True)
@@ -68,7 +90,13 @@ class StepTable:
 def labelled_steps(
     steps: Iterable[Step], features: FeatureSet, *, person: str, data_set: str, gait: Gait
 ) -> LabelledSteps:
-    """The features of one recording's steps, in time order. Raises ConfigError when there is none."""
+    """Compute the features of one recording's steps, given in time order.
+
+    Raises
+    ------
+    ConfigError
+        If there is no step.
+    """
     extractor = step_features(features)
     rows, begins = [], []
     previous: Step | None = None
@@ -83,7 +111,13 @@ def labelled_steps(
 
 
 def step_table(walks: Sequence[LabelledSteps]) -> StepTable:
-    """The steps of all recordings, by data set and person. Raises ConfigError when there is no recording."""
+    """Join the steps of all recordings, ordered by data set and person.
+
+    Raises
+    ------
+    ConfigError
+        If there is no recording.
+    """
     if not walks:
         raise ConfigError("no labelled recording: there is nothing to train on")
     ordered = sorted(walks, key=lambda walk: (walk.data_set, walk.person))
@@ -104,7 +138,7 @@ def step_table(walks: Sequence[LabelledSteps]) -> StepTable:
 
 
 def data_sets(table: StepTable, chosen: NDArray[np.bool_]) -> tuple[TrainingDataSet, ...]:
-    """What the chosen steps (n,) of a table come from."""
+    """Summarise the data sets that the chosen steps (n,) of a table come from."""
     found = []
     for name in np.unique(table.data_set[chosen]).tolist():
         here = chosen & (table.data_set == name)

@@ -1,4 +1,4 @@
-"""Steps two by two: what a phone at a leg does comes back once a stride, every two steps."""
+"""Pair steps into strides: the motion of a phone at a leg repeats once per stride, every two steps."""
 
 from collections.abc import Sequence
 from typing import TypeVar
@@ -15,14 +15,17 @@ STRIDE_LATENCY_S = 2.0  # a step waits for the next one, which in a walk comes b
 
 
 class StridePairing:
-    """Pairs of steps that follow each other. One that no step follows before a standstill or a gap stays alone; it
-    is known to be alone when the next step comes, or at the end."""
+    """Pair steps that follow each other.
+
+    A step that no other follows before a standstill or a gap stays alone; it is known to be alone when the next step
+    comes, or at the end.
+    """
 
     def __init__(self) -> None:
         self._first: Step | None = None
 
     def add(self, step: Step) -> list[tuple[Step, ...]]:
-        """Take the next step; return what is now complete."""
+        """Take the next step and return the pairs, or lone steps, that are now complete."""
         first = self._first
         if first is None or begins_walk(step, first):
             self._first = step
@@ -30,18 +33,25 @@ class StridePairing:
         self._first = None
         return [(first, step)]
 
-    def rest(self) -> list[tuple[Step, ...]]:
-        """The step that waits, alone; what comes next begins a pair."""
+    def flush(self) -> list[tuple[Step, ...]]:
+        """Return the step that waits, alone; the next step begins a pair."""
         first, self._first = self._first, None
         return [] if first is None else [(first,)]
 
 
 def mean_yaw_of(steps: Sequence[Step]) -> float:
-    """Mean yaw, rad in (-pi, pi], over all samples of some steps."""
+    """Compute the mean yaw, rad in (-pi, pi], over all samples of some steps."""
     return calibrated_mean_yaw(np.concatenate([step.samples.yaw_rad for step in steps]))
 
 
 def stride_average(before: Heading, at: Heading, after: Heading) -> Heading:
-    """Headings, rad, not wrapped, of steps and their neighbours averaged so that what goes to and fro with the legs,
-    from one step to the next, cancels."""
+    """Average headings with those of the steps before and after, with weights 1/4, 1/2, 1/4.
+
+    What goes to and fro with the legs from one step to the next cancels.
+
+    Parameters
+    ----------
+    before, at, after : float or ndarray
+        Headings, rad, not wrapped.
+    """
     return 0.25 * before + 0.5 * at + 0.25 * after

@@ -124,7 +124,7 @@ class BandpassPeakDetector:
         self._last_peak_s = -np.inf
         self._recent_height = 0.0  # of the present walk; 0 before its second step
         self._first: tuple[StepEvent, float] | None = None
-        self._intervals = _StepIntervals(self._parameters.memory, self._parameters.standstill_s)
+        self._intervals = StepIntervals(self._parameters.memory, self._parameters.standstill_s)
 
     def _step_signal(self, block: LevelBlock) -> Array:
         """Compute the signal (n,) that has one peak per step."""
@@ -194,7 +194,7 @@ class BandpassPeakDetector:
         return max(p.running_interval_s, min(p.min_interval_s, p.interval_share * self._intervals.interval_s))
 
 
-class _StepIntervals:
+class StepIntervals:
     """Recent time between steps, which tells the step that a change of the mode hid.
 
     `interval_s` is a mean with weights that fall off into the past; it is infinite for a walker who has just set off.

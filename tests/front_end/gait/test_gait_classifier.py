@@ -15,7 +15,7 @@ from pdr_est.front_end.gait import GaitClassifier, GaitParams, gait_stage, shipp
 from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import save_model
 from pdr_est.front_end.gait.svm_scorer import GaitScorer, decide_gait
-from pdr_est.front_end.gait.training import train
+from pdr_est.front_end.gait.training import train_gait_model
 from pdr_est.stage import Stage
 from pdr_est.types.steps import Gait, Step
 
@@ -104,7 +104,7 @@ def test_the_shipped_models_have_folds_for_all_their_people(method: str) -> None
 
 def test_a_model_of_ones_own(tmp_path: Path) -> None:
     path = tmp_path / "own.json"
-    model = train(walks_of(people=3), "auto").model
+    model = train_gait_model(walks_of(people=3), "auto").model
     save_model(model, path)
     expected = run(GaitClassifier(model), steps_of((SLOW, 3)))
     found = run(gait_stage(GaitParams(model=str(path))), steps_of((SLOW, 3)))

@@ -35,12 +35,12 @@ def test_as_priors_the_headings_stay_and_straight_steps_get_their_direction() ->
     steps = with_headings(drifting())
     stage = WholeWalkHeading(PARAMETERS, as_priors=True)
     found = run(stage, steps)
-    assert stage.found is not None
-    assert (stage.found.number, stage.found.used) == (4, True)
+    assert stage.directions is not None
+    assert (stage.directions.number, stage.directions.used) == (4, True)
     assert [bare(step) for step in found] == [bare(step) for step in steps]
     elapsed_s = np.diff([step.event.time_s for step in steps])
     turns = np.array([step.sigma_turn_rad for step in found])
-    np.testing.assert_allclose(turns[1:], stage.found.drift_per_sqrt_s * np.sqrt(elapsed_s))
+    np.testing.assert_allclose(turns[1:], stage.directions.drift_per_sqrt_s * np.sqrt(elapsed_s))
     straight = np.array([step.path_heading_rad for step in found])
     known = np.isfinite(straight)
     assert 0.8 < known.mean() < 1.0
@@ -76,7 +76,7 @@ def test_a_park_stays_as_it_is(as_priors: bool) -> None:
 def test_nothing_and_few_steps(as_priors: bool) -> None:
     stage = WholeWalkHeading(PARAMETERS, as_priors)
     assert run(stage, []) == []
-    assert stage.found is None
+    assert stage.directions is None
     few = with_headings([0.0, 0.1, 0.2])
     assert run(WholeWalkHeading(PARAMETERS, as_priors), few) == few
 
@@ -94,8 +94,8 @@ def test_segments_are_looked_at_one_by_one() -> None:
         [step.path_heading_rad for step in alone], nan_ok=True
     )
     assert found[len(alone) :] == other
-    assert stage.found is not None
-    assert stage.found.used
+    assert stage.directions is not None
+    assert stage.directions.used
 
 
 def test_only_the_default_method_has_hindsight() -> None:

@@ -10,7 +10,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.steps.bandpass_peaks import (
     AutoStepParams,
     BandpassPeakDetector,
-    _Rhythm,
+    StepIntervals,
     horizontal_rotation_rate,
 )
 from pdr_est.simulate import mmpdr_indoor, simulate_walk
@@ -86,11 +86,11 @@ def test_who_stands_while_the_mode_changes_takes_no_hidden_step() -> None:
 
 def rhythm(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
     """What the rhythm makes of steps at some times in some modes."""
-    found = _Rhythm(memory=0.8, standstill_s=2.0)
+    found = StepIntervals(memory=0.8, standstill_s=2.0)
     return [
         event
         for time_s, mode in steps
-        for event in found.completed(StepEvent(round(time_s * RATE_HZ), time_s, 0, mode))
+        for event in found.fill_hidden_step(StepEvent(round(time_s * RATE_HZ), time_s, 0, mode))
     ]
 
 

@@ -1,4 +1,4 @@
-"""What the whole walk tells of its headings: a stage that emits at the end."""
+"""The stage that corrects headings by the dominant directions at the end of the walk."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,14 +12,26 @@ from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, stra
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
 
-_LEAST_FOLLOWING = 0.5  # probability that a piece follows a dominant direction
+_LEAST_PROBABILITY = 0.5  # that a section follows a dominant direction, for a prior
 
 
 class WholeWalkHeading:
-    """Stage Step -> Step that sets the heading right by the dominant directions of the building, if it has some.
+    """Stage Step -> Step that corrects the headings by the dominant directions of the building, if it has some.
 
-    as_priors: whether steps along a dominant direction get it as path_heading_rad and keep their heading, or get the
-    drift taken off their heading. `found`: what was found in the first segment with straight stretches.
+    Each segment of the recording is treated by itself.
+
+    Parameters
+    ----------
+    parameters : DominantParams
+        Parameters of the search for dominant directions.
+    as_priors : bool
+        True to give steps along a dominant direction a `path_heading_rad` and leave their heading; False to take the
+        drift off their heading.
+
+    Attributes
+    ----------
+    directions : DominantDirections or None
+        Dominant directions of the first segment with straight legs.
     """
 
     latency_s = float("inf")  # the end of the recording
@@ -28,44 +40,48 @@ class WholeWalkHeading:
         self._parameters = parameters
         self._as_priors = as_priors
         self._steps: list[Step] = []
-        self.found: DominantDirections | None = None
+        self.directions: DominantDirections | None = None
 
     def push(self, item: Step, /) -> list[Step]:
+        """Keep a step until the end of the walk."""
         self._steps.append(item)
         return []
 
     def flush(self) -> list[Step]:
+        """Return all steps, corrected."""
         steps, self._steps = self._steps, []
         segments = groupby(steps, key=lambda step: step.event.segment)
-        return [step for _, segment in segments for step in self._set_right(list(segment))]
+        return [step for _, segment in segments for step in self._correct(list(segment))]
 
-    def _set_right(self, steps: list[Step]) -> list[Step]:
-        pieces = straight_leg_sections(steps, self._parameters.straight)
-        directions = dominant_directions(pieces, self._parameters)
-        if self.found is None:
-            self.found = directions
+    def _correct(self, steps: list[Step]) -> list[Step]:
+        sections = straight_leg_sections(steps, self._parameters.straight)
+        directions = dominant_directions(sections, self._parameters)
+        if self.directions is None:
+            self.directions = directions
         if directions is None or not directions.used:
             return steps
         if not self._as_priors:
-            return _without_drift(steps, pieces, directions)
-        return _with_drift_noise(_with_priors(steps, pieces, directions), directions.drift_per_sqrt_s)
+            return _without_drift(steps, sections, directions)
+        return _with_drift_noise(_with_priors(steps, sections, directions), directions.drift_per_sqrt_s)
 
 
-def _with_priors(steps: Sequence[Step], pieces: LegSections, directions: DominantDirections) -> list[Step]:
-    told = list(steps)
-    for i in np.flatnonzero(directions.follows >= _LEAST_FOLLOWING):
-        for k in range(pieces.first[i], pieces.last[i]):
-            told[k] = replace(
-                told[k],
+def _with_priors(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
+    marked = list(steps)
+    for i in np.flatnonzero(directions.follows >= _LEAST_PROBABILITY):
+        for k in range(sections.first[i], sections.last[i]):
+            marked[k] = replace(
+                marked[k],
                 path_heading_rad=float(wrap_angle(directions.path_heading_rad[i])),
                 sigma_path_heading_rad=float(directions.sigma_rad[i]),
             )
-    return told
+    return marked
 
 
 def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
-    """The steps with what their headings drift by, as the walk shows it, among what is uncertain of their turns: so a
-    phone that slips about in its pocket has less of a say than one in a steady hand."""
+    """Add the drift that the walk shows to the standard deviations of the turns.
+
+    So a phone that slips about in its pocket has less weight than one in a steady hand.
+    """
     times = [step.event.time_s for step in steps]
     elapsed_s = np.diff(times, prepend=times[0])
     return [
@@ -74,8 +90,8 @@ def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
     ]
 
 
-def _without_drift(steps: Sequence[Step], pieces: LegSections, directions: DominantDirections) -> list[Step]:
-    drift = np.interp([step.event.time_s for step in steps], pieces.time_s, directions.drift_rad)
+def _without_drift(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
+    drift = np.interp([step.event.time_s for step in steps], sections.time_s, directions.drift_rad)
     return [
         replace(step, heading_rad=float(wrap_angle(step.heading_rad - off)))
         for step, off in zip(steps, drift, strict=True)
