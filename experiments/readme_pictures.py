@@ -20,8 +20,8 @@ from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
 from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.plots.track import plot_track
-from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
-from pdr_est.simulate.presets.mmpdr import carried_device
+from pdr_est.simulate import Scenario, SensorParams, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
+from pdr_est.simulate.people.carried_device import carried_device
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.steps import CarryingMode
 
@@ -82,7 +82,8 @@ def with_two_phones(seed: int) -> Scenario:
     rng = np.random.default_rng(seed)
     person = sample_person(rng)
     carried = [
-        carried_device(person, (mode,), (), rng, name=name) for name, mode in (("hand", SWING), ("pocket", POCKET))
+        carried_device(person, (mode,), (), rng, SensorParams(rate_hz=50.0), name)
+        for name, mode in (("hand", SWING), ("pocket", POCKET))
     ]
     loop = preset("office_loop")
     return replace(loop, gait=person.gait, body=person.body, devices=tuple(carried), seed=seed)
