@@ -46,7 +46,7 @@ def main() -> None:
 def steps() -> Figure:
     """Detected steps of a phone that goes from the hand into a pocket."""
     walk, _ = smoothed(simulate_walk(mmpdr_indoor(HOLDING, POCKET, seed=1)))
-    return plot_acceleration(walk.devices[0], time_axis(walk), svg.series_colour(0))
+    return plot_acceleration(walk.devices[0], time_axis(walk), svg.device_colour(0))
 
 
 def track_with_fixes() -> Figure:
@@ -69,8 +69,8 @@ def two_phones() -> Figure:
     axes.plot(*truth_m.T, color=svg.INK, linewidth=1.2, linestyle="--", label="truth")
     for number, track in enumerate(alone):
         words = f"{track.device[0]} alone"
-        axes.plot(*track.position_m.T, color=svg.series_colour(number), linewidth=1.6, label=words)
-    axes.plot(*person.position_m.T, color=svg.series_colour(2), linewidth=3.0, label="person, from both")
+        axes.plot(*track.position_m.T, color=svg.device_colour(number), linewidth=1.6, label=words)
+    axes.plot(*person.position_m.T, color=svg.device_colour(2), linewidth=3.0, label="person, from both")
     axes.set_aspect("equal", adjustable="datalim")
     svg.label_axes(axes, "east (m)", "north (m)")
     axes.legend(frameon=False, labelcolor=svg.INK, fontsize=9.0, loc="center")
