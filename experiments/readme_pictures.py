@@ -20,8 +20,8 @@ from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
 from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.plots.track import plot_track
-from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
-from pdr_est.simulate.presets.mmpdr import carried_device
+from pdr_est.simulate import Scenario, SensorParams, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
+from pdr_est.simulate.people.carried_device import carried_device
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.steps import CarryingMode
 
@@ -46,7 +46,7 @@ def main() -> None:
 def steps() -> Figure:
     """Detected steps of a phone that goes from the hand into a pocket."""
     walk, _ = smoothed(simulate_walk(mmpdr_indoor(HOLDING, POCKET, seed=1)))
-    return plot_acceleration(walk.devices[0], time_axis(walk), svg.series_colour(0))
+    return plot_acceleration(walk.devices[0], time_axis(walk), svg.device_colour(0))
 
 
 def track_with_fixes() -> Figure:
@@ -69,8 +69,8 @@ def two_phones() -> Figure:
     axes.plot(*truth_m.T, color=svg.INK, linewidth=1.2, linestyle="--", label="truth")
     for number, track in enumerate(alone):
         words = f"{track.device[0]} alone"
-        axes.plot(*track.position_m.T, color=svg.series_colour(number), linewidth=1.6, label=words)
-    axes.plot(*person.position_m.T, color=svg.series_colour(2), linewidth=3.0, label="person, from both")
+        axes.plot(*track.position_m.T, color=svg.device_colour(number), linewidth=1.6, label=words)
+    axes.plot(*person.position_m.T, color=svg.device_colour(2), linewidth=3.0, label="person, from both")
     axes.set_aspect("equal", adjustable="datalim")
     svg.label_axes(axes, "east (m)", "north (m)")
     axes.legend(frameon=False, labelcolor=svg.INK, fontsize=9.0, loc="center")
@@ -82,7 +82,8 @@ def with_two_phones(seed: int) -> Scenario:
     rng = np.random.default_rng(seed)
     person = sample_person(rng)
     carried = [
-        carried_device(person, (mode,), (), rng, name=name) for name, mode in (("hand", SWING), ("pocket", POCKET))
+        carried_device(person, (mode,), (), rng, SensorParams(rate_hz=50.0), name)
+        for name, mode in (("hand", SWING), ("pocket", POCKET))
     ]
     loop = preset("office_loop")
     return replace(loop, gait=person.gait, body=person.body, devices=tuple(carried), seed=seed)

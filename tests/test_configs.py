@@ -11,7 +11,7 @@ from pdr_est.config import Config, config_from_dict, config_to_dict, config_to_y
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.step_length import StepLengthParams
 from pdr_est.simulate import DeviceParams, Scenario, SensorParams, simulate_walk
-from pdr_est.simulate.walker.path import PathParams
+from pdr_est.simulate.walker.walking_path import PathParams
 
 CONFIGS = sorted((Path(__file__).parents[1] / "configs" / "settings").glob("*.yaml"))
 

@@ -9,7 +9,7 @@ from pdr_est.config import Config, StartParams
 from pdr_est.estimators import EstimatorName
 from pdr_est.frames import Array
 from pdr_est.online import Tracker
-from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Scenario, SensorParams, simulate_walk
+from pdr_est.simulate import DeviceParams, PathParams, Scenario, SensorParams, WalkerGaitParams, simulate_walk
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
 
@@ -28,7 +28,7 @@ def walk_in_rounds(minutes: float, rate_hz: float = RATE_HZ, seed: int = 1) -> R
     return simulate_walk(
         Scenario(
             path=PathParams(vertices_m=_CORNERS_M * rounds),
-            gait=GaitParams(lead_in_s=1.0, lead_out_s=1.0),
+            gait=WalkerGaitParams(lead_in_s=1.0, lead_out_s=1.0),
             devices=tuple(DeviceParams(name=name, sensors=SensorParams(rate_hz=rate_hz)) for name in ("a", "b")),
             seed=seed,
         )

@@ -25,7 +25,7 @@ from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.walker import walking_cadence_hz
 from pdr_est.simulate import Scenario, simulate_walk
-from pdr_est.simulate.walker.path import PathParams
+from pdr_est.simulate.walker.walking_path import PathParams
 from pdr_est.types.measurements import PositionFix
 
 

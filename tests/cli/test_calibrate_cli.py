@@ -98,7 +98,8 @@ def test_fixes_give_the_scale_that_smoothing_with_them_finds(walk: Walk, good: P
     assert scale["value"] == pytest.approx(profile.walker.length_scale, abs=0.06)
     assert scale["value"] > 1.05
     assert re.fullmatch(
-        r"estimated from the fixes: steps \d+\.\d % longer than the length model's, ± \d\.\d %", scale["meaning"]
+        r"estimated from the fixes: steps \d+\.\d % longer than those of the length model, ± \d\.\d %",
+        scale["meaning"],
     )
 
 

@@ -11,8 +11,8 @@ import pytest
 from cli_runs import refused, run
 
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
-from pdr_est.simulate import DeviceParams, GaitParams, HeldPhone, PocketPhone, Scenario, simulate_walk
-from pdr_est.simulate.walker.path import PathParams
+from pdr_est.simulate import DeviceParams, HeldPhone, PocketPhone, Scenario, WalkerGaitParams, simulate_walk
+from pdr_est.simulate.walker.walking_path import PathParams
 from pdr_est.types.recording import DeviceRecording, Recording
 
 pytestmark = pytest.mark.usefixtures("without_report")
@@ -26,7 +26,7 @@ def walked(seed: int, cadence_hz: float) -> Recording:
     """A phone in the hand and one in the pocket, on one route."""
     scenario = Scenario(
         path=PathParams(vertices_m=((0.0, 0.0), (35.0, 0.0), (35.0, 15.0))),
-        gait=GaitParams(cadence_hz=cadence_hz),
+        gait=WalkerGaitParams(cadence_hz=cadence_hz),
         devices=(DeviceParams(name="hand", carry=HeldPhone()), DeviceParams(name="pocket", carry=PocketPhone())),
         seed=seed,
     )

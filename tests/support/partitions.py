@@ -10,11 +10,11 @@ import numpy as np
 from pdr_est.simulate import (
     PHONE_MAGNETOMETER,
     DeviceParams,
-    GaitParams,
     PathParams,
     Pause,
     Scenario,
     SensorParams,
+    WalkerGaitParams,
     simulate_walk,
 )
 from pdr_est.types.recording import DeviceRecording, Signal
@@ -37,7 +37,7 @@ def messy_device(rate_hz: float, seed: int) -> DeviceRecording:
     )
     scenario = Scenario(
         path=PathParams(vertices_m=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0))),
-        gait=GaitParams(lead_in_s=1.0, lead_out_s=1.0, pauses=(Pause(at_m=5.5, duration_s=2.3),)),
+        gait=WalkerGaitParams(lead_in_s=1.0, lead_out_s=1.0, pauses=(Pause(at_m=5.5, duration_s=2.3),)),
         devices=(DeviceParams(sensors=sensors),),
         seed=seed,
     )

@@ -18,8 +18,8 @@ from pdr_est.clock_sync import ClockEstimate
 from pdr_est.estimators import RECKONERS
 from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
-from pdr_est.report.walk.mode_shares import mode_use
-from pdr_est.report.walk.wording import directions_in_words, scale_in_words
+from pdr_est.report.walk.descriptions import describe_directions, describe_length_scale
+from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
@@ -31,7 +31,10 @@ Json = dict[str, Any]
 
 
 def package_versions() -> dict[str, str | None]:
-    """Versions of Python, of this package and of the libraries that shape the numbers; None if not installed."""
+    """Look up the versions of Python, of this package and of the libraries that shape the numbers.
+
+    None if not installed.
+    """
     return {"python": platform.python_version()} | {name.replace("-", "_"): _version(name) for name in PACKAGES}
 
 
@@ -54,12 +57,29 @@ def summarise(
     profile: Profile | None = None,
     gait_model_sha256: str | None = None,
 ) -> Json:
-    """What went in, what was done and what came out, JSON-serialisable, with None for a number that is not known.
+    """Summarise inputs, processing and results as JSON-serialisable data, with None for a number that is not known.
 
-    config_dict: the resolved configuration. inputs: name of each input file -> its SHA-256 or None.
-    versions: see `package_versions`. start: the start pose that was asked for; it decides, with the fixes,
-    whether the track lies in the map frame or in a frame of its own. errors: metrics against the truth by name.
-    profile: of the walker, None without a calibration. gait_model_sha256: None where gaits are unknown.
+    Parameters
+    ----------
+    walk : SmoothedWalk
+        Finished walk.
+    recording : Recording
+        Recording that it was made from.
+    config_dict : mapping
+        Resolved configuration.
+    inputs : mapping of str to str or None
+        SHA-256 of each input file by its name.
+    versions : mapping of str to str or None
+        Result of `package_versions`.
+    start : StartPose or None
+        Start pose that was asked for. It decides, with the fixes, whether the track lies in the map frame or in a
+        frame of its own.
+    errors : mapping of str to float or None
+        Metrics against the truth by name.
+    profile : Profile or None
+        Profile of the walker; None without a calibration.
+    gait_model_sha256 : str or None
+        Digest of the gait model; None where gaits are not recognised.
     """
     track = walk.track
     summary = {
@@ -72,13 +92,13 @@ def summarise(
         "distance_m": track.of_device(track.devices[-1]).distance_m,  # the person's, who comes last
         "steps": _steps_of_person(walk),
         "counts": _counts(walk.devices),
-        "carrying_modes": [use for device in walk.devices for use in mode_use(device)],
+        "carrying_modes": [use for device in walk.devices for use in mode_statistics(device)],
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
         "headings": [_heading(device, config_dict) for device in walk.devices],
         "length_scale": {
             "value": track.length_scale,
             "sigma": track.sigma_length_scale,
-            "meaning": scale_in_words(track, bool(walk.fixes), profile is not None),
+            "meaning": describe_length_scale(track, bool(walk.fixes), profile is not None),
         },
         "profile": profile,
         "gait_model_sha256": gait_model_sha256,
@@ -97,7 +117,7 @@ def summarise(
 
 
 def to_json(value: Any) -> Any:
-    """The same value in terms that JSON knows: records as objects, arrays as lists, NaN and infinity as None."""
+    """Convert a value to JSON types: records become objects, arrays lists, NaN and infinity None."""
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, np.ndarray):
@@ -156,7 +176,10 @@ def _truth(truth: Truth) -> Json:
 
 
 def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
-    """ "map" when position and direction are tied to the map, else "own": origin at the start of the walk."""
+    """Name the frame.
+
+    "map" when position and direction are tied to the map, else "own", with its origin at the start.
+    """
     places = {tuple(fix.position_m) for fix in walk.fixes}
     if start is not None and start.position_m is not None:
         places.add(start.position_m)
@@ -165,7 +188,7 @@ def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
 
 
 def _duration_s(walk: SmoothedWalk) -> float | None:
-    """From the first to the last sample of any device; from the track when no samples were kept."""
+    """Compute the time from the first to the last sample of any device; from the track when no samples were kept."""
     blocks = [block for device in walk.devices for block in device.level if len(block)]
     begins = [float(block.time_s[0]) for block in blocks] or [float(t) for t in walk.track.time_s]
     ends = [float(block.time_s[-1]) for block in blocks] or [float(t) for t in walk.track.time_s]
@@ -181,12 +204,15 @@ def _counts(devices: Sequence[DeviceWalk]) -> Json:
 
 
 def _clock(device: str, clock: ClockEstimate) -> Json:
-    """What a device's clock is ahead of the first one's, and how well that is known; a poor one may be unused."""
+    """Describe the offset of a device's clock from the first one's, and how well it is known.
+
+    A poor one may be unused.
+    """
     return {"device": device, "used": clock.used} | asdict(clock)
 
 
 def _steps_of_person(walk: SmoothedWalk) -> int:
-    """Those of the device, or of several devices the rows of the person's track after its start."""
+    """Count the steps of the only device, or the rows of the person's track after its start."""
     if len(walk.devices) == 1:
         return len(walk.devices[0].steps)
     return len(walk.track.of_device(walk.track.devices[-1])) - 1
@@ -206,7 +232,7 @@ def _device_track(track: Track) -> Json:
 
 
 def _heading(device: DeviceWalk, config_dict: Mapping[str, Any]) -> Json:
-    """How headings were found; the building's directions are None for a method that does not look for them."""
+    """Describe how headings were found; directions are None for a method that does not search them."""
     found = device.directions
     return {
         "device": device.device,
@@ -219,12 +245,12 @@ def _heading(device: DeviceWalk, config_dict: Mapping[str, Any]) -> Json:
             "log_odds": found.log_odds,
             "used": found.used,
         },
-        "meaning": directions_in_words(found),
+        "meaning": describe_directions(found),
     }
 
 
 def _fixes(fixes: Sequence[PositionFix], estimator: str, start: StartPose | None) -> Json:
-    """How many there are and what became of them: measurements of the track, or what its start was found from."""
+    """Count the fixes and describe their use: as measurements of the track, or to find its start."""
     reckoned = estimator in RECKONERS
     known = start is not None and start.position_m is not None and start.heading_rad is not None
     return {

@@ -20,7 +20,7 @@ from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, Relati
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
 from pdr_est.pipeline.front_end_chain import levelling
-from pdr_est.simulate import GaitParams, SensorErrors, SensorParams, SimulatedWalk
+from pdr_est.simulate import SensorErrors, SensorParams, SimulatedWalk, WalkerGaitParams
 from pdr_est.stage import Stage
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
@@ -41,7 +41,7 @@ every_detector = pytest.mark.parametrize("detector", DETECTORS.values(), ids=DET
 
 @cache
 def walked(
-    gait: GaitParams | None = None, sensors: SensorParams | None = None, rate_hz: float = RATE_HZ
+    gait: WalkerGaitParams | None = None, sensors: SensorParams | None = None, rate_hz: float = RATE_HZ
 ) -> tuple[SimulatedWalk, tuple[LevelBlock, ...]]:
     """A simulated walk around a corner with a held phone, and its level samples."""
     walk = corner_walk(gait, sensors=sensors)
@@ -76,7 +76,7 @@ def assert_one_event_a_step(events: list[StepEvent], walk: SimulatedWalk) -> Non
 @pytest.mark.parametrize("rate_hz", [25.0, 50.0, 100.0, 400.0])
 @pytest.mark.parametrize("cadence_hz", [1.6, 1.9])
 def test_every_step_of_a_held_walk_is_found_once(detector: Detector, rate_hz: float, cadence_hz: float) -> None:
-    walk, levels = walked(GaitParams(cadence_hz=cadence_hz), SensorParams(rate_hz=rate_hz))
+    walk, levels = walked(WalkerGaitParams(cadence_hz=cadence_hz), SensorParams(rate_hz=rate_hz))
     assert_one_event_a_step(run(detector(RATE_HZ), levels), walk)
 
 
@@ -93,7 +93,7 @@ def test_the_working_rate_changes_no_step(detector: Detector, working_hz: float)
 @every_detector
 @pytest.mark.parametrize("sensors", [SensorParams(), NOISY], ids=["ordinary", "noisy"])
 def test_nobody_steps_in_two_minutes_of_standing(detector: Detector, sensors: SensorParams) -> None:
-    walk, levels = walked(GaitParams(lead_in_s=120.0), sensors)
+    walk, levels = walked(WalkerGaitParams(lead_in_s=120.0), sensors)
     events = run(detector(RATE_HZ), levels)
     assert times_of(events).min() > walk.steps.start_s[0] - 0.1
     assert_one_event_a_step(events, walk)

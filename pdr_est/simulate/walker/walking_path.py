@@ -1,9 +1,9 @@
-"""The line a walker follows: a polyline whose corners are rounded, parametrised by its arc length.
+"""The path of a walker: a polyline whose corners are rounded, parametrised by its arc length.
 
-Circular arcs would make the curvature jump, and with it the centripetal acceleration of the walker. Here the
-heading of a corner follows a quintic smooth step of the arc length, so the curvature and its slope are
-continuous. The heading is an exact polynomial; the position is its integral, by Gauss-Legendre quadrature
-whose error is below rounding.
+Circular arcs would make the curvature jump, and with it the centripetal acceleration of the walker. Here the heading
+in a corner follows a quintic smooth step of the arc length, so that the curvature and its slope are continuous. The
+heading is an exact polynomial; the position is its integral, by Gauss-Legendre quadrature whose error is below
+rounding.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ import numpy as np
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array, turned, wrap_angle
 from pdr_est.params import Positive, params
-from pdr_est.simulate.motion.differentiable_signal import Jet
+from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal
 
 PEAK_SLOPE = 1.875  # of the smooth step, in its middle: mean over least radius of a corner
 _LARGEST_TURN_RAD = np.deg2rad(170.0)  # beyond it the rounding would cut off most of the legs
@@ -22,18 +22,31 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 @params
 class PathParams:
-    """vertices_m: (east, north) of the polyline. corner_radius_m: least radius of curvature in each corner;
-    corner_radii_m: one for each corner instead, or None."""
+    """Parameters of a path."""
 
     vertices_m: tuple[tuple[float, float], ...]
+    """Vertices (east, north) of the polyline, m."""
     corner_radius_m: Positive = 0.8
+    """Least radius of curvature in each corner, m."""
     corner_radii_m: tuple[Positive, ...] | None = None
+    """Least radius of curvature of each corner instead, m; None takes corner_radius_m for all."""
 
 
 @dataclass(frozen=True)
 class PathPoints:
-    """Points of a path. position_m: (n, 2) east, north; heading_rad: (n,) continuous, not wrapped;
-    curvature_pm: (n,) 1/m, left turns positive; curvature_slope_pm2: (n,) its derivative by arc length."""
+    """Points of a path.
+
+    Attributes
+    ----------
+    position_m : Array
+        East and north, (n, 2), m.
+    heading_rad : Array
+        Direction of the path, (n,), rad, continuous, not wrapped.
+    curvature_pm : Array
+        Curvature, (n,), 1/m, positive in left turns.
+    curvature_slope_pm2 : Array
+        Derivative of the curvature by the arc length, (n,), 1/m^2.
+    """
 
     position_m: Array
     heading_rad: Array
@@ -41,15 +54,27 @@ class PathPoints:
     curvature_slope_pm2: Array
 
 
-class Path:
-    """A polyline with rounded corners; straight beyond both ends.
+class WalkingPath:
+    """Polyline with rounded corners; straight beyond both ends.
 
-    length_m: exact arc length. corner_m: (c,) arc length at the middle of each corner. turn_rad: (c,) its
-    heading change, left positive.
+    Attributes
+    ----------
+    length_m : float
+        Exact arc length, m.
+    corner_m : Array
+        Arc length at the middle of each corner, (c,), m.
+    turn_rad : Array
+        Heading change of each corner, (c,), rad, left positive.
     """
 
     def __init__(self, parameters: PathParams) -> None:
-        """Raise ConfigError if a leg is too short for the corners at its ends or the path turns back on itself."""
+        """Build the path.
+
+        Raises
+        ------
+        ConfigError
+            If a leg is too short for the corners at its ends or the path turns back on itself.
+        """
         vertices = np.asarray(parameters.vertices_m, dtype=np.float64)
         if vertices.ndim != 2 or len(vertices) < 2:
             raise ConfigError(f"vertices_m: {len(vertices)} vertices: a path needs at least 2")
@@ -78,7 +103,7 @@ class Path:
         self.turn_rad: Array = turn
 
     def at(self, arc_length_m: Array) -> PathPoints:
-        """The points at some arc lengths (n,)."""
+        """Compute the points at arc lengths (n,), m."""
         arc = np.asarray(arc_length_m, dtype=np.float64)
         piece = np.clip(np.searchsorted(self._start_m, arc, side="right") - 1, 0, len(self._start_m) - 1)
         length, turn = self._piece_m[piece], self._turn[piece]
@@ -94,14 +119,16 @@ class Path:
             curvature_slope_pm2=np.where(bent, turn * _smooth_step_bend(share) * per_m**2, 0.0),
         )
 
-    def follow(self, arc_length: Jet) -> tuple[Jet, Jet, Jet]:
-        """East (m), north (m) and heading (rad) of a point that moves along the path."""
+    def follow(
+        self, arc_length: DifferentiableSignal
+    ) -> tuple[DifferentiableSignal, DifferentiableSignal, DifferentiableSignal]:
+        """Compute east (m), north (m) and heading (rad) of a point that moves along the path."""
         points = self.at(arc_length.value)
         cosine, sine = np.cos(points.heading_rad), np.sin(points.heading_rad)
         return (
-            arc_length.through(points.position_m[:, 0], cosine, -sine * points.curvature_pm),
-            arc_length.through(points.position_m[:, 1], sine, cosine * points.curvature_pm),
-            arc_length.through(points.heading_rad, points.curvature_pm, points.curvature_slope_pm2),
+            arc_length.chain_rule(points.position_m[:, 0], cosine, -sine * points.curvature_pm),
+            arc_length.chain_rule(points.position_m[:, 1], sine, cosine * points.curvature_pm),
+            arc_length.chain_rule(points.heading_rad, points.curvature_pm, points.curvature_slope_pm2),
         )
 
 
@@ -129,7 +156,7 @@ def _smooth_step_bend(u: Array) -> Array:
 
 
 def _local_end(length_m: Array, turn_rad: Array, share: Array) -> Array:
-    """Position (n, 2) at a share of pieces, in the frame of their beginning: the integral of (cos, sin) heading."""
+    """Integrate (cos, sin) of the heading: position (n, 2) at a share of pieces, in the frame of their beginning."""
     u = 0.5 * share[:, None] * (_NODES + 1.0)
     angle = turn_rad[:, None] * _smooth_step(u)
     scale = 0.5 * share * length_m
@@ -138,7 +165,7 @@ def _local_end(length_m: Array, turn_rad: Array, share: Array) -> Array:
 
 
 def _cut_off(turn_rad: Array, corner_m: Array) -> Array:
-    """How far before and behind a vertex its corner begins and ends: half the chord, projected on the leg."""
+    """Compute how far before and behind a vertex its corner begins and ends: half the chord, projected on the leg."""
     chord = np.hypot(*_local_end(corner_m, turn_rad, np.ones(len(turn_rad))).T)
     cut: Array = 0.5 * chord / np.cos(turn_rad / 2.0)
     return cut

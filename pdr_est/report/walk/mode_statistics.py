@@ -1,4 +1,4 @@
-"""How much of a walk each carrying mode took."""
+"""Frequency of each carrying mode in a walk."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,22 @@ from pdr_est.types.steps import CarryingMode
 
 
 @dataclass(frozen=True)
-class ModeUse:
-    """A carrying mode of one device. walking_time_share: of the time its steps took, 0 to 1, NaN if they took none;
-    mean_probability: how sure the recogniser was, averaged over the steps of this mode."""
+class ModeStatistics:
+    """Frequency of one carrying mode of one device.
+
+    Attributes
+    ----------
+    device : str
+        Name of the device.
+    mode : CarryingMode
+        Carrying mode.
+    steps : int
+        Number of steps in this mode.
+    walking_time_share : float
+        Fraction of the time of all steps, 0 to 1; NaN if they took no time.
+    mean_probability : float
+        Mean probability that the recogniser gave to the mode, over its steps.
+    """
 
     device: str
     mode: CarryingMode
@@ -21,14 +34,14 @@ class ModeUse:
     mean_probability: float
 
 
-def mode_use(device: DeviceWalk) -> list[ModeUse]:
-    """The modes that occur in the steps of a device, the most frequent first."""
+def mode_statistics(device: DeviceWalk) -> list[ModeStatistics]:
+    """Count the modes that occur in the steps of a device, the most frequent first."""
     events = [step.event for step in device.steps]
     shares = mode_shares(device.steps)
     probability = np.array([event.mode_probability for event in events])
     mode = np.array([event.mode for event in events], dtype=np.int8)
     found = [
-        ModeUse(
+        ModeStatistics(
             device.device,
             CarryingMode(int(value)),
             int(of_mode.sum()),

@@ -9,9 +9,9 @@ from scipy.optimize import brentq
 
 from pdr_est.frames import Array
 from pdr_est.params import Fraction, NonNegative, params
-from pdr_est.simulate.motion.differentiable_signal import Jet, jet_of, smooth_curve
-from pdr_est.simulate.walker.path import Path
-from pdr_est.simulate.walker.step_schedule import SETTLE_S, Steps
+from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal, evaluate_curve, quintic_curve
+from pdr_est.simulate.walker.step_schedule import SETTLE_S, StepSchedule
+from pdr_est.simulate.walker.walking_path import WalkingPath
 
 Side = Literal["left", "right"]
 
@@ -20,51 +20,70 @@ _LEG_SHARE = 0.53  # leg length over body height
 
 @params
 class BodyParams:
-    """How the trunk moves while walking.
-
-    bounce_share: rise and fall of the trunk over that of a stiff inverted pendulum, L^2 / (8 leg); 0.7 gives
-    5 cm at a step of 0.73 m and, at 1.8 steps a second, 7 m/s^2 from lowest to highest vertical acceleration;
-    real held phones show 5 to 12. boundary_bounce: that of the first and last heel strike of a bout over the one
-    beside it; really a half to three quarters. impact: second and third harmonic of the vertical acceleration over
-    the first, which sharpen the peak behind the heel strike; really 0.06 to 0.40 and 0.04 to 0.18.
-    peak_phase: share of a step from the heel strike to the trunk's lowest point. speed_ripple: relative
-    amplitude of the forward speed, fastest at the heel strike. sway_m: amplitude towards the standing leg.
-    """
+    """Parameters of the trunk's motion while walking."""
 
     bounce_share: NonNegative = 0.7
+    """Ratio of the trunk's rise and fall to that of a stiff inverted pendulum, L^2 / (8 leg). 0.7 gives 5 cm at a
+    step of 0.73 m and, at 1.8 steps a second, 7 m/s^2 from lowest to highest vertical acceleration; real held phones
+    show 5 to 12.
+    """
     boundary_bounce: Fraction = 0.65
+    """Ratio of the rise and fall at the first and last heel strike of a bout to that beside it; really a half to
+    three quarters.
+    """
     impact: tuple[NonNegative, NonNegative] = (0.3, 0.1)
+    """Ratios of the second and third harmonic of the vertical acceleration to the first; they sharpen the peak behind
+    the heel strike. Really 0.06 to 0.40 and 0.04 to 0.18.
+    """
     peak_phase: Fraction = 0.1
+    """Fraction of a step from the heel strike to the trunk's lowest point."""
     speed_ripple: Fraction = 0.06
+    """Relative amplitude of the forward speed, which is highest at the heel strike."""
     sway_m: NonNegative = 0.018
+    """Amplitude of the sideways motion towards the standing leg, m."""
 
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """The trunk at some times. east, north, up: its centre, m, up from its height when standing.
+    """Motion of the trunk at sampled times.
 
-    on_path: arc length of the point on the path beside it, m. heading: rad, continuous. phase: counts steps, a
-    whole number at each heel strike, without meaning while activity is 0. activity: 0 standing, 1 walking.
-    left_foot_odd: whether the left foot strikes at the odd counts of phase.
+    Attributes
+    ----------
+    time_s : Array
+        Sampling times, (n,), s.
+    on_path : DifferentiableSignal
+        Arc length of the point on the path beside the trunk, m.
+    east, north : DifferentiableSignal
+        Position of the trunk's centre, m.
+    up : DifferentiableSignal
+        Height of the trunk's centre above its height when standing, m.
+    heading : DifferentiableSignal
+        Walking direction, rad, continuous.
+    phase : DifferentiableSignal
+        Count of steps, a whole number at each heel strike; without meaning while activity is 0.
+    activity : DifferentiableSignal
+        0 while standing, 1 while walking.
+    left_foot_odd : bool
+        True if the left foot strikes at the odd counts of phase.
     """
 
     time_s: Array
-    on_path: Jet
-    east: Jet
-    north: Jet
-    up: Jet
-    heading: Jet
-    phase: Jet
-    activity: Jet
+    on_path: DifferentiableSignal
+    east: DifferentiableSignal
+    north: DifferentiableSignal
+    up: DifferentiableSignal
+    heading: DifferentiableSignal
+    phase: DifferentiableSignal
+    activity: DifferentiableSignal
     left_foot_odd: bool
 
-    def stride_of(self, side: Side) -> Jet:
-        """Strides (two steps) of one leg: counts on, a whole number at each heel strike of that leg."""
+    def stride_of(self, side: Side) -> DifferentiableSignal:
+        """Count the strides (two steps) of one leg: a whole number at each heel strike of that leg."""
         odd = self.left_foot_odd == (side == "left")
         return (self.phase + (1.0 if odd else 0.0)) * 0.5
 
-    def part(self, part: slice) -> "BodyMotion":
-        """The motion at some of the times."""
+    def select(self, part: slice) -> "BodyMotion":
+        """Select the motion at a range of the sampled times."""
         signals = {name: getattr(self, name)[part] for name in _SIGNALS}
         return BodyMotion(left_foot_odd=self.left_foot_odd, **signals)
 
@@ -72,10 +91,10 @@ class BodyMotion:
 _SIGNALS = ("time_s", "on_path", "east", "north", "up", "heading", "phase", "activity")
 
 
-class Body:
-    """The trunk's motion as an exact function of time."""
+class WalkingBody:
+    """Motion of the trunk as an exact function of time."""
 
-    def __init__(self, path: Path, steps: Steps, height_m: float, parameters: BodyParams) -> None:
+    def __init__(self, path: WalkingPath, steps: StepSchedule, height_m: float, parameters: BodyParams) -> None:
         self._path = path
         self._parameters = parameters
         self._left_foot_odd = bool(steps.foot[0] == "L")
@@ -88,9 +107,9 @@ class Body:
         self._ripple = _envelope(steps, ripple_m, to_rest=True)
 
     def at(self, time_s: Array) -> BodyMotion:
-        """The motion at some times (n,), standing still before the first step and after the last."""
-        phase = jet_of(self._phase, time_s)
-        activity = jet_of(self._activity, time_s)
+        """Compute the motion at times (n,), s; the body stands still before the first step and after the last."""
+        phase = evaluate_curve(self._phase, time_s)
+        activity = evaluate_curve(self._activity, time_s)
         angle = phase * (2.0 * np.pi)
         on_path = self._on_path(time_s)
         east, north, heading = self._path.follow(on_path)
@@ -102,7 +121,7 @@ class Body:
             on_path=on_path,
             east=east - sway * heading.sin(),
             north=north + sway * heading.cos(),
-            up=jet_of(self._bounce, time_s) * self._rise(angle),
+            up=evaluate_curve(self._bounce, time_s) * self._rise(angle),
             heading=heading,
             phase=phase,
             activity=activity,
@@ -110,31 +129,34 @@ class Body:
         )
 
     def on_path_at(self, time_s: Array) -> tuple[Array, Array]:
-        """Position (n, 2), m, of the point on the path beside the trunk, and the walking direction (n,), rad."""
+        """Compute position (n, 2), m, and direction (n,), rad, of the point on the path beside the trunk."""
         points = self._path.at(self._on_path(np.asarray(time_s, dtype=np.float64)).value)
         return points.position_m, points.heading_rad
 
     def time_at(self, arc_length_m: Array) -> Array:
-        """When the trunk passes some points (n,) of the path, s; for arc lengths strictly inside the path."""
+        """Find when the trunk passes points of the path, s, for arc lengths (n,), m, strictly inside the path."""
         first_s, last_s = float(self._progress.x[0]), float(self._progress.x[-1])
         return np.array([brentq(self._past, first_s, last_s, args=(float(arc),)) for arc in arc_length_m])
 
     def _past(self, time_s: float, arc_length_m: float) -> float:
         return float(self._on_path(np.asarray(time_s)).value) - arc_length_m
 
-    def _on_path(self, time_s: Array) -> Jet:
-        angle = jet_of(self._phase, time_s) * (2.0 * np.pi)
-        return jet_of(self._progress, time_s) + jet_of(self._ripple, time_s) * angle.sin()
+    def _on_path(self, time_s: Array) -> DifferentiableSignal:
+        angle = evaluate_curve(self._phase, time_s) * (2.0 * np.pi)
+        return evaluate_curve(self._progress, time_s) + evaluate_curve(self._ripple, time_s) * angle.sin()
 
-    def _rise(self, angle: Jet) -> Jet:
-        """Height over its amplitude; harmonics are divided by their squared order to act on the acceleration."""
+    def _rise(self, angle: DifferentiableSignal) -> DifferentiableSignal:
+        """Compute the height over its amplitude.
+
+        Harmonics are divided by their squared order to act on the acceleration.
+        """
         second, third = self._parameters.impact
         lowest = angle - 2.0 * np.pi * self._parameters.peak_phase
         return -(lowest.cos() + (lowest * 2.0).cos() * (second / 4.0) + (lowest * 3.0).cos() * (third / 9.0))
 
 
-def _progress(steps: Steps) -> PPoly:
-    """Mean arc length over time: each step covers its length, at rest between the bouts."""
+def _progress(steps: StepSchedule) -> PPoly:
+    """Compute the mean arc length over time: each step covers its length, with standstills between the bouts."""
     nodes = _Nodes()
     covered_m = 0.0
     for bout in steps.bouts:
@@ -146,10 +168,10 @@ def _progress(steps: Steps) -> PPoly:
     return nodes.curve(steps.end_s)
 
 
-def _phase(steps: Steps) -> PPoly:
-    """Counts steps over time; a bout begins in the middle of a step, where the trunk is highest, as in standing.
+def _phase(steps: StepSchedule) -> PPoly:
+    """Count steps over time; a bout begins in the middle of a step, where the trunk is highest, as in standing.
 
-    After a bout it falls back to the count while the walker stands, which no motion shows.
+    After a bout the count falls back while the walker stands, which no motion shows.
     """
     nodes = _Nodes()
     for bout in steps.bouts:
@@ -163,9 +185,12 @@ def _phase(steps: Steps) -> PPoly:
     return nodes.curve(steps.end_s)
 
 
-def _envelope(steps: Steps, amplitude: Array, to_rest: bool = False) -> PPoly:
-    """An amplitude over time: rises in the first step of a bout, then passes through that of each step at its
-    heel strike, and fades out after the last one (`to_rest`: already with the last one)."""
+def _envelope(steps: StepSchedule, amplitude: Array, to_rest: bool = False) -> PPoly:
+    """Compute an amplitude over time.
+
+    It rises in the first step of a bout, then passes through that of each step at its heel strike, and fades out
+    after the last one (`to_rest`: already with the last one).
+    """
     nodes = _Nodes()
     for bout in steps.bouts:
         level = np.concatenate([[0.0], amplitude[bout], [0.0]])
@@ -176,8 +201,8 @@ def _envelope(steps: Steps, amplitude: Array, to_rest: bool = False) -> PPoly:
     return nodes.curve(steps.end_s)
 
 
-def _softer_at_ends(steps: Steps, amplitude: Array, share: float) -> Array:
-    """Amplitudes with those of the first and last step of each bout taken from their inner neighbours."""
+def _softer_at_ends(steps: StepSchedule, amplitude: Array, share: float) -> Array:
+    """Take the amplitudes of the first and last step of each bout from their inner neighbours, by a share."""
     softened = amplitude.copy()
     for bout in steps.bouts:
         if bout.stop - bout.start > 2:
@@ -185,13 +210,13 @@ def _softer_at_ends(steps: Steps, amplitude: Array, share: float) -> Array:
     return softened
 
 
-def _edges(steps: Steps, bout: slice) -> Array:
-    """Beginning of a bout and the ends of its steps, (n + 1,)."""
+def _edges(steps: StepSchedule, bout: slice) -> Array:
+    """Return the beginning of a bout and the ends of its steps, (n + 1,)."""
     return np.append(steps.start_s[bout.start], steps.time_s[bout])
 
 
 class _Nodes:
-    """Collects the points that a curve of time passes through, standing still before and after them."""
+    """Points that a curve of time passes through, standing still before and after them."""
 
     def __init__(self) -> None:
         self._columns: list[tuple[Array, Array, Array]] = []
@@ -202,7 +227,7 @@ class _Nodes:
     def curve(self, end_s: float) -> PPoly:
         time_s, value, rate = (np.concatenate(parts) for parts in zip(*self._columns, strict=True))
         before, after = min(0.0, time_s[0]) - 1.0, max(end_s, time_s[-1]) + 1.0
-        return smooth_curve(
+        return quintic_curve(
             np.concatenate([[before], time_s, [after]]),
             np.concatenate([value[:1], value, value[-1:]]),
             np.concatenate([[0.0], rate, [0.0]]),

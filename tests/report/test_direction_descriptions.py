@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pdr_est.report.walk.descriptions import describe_directions
 from pdr_est.report.walk.page import render_report
 from pdr_est.report.walk.summary import summarise
-from pdr_est.report.walk.wording import directions_in_words
 from pdr_est.types.analysis import DominantDirections
 
 NONE = np.empty(0)
@@ -29,11 +29,11 @@ def directions(number: int, log_odds: float, used: bool) -> DominantDirections:
             directions(2, -50.0, False),
             "no dominant directions: odds less than 1:1\u202f000\u202f000 for 2 directions",
         ),
-        (None, "no dominant directions: none looked for, or no straight stretch"),
+        (None, "no dominant directions: not searched, or no straight part"),
     ],
 )
 def test_in_words(found: DominantDirections | None, words: str) -> None:
-    assert directions_in_words(found) == words
+    assert describe_directions(found) == words
 
 
 def test_in_the_summary_and_the_report(make_walk) -> None:

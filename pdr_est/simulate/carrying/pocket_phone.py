@@ -1,4 +1,4 @@
-"""A phone in a front trouser pocket: on the thigh, which swings about the hip and is shaken by heel strikes."""
+"""Model of a phone in a front trouser pocket: on the swinging thigh, shaken by heel strikes."""
 
 from typing import Annotated, Literal
 
@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from pdr_est.params import NonNegative, params
 from pdr_est.simulate.carrying.device_pose import DevicePose, LimbPose
-from pdr_est.simulate.motion.differentiable_signal import Jet, pulse
-from pdr_est.simulate.motion.tremor import AMPLITUDE_HZ, WANDER_HZ, Tremor, Unrest
-from pdr_est.simulate.walker.trunk import BodyMotion, Side
+from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal, oscillation_burst
+from pdr_est.simulate.motion.random_signals import AMPLITUDE_HZ, WANDER_HZ, BandlimitedNoise, BroadbandNoise
+from pdr_est.simulate.walker.walking_body import BodyMotion, Side
 
 # Harmonics of the thigh's flexion over the stride from heel strike to heel strike: size over the first one, phase
 # in rad. They follow the usual shape of the hip's angle: 20 degrees flexed at the heel strike, furthest back (11) at
@@ -23,57 +23,71 @@ _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
 @params
 class PocketPhone:
-    """A phone in a front pocket: MMPDR Fig. 1(d).
+    """Parameters of a phone in a front trouser pocket (MMPDR, Fig. 1(d)).
 
-    side: of the pocket. facing_rad: where the screen points, counter-clockwise from ahead, seen from above; pi is
-    against the thigh. spin_rad: turn in the plane of the screen, 0 with the upper edge up, pi upside down.
-    tip_rad: how far the upper edge leans out of the vertical, away from the screen. Together they reach any mount.
-    amplitude_rad: of the thigh's first harmonic, half of its range nearly. twist_rad, spread_rad: amplitudes
-    about the vertical and sideways, once a stride. lag: of the twist, share of a stride. circling_rad: phase of the
-    sideways swing before the flexion; a thigh that circles turns the phone about its long axis, on and on.
-    give_m, give_rad: size of the slow jolt as this leg takes the load, downwards and about the thigh's axes.
-    shock_m, shock_rad: of the fast jolt of its heel strike, in which the phone rattles about its own axes.
-    other_leg: jolts of the other leg over these. uneven: relative rms of the changes of all these from stride to
-    stride.
-    from_hip_m: of the phone at rest from the hip joint, forward, outward, up. hip_left_m: of the left hip, the
-    right one opposite; hip_up_m: above the trunk's centre. wander_rad: slow shifting in the pocket. unrest_radps,
-    unrest_mps2: rms of the irregular rotation and acceleration about and along each axis while walking.
+    The angles facing_rad, spin_rad and tip_rad together reach any mount.
     """
 
     mode: Literal["pocket"] = "pocket"
+    """Name of the carrying mode."""
     side: Side = "right"
+    """Side of the pocket."""
     facing_rad: float = 2.6
+    """Azimuth to which the screen points, rad, counter-clockwise from the walking direction seen from above; pi is
+    against the thigh.
+    """
     spin_rad: float = np.pi
+    """Rotation in the plane of the screen, rad: 0 with the upper edge up, pi upside down."""
     tip_rad: float = 0.0
+    """Inclination of the upper edge against the vertical, rad, away from the screen."""
     amplitude_rad: Annotated[NonNegative, Le(0.8)] = 0.37
+    """Amplitude of the first harmonic of the thigh's flexion, rad; nearly half of the range of motion."""
     twist_rad: NonNegative = 0.22
+    """Amplitude of the thigh's rotation about the vertical once a stride, rad."""
     spread_rad: NonNegative = 0.06
+    """Amplitude of the thigh's sideways swing once a stride, rad."""
     lag: float = 0.065
+    """Delay of the rotation about the vertical, as a fraction of a stride."""
     circling_rad: float = 0.07
+    """Phase by which the sideways swing leads the flexion, rad. A thigh that circles rotates the phone about its long
+    axis more and more.
+    """
     give_m: NonNegative = 0.024
+    """Size of the slow downward motion as this leg takes the load, m."""
     give_rad: NonNegative = 0.06
+    """Size of the slow rotation about the thigh's axes as this leg takes the load, rad."""
     shock_m: NonNegative = 0.005
+    """Size of the fast displacement after the heel strike of this leg, m."""
     shock_rad: NonNegative = 0.04
+    """Size of the fast rotation about the phone's own axes after the heel strike of this leg, rad."""
     other_leg: NonNegative = 0.3
+    """Ratio of the loading and heel-strike motion caused by the other leg to that of this leg."""
     uneven: Annotated[NonNegative, Le(0.2)] = 0.12
+    """Relative root mean square of the variation of the leg's motion from stride to stride."""
     from_hip_m: tuple[float, float, float] = (0.09, 0.03, -0.2)
+    """Position of the phone at rest from the hip joint: forward, outward, up, m."""
     hip_left_m: NonNegative = 0.09
+    """Distance of each hip joint from the body's middle, m."""
     hip_up_m: float = -0.06
+    """Height of the hip joints above the trunk's centre, m."""
     wander_rad: NonNegative = 0.015
+    """Root mean square of slow attitude changes in the pocket about each axis, rad."""
     unrest_radps: NonNegative = 0.35
+    """Root mean square of the irregular rotation rate about each axis while walking, rad/s."""
     unrest_mps2: NonNegative = 0.8
+    """Root mean square of the irregular acceleration along each axis while walking, m/s^2."""
 
     def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
-        """The phone on the body; `rng` draws how uneven the leg's motion is and the phone's shifting."""
-        swell, jolted = (Tremor(self.uneven, AMPLITUDE_HZ, rng).at(body.time_s) + 1.0 for _ in range(2))
-        wander = [Tremor(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
-        turn = [body.activity * Unrest(self.unrest_radps, 1, rng).at(body.time_s) for _ in range(3)]
-        jerk = [body.activity * Unrest(self.unrest_mps2, 2, rng).at(body.time_s) for _ in range(3)]
+        """Compute the phone's pose on the body; `rng` draws all irregular motion."""
+        swell, jolted = (BandlimitedNoise(self.uneven, AMPLITUDE_HZ, rng).at(body.time_s) + 1.0 for _ in range(2))
+        wander = [BandlimitedNoise(self.wander_rad, WANDER_HZ, rng).at(body.time_s) for _ in range(3)]
+        turn = [body.activity * BroadbandNoise(self.unrest_radps, 1, rng).at(body.time_s) for _ in range(3)]
+        jerk = [body.activity * BroadbandNoise(self.unrest_mps2, 2, rng).at(body.time_s) for _ in range(3)]
         outward = 1.0 if self.side == "left" else -1.0
         give, shock = self._jolt(body, _GIVE) * jolted, self._jolt(body, _SHOCK) * jolted
         thigh, rattle = self._thigh(body, swell, give * self.give_rad), shock * self.shock_rad
         ahead, out, above = self.from_hip_m
-        forward, left, up = thigh.point((ahead, outward * out, above))
+        forward, left, up = thigh.point_offset((ahead, outward * out, above))
         jolt = give * self.give_m + shock * self.shock_m
         return DevicePose(
             forward=forward + jolt + jerk[0],
@@ -85,7 +99,8 @@ class PocketPhone:
             roll=rattle + wander[2] + turn[2],
         )
 
-    def _thigh(self, body: BodyMotion, swell: Jet, jolt: Jet) -> LimbPose:
+    def _thigh(self, body: BodyMotion, swell: DifferentiableSignal, jolt: DifferentiableSignal) -> LimbPose:
+        """Compute the thigh's attitude from its swing with variation `swell` and the loading motion `jolt`."""
         outward = 1.0 if self.side == "left" else -1.0
         angle = body.stride_of(self.side) * (2.0 * np.pi)
         first, *higher = ((angle * (k + 1.0) + phase).cos() * size for k, (size, phase) in enumerate(_THIGH))
@@ -102,13 +117,14 @@ class PocketPhone:
             + jolt * (0.5 * outward),
         )
 
-    def _jolt(self, body: BodyMotion, shape: tuple[float, float, float]) -> Jet:
-        """The jolts of one kind behind the heel strikes of both legs, 1 for this leg's, while walking."""
+    def _jolt(self, body: BodyMotion, shape: tuple[float, float, float]) -> DifferentiableSignal:
+        """Compute the bursts of one shape after the heel strikes of both legs, 1 for this leg's, while walking."""
         other: Side = "left" if self.side == "right" else "right"
-        own_leg, other_leg = (pulse(body.stride_of(side), *shape) for side in (self.side, other))
+        own_leg, other_leg = (oscillation_burst(body.stride_of(side), *shape) for side in (self.side, other))
         return body.activity * (own_leg + other_leg * self.other_leg)
 
     def _mount(self) -> Rotation:
+        """Compute the phone's orientation on the hanging thigh."""
         left, up, ahead = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
         upright = Rotation.from_matrix(np.column_stack([left, up, ahead]))
         facing = Rotation.from_euler("z", self.facing_rad)
