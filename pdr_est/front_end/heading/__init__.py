@@ -1,6 +1,7 @@
 """Heading of each step: one file a method, chosen by name."""
 
-from typing import Literal, assert_never, get_args
+from dataclasses import field
+from typing import Annotated, Any, Literal, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
 from pdr_est.front_end.heading.hde_controller import HdeParams
@@ -14,6 +15,7 @@ from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.front_end.heading.whole_walk.stage import WholeWalkHeading
 from pdr_est.params import params
+from pdr_est.parts import STAGE, PartName, is_external, loaded, named_part
 from pdr_est.stage import Stage
 
 HeadingName = Literal[
@@ -32,7 +34,9 @@ class HeadingParams:
     the estimator as heading priors, which it weighs. The parameters of each method lie under its own name; `psp` has
     those of its controllers, `hde` and `tie`, and `auto` also those of the dominant directions, `dominant`."""
 
-    method: HeadingName = "auto"
+    method: Annotated[str, PartName(HEADINGS)] = "auto"
+    parameters: dict[str, Any] = field(default_factory=dict, hash=False)
+    """Arguments of a heading stage of your own, which `method` names as module:attribute."""
     use: HeadingUse = "priors"
     auto: AutoHeadingParams = AutoHeadingParams()
     dominant: DominantParams = DominantParams()
@@ -44,12 +48,21 @@ class HeadingParams:
 
 
 def needs_magnetometer(parameters: HeadingParams) -> bool:
-    """Whether the method wants the magnetic field with the samples of a step."""
+    """Check whether the method needs the magnetic field with the samples of a step.
+
+    A stage from outside the package needs it if its class or factory has an attribute `needs_magnetometer` that is
+    true.
+    """
+    if is_external(parameters.method):
+        return bool(getattr(loaded(parameters.method, "heading.method"), "needs_magnetometer", False))
     return parameters.method == "magnetometer"
 
 
 def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
-    """Stage Step -> Step that fills in heading_rad, sigma_turn_rad and, on straight paths, path_heading_rad."""
+    """Make the configured stage, which fills in heading_rad, sigma_turn_rad and, on straight paths, path_heading_rad.
+
+    Raises PartError for one from outside the package that cannot be made.
+    """
     priors = parameters.use == "priors"
     match parameters.method:
         case "auto":
@@ -70,7 +83,8 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
             return PrincipalAxis(parameters.principal_axis)
         case "magnetometer":
             return MagnetometerHeading()
-    assert_never(parameters.method)
+    own: Stage = named_part(parameters.method, parameters.parameters, STAGE, "heading.method", {"rate_hz": rate_hz})
+    return own
 
 
 def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:
