@@ -14,7 +14,9 @@ PACKAGE = "pdr_est"
 # A part may import what stands in an earlier group, and itself; never its neighbours in the same group. The longest
 # name that fits a module places it.
 ORDER: list[set[str]] = [
-    {"errors", "frames", "stage", "params", "run_lengths"},
+    {"errors", "frames", "stage", "run_lengths"},
+    {"params"},
+    {"parts"},
     {"types"},
     # The five wings, which never see each other. Inside a wing the same rule holds.
     {"io.text", "clock_sync", "front_end.signal", "estimators.common", "simulate"},
@@ -28,7 +30,7 @@ ORDER: list[set[str]] = [
     {"preprocessing", "evaluate"},
     {"config"},
     {"pipeline"},
-    {"online", "calibration", "training"},
+    {"online", "calibration", "training", "testing"},
     {"report"},
     {"experiment", "performance"},
     {"cli"},
@@ -47,7 +49,7 @@ LIBRARIES = {
     "click": ("cli",),
 }
 MOST_LINES, MOST_FUNCTION_LINES = 300, 60
-MOST_LINES_OF_THE_TOP = 80  # pipeline/__init__.py reads as the algorithm
+MOST_LINES_OF_THE_TOP = 90  # pipeline/__init__.py reads as the algorithm
 MOST_FILES = 14
 
 

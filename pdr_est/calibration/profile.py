@@ -14,8 +14,9 @@ from pdr_est.config import Config, config_from_dict, config_to_dict
 from pdr_est.config.yaml_lines import load_yaml
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
-from pdr_est.front_end.steps import DetectorName
+from pdr_est.front_end.steps import DETECTORS
 from pdr_est.params import Positive, params
+from pdr_est.parts import PartName
 
 _HEADER = "# A walker's own step length, made by `pdr-est calibrate`. To use it: pdr-est smooth --profile FILE\n"
 _SECTIONS = ("profile", "walker", "odometry")
@@ -27,7 +28,7 @@ class ProfileNote:
     recordings: how many walks. distances_m: their true lengths; empty when fixes told the scale."""
 
     step_length: StepLengthParams
-    detector: DetectorName
+    detector: Annotated[str, PartName(DETECTORS)]
     recordings: Annotated[int, Ge(1)]
     date: Date
     distances_m: tuple[Positive, ...] = ()

@@ -125,9 +125,10 @@ def observe_fixes(
     Raises ConfigError for an estimator that makes no use of fixes; RecordingError without a step, when the fixes
     hardly tell the scale, and when it is out of range; what `estimate` raises.
     """
-    if config.estimator.name == "dead-reckoning":
+    if not config.estimator.make().spec.uses_fixes:
         raise ConfigError(
-            "estimator.name = dead-reckoning: makes no use of fixes: choose ekf or factor-graph, or give the distance"
+            f"estimator.name = {config.estimator.name}: makes no use of fixes: choose ekf or factor-graph, or give "
+            "the distance"
         )
     steps = [PacedSteps.of(walk.steps) for walk in walks]
     _mean_length_m(steps, place)

@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from pdr_est.calibration.profile import Profile, refuse_contradiction, with_profile
-from pdr_est.config import Config, config_from_dict, config_to_dict, load_config
+from pdr_est.config import Config, config_with, load_config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import HEADINGS
 from pdr_est.front_end.step_length import LENGTH_MODELS
@@ -147,8 +147,7 @@ def resolve_config(
         config = load_config(config_file, base=config)
     x_m, y_m = (None, None) if start is None else start
     heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
-    dominant = config_to_dict(config)["heading"]["dominant"]
-    corridors = None if corridors_deg is None else dominant | {"direction_rad": float(np.deg2rad(corridors_deg))}
+    corridors = None if corridors_deg is None else {"direction_rad": float(np.deg2rad(corridors_deg))}
     for option, section, values in (
         ("--estimator", "estimator", {"name": estimator}),
         ("--detector", "steps", {"detector": detector}),
@@ -164,9 +163,7 @@ def resolve_config(
     ):
         given = {key: value for key, value in values.items() if value is not None}
         if given:
-            settings = config_to_dict(config)
-            settings[section] |= given
-            config = config_from_dict(settings, option)
+            config = config_with(config, {section: given}, option)
     if profile is not None:
         refuse_contradiction(config, profile, "--profile")
     return config

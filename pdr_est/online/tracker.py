@@ -4,7 +4,7 @@ import pickle
 import warnings
 from collections.abc import Sequence
 
-from pdr_est.config import Config, check
+from pdr_est.config import Config
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.person.track import NAME as PERSON
@@ -17,6 +17,7 @@ from pdr_est.online.start_and_fixes import StartAndFixes
 from pdr_est.online.step_log import DeviceLog
 from pdr_est.online.update import Kind, Update
 from pdr_est.online.update_assembly import Estimates
+from pdr_est.pipeline.inputs import refuse_no_config
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import SensorBlock
 
@@ -48,7 +49,7 @@ class Tracker:
         online: OnlineParams = _ONLINE,
     ) -> None:
         self._config = Config() if config is None else config
-        check(self._config)
+        refuse_no_config(self._config)
         if self._config.heading.dominant.direction_rad is not None:
             raise ConfigError(
                 "heading.dominant.direction_rad: the directions of a building are found from the whole walk: leave "
@@ -66,7 +67,7 @@ class Tracker:
         self._rows = ChangedPoses()
         self._delayed = None
         behind_s: dict[Kind, float] = {"filtered": 0.0}
-        if self._config.estimator.name == "fixed-lag":
+        if self._config.estimator.make().spec.delayed:
             from pdr_est.online.delayed_estimates import Delayed  # gtsam is slow to load: only when it is used
 
             self._delayed = Delayed(self._config.estimator.fixed_lag, self._config.devices.tether)

@@ -16,8 +16,8 @@ class DominantDirections:
     used: whether that suffices, or the number was given. spacing_rad: between them. drift_per_sqrt_s: rad per root
     second, of the phone's headings, by the level that the walk fits best. Per piece of the straight
     stretches: drift_rad (n,) of the heading since the first piece, sigma_rad (n,) of the heading less its drift,
-    path_heading_rad (n,) the direction it follows, with the zero of the first piece, not wrapped, and follows (n,) the
-    probability that it follows one."""
+    path_heading_rad (n,) the direction it follows, with the zero of the first piece, not wrapped, and follows (n,)
+    the probability that it follows one."""
 
     number: int
     log_odds: float
@@ -66,10 +66,12 @@ class DeviceWalk:
 
 @dataclass(frozen=True)
 class SmoothedWalk:
-    """A track with what led to it. timings_s: CPU seconds per part of the chain."""
+    """A track with what led to it. timings_s: CPU seconds per part of the chain. fixes_used: False for an estimator
+    that only aligns the track with the fixes."""
 
     track: Track
     devices: tuple[DeviceWalk, ...]
     fixes: tuple[PositionFix, ...] = ()
     timings_s: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    fixes_used: bool = True

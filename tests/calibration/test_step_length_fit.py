@@ -20,7 +20,7 @@ from pdr_est.calibration.step_length_fit import (
     observe_distance,
     observe_fixes,
 )
-from pdr_est.config import Config, check
+from pdr_est.config import Config, config_from_dict, config_to_dict
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.walker import walking_cadence_hz
@@ -117,7 +117,8 @@ def test_the_slowest_and_the_quickest_walk_make_constants_that_a_profile_may_hol
     for cadence_hz in (0.2, 0.7, 2.5, 5.0):
         cadence = math.log(walking_cadence_hz(cadence_hz))
         walker = fit([Observation(0.1, 0.0, cadence)] * 3).walker(WalkerParams())
-        check(Config(walker=walker))
+        config = Config(walker=walker)
+        assert config_from_dict(config_to_dict(config), "a configuration") == config
 
 
 # --- observations ------------------------------------------------------------------------------------------------

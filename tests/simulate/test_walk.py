@@ -1,5 +1,6 @@
 """Whole simulated walks: presets, truth, determinism, fixes, refusals."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -149,18 +150,18 @@ LINE = PathParams(vertices_m=((0.0, 0.0), (20.0, 0.0)))
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
-        (with_sensors(Scenario(path=LINE), rate_hz=10.0), "rate_hz"),
-        (with_sensors(Scenario(path=LINE), gaps_s=((5.0, 4.0),)), "swap the times"),
-        (Scenario(path=LINE, gait=WalkerGaitParams(cadence_hz=-1.0)), "cadence_hz"),
-        (Scenario(path=LINE, gait=WalkerGaitParams(height_m=float("nan"))), "height_m"),
-        (Scenario(path=LINE, gait=WalkerGaitParams(pauses=(Pause(at_m=5.0, duration_s=0.1),))), "duration_s"),
-        (Scenario(path=LINE, devices=(DeviceParams(), DeviceParams())), "a name of its own"),
-        (Scenario(path=LINE, seed=-1), "seed"),
+        (lambda: with_sensors(Scenario(path=LINE), rate_hz=10.0), "rate_hz"),
+        (lambda: with_sensors(Scenario(path=LINE), gaps_s=((5.0, 4.0),)), "swap the times"),
+        (lambda: Scenario(path=LINE, gait=WalkerGaitParams(cadence_hz=-1.0)), "cadence_hz"),
+        (lambda: Scenario(path=LINE, gait=WalkerGaitParams(height_m=float("nan"))), "height_m"),
+        (lambda: Scenario(path=LINE, gait=WalkerGaitParams(pauses=(Pause(at_m=5.0, duration_s=0.1),))), "duration_s"),
+        (lambda: Scenario(path=LINE, devices=(DeviceParams(), DeviceParams())), "a name of its own"),
+        (lambda: Scenario(path=LINE, seed=-1), "seed"),
     ],
 )
-def test_values_out_of_range_are_refused(scenario: Scenario, message: str) -> None:
+def test_values_out_of_range_are_refused(scenario: Callable[[], Scenario], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
-        simulate_walk(scenario)
+        simulate_walk(scenario())
 
 
 def test_a_walk_of_one_short_step_without_standing() -> None:

@@ -17,6 +17,7 @@ from pdr_est.cli.options import PATH, config_option, resolve_config, walker_opti
 from pdr_est.clock_sync import begun_late, outside_others, refuse_apart
 from pdr_est.config import Config
 from pdr_est.errors import OutputError, PdrError, RecordingError
+from pdr_est.estimators import SPECS
 from pdr_est.io import read
 from pdr_est.io.formats.sensor_logger.live import LiveNews, LiveReader, Platform
 from pdr_est.online import Tracker, Update
@@ -56,8 +57,9 @@ def track(
     is ekf; --estimator fixed-lag gives delayed estimates besides.
     """
     config = resolve_config(**settings)
-    if settings["estimator"] not in (None, "ekf", "fixed-lag"):
-        raise click.UsageError(f"{settings['estimator']} needs the whole walk: track with ekf or fixed-lag")
+    if settings["estimator"] is not None and not SPECS[settings["estimator"]].online:
+        online = " or ".join(name for name, spec in SPECS.items() if spec.online)
+        raise click.UsageError(f"{settings['estimator']} needs the whole walk: track with {online}")
     if _LIVE in recordings:
         if len(recordings) > 1 or realtime or fixes not in (None, "recording"):
             raise click.UsageError("- stands alone, without --realtime, and with no --fixes but recording")

@@ -57,7 +57,7 @@ def run_benchmark(
         raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {wanted}")
     outcomes: list[Outcome] = []
     work = partial(run_walk, suite, variants=comparison.variants)
-    with_graph = any(variant.config.estimator.name == "factor-graph" for variant in comparison.variants)
+    with_graph = any(variant.config.estimator.make().spec.needs_gtsam for variant in comparison.variants)
     for outcome in _map(work, walks, min(jobs, len(walks)), with_graph):
         outcomes.append(outcome)
         if on_progress is not None:

@@ -39,7 +39,7 @@ def work_of(experiment: Experiment) -> Work:
 
 def prepare(work: Work) -> None:
     """Load what is loaded at first use, so that the first walk's time does not hold it."""
-    warm_up(any(variant.config.estimator.name == "factor-graph" for variant in work.variants))
+    warm_up(any(variant.config.estimator.make().spec.needs_gtsam for variant in work.variants))
 
 
 def do(work: Work, walk: Walk) -> bytes:

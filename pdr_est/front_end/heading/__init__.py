@@ -11,7 +11,8 @@
 * `whole_walk/`: corrections that need the whole walk: the dominant directions of the building.
 """
 
-from typing import Literal, assert_never, get_args
+from dataclasses import field
+from typing import Annotated, Any, Literal, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
 from pdr_est.front_end.heading.hde_controller import HdeParams
@@ -25,6 +26,7 @@ from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
 from pdr_est.params import params
+from pdr_est.parts import STAGE, PartName, is_external, loaded, named_part
 from pdr_est.stage import Stage
 
 HeadingName = Literal[
@@ -44,8 +46,10 @@ class HeadingParams:
     `tie`; "auto" has those of `principal_axis` and of the dominant directions, too.
     """
 
-    method: HeadingName = "auto"
+    method: Annotated[str, PartName(HEADINGS)] = "auto"
     """Name of the heading method."""
+    parameters: dict[str, Any] = field(default_factory=dict, hash=False)
+    """Arguments of a heading stage of your own, which `method` names as module:attribute."""
     use: HeadingUse = "priors"
     """Use of the directions of straight paths that a method finds: "increments" corrects the headings of the steps by
     them, "priors" leaves the headings as they were and hands the directions to the estimator as heading priors, which
@@ -68,7 +72,13 @@ class HeadingParams:
 
 
 def needs_magnetometer(parameters: HeadingParams) -> bool:
-    """Return True if the method needs the magnetic field with the samples of a step."""
+    """Return True if the method needs the magnetic field with the samples of a step.
+
+    A stage from outside the package needs it if its class or factory has an attribute `needs_magnetometer` that is
+    true.
+    """
+    if is_external(parameters.method):
+        return bool(getattr(loaded(parameters.method, "heading.method"), "needs_magnetometer", False))
     return parameters.method == "magnetometer"
 
 
@@ -76,6 +86,11 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     """Make the configured stage Step -> Step that fills in the heading.
 
     It fills in `heading_rad`, `sigma_turn_rad` and, on straight paths, `path_heading_rad`.
+
+    Raises
+    ------
+    PartError
+        If a stage from outside the package cannot be made.
     """
     priors = parameters.use == "priors"
     match parameters.method:
@@ -97,7 +112,8 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
             return PrincipalAxis(parameters.principal_axis)
         case "magnetometer":
             return MagnetometerHeading()
-    assert_never(parameters.method)
+    own: Stage = named_part(parameters.method, parameters.parameters, STAGE, "heading.method", {"rate_hz": rate_hz})
+    return own
 
 
 def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:

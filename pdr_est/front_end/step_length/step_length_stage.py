@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import partial
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from annotated_types import Gt, Le
@@ -20,6 +20,7 @@ from pdr_est.front_end.step_length.walk_run_model import (
 )
 from pdr_est.front_end.step_length.walker import WalkerParams
 from pdr_est.params import Positive, params
+from pdr_est.parts import PartName
 from pdr_est.types.steps import Step
 
 LengthModel = Literal["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
@@ -32,8 +33,10 @@ _LEAST_MEANS = 4  # least number of running means within a step for a range
 class StepLengthParams:
     """Choose the step-length model; with its constants and standard deviations."""
 
-    model: LengthModel = "auto"
+    model: Annotated[str, PartName(LENGTH_MODELS)] = "auto"
     """Name of the model."""
+    parameters: dict[str, Any] = field(default_factory=dict, hash=False)
+    """Arguments of a step-length stage of your own, which `model` names as module:attribute."""
     weinberg_k2: Positive = 0.48
     """Constant of MMPDR's eq. 3, m / (m/s^2)^(1/4); tuned, as the paper gives no value."""
     scarlett_k3: Positive = 0.60

@@ -9,7 +9,8 @@
 * `segmentation`: from step events to steps with their samples.
 """
 
-from typing import Literal, get_args
+from dataclasses import field
+from typing import Annotated, Any, Literal, get_args
 
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
@@ -19,6 +20,7 @@ from pdr_est.front_end.steps.segmentation import SegmentationParams
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
 from pdr_est.params import params
+from pdr_est.parts import STAGE, PartName, named_part
 from pdr_est.stage import Stage
 
 DetectorName = Literal["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
@@ -29,8 +31,10 @@ DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)
 class StepsParams:
     """Choose the step detector; the parameters of each lie under its own name."""
 
-    detector: DetectorName = "auto"
+    detector: Annotated[str, PartName(DETECTORS)] = "auto"
     """Name of the step detector."""
+    parameters: dict[str, Any] = field(default_factory=dict, hash=False)
+    """Arguments of a step detector of your own, which `detector` names as module:attribute."""
     auto: AutoStepParams = AutoStepParams()
     """Parameters of the detector "auto" (`BandpassPeakDetector`)."""
     mmpdr: MmpdrStepParams = MmpdrStepParams()
@@ -48,7 +52,13 @@ class StepsParams:
 
 
 def step_detector(rate_hz: float, parameters: StepsParams) -> Stage:
-    """Make the configured step detector."""
+    """Make the configured step detector.
+
+    Raises
+    ------
+    PartError
+        If a stage from outside the package cannot be made.
+    """
     match parameters.detector:
         case "auto":
             return BandpassPeakDetector(rate_hz, parameters.auto)
@@ -62,3 +72,5 @@ def step_detector(rate_hz: float, parameters: StepsParams) -> Stage:
             return LocalVariance(rate_hz, parameters.local_variance)
         case "zero-crossing":
             return ZeroCrossing(rate_hz, parameters.zero_crossing)
+    own: Stage = named_part(parameters.detector, parameters.parameters, STAGE, "steps.detector", {"rate_hz": rate_hz})
+    return own

@@ -57,6 +57,16 @@ def read_fixes(path: str | Path, recording: Recording) -> tuple[PositionFix, ...
     )
 
 
+def refuse_fix_outside(time_s: float, place: str, recording: Recording) -> None:
+    """Raise RecordingError for a fix outside the time of the recording. place: what to call the fix in messages."""
+    start_s, end_s = _span_s(recording)
+    if not start_s - SLACK_S <= time_s <= end_s + SLACK_S:
+        raise RecordingError(
+            f"{place}: time {time_s:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s): "
+            "use the recording's clock"
+        )
+
+
 @dataclass(frozen=True)
 class _Rows:
     """The columns of the table, one entry a fix."""
@@ -143,7 +153,6 @@ def _on_the_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
 
 
 def _refuse_bad_rows(rows: _Rows, place: str, recording: Recording) -> None:
-    start_s, end_s = _span_s(recording)
     fixes = zip(rows.time_s, rows.position_m, rows.sigma_m, rows.robust, strict=True)
     for line, (t, p, s, r) in enumerate(fixes, start=_FIRST_LINE):
         where = f"{place}, line {line}"
@@ -158,8 +167,4 @@ def _refuse_bad_rows(rows: _Rows, place: str, recording: Recording) -> None:
             )
         if r not in (0.0, 1.0):
             raise RecordingError(f"{where}: robust = {r:g}: give 1 for a fix that may be an outlier, else 0")
-        if not start_s - SLACK_S <= t <= end_s + SLACK_S:
-            raise RecordingError(
-                f"{where}: time {t:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s): "
-                "use the recording's clock"
-            )
+        refuse_fix_outside(t, where, recording)

@@ -15,7 +15,6 @@ import numpy as np
 
 from pdr_est.calibration.profile import Profile
 from pdr_est.clock_sync import ClockEstimate
-from pdr_est.estimators import RECKONERS
 from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.walk.descriptions import describe_directions, describe_length_scale
@@ -104,7 +103,7 @@ def summarise(
         "gait_model_sha256": gait_model_sha256,
         "start": start,
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
-        "fixes": _fixes(walk.fixes, track.estimator, start),
+        "fixes": _fixes(walk.fixes, walk.fixes_used, start),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
@@ -249,13 +248,12 @@ def _heading(device: DeviceWalk, config_dict: Mapping[str, Any]) -> Json:
     }
 
 
-def _fixes(fixes: Sequence[PositionFix], estimator: str, start: StartPose | None) -> Json:
+def _fixes(fixes: Sequence[PositionFix], used: bool, start: StartPose | None) -> Json:
     """Count the fixes and describe their use: as measurements of the track, or to find its start."""
-    reckoned = estimator in RECKONERS
     known = start is not None and start.position_m is not None and start.heading_rad is not None
     return {
         "given": len(fixes),
-        "used": 0 if reckoned else len(fixes),
-        "aligned_with": len(fixes) if reckoned and not known else 0,
+        "used": len(fixes) if used else 0,
+        "aligned_with": 0 if used or known else len(fixes),
         "sources": dict(Counter(fix.source for fix in fixes)),
     }

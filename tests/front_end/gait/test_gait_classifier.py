@@ -37,7 +37,7 @@ def steps_of(*parts: tuple[tuple[float, float], int]) -> list[Step]:
 
 @pytest.mark.parametrize("method", ["auto", "uptime"])
 def test_a_change_of_gait_is_found_within_two_steps(method: str) -> None:
-    stage = gait_stage(GaitParams(method=method))  # type: ignore[arg-type]
+    stage = gait_stage(50.0, GaitParams(method=method))  # type: ignore[arg-type]
     assert isinstance(stage, Stage)
     steps = steps_of((SLOW, 10), (FAST, 10), (SLOW, 10))
     walking = [found.gait is Gait.WALKING for found in run(stage, steps)]
@@ -81,7 +81,7 @@ def test_the_mean_of_two_steps_decides() -> None:
 
 
 def test_without_a_method_the_gait_stays_unknown() -> None:
-    (found,) = gait_stage(GaitParams(method="none")).push(steps_of((SLOW, 1))[0])
+    (found,) = gait_stage(50.0, GaitParams(method="none")).push(steps_of((SLOW, 1))[0])
     assert found.gait is Gait.UNKNOWN
     assert all(map(math.isnan, found.gait_probability))
 
@@ -107,7 +107,7 @@ def test_a_model_of_ones_own(tmp_path: Path) -> None:
     model = train_gait_model(walks_of(people=3), "auto").model
     save_model(model, path)
     expected = run(GaitClassifier(model), steps_of((SLOW, 3)))
-    found = run(gait_stage(GaitParams(model=str(path))), steps_of((SLOW, 3)))
+    found = run(gait_stage(50.0, GaitParams(model=str(path))), steps_of((SLOW, 3)))
     assert [each.gait_probability for each in found] == [each.gait_probability for each in expected]
     with pytest.raises(ConfigError, match=r"test: gait\.model: .*own\.json: is a model of the method 'auto'"):
         config_from_dict({"gait": {"method": "uptime", "model": str(path)}}, "test")

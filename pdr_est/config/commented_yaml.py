@@ -1,0 +1,56 @@
+"""Configurations as YAML, on request with the docstring of each setting as a comment."""
+
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import yaml
+
+from pdr_est.config.loading import config_to_dict
+from pdr_est.config.records import Config
+from pdr_est.params.field_docstrings import field_docstrings
+from pdr_est.params.validation_messages import section_at
+
+_WIDTH = 100
+
+
+def config_to_yaml(config: Config, comments: bool = False) -> str:
+    """Write the whole configuration as YAML, which `load_config` reads back to the same record.
+
+    Parameters
+    ----------
+    config
+        The configuration.
+    comments
+        True to put the docstring of each setting above it.
+    """
+    values = config_to_dict(config)
+    return commented(values, Config) if comments else str(yaml.safe_dump(values, sort_keys=False))
+
+
+def commented(values: Mapping[str, Any], record: type) -> str:
+    """Write sections as YAML with the docstring of each key as a comment above it.
+
+    Parameters
+    ----------
+    values
+        Plain values, nested by section.
+    record
+        Parameter record whose fields the keys are.
+    """
+    return "\n".join(_lines(values, record, "")) + "\n"
+
+
+def _lines(values: Mapping[str, Any], record: type, indent: str) -> Iterator[str]:
+    described = field_docstrings(record)
+    for key, value in values.items():
+        width = _WIDTH - len(indent)
+        for paragraph in described.get(key, "").splitlines():
+            yield from (f"{indent}# {line}" for line in textwrap.wrap(paragraph, width))
+        section = section_at(record, (key,))
+        if isinstance(value, dict) and value and isinstance(section, type):
+            yield f"{indent}{key}:"
+            yield from _lines(value, section, f"{indent}  ")
+        else:
+            text = yaml.safe_dump({key: value}, sort_keys=False, allow_unicode=True)
+            yield from (f"{indent}{line}" for line in text.splitlines())
