@@ -4,12 +4,12 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pdr_est.clock_sync import on_one_clock
+from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config, check
 from pdr_est.pipeline.front_end_chain import analyse_device
 from pdr_est.pipeline.measurements import in_map, measured, refuse_without_heading, tethers, track_of, with_person
 from pdr_est.pipeline.warnings import mismatches, warnings_of
-from pdr_est.preprocessing.quality.requirements import refuse_without_track
+from pdr_est.preprocessing.quality.requirements import require_track_sensors
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -25,7 +25,7 @@ def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = 
     """
     check(config)
     for device in recording.devices:
-        refuse_without_track(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
+        require_track_sensors(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
     started = time.process_time()
     devices = analyse(recording, config)
     analysed = time.process_time()
@@ -47,7 +47,7 @@ def analyse(recording: Recording, config: Config) -> tuple[DeviceWalk, ...]:
     their clocks do not belong together.
     """
     walks = []
-    for device, clock in on_one_clock(recording, config.devices.clock, config.devices.clocks):
+    for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
         walk = analyse_device(device, recording.place_of(device), config)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))
     return tuple(walks)

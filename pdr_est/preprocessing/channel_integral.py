@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.preprocessing.sensor_ranges import impossible
+from pdr_est.preprocessing.sensor_ranges import out_of_range
 from pdr_est.types.sensors import Channel, Gap
 
 _ROUNDING_S = 1e-6  # time stamps are rounded: a pause of exactly max_gap_s must not become a gap by that
@@ -29,7 +29,7 @@ class ChannelIntegral:
 
     def append(self, time_s: Array, values: Array) -> None:
         finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
-        possible = finite & ~impossible(self._channel, values)
+        possible = finite & ~out_of_range(self._channel, values)
         finite_count, count = int(np.count_nonzero(finite)), int(np.count_nonzero(possible))
         self.dropped["not finite"] += len(time_s) - finite_count
         self.dropped["impossible"] += finite_count - count
@@ -103,7 +103,7 @@ class ChannelIntegral:
         integral = self._integral[i] + dt[:, None] * (self._values[i] + 0.5 * dt[:, None] * slope)
         return integral, span > self._longest_s
 
-    def where_recorded(self, edges: Array) -> Array:
+    def integral_or_nan(self, edges: Array) -> Array:
         """Integral up to each edge (m, 3), NaN before the first sample, after the last one and in gaps."""
         if len(self.time_s) < 2:
             return np.full((len(edges), 3), np.nan)
@@ -117,7 +117,7 @@ class ChannelIntegral:
         inside = 0 < i < len(self.time_s) and self.time_s[i] - self.time_s[i - 1] > self._longest_s
         return float(self.time_s[i]) if inside else time_s
 
-    def list_missing_ends(self, first_s: float, last_s: float) -> None:
+    def record_missing_ends(self, first_s: float, last_s: float) -> None:
         """Add to the gaps what this channel missed between the first and the last sample of any channel."""
         own_last_s = float(self.time_s[-1])
         if self.first_s - first_s > self._longest_s:
@@ -125,7 +125,7 @@ class ChannelIntegral:
         if last_s - own_last_s > self._longest_s:
             self.gaps.append(Gap(self._channel.value, own_last_s, last_s, "ended earlier than another channel"))
 
-    def forget_before(self, time_s: float) -> None:
+    def discard_before(self, time_s: float) -> None:
         keep = max(int(np.searchsorted(self.time_s, time_s, side="right")) - 1, 0)
         self.time_s = self.time_s[keep:]
         self._values = self._values[keep:]

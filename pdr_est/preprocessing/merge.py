@@ -9,7 +9,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.types.recording import DeviceRecording, Recording
 
 
-def together(recordings: Sequence[Recording]) -> Recording:
+def merge_recordings(recordings: Sequence[Recording]) -> Recording:
     """One recording with the devices of all; everything else is that of the first.
 
     Devices of one name get that of their recording. The times of the others are put on the time zero of the

@@ -93,7 +93,7 @@ class Resampler:
             first = min(channel.first_s for channel in present)
             last = max(float(channel.time_s[-1]) for channel in present)
             for channel in present:
-                channel.list_missing_ends(first, last)
+                channel.record_missing_ends(first, last)
         return self._emit(wait_s=0.0)
 
     def _emit(self, wait_s: float) -> list[ImuBlock]:
@@ -118,7 +118,7 @@ class Resampler:
             self._skip_gap()
         if blocks:
             for channel in [*inputs, *self._optional.values()]:
-                channel.forget_before(self._edge_s(self._next_index))
+                channel.discard_before(self._edge_s(self._next_index))
         return blocks
 
     def _edge_s(self, index: int) -> float:
@@ -139,7 +139,7 @@ class Resampler:
             means[name] = (integral[1:] - integral[:-1]) / self._period_s
             observed &= ~(inside[:-1] | inside[1:])
         for name, channel in self._optional.items():
-            means[name] = np.diff(channel.where_recorded(edges), axis=0) / self._period_s
+            means[name] = np.diff(channel.integral_or_nan(edges), axis=0) / self._period_s
         return self._cut(0.5 * (edges[:-1] + edges[1:]), means, observed)
 
     def _skip_gap(self) -> None:

@@ -8,7 +8,7 @@ from pdr_est.types.ground_truth import TruePositions, TrueSteps, TrueTurns, Trut
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 
-def cut(recording: Recording, start_s: float, end_s: float = math.inf) -> Recording:
+def trim_recording(recording: Recording, start_s: float, end_s: float = math.inf) -> Recording:
     """What was recorded from start_s to end_s, both inclusive, on the recording's own clock, which stays as it is.
 
     Signals, annotated truth and fixes outside are left out. A step count or a distance of the whole walk does not

@@ -15,7 +15,7 @@ def quaternion_from_rotation_vector(vector: Array) -> Array:
     return np.column_stack([w, vector])
 
 
-def core_motion_force(gravity_g: Array, user_acceleration_g: Array) -> Array:
+def specific_force_from_core_motion(gravity_g: Array, user_acceleration_g: Array) -> Array:
     """Specific force (n, 3) m/s^2, upwards at rest, of Core Motion's gravity and user acceleration in g.
 
     Apple's gravity vector points down when the device lies still, hence the sign.
@@ -32,7 +32,7 @@ def vertical_mismatch(attitude: Array, up: Array) -> float:
     return float(np.median(np.linalg.norm(up_in_device(attitude[finite]) - up[finite], axis=1)))
 
 
-def vertical_warning(attitude: Array, up: Array) -> tuple[str, ...]:
+def vertical_mismatch_warnings(attitude: Array, up: Array) -> tuple[str, ...]:
     """A warning when the recorded attitude and the recorded gravity do not agree."""
     mismatch = vertical_mismatch(attitude, up)
     if mismatch < _AGREEMENT:
@@ -43,7 +43,7 @@ def vertical_warning(attitude: Array, up: Array) -> tuple[str, ...]:
 _GRAVITY_REACH_S = 0.2
 
 
-def with_gravity(linear: Signal, gravity: Signal) -> tuple[Signal, tuple[str, ...]]:
+def add_gravity(linear: Signal, gravity: Signal) -> tuple[Signal, tuple[str, ...]]:
     """Acceleration plus gravity at the times of the acceleration, with warnings.
 
     Gravity varies slowly and is interpolated where the time stamps differ. Rows outside its time are left out.

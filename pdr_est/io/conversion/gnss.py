@@ -14,7 +14,7 @@ _SMALLEST_SIGMA_M = 1.0  # recorders print optimistic accuracies; no phone is be
 
 
 @dataclass(frozen=True)
-class GpsFixes:
+class GnssFixes:
     """fixes: in the order of the file, source "gps", robust. origin: where the first valid fix lies, or None."""
 
     fixes: tuple[PositionFix, ...]
@@ -22,7 +22,7 @@ class GpsFixes:
     warnings: tuple[str, ...] = ()
 
 
-def gps_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m: Array) -> GpsFixes:
+def gnss_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m: Array) -> GnssFixes:
     """Fixes east and north of the first valid one.
 
     time_s, latitude_deg, longitude_deg, sigma_m: (n,); sigma_m is the recorder's horizontal accuracy, taken as the
@@ -43,7 +43,7 @@ def gps_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m:
         )
     )
     if not kept.any():
-        return GpsFixes((), None, warnings)
+        return GnssFixes((), None, warnings)
     latitude, longitude = latitude_deg[kept], longitude_deg[kept]
     origin = GeoOrigin(float(latitude[0]), float(longitude[0]))
     east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
@@ -52,17 +52,17 @@ def gps_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m:
         PositionFix(float(t), position, np.eye(2) * v, source="gps", robust=True)
         for t, position, v in zip(time_s[kept], np.column_stack([east, north]), variance, strict=True)
     )
-    return GpsFixes(fixes, origin, warnings)
+    return GnssFixes(fixes, origin, warnings)
 
 
-def within(found: GpsFixes, start_s: float, end_s: float, slack_s: float = 1.0) -> GpsFixes:
+def drop_fixes_outside(found: GnssFixes, start_s: float, end_s: float, slack_s: float = 1.0) -> GnssFixes:
     """The fixes made while the sensors ran; the others, such as one cached before, are counted and left out."""
     inside = tuple(fix for fix in found.fixes if start_s - slack_s <= fix.time_s <= end_s + slack_s)
     outside = len(found.fixes) - len(inside)
     if not outside:
         return found
     warning = f"location: {outside} of {len(found.fixes)} fixes lie outside the time of the sensors and are left out"
-    return GpsFixes(inside, found.origin, (*found.warnings, warning))
+    return GnssFixes(inside, found.origin, (*found.warnings, warning))
 
 
 def _repeats(rows: Array, valid: NDArray[np.bool_]) -> NDArray[np.bool_]:

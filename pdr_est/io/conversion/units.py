@@ -31,7 +31,7 @@ _SAMPLING_RATE_HZ = (2.0, 1500.0)
 
 
 @dataclass(frozen=True)
-class Finding:
+class Conversion:
     """factor: multiply raw values by it. decision: how it was found. warning: what stays uncertain, or ""."""
 
     factor: float
@@ -44,7 +44,7 @@ class Finding:
         return (self.warning,) if self.warning else ()
 
 
-def acceleration_unit(values: Array) -> Finding:
+def detect_acceleration_unit(values: Array) -> Conversion:
     """g or m/s^2, from the mean vector of an acceleration (n, 3) that contains gravity.
 
     The mean is taken in parts, so that it survives a change of the way of carrying. With gravity its length is at
@@ -56,10 +56,10 @@ def acceleration_unit(values: Array) -> Finding:
     share = mean / max(_median_norm(values), 1e-9)
     if share >= _GRAVITY_SHARE:
         if _STATIC_MPS2[0] <= mean <= _STATIC_MPS2[1]:
-            return Finding(1.0, f"acceleration is in m/s^2: its mean is {mean:.2f} long")
+            return Conversion(1.0, f"acceleration is in m/s^2: its mean is {mean:.2f} long")
         if _STATIC_G[0] <= mean <= _STATIC_G[1]:
-            return Finding(STANDARD_GRAVITY_MPS2, f"acceleration is in g: its mean is {mean:.3f} long")
-    return Finding(
+            return Conversion(STANDARD_GRAVITY_MPS2, f"acceleration is in g: its mean is {mean:.3f} long")
+    return Conversion(
         1.0,
         f"acceleration is taken as m/s^2, although its mean is {mean:.3g} long ({share:.0%} of the median norm)",
         f"the mean acceleration is {mean:.3g} long, {share:.0%} of the median norm: with gravity it would be 1 (g) "
@@ -67,7 +67,7 @@ def acceleration_unit(values: Array) -> Finding:
     )
 
 
-def rotation_unit(values: Array) -> Finding:
+def detect_rotation_rate_unit(values: Array) -> Conversion:
     """deg/s or rad/s, from the size of a rotation rate (n, 3) of a walking person's phone.
 
     A component above 40 would exceed any phone's full scale in rad/s. Otherwise the 95th percentile of the norm
@@ -78,10 +78,10 @@ def rotation_unit(values: Array) -> Finding:
     high = float(np.percentile(np.linalg.norm(values, axis=1), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
     if peak > _FULL_SCALE_RADPS or high > _CALMEST_WALK_DEGPS:
-        return Finding(np.pi / 180.0, f"rotation rate is in deg/s: {numbers}")
+        return Conversion(np.pi / 180.0, f"rotation rate is in deg/s: {numbers}")
     if _WALKING_RADPS[0] <= high <= _WALKING_RADPS[1]:
-        return Finding(1.0, f"rotation rate is in rad/s: {numbers}")
-    return Finding(
+        return Conversion(1.0, f"rotation rate is in rad/s: {numbers}")
+    return Conversion(
         1.0,
         f"rotation rate is taken as rad/s: {numbers}",
         f"the unit of the rotation rate cannot be told from its size ({numbers}); rad/s is assumed, write the unit "
@@ -89,31 +89,31 @@ def rotation_unit(values: Array) -> Finding:
     )
 
 
-def pressure_unit(values: Array) -> Finding:
+def detect_pressure_unit(values: Array) -> Conversion:
     """Pa, hPa or kPa, from the median of an air pressure."""
     median = float(np.median(values))
     for unit, factor in _PRESSURE_UNITS:
         if _PRESSURE_RANGE_PA[0] <= median * factor <= _PRESSURE_RANGE_PA[1]:
-            return Finding(factor, f"air pressure is in {unit}: the median is {median:.5g}")
-    return Finding(
+            return Conversion(factor, f"air pressure is in {unit}: the median is {median:.5g}")
+    return Conversion(
         1.0,
         f"air pressure is taken as Pa, although its median is {median:.5g}",
         f"the median air pressure {median:.5g} fits neither Pa nor hPa nor kPa; the pressure is not usable",
     )
 
 
-def clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Finding:
+def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Conversion:
     """Seconds a tick of a numeric clock: from its value if that is a Unix time of our days, else from its steps."""
     first = float(ticks[0])
     for unit, per_s in _CLOCK_UNITS:
         if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]:
-            return Finding(1.0 / per_s, f"the clock counts Unix time in {unit}: the first value is {ticks[0]}")
+            return Conversion(1.0 / per_s, f"the clock counts Unix time in {unit}: the first value is {ticks[0]}")
     steps = np.diff(ticks)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
     for unit, per_s in reversed(_CLOCK_UNITS):
         if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]:
-            return Finding(1.0 / per_s, f"the clock counts {unit}: the median step is {step:.4g}")
-    return Finding(
+            return Conversion(1.0 / per_s, f"the clock counts {unit}: the median step is {step:.4g}")
+    return Conversion(
         1.0,
         f"the clock is taken as seconds, although its median step is {step:.4g}",
         f"the unit of the clock cannot be told from its median step of {step:.4g}; seconds are assumed, write the "
@@ -137,7 +137,7 @@ def gravity_cosine(force: Signal, attitude: Signal) -> float | None:
     return float(np.median((up * force.values[inside]).sum(axis=1) / norm[inside]))
 
 
-def force_sign(force: Signal, attitude: Signal | None, expected: float | None, reason: str) -> Finding:
+def detect_force_sign(force: Signal, attitude: Signal | None, expected: float | None, reason: str) -> Conversion:
     """+1 or -1: what turns an acceleration that contains gravity into specific force upwards at rest.
 
     The attitude decides when there is one that fits. expected: the sign that the recorder's metadata imply, with
@@ -148,11 +148,11 @@ def force_sign(force: Signal, attitude: Signal | None, expected: float | None, r
         return _sign_by_attitude(float(np.sign(cosine)), cosine, expected, reason)
     if expected is not None:
         doubt = "" if cosine is None else f"acceleration and attitude do not fit together: median cosine {cosine:.2f}"
-        return Finding(expected, f"{_sign_in_words(expected)}: {reason}; no attitude could confirm it", doubt)
+        return Conversion(expected, f"{_sign_in_words(expected)}: {reason}; no attitude could confirm it", doubt)
     return _sign_unknown(force)
 
 
-def fitting_attitude(force: Signal, attitude: Signal) -> tuple[Signal | None, Finding]:
+def resolve_attitude_direction(force: Signal, attitude: Signal) -> tuple[Signal | None, Conversion]:
     """The attitude as device -> frame with z up (or down), judged by gravity in the acceleration.
 
     The conjugate is taken when only that fits, nothing when neither fits.
@@ -160,39 +160,39 @@ def fitting_attitude(force: Signal, attitude: Signal) -> tuple[Signal | None, Fi
     cosine = gravity_cosine(force, attitude)
     if cosine is None:
         text = "the attitude has no overlap in time with the acceleration and could not be checked"
-        return attitude, Finding(1.0, text, text)
+        return attitude, Conversion(1.0, text, text)
     conjugate = Signal(attitude.time_s, attitude.values * np.array([1.0, -1.0, -1.0, -1.0]))
     turned = gravity_cosine(force, conjugate) or 0.0
     if abs(turned) > max(abs(cosine) + _CLEARLY_BETTER, _VERTICAL_COSINE):
-        return conjugate, Finding(
+        return conjugate, Conversion(
             1.0,
             f"attitude was recorded as level -> device and is inverted: median cosine to gravity {turned:+.2f} "
             f"against {cosine:+.2f}",
         )
     if abs(cosine) >= _VERTICAL_COSINE:
-        return attitude, Finding(1.0, f"attitude leads from device to level axes: cosine to gravity {cosine:+.2f}")
+        return attitude, Conversion(1.0, f"attitude leads from device to level axes: cosine to gravity {cosine:+.2f}")
     text = f"the attitude does not fit gravity in the acceleration (median cosine {cosine:.2f}) and is left out"
-    return None, Finding(1.0, text, text)
+    return None, Conversion(1.0, text, text)
 
 
-def _sign_by_attitude(sign: float, cosine: float, expected: float | None, reason: str) -> Finding:
+def _sign_by_attitude(sign: float, cosine: float, expected: float | None, reason: str) -> Conversion:
     words = f"{_sign_in_words(sign)}: median cosine to the attitude's up direction {cosine:+.2f}"
     if expected is None or expected == sign:
-        return Finding(sign, words if expected is None else f"{words}, as expected ({reason})")
+        return Conversion(sign, words if expected is None else f"{words}, as expected ({reason})")
     warning = (
         f"the sign of the acceleration contradicts the metadata ({reason}); the attitude was believed: "
         f"median cosine to up {cosine:+.2f}"
     )
-    return Finding(sign, words, warning)
+    return Conversion(sign, words, warning)
 
 
-def _sign_unknown(force: Signal) -> Finding:
+def _sign_unknown(force: Signal) -> Conversion:
     mean = force.values.mean(axis=0)
     share = float(mean[2] / max(_median_norm(force.values), 1e-9))
     if share >= _FACE_UP_SHARE:
-        return Finding(1.0, f"acceleration taken as upwards at rest: the screen then faces up ({share:+.2f} g)")
+        return Conversion(1.0, f"acceleration taken as upwards at rest: the screen then faces up ({share:+.2f} g)")
     side = "points through the back of the phone" if share <= -_FACE_UP_SHARE else "lies in the plane of the screen"
-    return Finding(
+    return Conversion(
         1.0,
         "acceleration taken as upwards at rest, unconfirmed",
         f"the sign of the acceleration cannot be told: gravity {side} and there is no attitude; upwards at rest "

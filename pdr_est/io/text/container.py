@@ -121,7 +121,7 @@ class Source:
             return raw[:n_bytes]
         return _gunzip_head(raw, n_bytes, self.place(member))
 
-    def narrowed(self, member: str) -> "Source":
+    def with_only(self, member: str) -> "Source":
         """The same source with one member only."""
         return replace(self, stored={member: self.stored[member]})
 
@@ -133,7 +133,7 @@ class Source:
         if self.kind is SourceKind.ZIP:
             name = posixpath.normpath(posixpath.join(posixpath.dirname(self.stored[member]), relative))
             found = [logical for logical, stored in self.stored.items() if _without_gz(stored) == name]
-            return self.narrowed(found[0]) if found else None
+            return self.with_only(found[0]) if found else None
         beside = self._disk_path(member).parent / relative
         for candidate in (beside, beside.with_name(beside.name + ".gz")):
             if candidate.is_file():

@@ -10,7 +10,7 @@ _DECIMAL_COMMA = re.compile(r"\d,\d")
 
 
 @dataclass(frozen=True)
-class Dialect:
+class CsvDialect:
     """How a table is written. titles: of the columns, without quotes and outer blanks."""
 
     separator: str
@@ -18,7 +18,7 @@ class Dialect:
     titles: tuple[str, ...]
 
 
-def find_dialect(head: bytes) -> Dialect | None:
+def detect_dialect(head: bytes) -> CsvDialect | None:
     """The dialect of a table from its first bytes; None when the first line does not look like a header.
 
     The separator is the one that the header has most of outside quotes. Where it is not a comma, a comma between
@@ -33,4 +33,4 @@ def find_dialect(head: bytes) -> Dialect | None:
         return None
     titles = tuple(title.strip() for title in next(csv.reader([lines[0]], delimiter=separator)))
     decimal_comma = separator != "," and len(lines) > 1 and _DECIMAL_COMMA.search(lines[1]) is not None
-    return Dialect(separator, decimal_comma, titles)
+    return CsvDialect(separator, decimal_comma, titles)

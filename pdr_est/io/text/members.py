@@ -9,12 +9,12 @@ _HEAD_BYTES = 8192
 _NAMED_IN_MESSAGE = 3
 
 
-def members_like(source: Source, looks_right: Callable[[bytes], bool]) -> tuple[str, ...]:
+def find_members(source: Source, looks_right: Callable[[bytes], bool]) -> tuple[str, ...]:
     """The members whose first bytes look right."""
     return tuple(member for member in source.members if looks_right(source.head(member, _HEAD_BYTES)))
 
 
-def only_walk(source: Source, walks: Sequence[str], format_name: str) -> str:
+def require_single_walk(source: Source, walks: Sequence[str], format_name: str) -> str:
     """The one walk of a source. Raises RecordingError that names some of them when there are several."""
     if len(walks) == 1:
         return walks[0]
@@ -24,6 +24,6 @@ def only_walk(source: Source, walks: Sequence[str], format_name: str) -> str:
     raise RecordingError(f"{source.path}: {len(walks)} {format_name} recordings inside ({named}); pick one of them")
 
 
-def stem(member: str) -> str:
+def member_stem(member: str) -> str:
     """Name of a member without folders and extension."""
     return member.rsplit("/", 1)[-1].rsplit(".", 1)[0]

@@ -20,7 +20,7 @@ _LARGEST = 1e30
 
 
 @dataclass(frozen=True)
-class Table:
+class NumberTable:
     """The columns of a table, all of one length.
 
     place: the file, for messages. columns: name -> (n,) of float64, of int64 where every value is an integer
@@ -92,7 +92,7 @@ def read_table(
     has_header: bool = True,
     columns: Sequence[str] | None = None,
     text_columns: Sequence[str] = (),
-) -> Table:
+) -> NumberTable:
     """Parse a table.
 
     place: the file, for messages. columns: the names to keep (absent ones are simply not in the result); without
@@ -122,14 +122,14 @@ def read_table(
         if name in text_columns:
             arrays[name] = frame[name].cast(pl.String).fill_null("").to_numpy().astype(np.str_)
             continue
-        arrays[name] = measurable(_as_numbers(frame[name], place, options))
+        arrays[name] = discard_huge_values(_as_numbers(frame[name], place, options))
         cells = _empty_cells(frame[name])
         if cells.any():
             empty[name] = cells
-    return Table(place, arrays, empty)
+    return NumberTable(place, arrays, empty)
 
 
-def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal, tuple[str, ...]]:
+def finite_signal(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal, tuple[str, ...]]:
     """A signal of the rows that are finite in time and values, with a warning that counts the others.
 
     Raises RecordingError when there are no rows or none is finite.
@@ -146,16 +146,18 @@ def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Si
     return Signal(time_s[finite], values[finite]), (warning,)
 
 
-def usable_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal | None, tuple[str, ...]]:
+def finite_signal_or_none(
+    time_s: Array, values: Array, what: str, place: str
+) -> tuple[Signal | None, tuple[str, ...]]:
     """Like `finite_rows`, but None and a warning where no row is finite: for sensors that a track can do without."""
     timed = np.isfinite(time_s)
     if len(time_s) and not (timed & np.isfinite(values).all(axis=1)).any():
         reason = "hold NaN or infinite values" if timed.any() else "have no usable time"
         return None, (f"{what}: left out because all {len(time_s)} rows {reason}",)
-    return finite_rows(time_s, values, what, place)
+    return finite_signal(time_s, values, what, place)
 
 
-def measurable(values: NDArray[Any]) -> NDArray[Any]:
+def discard_huge_values(values: NDArray[Any]) -> NDArray[Any]:
     """Numbers with NaN for infinity and for what is so large that arithmetic would soon get there."""
     if values.dtype != np.float64:
         return values

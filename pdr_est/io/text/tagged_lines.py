@@ -8,7 +8,7 @@ import polars as pl
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.text.number_table import measurable
+from pdr_est.io.text.number_table import discard_huge_values
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class TaggedLog:
                     f"{self.place}, line {self._line_of(rows.row(wrong))}, {tag}: {text[name][wrong]!r} is not a "
                     "number; correct or remove this line"
                 )
-        return measurable(numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields)))
+        return discard_huge_values(numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields)))
 
     def _line_of(self, row: tuple[str | None, ...]) -> int:
         """Line of the first row that equals this one, in the file as it was recorded."""

@@ -85,7 +85,7 @@ class Inspection:
         return plain
 
 
-def inspect(recording: Recording) -> Inspection:
+def inspect_recording(recording: Recording) -> Inspection:
     """Look at every sensor of a recording. Raises nothing: what is wrong is in the result."""
     devices = tuple(_inspect_device(device) for device in recording.devices)
     starts = [channel.start_s for device in devices for channel in device.channels]

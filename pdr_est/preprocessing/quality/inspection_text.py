@@ -8,7 +8,7 @@ from pdr_est.preprocessing.quality.inspection import ChannelInspection, DeviceIn
 _SHOWN = 20  # gaps can be many: the rest is counted
 
 
-def describe(inspection: Inspection) -> str:
+def format_inspection(inspection: Inspection) -> str:
     """An inspection as readable lines; `Inspection.to_dict` has all of it."""
     lines = [f"{inspection.name}: {inspection.format}, {inspection.duration_s:.1f} s"]
     if inspection.start_unix_s is not None:

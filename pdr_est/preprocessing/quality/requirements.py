@@ -7,14 +7,14 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion.units import Finding, acceleration_unit, rotation_unit
-from pdr_est.preprocessing.sensor_ranges import LIMITS, impossible
+from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit, detect_rotation_rate_unit
+from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
 _LONGEST_WALK_S = 366 * 86400.0  # what lies further apart is a wrong time stamp
 _MOST_IMPOSSIBLE = 0.5  # of the samples: more are no damage, their unit is another one
-COARSE_S = 0.03  # between samples; integrated, those of a phone on a leg at 25 Hz drift three times as fast
+COARSE_SAMPLING_S = 0.03  # between samples; integrated, those of a phone on a leg at 25 Hz drift three times as fast
 _LATE_S = 1.0
 _MANY_SAMPLES = 5  # of which some share a second
 _WORDS = {
@@ -22,10 +22,10 @@ _WORDS = {
     Channel.ROTATION_RATE: "gyroscope",
     Channel.ATTITUDE: "attitude",
 }
-_UNITS: Mapping[Channel, tuple[Callable[[Array], Finding], str, str]] = MappingProxyType(
+_UNITS: Mapping[Channel, tuple[Callable[[Array], Conversion], str, str]] = MappingProxyType(
     {
-        Channel.SPECIFIC_FORCE: (acceleration_unit, "m/s^2", "acc_x (g)"),
-        Channel.ROTATION_RATE: (rotation_unit, "rad/s", "gyr_x (deg/s)"),
+        Channel.SPECIFIC_FORCE: (detect_acceleration_unit, "m/s^2", "acc_x (g)"),
+        Channel.ROTATION_RATE: (detect_rotation_rate_unit, "rad/s", "gyr_x (deg/s)"),
     }
 )
 
@@ -35,7 +35,7 @@ def has_gyroscope(device: DeviceRecording) -> bool:
     return _signal(device, Channel.ROTATION_RATE) is not None
 
 
-def refuse_without_track(device: DeviceRecording, place: str, one_of_several: bool = False) -> None:
+def require_track_sensors(device: DeviceRecording, place: str, one_of_several: bool = False) -> None:
     """Raises RecordingError when a device lacks a sensor without which there is no track, whatever the settings.
 
     place: what to call the device in messages. one_of_several: whether others could make a track without it.
@@ -49,7 +49,7 @@ def refuse_without_track(device: DeviceRecording, place: str, one_of_several: bo
         )
 
 
-def better_attitude(device: DeviceRecording) -> bool:
+def prefers_recorded_attitude(device: DeviceRecording) -> bool:
     """Whether the attitude that the device recorded is better than one from its samples: they are so far apart that
     they miss what a limb does, and it was recorded all along, at least as often as they were."""
     rate, attitude = _signal(device, Channel.ROTATION_RATE), _signal(device, Channel.ATTITUDE)
@@ -57,10 +57,10 @@ def better_attitude(device: DeviceRecording) -> bool:
         return False
     apart_s = float(np.median(np.diff(rate.time_s)))
     late_s = max(attitude.time_s[0] - rate.time_s[0], rate.time_s[-1] - attitude.time_s[-1])
-    return bool(apart_s > COARSE_S and late_s < _LATE_S)
+    return bool(apart_s > COARSE_SAMPLING_S and late_s < _LATE_S)
 
 
-def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:
+def required_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:
     """The channels that the front end takes: the accelerometer alone where there is no gyroscope.
 
     with_attitude: whether the device's own attitude is one of them. place: what to call the device in messages.
@@ -82,7 +82,7 @@ def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) ->
     return tuple(signals)
 
 
-def refuse_without_magnetometer(device: DeviceRecording, place: str) -> None:
+def require_magnetometer(device: DeviceRecording, place: str) -> None:
     """Raises RecordingError when a device recorded no magnetic field. place: what to call it in messages."""
     if _signal(device, Channel.MAGNETIC_FIELD) is None:
         raise RecordingError(
@@ -91,14 +91,14 @@ def refuse_without_magnetometer(device: DeviceRecording, place: str) -> None:
         )
 
 
-def why_nothing(device: DeviceRecording, place: str, longest_pause_s: float) -> RecordingError:
+def explain_empty_grid(device: DeviceRecording, place: str, longest_pause_s: float) -> RecordingError:
     """The error for a device with all channels from which resampling made nothing."""
     for channel, words in _WORDS.items():
         signal = _signal(device, channel)
         if signal is None or len(signal) < 2:
             continue
-        limit = LIMITS.get(channel)
-        if limit is not None and impossible(channel, signal.values).mean() > _MOST_IMPOSSIBLE:
+        limit = SENSOR_RANGES.get(channel)
+        if limit is not None and out_of_range(channel, signal.values).mean() > _MOST_IMPOSSIBLE:
             return RecordingError(
                 f"{place}: the values of the {words} reach {np.abs(signal.values).max():.3g} {limit.unit}, more than "
                 f"{limit.largest:g}, which no phone can measure: write their unit into the header"
@@ -192,7 +192,7 @@ def _refuse_wrong_unit(channel: Channel, signal: Signal, place: str) -> None:
     if channel not in _UNITS:
         return
     detect, right, title = _UNITS[channel]
-    usable = np.isfinite(signal.values).all(axis=1) & ~impossible(channel, signal.values)
+    usable = np.isfinite(signal.values).all(axis=1) & ~out_of_range(channel, signal.values)
     if usable.sum() < _MANY_SAMPLES:
         return
     found = detect(signal.values[usable])

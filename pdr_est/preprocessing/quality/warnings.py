@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from pdr_est.preprocessing.quality.sensor_checks import check_clock, stuck_intervals
-from pdr_est.preprocessing.sensor_ranges import LIMITS, impossible
+from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
@@ -11,7 +11,7 @@ _COVERED_SHARE = 0.98  # of the accelerometer's time: sensors start and stop one
 _COVERED_HALF = 0.5
 
 
-def doubts(device: DeviceRecording) -> tuple[str, ...]:
+def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
     """What is doubtful about a device's accelerometer and gyroscope; empty when nothing is."""
     force, rate = (_filled(signal) for signal in (device.specific_force, device.rotation_rate))
     found = [*_impossible("accelerometer", Channel.SPECIFIC_FORCE, force)]
@@ -32,9 +32,9 @@ def _filled(signal: Signal | None) -> Signal | None:
 
 
 def _impossible(name: str, channel: Channel, signal: Signal | None) -> Iterator[str]:
-    count = 0 if signal is None else int(impossible(channel, signal.values).sum())
+    count = 0 if signal is None else int(out_of_range(channel, signal.values).sum())
     if signal is not None and count:
-        limit = LIMITS[channel]
+        limit = SENSOR_RANGES[channel]
         yield (
             f"{count} of {len(signal)} samples of the {name} are beyond {limit.largest:g} {limit.unit}, "
             "which no phone can measure, and are left out"
