@@ -26,7 +26,7 @@ from pdr_est.io.formats.registry import FORMATS
 
 pytestmark = pytest.mark.usefixtures("without_report")
 
-NO_TRACK = "steps could be found but no heading and no track: record it too"
+NO_TRACK = "steps can be found but no heading and no track: record it too"
 
 
 def both_refuse(recording: Path, folder: Path, pattern: str) -> str:
@@ -207,8 +207,8 @@ def test_no_gyroscope(walk: Walk, tmp_path: Path, outs: Path) -> None:
 def test_no_accelerometer(walk: Walk, tmp_path: Path, outs: Path) -> None:
     columns = columns_of(walk)
     path = save(tmp_path / "walk.csv", lines_of({name: columns[name] for name in ("time_s", *GYR)}))
-    described = only_inspected(path, outs, "no accelerometer: nothing can be done without it; record it")
-    assert "no accelerometer: the turning of the device is possible" in described
+    described = only_inspected(path, outs, "no accelerometer, without which nothing can be estimated: record it")
+    assert "no accelerometer: rotations of the device are possible" in described
 
 
 def test_no_attitude_of_the_device(tmp_path: Path, outs: Path, lines: list[str]) -> None:
@@ -220,7 +220,7 @@ def test_no_attitude_of_the_device(tmp_path: Path, outs: Path, lines: list[str])
 def test_a_gyroscope_of_zeros_is_a_warning(walk: Walk, tmp_path: Path) -> None:
     path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, rate=np.zeros_like(walk.rate))))
     stderr = smoothed(path, tmp_path / "out").stderr
-    assert "warning: device: all values of the gyroscope are zero, the sensor is absent or fake" in stderr
+    assert "warning: device: all values of the gyroscope are zero, the sensor is missing or faulty" in stderr
 
 
 @pytest.mark.parametrize(
@@ -320,7 +320,7 @@ def test_clocks_that_hardly_overlap_are_a_warning(walk: Walk, tmp_path: Path) ->
 
 @pytest.mark.parametrize(
     ("samples", "pattern"),
-    [(1, "a single sample of the accelerometer: record for longer"), (2, "too few samples .*: record for longer")],
+    [(1, "the accelerometer has a single sample: record for longer"), (2, "too few samples .*: record for longer")],
 )
 def test_hardly_any_sample(samples: int, pattern: str, tmp_path: Path, outs: Path, lines: list[str]) -> None:
     only_inspected(save(tmp_path / "walk.csv", lines[: 1 + samples]), outs, pattern)
@@ -329,9 +329,9 @@ def test_hardly_any_sample(samples: int, pattern: str, tmp_path: Path, outs: Pat
 @pytest.mark.parametrize(
     ("scale", "shift_s", "pattern"),
     [
-        (0.0, 5.0, r"all \d+ time stamps of the accelerometer are 5\.00 s, its clock does not run: give seconds"),
-        (1.0, 1.7e18, r"all \d+ time stamps .* are 1\.7e\+18 s, its clock does not run: give seconds"),
-        (1e9, 0.0, r"spans 0\.00 to \d+\.00 s, more than a year: correct the time of sample \d+, .* in seconds"),
+        (0.0, 5.0, r"all \d+ time stamps of the accelerometer are 5\.00 s, the clock does not advance: give the"),
+        (1.0, 1.7e18, r"all \d+ time stamps .* are 1\.7e\+18 s, the clock does not advance: give the"),
+        (1e9, 0.0, r"span 0\.00 to \d+\.00 s, more than a year: correct the time of sample \d+, .* in seconds"),
         (
             1e3,
             0.0,

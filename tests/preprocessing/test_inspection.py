@@ -164,7 +164,7 @@ def test_sensors_that_never_run_together_are_reported(walk: Walk) -> None:
 
 
 def test_a_gyroscope_with_other_signs_than_the_attitude_is_reported(walk: Walk) -> None:
-    assert "do not turn the same way" in findings(look(device(walk, rotation_rate=Signal(walk.time_s, -walk.rate))))
+    assert "do not rotate the same way" in findings(look(device(walk, rotation_rate=Signal(walk.time_s, -walk.rate))))
 
 
 def test_a_single_sample_is_reported() -> None:

@@ -40,9 +40,9 @@ def test_a_recording_that_is_given_twice_counts_once() -> None:
     one = recording("walk", devices=2)
     once = merge_recordings([one, replace(one)])
     assert once.devices is one.devices
-    assert once.notes == ("walk: given more than once with the same samples, and counted once",)
+    assert once.notes == ("walk: given more than once with the same samples, and used once",)
 
 
 def test_recordings_that_cannot_be_told_apart_are_refused() -> None:
-    with pytest.raises(RecordingError, match="alike in name and device"):
+    with pytest.raises(RecordingError, match="share the name of recording and device"):
         merge_recordings([recording("a"), recording("a", 2.0)])

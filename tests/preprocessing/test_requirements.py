@@ -45,7 +45,7 @@ def test_a_track_needs_both_and_says_what_remains() -> None:
     require_track_sensors(FULL, "walk")
     with pytest.raises(RecordingError, match=r"^walk: no gyroscope \(the gyroscope is broken\), .*`pdr-est steps` "):
         require_track_sensors(BARE, "walk")
-    with pytest.raises(RecordingError, match=r"^walk: no accelerometer: nothing can be done without it"):
+    with pytest.raises(RecordingError, match=r"^walk: no accelerometer, without which nothing can be estimated"):
         require_track_sensors(replace(FULL, specific_force=None), "walk")
 
 
@@ -67,7 +67,7 @@ def test_a_gyroscope_that_cannot_be_used_is_not_passed_over() -> None:
 @pytest.mark.parametrize("attitude", [ATTITUDE, None])
 def test_the_devices_attitude_is_used_with_a_gyroscope_only(attitude: Signal | None) -> None:
     with pytest.raises(
-        RecordingError, match=r"^walk: no gyroscope .*with attitude.source: vqf in the configuration steps are found"
+        RecordingError, match=r"^walk: no gyroscope .*set attitude.source: vqf in the configuration to find steps"
     ):
         required_channels(replace(BARE, attitude=attitude), "walk", with_attitude=True)
 
@@ -75,7 +75,7 @@ def test_the_devices_attitude_is_used_with_a_gyroscope_only(attitude: Signal | N
 def test_why_nothing_came_out_of_whole_seconds_or_another_unit() -> None:
     rounded = DeviceRecording(specific_force=Signal(np.floor(TIME_S), FORCE.values))
     assert re.search(
-        r"^walk: the time stamps of the accelerometer are whole seconds, 100 samples on 2 of them: give seconds with",
+        r"^walk: the time stamps of the accelerometer are whole seconds, 100 samples on 2 of them: give the frac",
         str(explain_empty_grid(rounded, "walk", 0.5)),
     )
     milli_g = DeviceRecording(specific_force=Signal(TIME_S, 1e3 * FORCE.values))
