@@ -109,7 +109,7 @@ def test_a_clock_may_be_given_in_the_settings(phones: tuple[Path, Path], tmp_pat
 @pytest.mark.parametrize(
     ("options", "pattern"),
     [
-        (("--clock", "given"), "no clock is given: set devices.clocks (--clock-offset) for one of the devices hand, "),
+        (("--clock", "given"), "no clock is given: set devices.clocks (--clock-offset) for one of the devices hand"),
         (("--clock", "messages"), "the recording has no clock messages: give them with --messages FILE.csv"),
         (("--clock-offset", "left", "1"), "the recording has no device 'left'; its devices are hand, pocket"),
         (("--clock", "none", "--clock-offset", "pocket", "1"), "--clock none: makes no use of --clock-offset"),

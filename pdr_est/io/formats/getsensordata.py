@@ -10,7 +10,8 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
 from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
-from pdr_est.io.conversion.units import detect_acceleration_unit, detect_force_sign
+from pdr_est.io.conversion.signs import detect_force_sign
+from pdr_est.io.conversion.units import detect_acceleration_unit
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
 from pdr_est.io.text.number_table import finite_signal

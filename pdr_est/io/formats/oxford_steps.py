@@ -50,7 +50,7 @@ def read_source(source: Source) -> Recording:
     """
     member = require_single_walk(source, find_members(source, _looks_right), NAME)
     table = read_table(source.read(member), source.place(member), has_header=False, columns=_COLUMNS)
-    start_s, time_s = table.clock("time", _TICKS_PER_S)
+    start_s, time_s = table.relative_time("time", _TICKS_PER_S)
     force, warnings = finite_signal(time_s, table.stack(("x", "y", "z")), "specific force", table.place)
     device = DeviceRecording(
         platform="android",
@@ -95,7 +95,7 @@ def _true_steps(
     (contact_member,) = beside.members
     place = beside.place(contact_member)
     table = read_table(beside.read(contact_member), place, has_header=False, columns=_CONTACT_COLUMNS)
-    first_s, since_s = table.clock("time", _TICKS_PER_S)
+    first_s, since_s = table.relative_time("time", _TICKS_PER_S)
     time_s = first_s - start_s + since_s
     if not (time_s[0] < end_s and time_s[-1] > 0.0):
         raise RecordingError(

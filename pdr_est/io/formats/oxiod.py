@@ -97,7 +97,7 @@ def _device(table: NumberTable) -> DeviceRecording:
 
 
 def _epoch_s(table: NumberTable) -> float | None:
-    first_s, _ = table.clock("time")
+    first_s, _ = table.relative_time("time")
     return first_s if first_s > 1e9 else None
 
 

@@ -92,7 +92,7 @@ def _refuse_impossible(table: NumberTable) -> None:
 
 
 def _device(table: NumberTable, cut: tuple[str, ...]) -> DeviceRecording:
-    written = table.filled(_COLUMNS)  # a blank line is no sample and takes no time
+    written = table.has_values(_COLUMNS)  # a blank line is no sample and takes no time
     time_s = np.arange(int(written.sum())) / _RATE_HZ
     force_mps2 = _FORCE_MPS2_PER_BIT * table.stack(_FORCE)[written]
     rate_radps = _RATE_RADPS_PER_BIT * table.stack(_RATE)[written]

@@ -46,7 +46,7 @@ def read_source(source: Source) -> Recording:
     member = require_single_walk(source, find_members(source, _looks_right), NAME)
     place = source.place(member)
     table = read_table(_TAG.sub(b"", source.read(member)), place, separator=" ", has_header=False, columns=_COLUMNS)
-    start_s, time_s = table.clock("time", _TICKS_PER_S)
+    start_s, time_s = table.relative_time("time", _TICKS_PER_S)
     strides, left_out = _strides(table, time_s)
     return Recording(
         name=member_stem(member),

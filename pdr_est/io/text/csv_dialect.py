@@ -1,4 +1,4 @@
-"""Separator, decimal mark and column titles of a table with a header line, found from its first lines."""
+"""Detect separator, decimal mark and column titles of a table with a header line, from its first lines."""
 
 import csv
 import re
@@ -11,7 +11,17 @@ _DECIMAL_COMMA = re.compile(r"\d,\d")
 
 @dataclass(frozen=True)
 class CsvDialect:
-    """How a table is written. titles: of the columns, without quotes and outer blanks."""
+    """Way in which a table is written.
+
+    Attributes
+    ----------
+    separator
+        Character between two cells.
+    decimal_comma
+        True when a comma is the decimal mark.
+    titles
+        Titles of the columns, without quotes and outer blanks.
+    """
 
     separator: str
     decimal_comma: bool
@@ -19,10 +29,15 @@ class CsvDialect:
 
 
 def detect_dialect(head: bytes) -> CsvDialect | None:
-    """The dialect of a table from its first bytes; None when the first line does not look like a header.
+    """Detect the dialect of a table from its first bytes.
 
-    The separator is the one that the header has most of outside quotes. Where it is not a comma, a comma between
-    two digits of the first row is a decimal mark.
+    The separator is the character (tab, semicolon or comma) that is most frequent in the header outside quotes. Where
+    it is not a comma, a comma between two digits of the first row is a decimal mark.
+
+    Returns
+    -------
+    CsvDialect or None
+        None when the first line does not look like a header.
     """
     lines = head.decode("utf-8-sig", "replace").splitlines()
     if not lines or not lines[0].strip():

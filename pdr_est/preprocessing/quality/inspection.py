@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.io.conversion.units import gravity_cosine
+from pdr_est.io.conversion.signs import gravity_cosine
 from pdr_est.preprocessing.quality.sensor_checks import (
     ClockCheck,
     Interval,

@@ -29,7 +29,7 @@ def test_fixes_are_east_and_north_of_the_first() -> None:
         (60.1, 24.0, -1.0, "without a valid accuracy"),
         (60.1, 24.0, 0.0, "without a valid accuracy"),
         (60.1, 24.0, NAN, "without a valid accuracy"),
-        (60.0, 24.0, 4.0, "that repeat the one before"),
+        (60.0, 24.0, 4.0, "that repeat the previous one"),
     ],
 )
 def test_useless_fixes_are_left_out_with_a_warning(
@@ -56,4 +56,4 @@ def test_fixes_outside_the_sensors_are_counted() -> None:
     kept = drop_fixes_outside(found, 0.0, 10.0)
     assert [fix.time_s for fix in kept.fixes] == [-0.5, 5.0]
     assert kept.origin == found.origin
-    assert "2 of 4 fixes lie outside" in kept.warnings[-1]
+    assert "2 of 4 fixes are left out because" in kept.warnings[-1]

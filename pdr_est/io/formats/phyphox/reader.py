@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.conversion import units
+from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import add_gravity
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.formats.phyphox.metadata import ExperimentClock, read_device_properties, read_experiment_clock
@@ -240,9 +240,9 @@ def _device(
     if force is not None:
         findings.append(units.detect_acceleration_unit(force.values))
         if attitude is not None:
-            attitude, finding = units.resolve_attitude_direction(force, attitude)
+            attitude, finding = signs.resolve_attitude_direction(force, attitude)
             findings.append(finding)
-        sign = units.detect_force_sign(force, attitude, 1.0, "phyphox writes Android's signs on every platform")
+        sign = signs.detect_force_sign(force, attitude, 1.0, "phyphox writes Android's signs on every platform")
         findings.append(sign)
         force = Signal(force.time_s, force.values * sign.factor)
     return DeviceRecording(

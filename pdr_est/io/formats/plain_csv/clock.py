@@ -52,7 +52,7 @@ def read_time_column(table: NumberTable, columns: QuantityColumns, dates: bool) 
         finding = detect_clock_unit(ticks)
     else:
         finding = Conversion(columns.factor, f"the clock's unit is in the header: {title}")
-    first_s, since_s = table.clock(title, 1.0 / finding.factor)
+    first_s, since_s = table.relative_time(title, 1.0 / finding.factor)
     return TimeColumn(since_s, first_s if first_s > _EARLIEST_UNIX_S else None, finding)
 
 

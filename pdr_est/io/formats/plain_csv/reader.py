@@ -12,7 +12,7 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion import units
+from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
 from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
 from pdr_est.io.formats.plain_csv.clock import TimeColumn, is_date_with_time, read_time_column
@@ -47,7 +47,7 @@ class _Reading:
         if quantity not in self.columns:
             return None
         titles = self.columns[quantity].titles
-        values, sampled = self.table.stack(titles), self.table.filled(titles)
+        values, sampled = self.table.stack(titles), self.table.has_values(titles)
         if not sampled.any():
             self.decisions.append(f"{quantity}: the columns are there but hold no values")
             return None
@@ -176,16 +176,16 @@ def _upwards(reading: _Reading, force: Signal, attitude: Signal | None) -> tuple
     columns = reading.columns[Quantity.FORCE]
     if columns.canonical:
         reading.decisions.append("acceleration points up at rest by the documented header")
-        cosine = None if attitude is None else units.gravity_cosine(force, attitude)
+        cosine = None if attitude is None else signs.gravity_cosine(force, attitude)
         if cosine is not None and cosine < 0.0:
             reading.warnings.append(f"acceleration and attitude contradict each other: median cosine {cosine:+.2f}")
         return force, attitude
     if attitude is not None:
-        attitude, finding = units.resolve_attitude_direction(force, attitude)
+        attitude, finding = signs.resolve_attitude_direction(force, attitude)
         reading.note(finding)
     expected = -1.0 if columns.apple else None
     factor = reading.note(
-        units.detect_force_sign(force, attitude, expected, f"Core Motion's titles, {columns.titles[0]}")
+        signs.detect_force_sign(force, attitude, expected, f"Core Motion's titles, {columns.titles[0]}")
     )
     return Signal(force.time_s, force.values * factor), attitude
 

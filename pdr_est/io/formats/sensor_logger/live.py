@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.conversion import units
+from pdr_est.io.conversion import signs
 from pdr_est.io.conversion.gnss import gnss_fixes
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Signal
@@ -199,7 +199,7 @@ class _Phone:
         attitude = self._attitude if len(self._attitude) > 1 else None
         up = float(np.median(force.values[:, 2]))
         words = "gravity along the screen's normal, for a screen that faces up"
-        found = units.detect_force_sign(force, attitude, -1.0 if up < 0.0 else 1.0, words)
+        found = signs.detect_force_sign(force, attitude, -1.0 if up < 0.0 else 1.0, words)
         self._sign = found.factor
         return (f"{self._name}: {found.decision}; give --platform if that is wrong", *found.warnings)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
-from pdr_est.io.conversion import units
+from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import add_gravity
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.formats.sensor_logger.clock import align_fix_times, seconds_since
@@ -144,7 +144,7 @@ def _device(reading: _Reading) -> DeviceRecording:
         reading.warnings.append("accelerometer and gravity have no overlap in time: no specific force")
         raw = None
     if raw is not None and attitude is not None:
-        attitude, finding = units.resolve_attitude_direction(raw, attitude)
+        attitude, finding = signs.resolve_attitude_direction(raw, attitude)
         reading.note(finding)
     return DeviceRecording(
         model=reading.metadata.get("device name", ""),
@@ -208,7 +208,7 @@ def _explain_no_force(reading: _Reading, without_gravity: bool) -> None:
 
 def _upwards(reading: _Reading, raw: Signal, attitude: Signal | None, sign: float | None, reason: str) -> Signal:
     """The acceleration with the sign that points up at rest."""
-    factor = reading.note(units.detect_force_sign(raw, attitude, sign, reason))
+    factor = reading.note(signs.detect_force_sign(raw, attitude, sign, reason))
     check = units.detect_acceleration_unit(raw.values)
     reading.note(check)
     return Signal(raw.time_s, raw.values * factor)
