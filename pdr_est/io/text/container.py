@@ -171,7 +171,7 @@ class Source:
                     return stream.read() if n_bytes is None else stream.read(n_bytes)
             path = self._disk_path(member)
             if n_bytes is None and path.stat().st_size > self.limit_bytes:
-                raise RecordingError(f"{place}: larger than {_format_size(self.limit_bytes)}; split the file")
+                raise RecordingError(f"{place}: larger than the limit of {_format_size(self.limit_bytes)}; split it")
             with path.open("rb") as file:
                 return file.read() if n_bytes is None else file.read(n_bytes)
         except OSError as error:

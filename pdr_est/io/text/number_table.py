@@ -190,7 +190,7 @@ def finite_signal(time_s: Array, values: Array, sensor: str, place: str) -> tupl
         return Signal(time_s, values), ()
     if dropped == len(finite):
         raise RecordingError(f"{place}: all {dropped} rows of {sensor} are NaN or infinite; record again")
-    warning = f"{sensor}: {dropped} of {len(finite)} rows are left out because they contain NaN or infinite values"
+    warning = f"{sensor}: {dropped} of {len(finite)} rows are left out: NaN or infinite values"
     return Signal(time_s[finite], values[finite]), (warning,)
 
 

@@ -159,7 +159,7 @@ def test_bad_values(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"log\.txt, line 14, GYRO: 'x' is not a number"):
         read_text(tmp_path, walk().replace("0.1;0.2;0.3", "0.1;x;0.3", 1))
     device = read_text(tmp_path, walk().replace("0.1;0.2;0.3", "0.1;inf;0.3", 1)).devices[0]
-    assert device.warnings == ("GYRO: 1 of 10 rows are left out because they contain NaN or infinite values",)
+    assert device.warnings == ("GYRO: 1 of 10 rows are left out: NaN or infinite values",)
 
 
 def test_real_walks(shared_data: Path) -> None:

@@ -90,9 +90,7 @@ def test_rows_that_are_not_finite_are_counted(tmp_path: Path) -> None:
     rows[50] = rows[50].replace("9.75", "NaN")
     (tmp_path / "accelerometer.csv").write_text("\n".join(rows))
     (device,) = read(tmp_path).devices
-    assert device.warnings == (
-        f"specific force: 1 of {N} rows are left out because they contain NaN or infinite values",
-    )
+    assert device.warnings == (f"specific force: 1 of {N} rows are left out: NaN or infinite values",)
 
 
 @pytest.mark.parametrize(

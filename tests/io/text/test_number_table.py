@@ -109,7 +109,7 @@ def test_rows_that_are_not_finite_are_dropped_and_counted() -> None:
     values = np.array([[1.0, 1.0], [np.inf, 1.0], [1.0, 1.0], [2.0, 2.0]])
     signal, warnings = finite_signal(time_s, values, "rotation rate", "walk.csv")
     np.testing.assert_array_equal(signal.time_s, [0.0, 3.0])
-    assert warnings == ("rotation rate: 2 of 4 rows are left out because they contain NaN or infinite values",)
+    assert warnings == ("rotation rate: 2 of 4 rows are left out: NaN or infinite values",)
     assert finite_signal(signal.time_s, signal.values, "rotation rate", "walk.csv")[1] == ()
 
 
