@@ -34,7 +34,7 @@ from pdr_est.evaluate.stride_lengths import lengths_by_time, scored_strides, sha
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.front_end.step_length import LengthModel, StepLength, StepLengthParams, WalkerParams
 from pdr_est.io import read
-from pdr_est.io.side_tables.known_distances import read_truth_table
+from pdr_est.io.side_tables.known_distances import read_known_distances
 from pdr_est.pipeline import analyse
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
 from pdr_est.types.ground_truth import TrueStrides
@@ -116,7 +116,7 @@ def simulated_trip(seed: int, paces: Sequence[float] = PACES) -> list[Walk]:
 
 def known_distance_trip(folder: Path) -> list[Walk]:
     """The walks of the set, each from its beginning to its end."""
-    known = read_truth_table(next(folder.glob("truth.csv*")))
+    known = read_known_distances(next(folder.glob("truth.csv*")))
     always = np.array([-np.inf]), np.array([np.inf])
     return [
         measured(read(path), TrueStrides(*always, np.array([known[name].distance_m])))

@@ -23,9 +23,9 @@ from pdr_est.experiment import load_experiment
 from pdr_est.experiment.suites import SUITES
 from pdr_est.experiment.variants.axes import AXES
 from pdr_est.front_end.heading import HEADINGS
-from pdr_est.io.formats.plain_csv.header import Quantity, understand
+from pdr_est.io.formats.plain_csv.header import Quantity, parse_header
 from pdr_est.io.formats.registry import FORMATS
-from pdr_est.io.side_tables.position_fixes import read_fixes
+from pdr_est.io.side_tables.position_fixes import read_position_fixes
 
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -115,9 +115,9 @@ def check_csv(block: Block, folder: Path) -> None:
     header, *rows = block.code.splitlines()
     if rows:
         (folder / "fixes.csv").write_text(block.code, encoding="utf-8")
-        assert len(read_fixes(folder / "fixes.csv", read("demo-out/simulated-walk.csv"))) == len(rows)
+        assert len(read_position_fixes(folder / "fixes.csv", read("demo-out/simulated-walk.csv"))) == len(rows)
         return
-    known = understand(header.split(","))
+    known = parse_header(header.split(","))
     assert {Quantity.TIME, Quantity.FORCE} <= known.keys()
     assert sum(len(columns.titles) for columns in known.values()) == len(header.split(",")), "an unknown column"
 

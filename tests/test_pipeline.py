@@ -202,7 +202,7 @@ NOTHING = Signal(np.empty(0), np.empty((0, 3)))
 @pytest.mark.parametrize(
     ("channel", "message"),
     [
-        ("specific_force", r"^l_shape \(device\): no accelerometer: .*record it and try again$"),
+        ("specific_force", r"^l_shape \(device\): no accelerometer, .*record it and try again$"),
         ("rotation_rate", r"^l_shape \(device\): no gyroscope, .*no track.*`pdr-est steps` still finds the steps"),
     ],
 )
@@ -298,7 +298,7 @@ def test_the_devices_own_attitude_needs_its_gyroscope_too() -> None:
     walk = simulated(DeviceParams(sensors=SensorParams(record_attitude=True))).recording
     bare = replace(walk, devices=(replace(walk.devices[0], rotation_rate=None),))
     with pytest.raises(
-        RecordingError, match=r"^l_shape \(device\): no gyroscope, .*: with attitude.source: vqf in the "
+        RecordingError, match=r"^l_shape \(device\): no gyroscope, .*: set attitude.source: vqf in the "
     ):
         pipeline.analyse(bare, replace(Config(), attitude=AttitudeParams(source="device")))
 

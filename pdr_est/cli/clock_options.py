@@ -11,7 +11,7 @@ from pdr_est.cli.options import PATH
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config, config_from_dict, config_to_dict
 from pdr_est.errors import ConfigError
-from pdr_est.io.side_tables.clock_messages import read_messages
+from pdr_est.io.side_tables.clock_messages import read_clock_messages
 from pdr_est.types.recording import Recording
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -67,4 +67,4 @@ def with_clocks(
 
 def with_messages(recording: Recording, messages: Path | None) -> Recording:
     """The recording with the messages of a table, where one is given, in place of its own."""
-    return recording if messages is None else replace(recording, messages=(read_messages(messages),))
+    return recording if messages is None else replace(recording, messages=(read_clock_messages(messages),))

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from pdr_est.cli.error_context import naming
-from pdr_est.io.side_tables.position_fixes import read_fixes, recorded_fixes
+from pdr_est.io.side_tables.position_fixes import read_position_fixes, recorded_fixes
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
@@ -15,6 +15,6 @@ def chosen_fixes(choice: str | None, recorded: Recording, path: Path) -> tuple[P
     if choice is None:
         return ()
     if choice != RECORDED:
-        return read_fixes(choice, recorded)
+        return read_position_fixes(choice, recorded)
     with naming(path):
         return recorded_fixes(recorded)

@@ -1,23 +1,44 @@
-"""Clocks of the devices of one walk: found from their recordings or messages, and brought onto one of them."""
+"""Clock synchronisation: bring the devices of one walk onto the clock of the first device.
 
-from pdr_est.clock_sync.align_devices import ClockMethod, on_one_clock
-from pdr_est.clock_sync.clock_model import apply_clock, from_messages, move_fixes
+Every phone stamps its samples with a clock of its own. This package estimates offset and skew of each clock against
+that of the first device, the *reference clock*, and converts the recordings.
+
+==================  ================================================================================================
+file                content
+==================  ================================================================================================
+align_devices       entry point: choose the method, apply the clocks, check that the recordings overlap
+from_motion         estimate a clock from the motion of the same walk, felt by both devices
+from_messages       estimate clocks from time-stamped messages (Robust DR section V-B)
+from_config         take clocks from the configuration
+clock_model         apply an estimated clock to recordings and position fixes
+common_signals      signals that are alike on all devices of one body: walking intensity, steps, turns
+windows             windows of samples in which two devices are compared
+step_matching       find which step of one device is which step of the other
+same_walk           check that two recordings are of one walk
+robust_line         robust straight line through clock differences
+overlap             check that devices recorded at the same time
+==================  ================================================================================================
+"""
+
+from pdr_est.clock_sync.align_devices import ClockMethod, align_device_clocks
+from pdr_est.clock_sync.clock_model import apply_clock, move_fixes
 from pdr_est.clock_sync.from_config import GivenClock
-from pdr_est.clock_sync.from_motion import WalkClockParams, estimate_clock
-from pdr_est.clock_sync.overlap import begun_late, outside_others, refuse_apart
+from pdr_est.clock_sync.from_messages import estimate_clock_from_messages
+from pdr_est.clock_sync.from_motion import MotionClockParams, estimate_clock_from_motion
+from pdr_est.clock_sync.overlap import coverage_warnings, devices_started_late, require_overlap
 from pdr_est.types.clock import ClockEstimate
 
 __all__ = [
     "ClockEstimate",
     "ClockMethod",
     "GivenClock",
-    "WalkClockParams",
+    "MotionClockParams",
+    "align_device_clocks",
     "apply_clock",
-    "begun_late",
-    "estimate_clock",
-    "from_messages",
+    "coverage_warnings",
+    "devices_started_late",
+    "estimate_clock_from_messages",
+    "estimate_clock_from_motion",
     "move_fixes",
-    "on_one_clock",
-    "outside_others",
-    "refuse_apart",
+    "require_overlap",
 ]

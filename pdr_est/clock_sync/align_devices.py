@@ -1,15 +1,15 @@
-"""The devices of a walk on the clock of the first one."""
+"""Put all devices of a recording on the clock of the first device."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
 from pdr_est.clock_sync.clock_model import apply_clock
-from pdr_est.clock_sync.from_config import GivenClock, clocks_given
-from pdr_est.clock_sync.from_messages import clocks_by_messages
-from pdr_est.clock_sync.from_motion import clock_and_steps
-from pdr_est.clock_sync.overlap import outside_others, refuse_apart
-from pdr_est.clock_sync.same_walk import LEAST_AGREEMENT
+from pdr_est.clock_sync.from_config import GivenClock, device_clocks_from_config
+from pdr_est.clock_sync.from_messages import device_clocks_from_messages
+from pdr_est.clock_sync.from_motion import estimate_clock_and_step_agreement
+from pdr_est.clock_sync.overlap import coverage_warnings, require_overlap
+from pdr_est.clock_sync.same_walk import MIN_STEP_AGREEMENT
 from pdr_est.errors import RecordingError
 from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.recording import DeviceRecording, Recording
@@ -17,57 +17,80 @@ from pdr_est.types.recording import DeviceRecording, Recording
 ClockMethod = Literal["walk", "messages", "given", "none"]
 
 
-def on_one_clock(
+def align_device_clocks(
     recording: Recording, method: ClockMethod = "walk", given: Sequence[GivenClock] = ()
 ) -> list[tuple[DeviceRecording, ClockEstimate | None]]:
-    """Each device, with its times on the clock of the first one, and its own clock; None for the first device and for
-    one whose clock is not known.
+    """Convert the time stamps of every device to the clock of the first device.
 
-    method: "walk" finds the clocks from what was recorded, "messages" from the recording's messages, "given" takes
-    those of `given`, "none" leaves the times as they are. A poor estimate from the walk changes nothing: the clock
-    stays as the recording has it, and a warning says so. Raises RecordingError for recordings that are not of one
-    walk ("walk"), for messages that cannot be used, and for a device that hardly recorded together with another;
-    ConfigError for given clocks that cannot be used.
+    Parameters
+    ----------
+    recording
+        Walk with one or more devices.
+    method
+        "walk" estimates the clocks from the recorded motion, "messages" from the clock messages of the recording,
+        "given" takes those of `given`, "none" keeps the time stamps as they are.
+    given
+        Clocks from the configuration; used by the method "given" only.
+
+    Returns
+    -------
+    list of (DeviceRecording, ClockEstimate or None)
+        Every device on the reference clock, with its estimated clock. The clock is None for the first device, for
+        the method "none", and for a device whose clock cannot be estimated from its motion. A poor estimate from
+        motion is returned but not applied: the time stamps stay as recorded, and a warning of the device says so.
+
+    Raises
+    ------
+    RecordingError
+        For recordings that are not of one walk ("walk"), clock messages that cannot be used ("messages"), and for a
+        device that recorded less than 5 s together with any other device.
+    ConfigError
+        For given clocks that cannot be used.
     """
     aligned = _aligned(recording, method, given)
     devices = [device for device, _ in aligned]
-    refuse_apart(devices)
-    outside = outside_others(devices)
-    return [(_doubted(device, *outside.get(device.name, ())), clock) for device, clock in aligned]
+    require_overlap(devices)
+    warnings = coverage_warnings(devices)
+    return [(_with_warnings(device, *warnings.get(device.name, ())), clock) for device, clock in aligned]
 
 
 def _aligned(
     recording: Recording, method: ClockMethod, given: Sequence[GivenClock]
 ) -> list[tuple[DeviceRecording, ClockEstimate | None]]:
+    """Apply the clocks that the method gives."""
     first, *others = recording.devices
     if method == "none":
         return [(device, None) for device in recording.devices]
     if method == "walk":
-        return [(first, None), *(_by_walk(first, other) for other in others)]
+        return [(first, None), *(_align_by_motion(first, other) for other in others)]
     if method == "messages":
-        clocks = clocks_by_messages(recording)
+        clocks = device_clocks_from_messages(recording)
     else:
-        clocks = clocks_given([device.name for device in recording.devices], given)
+        clocks = device_clocks_from_config([device.name for device in recording.devices], given)
     applied = [(apply_clock(other, clock), clock) for other, clock in zip(others, clocks, strict=True)]
     return [(first, None), *applied]
 
 
-def _by_walk(reference: DeviceRecording, other: DeviceRecording) -> tuple[DeviceRecording, ClockEstimate | None]:
+def _align_by_motion(
+    reference: DeviceRecording, other: DeviceRecording
+) -> tuple[DeviceRecording, ClockEstimate | None]:
+    """Estimate the clock of one device from motion and apply it unless it is poor."""
     try:
-        clock, agreement = clock_and_steps(reference, other)
+        clock, agreement = estimate_clock_and_step_agreement(reference, other)
     except RecordingError as error:
-        return _doubted(other, f"clock taken as recorded: {error}"), None
-    if agreement is not None and agreement < LEAST_AGREEMENT:
+        return _with_warnings(other, f"clock taken as recorded: {error}"), None
+    if agreement is not None and agreement < MIN_STEP_AGREEMENT:
         raise RecordingError(
-            f"{reference.name} and {other.name}: their steps fall together at no shift of the clocks (agreement "
-            f"{agreement:.2f}, at least {LEAST_AGREEMENT:g} in one walk): these are not recordings of one walk: "
-            "smooth them one by one, or force it with --clock none (devices.clock) if their clocks agree"
+            f"{reference.name} and {other.name}: no shift of the clocks makes their steps coincide (agreement "
+            f"{agreement:.2f}; recordings of one walk reach at least {MIN_STEP_AGREEMENT:g}), so these are not "
+            "recordings of one walk: smooth them one by one, or use --clock none (devices.clock) if you know that "
+            "their clocks agree"
         )
     if clock.poor:
         reasons = "; ".join(clock.doubts)
-        return _doubted(other, f"clock taken as recorded: the walk does not tell it ({reasons})"), clock
+        return _with_warnings(other, f"clock taken as recorded: it cannot be found from the walk ({reasons})"), clock
     return apply_clock(other, clock), clock
 
 
-def _doubted(device: DeviceRecording, *warnings: str) -> DeviceRecording:
+def _with_warnings(device: DeviceRecording, *warnings: str) -> DeviceRecording:
     return replace(device, warnings=(*device.warnings, *warnings))

@@ -1,4 +1,8 @@
-"""What all devices on one body feel alike, wherever they are: turns, starts and stops, and heel strikes."""
+"""Signals that are alike on all devices of one body, wherever it carries them: intensity, steps and turns.
+
+All filters are ours, found on WeAllWalk. The legs swing in turn, so what swings is not common to the devices; both
+feel each heel strike, though the leg that strikes feels it more.
+"""
 
 from dataclasses import dataclass
 
@@ -10,79 +14,101 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.types.recording import DeviceRecording, Signal
 
-RATE_HZ = 50.0  # of the signals compared; recorders of 25 Hz and more are as good
-_LEAST_S = 5.0
+RATE_HZ = 50.0
+"""Sampling rate of the common signals; recorders of 25 Hz and more serve as well."""
 
-# All ours, found on WeAllWalk. Legs swing in turn, so what swings is not common; both feel each heel strike, the leg
-# that strikes more. The logarithm lets the quiet matter as much as the loud.
+_LEAST_S = 5.0
 _TILT_HZ = 0.3  # below it, specific force is gravity
 _TURN_HZ = 0.4  # below it, the rotation about the vertical is the walker's and not the leg's
-_STRIKES_HZ = (1.2, 6.0)
-_BEAT_HZ = (1.2, 3.0)  # of the steps of a walker or a runner
-_EFFORT_HZ = 0.4
+_HEEL_STRIKE_HZ = (1.2, 6.0)
+_STEP_HZ = (1.2, 3.0)  # step frequencies of walkers and runners
+_INTENSITY_HZ = 0.4
 _STANDING_MPS2 = 0.3  # acceleration of a device that is not walked with
 
 
 @dataclass(frozen=True)
 class CommonSignals:
-    """On an even grid from start_s, (n,) each: effort (how hard it is walked; log of the acceleration), strikes
-    (acceleration of the steps, m/s^2), beat (their rhythm: complex, its angle the phase, its size at most 1), turn
-    (rotation about the vertical, rad/s; None without gyroscope)."""
+    """Signals of one device on a uniform grid of `RATE_HZ`, one value a sample, (n,) each.
+
+    Attributes
+    ----------
+    start_s
+        Time of the first sample, s on the clock of the device.
+    log_intensity
+        Logarithm of the low-pass filtered magnitude of the acceleration, which shows starts, stops and briskness.
+        The logarithm lets quiet walking weigh as much as brisk walking.
+    heel_strikes_mps2
+        Norm of the specific force less gravity, band-passed to the heel strikes, m/s^2.
+    step_phasor
+        Analytic signal of the steps: its angle is the phase within a step, its magnitude is at most 1 and near 0
+        where the device is at rest.
+    turn_rate_radps
+        Rotation rate about the vertical, low-pass filtered, rad/s; None without a gyroscope.
+    """
 
     start_s: float
-    effort: Array
-    strikes: Array
-    beat: NDArray[np.complex128]
-    turn: Array | None
+    log_intensity: Array
+    heel_strikes_mps2: Array
+    step_phasor: NDArray[np.complex128]
+    turn_rate_radps: Array | None
 
     @property
     def time_s(self) -> Array:
-        grid: Array = self.start_s + np.arange(len(self.effort)) / RATE_HZ
+        """Compute the times (n,) of the samples, s on the clock of the device."""
+        grid: Array = self.start_s + np.arange(len(self.log_intensity)) / RATE_HZ
         return grid
 
 
-def common_signals(device: DeviceRecording) -> CommonSignals:
-    """Raise RecordingError for a device without accelerometer, or with less than 5 s of it."""
+def extract_common_signals(device: DeviceRecording) -> CommonSignals:
+    """Compute the common signals of a device from its accelerometer and, if present, its gyroscope.
+
+    Raises
+    ------
+    RecordingError
+        For a device without an accelerometer, or with less than 5 s of it.
+    """
     force = device.specific_force
     if force is None or not len(force):
         raise RecordingError(
-            f"device {device.name!r} has no accelerometer to find its clock by: give its clock offset"
+            f"device {device.name!r} has no accelerometer, from which its clock could be found: give its clock offset"
         )
-    force = _in_order(force)
+    force = _increasing_finite(force)
     span_s = float(force.time_s[-1] - force.time_s[0])
     if span_s < _LEAST_S:
         raise RecordingError(
-            f"device {device.name!r}: {span_s:.3f} s of accelerometer, less than the {_LEAST_S:g} s that its clock "
-            "can be found from"
+            f"device {device.name!r} has {span_s:.3f} s of accelerometer data, less than the {_LEAST_S:g} s from "
+            "which its clock can be found: give its clock offset"
         )
     time_s = np.arange(force.time_s[0], force.time_s[-1], 1.0 / RATE_HZ)
-    on_grid = _resampled(force, time_s)
-    size = np.linalg.norm(on_grid, axis=1) - STANDARD_GRAVITY_MPS2
-    strikes = _filtered(size, _STRIKES_HZ, "bandpass")
-    effort = _filtered(np.log(np.abs(strikes) + _STANDING_MPS2), _EFFORT_HZ, "lowpass")
-    rhythm = hilbert(_filtered(size, _BEAT_HZ, "bandpass"))
-    beat = rhythm / (np.abs(rhythm) + _STANDING_MPS2)
-    turn = None
+    on_grid = _interpolated(force, time_s)
+    magnitude = np.linalg.norm(on_grid, axis=1) - STANDARD_GRAVITY_MPS2
+    heel_strikes = _filtered(magnitude, _HEEL_STRIKE_HZ, "bandpass")
+    log_intensity = _filtered(np.log(np.abs(heel_strikes) + _STANDING_MPS2), _INTENSITY_HZ, "lowpass")
+    analytic = hilbert(_filtered(magnitude, _STEP_HZ, "bandpass"))
+    step_phasor = analytic / (np.abs(analytic) + _STANDING_MPS2)
+    turn_rate = None
     rate = device.rotation_rate
     if rate is not None and len(rate):
         up = _filtered(on_grid, _TILT_HZ, "lowpass")
         up = up / np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
-        turn = _filtered(np.sum(_resampled(_in_order(rate), time_s) * up, axis=1), _TURN_HZ, "lowpass")
-    return CommonSignals(float(time_s[0]), effort, strikes, beat, turn)
+        vertical_rate = np.sum(_interpolated(_increasing_finite(rate), time_s) * up, axis=1)
+        turn_rate = _filtered(vertical_rate, _TURN_HZ, "lowpass")
+    return CommonSignals(float(time_s[0]), log_intensity, heel_strikes, step_phasor, turn_rate)
 
 
 def _filtered(values: Array, band_hz: float | tuple[float, float], kind: str) -> Array:
+    """Filter forwards and backwards (no phase shift) with a second-order Butterworth filter."""
     sos = butter(2, band_hz, kind, fs=RATE_HZ, output="sos")
     filtered: Array = sosfiltfilt(sos, values, axis=0)
     return filtered
 
 
-def _resampled(signal: Signal, time_s: Array) -> Array:
+def _interpolated(signal: Signal, time_s: Array) -> Array:
     return np.stack([np.interp(time_s, signal.time_s, column) for column in signal.values.T], axis=1)
 
 
-def _in_order(signal: Signal) -> Signal:
-    """Finite samples later than all before them: a clock that repeats or jumps back tells no time."""
+def _increasing_finite(signal: Signal) -> Signal:
+    """Keep the finite samples whose time is later than all before them."""
     finite = np.isfinite(signal.time_s) & np.isfinite(signal.values).all(axis=1)
     time_s, values = signal.time_s[finite], signal.values[finite]
     latest = np.maximum.accumulate(time_s)

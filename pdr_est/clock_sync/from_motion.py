@@ -1,9 +1,11 @@
-"""The clock of one device against another's from what both recorded of the same walk.
+"""Estimate the clock of one device against another's from the motion of the walk that both recorded.
 
-Three looks, each finer than the one before and led by it. Over all shifts: effort (starts, stops, briskness) and
-turns, which repeat nowhere. In windows of minutes: the rhythm of the steps, for which step is which. In windows of
-some seconds: heel strikes, exact to a hundredth of a second but alike at every step, so that only the one nearest to
-the second look's answer counts.
+Three searches, each finer than the one before and guided by it:
+
+1. over all shifts: walking intensity and turns, which do not repeat within a walk;
+2. in windows of minutes: the rhythm of the steps, which tells which step is which;
+3. in windows of seconds: heel strikes, exact to a hundredth of a second but alike at every step, so that only the lag
+   closest to the result of the second search counts.
 """
 
 from dataclasses import dataclass
@@ -12,93 +14,111 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import fftconvolve
 
-from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals, common_signals
-from pdr_est.clock_sync.robust_line import SIGMA_SKEW, Line, fit_line, level_line, stretches
-from pdr_est.clock_sync.same_walk import best_minute
-from pdr_est.clock_sync.step_matching import same_step
+from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals, extract_common_signals
+from pdr_est.clock_sync.robust_line import SIGMA_SKEW, ClockLine, constant_offset_line, fit_clock_line
+from pdr_est.clock_sync.same_walk import best_step_agreement
+from pdr_est.clock_sync.step_matching import match_steps
+from pdr_est.clock_sync.windows import comparison_windows
 from pdr_est.frames import Array
 from pdr_est.params import Fraction, Positive, params
 from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.recording import DeviceRecording
 
 _LEAST_S = 4.0  # of a window
-_MOVING = 0.5  # of the strikes' usual rms: below it there is nothing to compare
+_MOVING = 0.5  # of the usual root mean square of the heel strikes: a window below it was not walked
 _LAG_S = 0.01  # between the lags that are tried; the best is interpolated
 
 
 @params
-class WalkClockParams:
-    """Numbers of the three looks, all ours.
-
-    near_s, least_lead: by how much of its agreement the best of all shifts must beat every shift that is not so near.
-    step_window_s, step_sigma_s: least length of the windows of the second look, and standard deviation of what each
-    finds. least_step_lead: by how much of its score (see `same_step`) the step it finds must beat any other.
-    strike_window_s, strike_search_s: length of the windows of the third look, and how far from the second's answer
-    their lags are looked for. least_agreement: correlation of a window whose lag counts. least_windows, least_share:
-    how many of these must lie on one line, also as a share of those in which both devices moved. systematic_s: what
-    devices at different places on a body feel a strike apart.
-    """
+class MotionClockParams:
+    """Parameters of the three searches for a clock difference; all values are ours."""
 
     near_s: Positive = 4.0
+    """Shifts within this time, s, of the best one count as the same result of the first search."""
+
     least_lead: Fraction = 0.15
+    """Least share by which the agreement of the best shift must exceed that of every shift not near it."""
+
     step_window_s: Positive = 240.0
+    """Least length, s, of the windows of the second search."""
+
     step_sigma_s: Positive = 0.08
+    """Standard deviation, s, of the shift that one window of the second search finds."""
+
     least_step_lead: Positive = 0.2
+    """Least lead (see `StepMatch`) by which the step found must beat any other step."""
+
     strike_window_s: Positive = 8.0
+    """Length, s, of the windows of the third search."""
+
     strike_search_s: Positive = 0.2
+    """Largest lag, s, from the result of the second search at which heel strikes are compared."""
+
     least_agreement: Fraction = 0.3
+    """Least correlation of the heel strikes of a window whose lag counts."""
+
     least_windows: int = 3
+    """Least number of windows whose lags lie on one line."""
+
     least_share: Fraction = 0.75
+    """Least share of windows on the line, among those in which both devices moved."""
+
     systematic_s: Positive = 0.02
+    """Time, s, by which devices at different places on the body feel one heel strike apart."""
 
 
 @dataclass(frozen=True)
-class _Windows:
-    """Stretches in which both devices moved. time_s: their middles on the reference clock; difference_s: other clock
-    less reference clock; agreement: correlation there; (n,) each."""
+class _WindowLags:
+    """Clock differences found in windows in which both devices moved, (n,) each; times on the reference clock."""
 
     time_s: Array
     difference_s: Array
     agreement: Array
 
 
-def estimate_clock(
-    reference: DeviceRecording, other: DeviceRecording, parameters: WalkClockParams | None = None
+def estimate_clock_from_motion(
+    reference: DeviceRecording, other: DeviceRecording, parameters: MotionClockParams | None = None
 ) -> ClockEstimate:
-    """Offset and skew of the other device's clock, however far apart the clocks are.
+    """Estimate offset and skew of the other device's clock, however far apart the clocks are.
 
-    Both must have recorded parts of the same walk. Where the recordings do not tell, `doubts` says why. Raises
-    RecordingError for a device without accelerometer, or with too little of it.
+    Both devices must have recorded parts of the same walk. Where the recordings do not determine the clock, the
+    field `doubts` of the result says why.
+
+    Raises
+    ------
+    RecordingError
+        For a device without an accelerometer, or with less than 5 s of it.
     """
-    return clock_and_steps(reference, other, parameters)[0]
+    return estimate_clock_and_step_agreement(reference, other, parameters)[0]
 
 
-def clock_and_steps(
-    reference: DeviceRecording, other: DeviceRecording, parameters: WalkClockParams | None = None
+def estimate_clock_and_step_agreement(
+    reference: DeviceRecording, other: DeviceRecording, parameters: MotionClockParams | None = None
 ) -> tuple[ClockEstimate, float | None]:
-    """`estimate_clock`, and how well the steps agree in the best minute (see `best_minute`), also with the clocks as
-    they were recorded."""
-    chosen = parameters or WalkClockParams()
-    one, two = common_signals(reference), common_signals(other)
-    shift_s, agreement, lead = _over_all_shifts(one, two, chosen.near_s)
-    clock = _refined(one, two, shift_s, agreement, lead, chosen)
-    return clock, best_minute(one, two, (shift_s, 0.0))
+    """Estimate the clock as `estimate_clock_from_motion` does, and how well the steps agree in the best minute.
+
+    The agreement (see `best_step_agreement`) is searched near the estimated shift and near the clocks as recorded.
+    """
+    chosen = parameters or MotionClockParams()
+    one, two = extract_common_signals(reference), extract_common_signals(other)
+    shift_s, agreement, lead = _search_all_shifts(one, two, chosen.near_s)
+    clock = _refine(one, two, shift_s, agreement, lead, chosen)
+    return clock, best_step_agreement(one, two, (shift_s, 0.0))
 
 
-def _refined(
-    one: CommonSignals, two: CommonSignals, shift_s: float, agreement: float, lead: float, chosen: WalkClockParams
+def _refine(
+    one: CommonSignals, two: CommonSignals, shift_s: float, agreement: float, lead: float, chosen: MotionClockParams
 ) -> ClockEstimate:
-    """The second and the third look, from the shift that the first one found, its agreement and its lead."""
-    rough, step_lead = _steps(one, two, shift_s, chosen)
-    strikes = _windows(one, two, rough, chosen)
-    agree = strikes.agreement >= chosen.least_agreement
+    """Run the second and the third search from the shift, agreement and lead of the first."""
+    rough, step_lead = _search_steps(one, two, shift_s, chosen)
+    lags = _search_heel_strikes(one, two, rough, chosen)
+    agree = lags.agreement >= chosen.least_agreement
     line, count = rough, 0
     if agree.any():
-        times_s, differences_s = strikes.time_s[agree], strikes.difference_s[agree]
-        line = fit_line(times_s, differences_s, SIGMA_SKEW, 0.25 * chosen.systematic_s)
-        count = int(line.on_it.sum())
+        times_s, differences_s = lags.time_s[agree], lags.difference_s[agree]
+        line = fit_clock_line(times_s, differences_s, SIGMA_SKEW, 0.25 * chosen.systematic_s)
+        count = int(line.inlier.sum())
     share = count / max(len(agree), 1)
-    doubts = _doubts(agreement, lead, step_lead, count, share, chosen)
     return ClockEstimate(
         offset_s=line.offset_s,
         skew=line.slope,
@@ -107,30 +127,30 @@ def _refined(
         at_s=line.at_s,
         quality=share,
         method="walk",
-        doubts=doubts,
+        doubts=_doubts(agreement, lead, step_lead, count, share, chosen),
     )
 
 
 def _doubts(
-    agreement: float, lead: float, step_lead: float, count: int, share: float, chosen: WalkClockParams
+    agreement: float, lead: float, step_lead: float, count: int, share: float, chosen: MotionClockParams
 ) -> tuple[str, ...]:
+    """Say which of the three searches has no clear result."""
     doubts = []
     if lead < chosen.least_lead:
         doubts.append(f"a quite different shift fits nearly as well (agreement {agreement:.2f}, lead {lead:.2f})")
     if step_lead < chosen.least_step_lead:
-        doubts.append(f"which step is which is unsure: another one fits nearly as well (lead {step_lead:.2f})")
+        doubts.append(f"it is unclear which step is which: another one fits nearly as well (lead {step_lead:.2f})")
     if count < chosen.least_windows or share < chosen.least_share:
         doubts.append(
-            f"steps of {count} stretches only, {share:.0%} of all, fit one line: no walk, or a clock that jumps"
+            f"the steps of only {count} windows, {share:.0%} of all, fit one line: nobody walks, or the clock jumps"
         )
     return tuple(doubts)
 
 
-def _over_all_shifts(one: CommonSignals, two: CommonSignals, near_s: float) -> tuple[float, float, float]:
-    """Difference of the clocks at which effort and turns agree best; how well; and by which share of that more than
-    at any difference that is not near."""
-    total, kinds = np.zeros(len(one.effort) + len(two.effort) - 1), 0
-    for a, b in ((one.effort, two.effort), (one.turn, two.turn)):
+def _search_all_shifts(one: CommonSignals, two: CommonSignals, near_s: float) -> tuple[float, float, float]:
+    """Return the shift at which intensity and turns agree best, that agreement, and its relative lead."""
+    total, kinds = np.zeros(len(one.log_intensity) + len(two.log_intensity) - 1), 0
+    for a, b in ((one.log_intensity, two.log_intensity), (one.turn_rate_radps, two.turn_rate_radps)):
         if a is not None and b is not None:
             a, b = a - a.mean(), b - b.mean()
             size = float(np.sqrt((a @ a) * (b @ b)))
@@ -140,44 +160,48 @@ def _over_all_shifts(one: CommonSignals, two: CommonSignals, near_s: float) -> t
     best = int(np.argmax(total))
     away = np.abs(np.arange(len(total)) - best) > near_s * RATE_HZ
     second = float(total[away].max(initial=0.0))
-    shift_s = two.start_s - one.start_s + (best - (len(one.effort) - 1)) / RATE_HZ
+    shift_s = two.start_s - one.start_s + (best - (len(one.log_intensity) - 1)) / RATE_HZ
     return shift_s, float(total[best]), 1.0 - second / max(float(total[best]), 1e-12)
 
 
-def _steps(one: CommonSignals, two: CommonSignals, shift_s: float, chosen: WalkClockParams) -> tuple[Line, float]:
-    """The line of the second look, and the median lead of its windows; without any, what the first look knows."""
-    level = level_line(shift_s)
-    windows = stretches(one, two, level, chosen.step_window_s, 0.0, _LEAST_S)
-    found = [same_step(one, two, rows, shift_s) for rows in windows]
-    if not found:
-        return level, 0.0
+def _search_steps(
+    one: CommonSignals, two: CommonSignals, shift_s: float, chosen: MotionClockParams
+) -> tuple[ClockLine, float]:
+    """Fit a line to the step matches of all windows; without a window keep the shift, with a lead of 0."""
+    constant = constant_offset_line(shift_s)
+    windows = comparison_windows(one, two, constant, chosen.step_window_s, 0.0, _LEAST_S)
+    matches = [match_steps(one, two, rows, shift_s) for rows in windows]
+    if not matches:
+        return constant, 0.0
     middles_s = np.array([one.time_s[rows].mean() for rows in windows])
-    line = fit_line(middles_s, np.array([step.shift_s for step in found]), SIGMA_SKEW, chosen.step_sigma_s)
-    return line, float(np.median([step.lead for step in found]))
+    shifts_s = np.array([match.shift_s for match in matches])
+    line = fit_clock_line(middles_s, shifts_s, SIGMA_SKEW, chosen.step_sigma_s)
+    return line, float(np.median([match.lead for match in matches]))
 
 
-def _windows(one: CommonSignals, two: CommonSignals, line: Line, chosen: WalkClockParams) -> _Windows:
-    """Lags of the heel strikes in consecutive windows, close to a line."""
-    there = CubicSpline(two.time_s, two.strikes)
+def _search_heel_strikes(
+    one: CommonSignals, two: CommonSignals, line: ClockLine, chosen: MotionClockParams
+) -> _WindowLags:
+    """Find the lag of the heel strikes in each window, close to a known line."""
+    there = CubicSpline(two.time_s, two.heel_strikes_mps2)
     reach_s = chosen.strike_search_s
     lags_s = np.arange(-reach_s, reach_s + 0.5 * _LAG_S, _LAG_S)
-    windows = stretches(one, two, line, chosen.strike_window_s, reach_s, _LEAST_S)
-    sizes = np.array([np.std(one.strikes[rows]) for rows in windows])
+    windows = comparison_windows(one, two, line, chosen.strike_window_s, reach_s, _LEAST_S)
+    sizes = np.array([np.std(one.heel_strikes_mps2[rows]) for rows in windows])
     found = []
     for rows, size in zip(windows, sizes, strict=True):
         if size < _MOVING * float(np.median(sizes)):
             continue
         time_s = one.time_s[rows]
         middle_s = float(time_s.mean())
-        shifted = there(time_s + line.value(time_s) + lags_s[:, None])
-        lag_s, agreement = _best_lag(one.strikes[rows], shifted, lags_s)
-        found.append((middle_s, float(line.value(np.array(middle_s))) + lag_s, agreement))
-    return _Windows(*np.array(found, dtype=np.float64).reshape(-1, 3).T)
+        shifted = there(time_s + line.difference_at(time_s) + lags_s[:, None])
+        lag_s, agreement = _best_lag(one.heel_strikes_mps2[rows], shifted, lags_s)
+        found.append((middle_s, float(line.difference_at(np.array(middle_s))) + lag_s, agreement))
+    return _WindowLags(*np.array(found, dtype=np.float64).reshape(-1, 3).T)
 
 
 def _best_lag(values: Array, shifted: Array, lags_s: Array) -> tuple[float, float]:
-    """Lag of the highest peak of the correlation of values (n,) with shifted (lags, n), and its height; -1 without a
-    peak inside."""
+    """Return lag and height of the highest correlation peak of (n,) with (lags, n) values; (0, -1) if none."""
     values = values - values.mean()
     centred = shifted - shifted.mean(axis=1, keepdims=True)
     size = np.maximum(np.linalg.norm(centred, axis=1) * np.linalg.norm(values), 1e-12)

@@ -10,7 +10,7 @@ from pdr_est.config import Config
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.front_end_chain import heading_needs_magnetometer, level_chain, stepping
-from pdr_est.preprocessing.quality.requirements import COARSE_S
+from pdr_est.preprocessing.quality.requirements import COARSE_SAMPLING_S
 from pdr_est.stage import Chain
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.sensors import Channel, LevelBlock, SensorBlock
@@ -139,7 +139,7 @@ class DeviceFrontEnd:
         if not at_end and (len(rate_s) < 2 or rate_s[-1] - rate_s[0] < _LOOK_S):
             return None
         look = rate_s[rate_s <= rate_s[0] + _LOOK_S] if len(rate_s) else rate_s
-        if len(look) < 2 or float(np.median(np.diff(look))) <= COARSE_S:
+        if len(look) < 2 or float(np.median(np.diff(look))) <= COARSE_SAMPLING_S:
             return False
         if not at_end and rate_s[-1] - rate_s[0] < 2.0 * _LOOK_S:
             return None  # the attitude may come after the samples that it belongs to

@@ -7,7 +7,7 @@ import numpy as np
 
 from pdr_est.config import Config
 from pdr_est.online.device_front_end import ExpectedDevice
-from pdr_est.preprocessing.quality.requirements import better_attitude, refuse_without_track
+from pdr_est.preprocessing.quality.requirements import prefers_recorded_attitude, require_track_sensors
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording
 from pdr_est.types.sensors import SensorBlock
@@ -31,9 +31,9 @@ def expected(devices: Sequence[DeviceRecording], place: str, config: Config) -> 
     messages.
     """
     for device in devices:
-        refuse_without_track(device, f"{place} ({device.name})")
+        require_track_sensors(device, f"{place} ({device.name})")
     auto = config.attitude.source == "auto"
-    return [ExpectedDevice(device.name, better_attitude(device) if auto else None) for device in devices]
+    return [ExpectedDevice(device.name, prefers_recorded_attitude(device) if auto else None) for device in devices]
 
 
 def moments(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = ()) -> Iterator[StreamSlice]:

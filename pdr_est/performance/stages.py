@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from pdr_est import pipeline
-from pdr_est.clock_sync import on_one_clock
+from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import whole_walk_stage
@@ -33,7 +33,7 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
     """CPU seconds by stage for a minute of the recording, both phones together; the clock and the estimators, each by
     name, are parts of the chain like the stages."""
     spent: dict[str, float] = {}
-    for device, _ in timed(spent, "clock", lambda: on_one_clock(recording)):
+    for device, _ in timed(spent, "clock", lambda: align_device_clocks(recording)):
         _, to_level = levelling(device, recording.name, config)
         whole_walk = whole_walk_stage(config.heading)
         stages: list[Stage] = [*to_level.stages, *stepping(config).stages]

@@ -4,7 +4,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pdr_est.clock_sync import on_one_clock
+from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.front_end_chain import analyse_device
@@ -60,7 +60,7 @@ def analyse(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tu
     not belong together, and ConfigError for a part that cannot be made.
     """
     walks = []
-    for device, clock in on_one_clock(recording, config.devices.clock, config.devices.clocks):
+    for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
         walk = analyse_device(device, recording.place_of(device), config, parts)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))
     return tuple(walks)

@@ -18,11 +18,11 @@ from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.parts import NO_PARTS, STAGE, Parts, StagePart, given_part
 from pdr_est.preprocessing.quality.requirements import (
-    better_attitude,
+    explain_empty_grid,
     has_gyroscope,
-    needed_channels,
-    refuse_without_magnetometer,
-    why_nothing,
+    prefers_recorded_attitude,
+    require_magnetometer,
+    required_channels,
 )
 from pdr_est.preprocessing.resampling import Resampler
 from pdr_est.stage import Chain, Stage
@@ -53,7 +53,7 @@ def analyse_device(device: DeviceRecording, place: str, config: Config, parts: P
     resampler, to_level = levelling(device, place, config, parts)
     level = _run(to_level, device.blocks())
     if not level:
-        raise why_nothing(device, place, config.resample.max_gap_s)
+        raise explain_empty_grid(device, place, config.resample.max_gap_s)
     steps = _run(stepping(config, parts), level)
     has_heading = has_gyroscope(device)
     odometry = _run(Odometry(device.name, config.odometry), steps) if has_heading else []
@@ -84,11 +84,11 @@ def levelling(
     The magnetic field is resampled with the other channels where the heading needs it; it does not change them.
     """
     source = config.attitude.source
-    own_attitude = source == "device" or (source == "auto" and better_attitude(device))
-    channels = needed_channels(device, place, with_attitude=own_attitude)
+    own_attitude = source == "device" or (source == "auto" and prefers_recorded_attitude(device))
+    channels = required_channels(device, place, with_attitude=own_attitude)
     optional: tuple[Channel, ...] = ()
     if heading_needs_magnetometer(config, parts):
-        refuse_without_magnetometer(device, place)
+        require_magnetometer(device, place)
         optional = (Channel.MAGNETIC_FIELD,)
     return level_chain(channels, optional, own_attitude, config, parts)
 

@@ -8,7 +8,7 @@ from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.io.side_tables.position_fixes import refuse_fix_outside
 from pdr_est.params.validation_messages import brief
-from pdr_est.preprocessing.quality.requirements import refuse_without_track
+from pdr_est.preprocessing.quality.requirements import require_track_sensors
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
@@ -31,7 +31,7 @@ def refuse_unusable_recording(recording: Any) -> None:
     """Raise RecordingError for something that is no recording, and for a device without what a track needs."""
     refuse_no_recording(recording)
     for device in recording.devices:
-        refuse_without_track(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
+        require_track_sensors(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
 
 
 def refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pdr_est.config import Config
 from pdr_est.estimators import EstimatorSpec
 from pdr_est.front_end.heading import IN_POCKETS
-from pdr_est.preprocessing.quality.warnings import doubts
+from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -21,7 +21,7 @@ def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str,
     """Collect what makes the walks of the devices doubtful; the warnings of the reader come first."""
     found = []
     for device, walk in zip(recording.devices, walks, strict=True):
-        words = [*walk.warnings, *doubts(device)]
+        words = [*walk.warnings, *quality_warnings(device)]
         if walk.gaps:
             words.append(f"{_gaps_in_words(walk.gaps)}, listed by `pdr-est inspect`")
         if not walk.steps:

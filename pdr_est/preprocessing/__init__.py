@@ -1,1 +1,13 @@
-"""Preprocessing."""
+"""Preprocessing: from recordings as they were read to samples on a uniform grid, and checks of their quality.
+
+================  ==================================================================================================
+file              content
+================  ==================================================================================================
+merge             join the recordings of several devices of one walk
+trim              cut a time span out of a recording
+resampling        resample the channels of a device onto a uniform grid (a stage: `SensorBlock` -> `ImuBlock`)
+channel_integral  clean the samples of one channel and integrate them; used by the resampling
+sensor_ranges     largest values that the sensors of a phone can measure
+quality           subpackage: inspect a recording, refuse or warn of what is wrong with it
+================  ==================================================================================================
+"""

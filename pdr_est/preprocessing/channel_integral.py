@@ -1,17 +1,40 @@
-"""One channel on its way to the grid: its samples, cleaned, and the integral of the line through them."""
+"""Clean the samples of one channel and integrate the piecewise linear signal through them."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.preprocessing.sensor_ranges import impossible
+from pdr_est.preprocessing.sensor_ranges import out_of_range
 from pdr_est.types.sensors import Channel, Gap
 
 _ROUNDING_S = 1e-6  # time stamps are rounded: a pause of exactly max_gap_s must not become a gap by that
 
 
 class ChannelIntegral:
-    """One channel's samples, cleaned, with the running integral of the line through them."""
+    """Cleaned samples of one channel, with the running integral of the piecewise linear signal.
+
+    Samples that are not finite, out of the range of the sensor, or have a duplicate or slightly backward time stamp
+    are dropped and counted. A clock that jumps back by more than `max_gap_s` has restarted: later times are moved so
+    that the samples after it begin two `max_gap_s` after the samples before it.
+
+    Parameters
+    ----------
+    channel
+        Channel of the samples.
+    max_gap_s
+        Longest pause between samples, s, that is interpolated.
+
+    Attributes
+    ----------
+    time_s
+        (n,) times of the samples still kept, s, increasing.
+    first_s
+        Time of the first sample ever, s; NaN before it.
+    gaps
+        Pauses longer than `max_gap_s`, and restarts of the clock.
+    dropped
+        Number of dropped samples by reason.
+    """
 
     def __init__(self, channel: Channel, max_gap_s: float) -> None:
         self._channel = channel
@@ -28,8 +51,9 @@ class ChannelIntegral:
         self.dropped = {"not finite": 0, "impossible": 0, "duplicate time": 0, "backward time": 0}
 
     def append(self, time_s: Array, values: Array) -> None:
+        """Append samples with times (n,), s, and values (n, k)."""
         finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
-        possible = finite & ~impossible(self._channel, values)
+        possible = finite & ~out_of_range(self._channel, values)
         finite_count, count = int(np.count_nonzero(finite)), int(np.count_nonzero(possible))
         self.dropped["not finite"] += len(time_s) - finite_count
         self.dropped["impossible"] += finite_count - count
@@ -44,7 +68,7 @@ class ChannelIntegral:
         self._extend(time, values)
 
     def _continuous(self, time: Array) -> Array:
-        """Time stamps with restarts of the clock bridged."""
+        """Bridge restarts of the clock."""
         previous = np.concatenate([[time[0] if self._last_raw_s is None else self._last_raw_s], time[:-1]])
         back = previous - time
         restart = back > self._max_gap_s
@@ -65,6 +89,7 @@ class ChannelIntegral:
         return continuous
 
     def _increasing(self, time: Array, values: Array) -> tuple[Array, Array]:
+        """Drop samples whose time is not later than all before them."""
         latest = self.time_s[-1] if len(self.time_s) else -np.inf
         before = np.maximum.accumulate(np.concatenate([[latest], time[:-1]]))
         keep = time > before
@@ -75,6 +100,7 @@ class ChannelIntegral:
         return time[keep], values[keep]
 
     def _extend(self, time: Array, values: Array) -> None:
+        """Add cleaned samples to the integral and list the gaps between them."""
         if not len(self.time_s):
             self.first_s = float(time[0])
             self.time_s, self._values = time[:1], values[:1]
@@ -94,8 +120,19 @@ class ChannelIntegral:
         self._values = np.concatenate([self._values, values])
         self._integral = np.concatenate([self._integral, integral[1:]])
 
-    def at(self, edges: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Integral up to each edge, (m, k), and whether the edge lies inside a gap."""
+    def integral_at(self, edges: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Evaluate the integral up to each time, and tell whether the time lies inside a gap.
+
+        Parameters
+        ----------
+        edges
+            (m,) times, s, between the first and the last sample kept.
+
+        Returns
+        -------
+        integral : (m, k)
+        in_gap : (m,) bool
+        """
         i = np.minimum(np.maximum(self.time_s.searchsorted(edges, side="right") - 1, 0), len(self.time_s) - 2)
         span = self.time_s[i + 1] - self.time_s[i]
         dt = edges - self.time_s[i]
@@ -103,29 +140,30 @@ class ChannelIntegral:
         integral = self._integral[i] + dt[:, None] * (self._values[i] + 0.5 * dt[:, None] * slope)
         return integral, span > self._longest_s
 
-    def where_recorded(self, edges: Array) -> Array:
-        """Integral up to each edge (m, 3), NaN before the first sample, after the last one and in gaps."""
+    def integral_or_nan(self, edges: Array) -> Array:
+        """Evaluate the integral (m, 3) up to each time (m,); NaN where the channel was not recorded."""
         if len(self.time_s) < 2:
             return np.full((len(edges), 3), np.nan)
-        integral, inside = self.at(edges)
+        integral, inside = self.integral_at(edges)
         outside = inside | (edges < self.time_s[0]) | (edges >= self.time_s[-1])
         return np.where(outside[:, None], np.nan, integral)
 
     def gap_end_s(self, time_s: float) -> float:
-        """When the gap that a time lies in ends; the time itself where there is none."""
+        """Return the end of the gap that contains a time; the time itself where there is no gap."""
         i = int(np.searchsorted(self.time_s, time_s, side="right"))
         inside = 0 < i < len(self.time_s) and self.time_s[i] - self.time_s[i - 1] > self._longest_s
         return float(self.time_s[i]) if inside else time_s
 
-    def list_missing_ends(self, first_s: float, last_s: float) -> None:
-        """Add to the gaps what this channel missed between the first and the last sample of any channel."""
+    def record_missing_ends(self, first_s: float, last_s: float) -> None:
+        """List as gaps what this channel missed between the first and the last sample of any channel, s."""
         own_last_s = float(self.time_s[-1])
         if self.first_s - first_s > self._longest_s:
             self.gaps.append(Gap(self._channel.value, first_s, self.first_s, "began later than another channel"))
         if last_s - own_last_s > self._longest_s:
             self.gaps.append(Gap(self._channel.value, own_last_s, last_s, "ended earlier than another channel"))
 
-    def forget_before(self, time_s: float) -> None:
+    def discard_before(self, time_s: float) -> None:
+        """Free the samples that are not needed for times from time_s on."""
         keep = max(int(np.searchsorted(self.time_s, time_s, side="right")) - 1, 0)
         self.time_s = self.time_s[keep:]
         self._values = self._values[keep:]
@@ -133,7 +171,7 @@ class ChannelIntegral:
 
 
 def _same_hemisphere(reference: Array, quaternion: Array) -> Array:
-    """Signs such that consecutive quaternions point the same way: q and -q are one attitude, their mean is none."""
+    """Choose the signs of quaternions so that their mean is defined: q and -q are one attitude."""
     previous = np.concatenate([reference[None, :], quaternion[:-1]])
     dot = (previous * quaternion)[:, 0].copy()
     for k in range(1, 4):

@@ -1,4 +1,4 @@
-"""Recordings that several devices made of one walk, as one recording."""
+"""Merge the recordings that several devices made of one walk."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,22 +9,27 @@ from pdr_est.errors import RecordingError
 from pdr_est.types.recording import DeviceRecording, Recording
 
 
-def together(recordings: Sequence[Recording]) -> Recording:
-    """One recording with the devices of all; everything else is that of the first.
+def merge_recordings(recordings: Sequence[Recording]) -> Recording:
+    """Merge several recordings of one walk into one recording with all of their devices.
 
-    Devices of one name get that of their recording. The times of the others are put on the time zero of the
-    first as far as the recorders tell the date; what is still wrong with the clocks is found later, from the walk.
-    A recording that is given twice, such as a set whose every table brings the other phone's along, counts once, and
-    a note says so.
-    Raises RecordingError for devices that cannot be told apart.
+    Everything but devices, clock messages and name is taken from the first recording. Where all recorders tell the
+    date, the times of the other recordings are moved to the time zero of the first; remaining clock differences are
+    found later, by `pdr_est.clock_sync`. A recording that is given twice, such as a data set in which the table of
+    either phone brings the other phone along, counts once, and a note says so. If two devices have one name, all
+    devices get the names of their recordings instead.
+
+    Raises
+    ------
+    RecordingError
+        For different recordings whose devices cannot be told apart by name.
     """
-    given, recordings = recordings, _once(recordings)
+    given, recordings = recordings, _without_repetitions(recordings)
     first, *others = recordings
     if len(recordings) < len(given):
-        first = replace(first, notes=(*first.notes, _repeated(given)))
+        first = replace(first, notes=(*first.notes, _repetition_note(given)))
     if not others:
         return first
-    devices = [device for recording in recordings for device in _on_zero_of(first, recording)]
+    devices = [device for recording in recordings for device in _with_time_zero_of(first, recording)]
     names = [device.name for device in devices]
     if len(set(names)) < len(names):
         names = [
@@ -33,9 +38,9 @@ def together(recordings: Sequence[Recording]) -> Recording:
             for device in recording.devices
         ]
     if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
+        repeated = next(name for name in names if names.count(name) > 1)
         raise RecordingError(
-            f"{twice}: two of the recordings are alike in name and device, and differ: rename one of the files"
+            f"{repeated}: two different recordings share the name of recording and device: rename one of the files"
         )
     named = tuple(replace(device, name=name) for device, name in zip(devices, names, strict=True))
     messages = tuple(one for recording in recordings for one in recording.messages)
@@ -43,22 +48,22 @@ def together(recordings: Sequence[Recording]) -> Recording:
     return replace(first, name=name, devices=named, messages=messages)
 
 
-def _once(recordings: Sequence[Recording]) -> list[Recording]:
+def _without_repetitions(recordings: Sequence[Recording]) -> list[Recording]:
     kept: list[Recording] = []
     for recording in recordings:
-        if not any(_same(recording, other) for other in kept):
+        if not any(_same_samples(recording, other) for other in kept):
             kept.append(recording)
     return kept
 
 
-def _repeated(recordings: Sequence[Recording]) -> str:
+def _repetition_note(recordings: Sequence[Recording]) -> str:
     names = [recording.name for recording in recordings]
     repeated = dict.fromkeys(name for name in names if names.count(name) > 1)
-    return f"{', '.join(repeated)}: given more than once with the same samples, and counted once"
+    return f"{', '.join(repeated)}: given more than once with the same samples, and used once"
 
 
-def _same(a: Recording, b: Recording) -> bool:
-    """Whether two recordings hold the same devices with the same samples."""
+def _same_samples(a: Recording, b: Recording) -> bool:
+    """Tell whether two recordings have the same devices with the same accelerometer samples."""
     if (a.name, [one.name for one in a.devices]) != (b.name, [one.name for one in b.devices]):
         return False
     signals = [(one.specific_force, other.specific_force) for one, other in zip(a.devices, b.devices, strict=True)]
@@ -71,7 +76,8 @@ def _same(a: Recording, b: Recording) -> bool:
     )
 
 
-def _on_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRecording, ...]:
+def _with_time_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRecording, ...]:
+    """Shift the times of a recording to the time zero of the first one, if both know their Unix time."""
     if first.epoch_s is None or recording.epoch_s is None:
         return recording.devices
     later_s = recording.epoch_s - first.epoch_s

@@ -1,7 +1,8 @@
-"""From recorder time stamps to a uniform grid: a stage that consumes SensorBlock and emits ImuBlock.
+"""Resample the channels of a device onto a uniform grid: a stage that takes `SensorBlock` and emits `ImuBlock`.
 
-Each grid value is the mean of the piecewise linear signal over one grid period. The mean keeps the integral of
-the rotation rate exact, smooths faster input against aliasing and interpolates slower input, whatever the jitter.
+Each grid value is the mean of the piecewise linear signal over one grid period. The mean keeps the integral of the
+rotation rate exact, protects against aliasing when the input is faster and interpolates when it is slower, whatever
+the jitter of the time stamps.
 """
 
 from typing import Annotated
@@ -15,33 +16,43 @@ from pdr_est.params import Positive, params
 from pdr_est.preprocessing.channel_integral import ChannelIntegral
 from pdr_est.types.sensors import Channel, Gap, ImuBlock, SensorBlock
 
-_LATEST_S = 2.0  # how far an optional channel may lag behind the others
-_MOST_POINTS = 1 << 16  # evaluated at once, which bounds the memory that a jump of the clock can ask for
+_OPTIONAL_LAG_S = 2.0  # how far an optional channel may lag behind the others
+_MAX_POINTS = 1 << 16  # evaluated at once, which bounds the memory that a jump of the clock can ask for
 
 
 @params
 class ResampleParams:
-    """rate_hz: working rate. max_gap_s: longest pause between samples that is interpolated; a longer one ends
-    the segment."""
+    """Parameters of the resampling onto the uniform grid."""
 
     rate_hz: Annotated[float, Ge(10.0), Le(1000.0)] = 50.0
+    """Working rate, Hz, of the uniform grid."""
+
     max_gap_s: Positive = 0.5
+    """Longest pause between samples, s, that is interpolated; a longer one ends the segment."""
 
 
 class Resampler:
-    """Several channels of one device onto one grid; the specific force must be among them.
+    """Stage that resamples several channels of one device onto one grid.
 
-    optional: channels that may be absent. Where they have no sample, because of a gap or before their beginning and
-    after their end, their values are NaN; grid, segments and gaps are those of the other channels. Nobody can wait
-    for a channel that has stopped: an optional one may come before the others by any time and `_LATEST_S` after them.
-    Within that, outputs do not depend on the order in which the channels come; of what comes later still, the points
-    that were emitted stay NaN. A whole signal in one block must therefore come before the others.
+    A grid point needs all required channels. A pause of one of them longer than `max_gap_s`, or a restart of its
+    clock (a jump back by more than `max_gap_s`), ends the segment; after a restart the next segment begins two
+    `max_gap_s` later. Samples that are not finite, beyond the range of any phone
+    (`pdr_est.preprocessing.sensor_ranges`), or have a duplicate or slightly backward time stamp are dropped and
+    counted.
 
-    Samples with values that are not finite or that no phone can measure (`limits`), and those with duplicate or
-    slightly backward time stamps, are dropped and counted in `dropped`. A clock that
-    jumps back by more than `max_gap_s` was restarted: the samples after it are kept, as a new segment that begins
-    two `max_gap_s` later. Gaps and restarts are collected in `gaps`, and at `flush` what a channel missed because it
-    began later or ended earlier than the others.
+    Values of optional channels are NaN where those have no sample: in their gaps, before their beginning and after
+    their end. Grid, segments and gaps do not depend on them. An optional channel may come any time before the
+    required ones and up to 2 s after them without changing an output; what comes later is lost, because a channel
+    that has stopped cannot be waited for. Push a whole signal of an optional channel before the others.
+
+    Parameters
+    ----------
+    channels
+        Required channels; the specific force must be among them.
+    parameters
+        Rate and longest pause.
+    optional
+        Channels that may be absent.
     """
 
     def __init__(
@@ -58,22 +69,26 @@ class Resampler:
 
     @property
     def latency_s(self) -> float:
+        """Return the longest time, s, between a grid point and its output."""
         return self._max_gap_s + 1.5 * self._period_s + (self._wait_s if self._optional else 0.0)
 
     @property
     def _wait_s(self) -> float:
-        """For an optional channel: what has not come by then lies in a gap of it, however late it is."""
-        return _LATEST_S + self._max_gap_s + 2.0 * self._period_s
+        """Time to wait for an optional channel: what has not come by then is in a gap of that channel."""
+        return _OPTIONAL_LAG_S + self._max_gap_s + 2.0 * self._period_s
 
     @property
     def gaps(self) -> tuple[Gap, ...]:
-        """What was not recorded of the channels that are needed, in the order of its beginning."""
+        """List gaps and clock restarts of the required channels by their beginning.
+
+        After `flush` the list also has what a channel missed because it began later or ended earlier than the others.
+        """
         gaps = [gap for channel in self._inputs.values() for gap in channel.gaps]
         return tuple(sorted(gaps, key=lambda gap: gap.start_s))
 
     @property
     def dropped(self) -> dict[str, int]:
-        """Samples left out, by channel and reason."""
+        """Count the dropped samples by channel and reason."""
         return {
             f"{channel.value}: {reason}": count
             for channel, integral in (self._inputs | self._optional).items()
@@ -82,25 +97,24 @@ class Resampler:
         }
 
     def push(self, item: SensorBlock, /) -> list[ImuBlock]:
+        """Take samples of one channel; return the grid values that have become complete."""
         channel = self._inputs.get(item.channel) or self._optional.get(item.channel)
         if channel is not None:
             channel.append(item.time_s, item.values)
         return self._emit(self._wait_s)
 
     def flush(self) -> list[ImuBlock]:
+        """Return the remaining grid values; call it once, at the end."""
         present = [channel for channel in self._inputs.values() if len(channel.time_s)]
         if present:
             first = min(channel.first_s for channel in present)
             last = max(float(channel.time_s[-1]) for channel in present)
             for channel in present:
-                channel.list_missing_ends(first, last)
+                channel.record_missing_ends(first, last)
         return self._emit(wait_s=0.0)
 
     def _emit(self, wait_s: float) -> list[ImuBlock]:
-        """All grid values that every channel covers, cut into blocks at gaps.
-
-        wait_s: how long the optional channels are waited for, in the time of the others.
-        """
+        """Compute all complete grid values, waiting at most wait_s for optional channels."""
         inputs = self._inputs.values()
         if not all(len(channel.time_s) for channel in inputs):
             return []
@@ -114,42 +128,42 @@ class Resampler:
             end = min(end, self._points_before(max(covered_s, last - wait_s)) - 1)
         blocks = []
         while self._next_index < end:
-            blocks += self._evaluate(min(end - self._next_index, _MOST_POINTS))
+            blocks += self._evaluate(min(end - self._next_index, _MAX_POINTS))
             self._skip_gap()
         if blocks:
             for channel in [*inputs, *self._optional.values()]:
-                channel.forget_before(self._edge_s(self._next_index))
+                channel.discard_before(self._edge_s(self._next_index))
         return blocks
 
     def _edge_s(self, index: int) -> float:
-        """Where the period of a grid point begins."""
+        """Return the beginning of the period of a grid point."""
         return self._first_edge_s + self._period_s * index
 
     def _points_before(self, time_s: float) -> int:
-        """Grid points whose whole period lies before a time, give or take one by rounding."""
+        """Count the grid points whose whole period lies before a time, up to one by rounding."""
         return int(np.floor((time_s - self._first_edge_s) / self._period_s))
 
     def _evaluate(self, count: int) -> list[ImuBlock]:
-        """The next grid values."""
+        """Compute the next `count` grid values."""
         index = np.arange(self._next_index, self._next_index + count + 1, dtype=np.float64)
         edges: Array = self._first_edge_s + self._period_s * index
         means, observed = {}, np.ones(count, dtype=np.bool_)
         for name, channel in self._inputs.items():
-            integral, inside = channel.at(edges)
+            integral, inside = channel.integral_at(edges)
             means[name] = (integral[1:] - integral[:-1]) / self._period_s
             observed &= ~(inside[:-1] | inside[1:])
         for name, channel in self._optional.items():
-            means[name] = np.diff(channel.where_recorded(edges), axis=0) / self._period_s
+            means[name] = np.diff(channel.integral_or_nan(edges), axis=0) / self._period_s
         return self._cut(0.5 * (edges[:-1] + edges[1:]), means, observed)
 
     def _skip_gap(self) -> None:
-        """Go on behind a gap, with a point to spare: a clock may jump by years."""
+        """Jump over a gap, because a clock may jump by years; one point is left to spare."""
         edge_s = self._edge_s(self._next_index)
         behind = max(self._points_before(channel.gap_end_s(edge_s)) - 1 for channel in self._inputs.values())
         self._next_index = max(self._next_index, behind)
 
     def _cut(self, time: Array, means: dict[Channel, Array], observed: NDArray[np.bool_]) -> list[ImuBlock]:
-        """Blocks of consecutive observed grid points; every stretch after a gap is a new segment."""
+        """Divide grid points into blocks at gaps, after each of which a new segment begins."""
         blocks = []
         borders = np.flatnonzero(np.diff(observed)) + 1
         for start, stop in zip([0, *borders], [*borders, len(observed)], strict=True):
@@ -165,20 +179,20 @@ class Resampler:
                     segment=self._segment,
                     time_s=time[start:stop],
                     specific_force_mps2=means[Channel.SPECIFIC_FORCE][start:stop],
-                    rotation_rate_radps=_part(means.get(Channel.ROTATION_RATE), start, stop),
-                    attitude=_unit(means.get(Channel.ATTITUDE), start, stop),
-                    magnetic_field_ut=_part(means.get(Channel.MAGNETIC_FIELD), start, stop),
+                    rotation_rate_radps=_rows(means.get(Channel.ROTATION_RATE), start, stop),
+                    attitude=_unit_quaternions(means.get(Channel.ATTITUDE), start, stop),
+                    magnetic_field_ut=_rows(means.get(Channel.MAGNETIC_FIELD), start, stop),
                 )
             )
         self._next_index += len(observed)
         return blocks
 
 
-def _part(values: Array | None, start: int, stop: int) -> Array | None:
+def _rows(values: Array | None, start: int, stop: int) -> Array | None:
     return None if values is None else values[start:stop]
 
 
-def _unit(quaternion: Array | None, start: int, stop: int) -> Array | None:
+def _unit_quaternions(quaternion: Array | None, start: int, stop: int) -> Array | None:
     if quaternion is None:
         return None
     w, x, y, z = quaternion[start:stop].T

@@ -1,4 +1,4 @@
-"""A part of a recording, as if nothing else had been recorded."""
+"""Cut a time span out of a recording."""
 
 import math
 from dataclasses import replace
@@ -8,13 +8,25 @@ from pdr_est.types.ground_truth import TruePositions, TrueSteps, TrueTurns, Trut
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 
-def cut(recording: Recording, start_s: float, end_s: float = math.inf) -> Recording:
-    """What was recorded from start_s to end_s, both inclusive, on the recording's own clock, which stays as it is.
+def trim_recording(recording: Recording, start_s: float, end_s: float = math.inf) -> Recording:
+    """Keep what was recorded from start_s to end_s, both inclusive.
 
-    Signals, annotated truth and fixes outside are left out. A step count or a distance of the whole walk does not
-    hold for a part and becomes None. Raises RecordingError when no device has a sample inside.
+    Signals, annotated truth and fixes outside are removed; the time stamps stay as they are. Step count and distance
+    of the whole walk do not hold for a part of it and become None.
+
+    Parameters
+    ----------
+    recording
+        Recording to cut; it is not changed.
+    start_s, end_s
+        Time span, s on the clock of the recording.
+
+    Raises
+    ------
+    RecordingError
+        When no device has a sample inside.
     """
-    devices = tuple(_cut_device(device, start_s, end_s) for device in recording.devices)
+    devices = tuple(_trim_device(device, start_s, end_s) for device in recording.devices)
     if not any(True for device in devices for _ in device.blocks()):
         raise RecordingError(
             f"{recording.name}: no sample between {start_s:.3f} and {end_s:.3f} s: choose a span inside the recording"
@@ -22,24 +34,24 @@ def cut(recording: Recording, start_s: float, end_s: float = math.inf) -> Record
     return replace(
         recording,
         devices=devices,
-        truth=_cut_truth(recording.truth, start_s, end_s),
+        truth=_trim_truth(recording.truth, start_s, end_s),
         fixes=tuple(fix for fix in recording.fixes if start_s <= fix.time_s <= end_s),
         notes=(*recording.notes, f"cut to {start_s:.3f} to {end_s:.3f} s"),
     )
 
 
-def _cut_device(device: DeviceRecording, start_s: float, end_s: float) -> DeviceRecording:
+def _trim_device(device: DeviceRecording, start_s: float, end_s: float) -> DeviceRecording:
     return replace(
         device,
-        specific_force=_cut_signal(device.specific_force, start_s, end_s),
-        rotation_rate=_cut_signal(device.rotation_rate, start_s, end_s),
-        magnetic_field=_cut_signal(device.magnetic_field, start_s, end_s),
-        attitude=_cut_signal(device.attitude, start_s, end_s),
-        pressure=_cut_signal(device.pressure, start_s, end_s),
+        specific_force=_trim_signal(device.specific_force, start_s, end_s),
+        rotation_rate=_trim_signal(device.rotation_rate, start_s, end_s),
+        magnetic_field=_trim_signal(device.magnetic_field, start_s, end_s),
+        attitude=_trim_signal(device.attitude, start_s, end_s),
+        pressure=_trim_signal(device.pressure, start_s, end_s),
     )
 
 
-def _cut_signal(signal: Signal | None, start_s: float, end_s: float) -> Signal | None:
+def _trim_signal(signal: Signal | None, start_s: float, end_s: float) -> Signal | None:
     if signal is None:
         return None
     # A mask and not a slice: the clock of a recording may jump back.
@@ -47,30 +59,30 @@ def _cut_signal(signal: Signal | None, start_s: float, end_s: float) -> Signal |
     return Signal(signal.time_s[inside], signal.values[inside])
 
 
-def _cut_truth(truth: Truth, start_s: float, end_s: float) -> Truth:
+def _trim_truth(truth: Truth, start_s: float, end_s: float) -> Truth:
     return Truth(
-        positions=_cut_positions(truth.positions, start_s, end_s),
-        steps=_cut_steps(truth.steps, start_s, end_s),
-        turns=_cut_turns(truth.turns, start_s, end_s),
+        positions=_trim_positions(truth.positions, start_s, end_s),
+        steps=_trim_steps(truth.steps, start_s, end_s),
+        turns=_trim_turns(truth.turns, start_s, end_s),
         activity=truth.activity,
     )
 
 
-def _cut_positions(positions: TruePositions | None, start_s: float, end_s: float) -> TruePositions | None:
+def _trim_positions(positions: TruePositions | None, start_s: float, end_s: float) -> TruePositions | None:
     if positions is None:
         return None
     inside = (positions.time_s >= start_s) & (positions.time_s <= end_s)
     return replace(positions, time_s=positions.time_s[inside], position_m=positions.position_m[inside])
 
 
-def _cut_steps(steps: TrueSteps | None, start_s: float, end_s: float) -> TrueSteps | None:
+def _trim_steps(steps: TrueSteps | None, start_s: float, end_s: float) -> TrueSteps | None:
     if steps is None:
         return None
     inside = (steps.time_s >= start_s) & (steps.time_s <= end_s)
     return TrueSteps(steps.time_s[inside], steps.foot[inside])
 
 
-def _cut_turns(turns: TrueTurns | None, start_s: float, end_s: float) -> TrueTurns | None:
+def _trim_turns(turns: TrueTurns | None, start_s: float, end_s: float) -> TrueTurns | None:
     if turns is None:
         return None
     inside = (turns.time_s >= start_s) & (turns.time_s <= end_s)

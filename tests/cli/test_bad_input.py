@@ -26,7 +26,7 @@ from pdr_est.io.formats.registry import FORMATS
 
 pytestmark = pytest.mark.usefixtures("without_report")
 
-NO_TRACK = "steps could be found but no heading and no track: record it too"
+NO_TRACK = "steps can be found but no heading and no track: record it too"
 
 
 def both_refuse(recording: Path, folder: Path, pattern: str) -> str:
@@ -96,10 +96,10 @@ def test_paths_that_lead_to_no_recording(tmp_path: Path, outs: Path) -> None:
     as_zip(tmp_path / "empty.zip", {})
     for name, pattern in {
         "nowhere.csv": "no such file or folder; check the path",
-        "one": "a symbolic link that leads nowhere; check the path",
-        "folders": "holds no files; give the file, folder or zip",
+        "one": "a symbolic link to a missing file; check the path",
+        "folders": "contains no files; give the file, folder or zip",
         "pipe": "neither a file nor a folder",
-        "empty.zip": "holds no files",
+        "empty.zip": "contains no files",
         "x" * 300: "cannot be read .*; check its permissions",
     }.items():
         both_refuse(tmp_path / name, outs, pattern)
@@ -109,7 +109,7 @@ def test_a_folder_of_several_walks_names_them(tmp_path: Path, outs: Path, lines:
     for name in ("b.csv", "a.csv"):
         (tmp_path / "walks").mkdir(exist_ok=True)
         save(tmp_path / "walks" / name, lines)
-    both_refuse(tmp_path / "walks", outs, r"2 plain CSV recordings inside \(a\.csv, b\.csv\); pick one of them")
+    both_refuse(tmp_path / "walks", outs, r"contains 2 plain CSV recordings \(a\.csv, b\.csv\); choose one of them")
 
 
 def test_a_folder_may_hold_links_to_itself_and_pipes(tmp_path: Path, lines: list[str]) -> None:
@@ -123,13 +123,13 @@ def test_a_folder_may_hold_links_to_itself_and_pipes(tmp_path: Path, lines: list
 
 def test_archives_that_would_harm_are_refused_unpacked(tmp_path: Path, outs: Path, export: dict[str, bytes]) -> None:
     path = as_zip(tmp_path / "escape.zip", {**export, "../evil.csv": b"x"})
-    both_refuse(path, outs, r"member '\.\./evil\.csv' points outside the archive; refused, pack the recording again")
+    both_refuse(path, outs, r"member '\.\./evil\.csv' points outside the archive; pack the recording again")
     bomb = bytearray(as_zip(tmp_path / "bomb.zip", export).read_bytes())
     for magic, offset in ((b"PK\x01\x02", 24), (b"PK\x03\x04", 22)):
         at = bomb.find(magic)
         bomb[at + offset : at + offset + 4] = struct.pack("<I", 0xFFFFFFFE)
     (tmp_path / "bomb.zip").write_bytes(bomb)
-    both_refuse(tmp_path / "bomb.zip", outs, r"claims to unpack to 4\.0 GiB, the limit is 2\.0 GiB; refused")
+    both_refuse(tmp_path / "bomb.zip", outs, r"claims to unpack to 4\.0 GiB, the limit is 2\.0 GiB; give")
     assert not list(tmp_path.rglob("evil.csv"))
 
 
@@ -175,15 +175,15 @@ def test_nan_and_inf_are_dropped_and_counted(tmp_path: Path, lines: list[str]) -
     result = smoothed(save(tmp_path / "walk.csv", table), tmp_path / "out")
     total = len(lines) - 1
     assert result.stderr.splitlines() == [
-        f"warning: device: specific force: 6 of {total} rows dropped because they hold NaN or infinite values",
-        f"warning: device: rotation rate: 1 of {total} rows dropped because they hold NaN or infinite values",
+        f"warning: device: specific force: 6 of {total} rows are left out: NaN or infinite values",
+        f"warning: device: rotation rate: 1 of {total} rows are left out: NaN or infinite values",
     ]
 
 
 def test_nothing_but_nan(walk: Walk, tmp_path: Path, outs: Path) -> None:
     nothing = np.full_like(walk.rate, np.nan)
     path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, rate=nothing)))
-    only_inspected(path, outs, f"no gyroscope .*: left out because all {len(nothing)} rows hold NaN.*{NO_TRACK}")
+    only_inspected(path, outs, f"no gyroscope .*: left out because all {len(nothing)} rows contain NaN.*{NO_TRACK}")
     path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, force=nothing, rate=nothing)))
     both_refuse(
         path, outs, r"neither accelerometer nor gyroscope has values \(specific force: left out .*record again"
@@ -207,8 +207,8 @@ def test_no_gyroscope(walk: Walk, tmp_path: Path, outs: Path) -> None:
 def test_no_accelerometer(walk: Walk, tmp_path: Path, outs: Path) -> None:
     columns = columns_of(walk)
     path = save(tmp_path / "walk.csv", lines_of({name: columns[name] for name in ("time_s", *GYR)}))
-    described = only_inspected(path, outs, "no accelerometer: nothing can be done without it; record it")
-    assert "no accelerometer: the turning of the device is possible" in described
+    described = only_inspected(path, outs, "no accelerometer, without which nothing can be estimated: record it")
+    assert "no accelerometer: rotations of the device are possible" in described
 
 
 def test_no_attitude_of_the_device(tmp_path: Path, outs: Path, lines: list[str]) -> None:
@@ -220,7 +220,7 @@ def test_no_attitude_of_the_device(tmp_path: Path, outs: Path, lines: list[str])
 def test_a_gyroscope_of_zeros_is_a_warning(walk: Walk, tmp_path: Path) -> None:
     path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, rate=np.zeros_like(walk.rate))))
     stderr = smoothed(path, tmp_path / "out").stderr
-    assert "warning: device: all values of the gyroscope are zero, the sensor is absent or fake" in stderr
+    assert "warning: device: all values of the gyroscope are zero, the sensor is missing or faulty" in stderr
 
 
 @pytest.mark.parametrize(
@@ -288,7 +288,7 @@ def test_a_damaged_member_is_named(export: dict[str, bytes], tmp_path: Path, out
 def test_two_walks_in_one_archive(export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
     members = {f"{folder}/{name}": data for folder in ("monday", "sunday") for name, data in export.items()}
     path = as_zip(tmp_path / "walks.zip", members)
-    both_refuse(path, outs, r"2 Sensor Logger recordings inside \(monday, sunday\); pick one of them")
+    both_refuse(path, outs, r"contains 2 Sensor Logger recordings \(monday, sunday\); choose one of them")
 
 
 def test_gravity_of_another_time(walk: Walk, export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
@@ -320,7 +320,7 @@ def test_clocks_that_hardly_overlap_are_a_warning(walk: Walk, tmp_path: Path) ->
 
 @pytest.mark.parametrize(
     ("samples", "pattern"),
-    [(1, "a single sample of the accelerometer: record for longer"), (2, "too few samples .*: record for longer")],
+    [(1, "the accelerometer has a single sample: record for longer"), (2, "too few samples .*: record for longer")],
 )
 def test_hardly_any_sample(samples: int, pattern: str, tmp_path: Path, outs: Path, lines: list[str]) -> None:
     only_inspected(save(tmp_path / "walk.csv", lines[: 1 + samples]), outs, pattern)
@@ -329,9 +329,9 @@ def test_hardly_any_sample(samples: int, pattern: str, tmp_path: Path, outs: Pat
 @pytest.mark.parametrize(
     ("scale", "shift_s", "pattern"),
     [
-        (0.0, 5.0, r"all \d+ time stamps of the accelerometer are 5\.00 s, its clock does not run: give seconds"),
-        (1.0, 1.7e18, r"all \d+ time stamps .* are 1\.7e\+18 s, its clock does not run: give seconds"),
-        (1e9, 0.0, r"spans 0\.00 to \d+\.00 s, more than a year: correct the time of sample \d+, .* in seconds"),
+        (0.0, 5.0, r"all \d+ time stamps of the accelerometer are 5\.00 s, the clock does not advance: give the"),
+        (1.0, 1.7e18, r"all \d+ time stamps .* are 1\.7e\+18 s, the clock does not advance: give the"),
+        (1e9, 0.0, r"span 0\.00 to \d+\.00 s, more than a year: correct the time of sample \d+, .* in seconds"),
         (
             1e3,
             0.0,
@@ -348,7 +348,7 @@ def test_useless_clocks(scale: float, shift_s: float, pattern: str, walk: Walk, 
 
 def test_times_beyond_any_clock(walk: Walk, tmp_path: Path, outs: Path) -> None:
     path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, time_s=walk.time_s + 1e300)))
-    both_refuse(path, outs, r"specific force: left out because all \d+ rows have no usable time; .*; record again")
+    both_refuse(path, outs, r"specific force: left out because all \d+ rows have no finite time; .*; record again")
 
 
 def test_one_wrong_time_stamp_is_pointed_at(tmp_path: Path, outs: Path, lines: list[str]) -> None:

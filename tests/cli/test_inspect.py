@@ -67,7 +67,7 @@ def test_json_has_no_numbers_that_json_does_not_know(walk: Walk, tmp_path: Path)
         raise AssertionError(f"{name} is no JSON")
 
     document = json.loads(text, parse_constant=refuse)
-    assert "rotation_rate: all values are zero, the sensor is absent or fake" in document["devices"][0]["findings"]
+    assert "rotation_rate: all values are zero, the sensor is missing or faulty" in document["devices"][0]["findings"]
 
 
 def test_help() -> None:

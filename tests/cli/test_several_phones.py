@@ -109,9 +109,9 @@ def test_a_clock_may_be_given_in_the_settings(phones: tuple[Path, Path], tmp_pat
 @pytest.mark.parametrize(
     ("options", "pattern"),
     [
-        (("--clock", "given"), "no clock is: give devices.clocks (--clock-offset) for one of hand, pocket"),
-        (("--clock", "messages"), "no clock messages are known: give them with --messages FILE.csv"),
-        (("--clock-offset", "left", "1"), "no device 'left' in the recording: it has hand, pocket"),
+        (("--clock", "given"), "no clock is given: set devices.clocks (--clock-offset) for one of the devices hand"),
+        (("--clock", "messages"), "the recording has no clock messages: give them with --messages FILE.csv"),
+        (("--clock-offset", "left", "1"), "the recording has no device 'left'; its devices are hand, pocket"),
         (("--clock", "none", "--clock-offset", "pocket", "1"), "--clock none: makes no use of --clock-offset"),
         (("--clock-offset", "pocket", "nan"), "--clock-offset: devices.clocks.0.offset_s = nan"),
         (("--clock-offset", "pocket", "1e11"), "--clock-offset: devices.clocks.0.offset_s = 100000000000.0"),
@@ -133,13 +133,13 @@ def test_messages_that_cannot_be(phones: tuple[Path, Path], messages: Path, tmp_
     line = two_refused(phones, tmp_path / "outs", "--messages", tmp_path / "missing.csv")
     assert line.startswith(f"{tmp_path / 'missing.csv'}: no such file")
     line = two_refused((phones[0], phones[0]), tmp_path / "outs", "--messages", messages)
-    assert "there is no device but" in line
+    assert "there is no other device than" in line
 
 
 def test_walks_of_two_people_are_refused_unless_forced(phones: tuple[Path, Path], tmp_path: Path) -> None:
     stranger = walked(2, 1.87)
     other = write(stranger, stranger.devices[1], tmp_path / "stranger.csv")
     line = two_refused((phones[0], other), tmp_path / "outs")
-    assert line.startswith(f"{phones[0]}, {other}: hand and stranger: their steps fall together at no shift")
-    assert "smooth them one by one, or force it with --clock none" in line
+    assert line.startswith(f"{phones[0]}, {other}: hand and stranger: no shift of the clocks makes their steps ")
+    assert "smooth them one by one, or use --clock none" in line
     assert run("smooth", phones[0], other, "-o", tmp_path / "forced", "--clock", "none").exit_code == 0

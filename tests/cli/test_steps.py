@@ -132,7 +132,7 @@ def test_what_the_reader_and_the_gyroscope_leave_open_is_a_warning(walk: Walk, t
     result = run("steps", save(tmp_path / "walk.csv", lines))
     assert result.exit_code == 0
     assert "1 of" in result.stderr
-    assert "rows dropped because they hold NaN" in result.stderr
+    assert "rows are left out because they contain NaN" in result.stderr
     assert "the gyroscope covers only" in result.stderr
 
 

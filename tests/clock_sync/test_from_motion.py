@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pdr_est.clock_sync import ClockEstimate, apply_clock, estimate_clock
+from pdr_est.clock_sync import ClockEstimate, apply_clock, estimate_clock_from_motion
 from pdr_est.errors import RecordingError
 from pdr_est.simulate import (
     DeviceParams,
@@ -59,7 +59,7 @@ def worst_s(clock: ClockEstimate, offset_s: float, skew: float, reference: Devic
 @pytest.mark.parametrize("rate_hz", [25.0, 100.0])
 def test_clocks_of_pocket_phones_are_found(offset_s: float, skew: float, rate_hz: float) -> None:
     one, two = phones(rate_hz=rate_hz)
-    clock = estimate_clock(one, with_clock(two, offset_s, skew))
+    clock = estimate_clock_from_motion(one, with_clock(two, offset_s, skew))
     assert clock.doubts == ()
     assert worst_s(clock, offset_s, skew, one) < EXACT_S
 
@@ -68,7 +68,7 @@ def test_clocks_of_pocket_phones_are_found(offset_s: float, skew: float, rate_hz
 def test_a_phone_in_the_hand_is_within_what_is_claimed(offset_s: float, skew: float) -> None:
     """A hand feels the strikes differently, by a constant that no recording tells: never a step, though."""
     one, two = phones("hand")
-    clock = estimate_clock(one, with_clock(two, offset_s, skew))
+    clock = estimate_clock_from_motion(one, with_clock(two, offset_s, skew))
     assert clock.doubts == ()
     assert worst_s(clock, offset_s, skew, one) < 3.0 * clock.sigma_s
 
@@ -76,7 +76,7 @@ def test_a_phone_in_the_hand_is_within_what_is_claimed(offset_s: float, skew: fl
 @pytest.mark.parametrize("after_s", [8.0, 30.0])
 def test_a_recording_that_began_later_is_found_too(after_s: float) -> None:
     one, two = phones()
-    clock = estimate_clock(one, with_clock(two, -2.0, 1e-4, after_s))
+    clock = estimate_clock_from_motion(one, with_clock(two, -2.0, 1e-4, after_s))
     assert clock.doubts == ()
     assert worst_s(clock, -2.0, 1e-4, one) < EXACT_S
 
@@ -84,21 +84,21 @@ def test_a_recording_that_began_later_is_found_too(after_s: float) -> None:
 def test_exchanging_the_phones_inverts_the_clock() -> None:
     one, two = phones()
     other = with_clock(two, 2.0, 1e-4)
-    there, back = estimate_clock(one, other), estimate_clock(other, one)
+    there, back = estimate_clock_from_motion(one, other), estimate_clock_from_motion(other, one)
     assert there.offset_s == pytest.approx(-float(back.offset_at(np.array(there.at_s + there.offset_s))), abs=0.01)
 
 
 def test_applied_it_brings_the_clocks_together() -> None:
     one, two = phones()
-    again = estimate_clock(
-        one, apply_clock(with_clock(two, 2.0, 1e-4), estimate_clock(one, with_clock(two, 2.0, 1e-4)))
+    again = estimate_clock_from_motion(
+        one, apply_clock(with_clock(two, 2.0, 1e-4), estimate_clock_from_motion(one, with_clock(two, 2.0, 1e-4)))
     )
     assert worst_s(again, 0.0, 0.0, one) < 0.01
 
 
 def test_it_works_without_a_gyroscope() -> None:
     one, two = (replace(device, rotation_rate=None) for device in phones())
-    clock = estimate_clock(one, with_clock(two, 2.0, 1e-4))
+    clock = estimate_clock_from_motion(one, with_clock(two, 2.0, 1e-4))
     assert worst_s(clock, 2.0, 1e-4, one) < EXACT_S
 
 
@@ -110,7 +110,7 @@ def test_a_clock_that_jumps_is_doubted() -> None:
     jumped = replace(
         two, specific_force=Signal(np.where(force.time_s < middle_s, 0.0, 1.9) + force.time_s, force.values)
     )
-    assert estimate_clock(one, jumped).poor
+    assert estimate_clock_from_motion(one, jumped).poor
 
 
 def test_phones_of_different_walks_are_doubted() -> None:
@@ -118,7 +118,7 @@ def test_phones_of_different_walks_are_doubted() -> None:
     _, stranger = simulate_walk(
         replace(preset("straight"), devices=(DeviceParams(), DeviceParams(name="b", carry=PocketPhone())), seed=11)
     ).recording.devices
-    assert estimate_clock(one, stranger).poor
+    assert estimate_clock_from_motion(one, stranger).poor
 
 
 def test_phones_that_lie_still_are_doubted() -> None:
@@ -128,14 +128,14 @@ def test_phones_that_lie_still_are_doubted() -> None:
         DeviceRecording(name, specific_force=Signal(time_s, [0.0, 0.0, 9.81] + 0.02 * rng.standard_normal((3000, 3))))
         for name in ("a", "b")
     ]
-    assert estimate_clock(*still).poor
+    assert estimate_clock_from_motion(*still).poor
 
 
 def test_unusable_recordings_are_refused() -> None:
     one, two = phones()
     with pytest.raises(RecordingError, match="no accelerometer"):
-        estimate_clock(one, replace(two, specific_force=None))
+        estimate_clock_from_motion(one, replace(two, specific_force=None))
     assert two.specific_force is not None
     short = Signal(two.specific_force.time_s[:50], two.specific_force.values[:50])
-    with pytest.raises(RecordingError, match="less than the 5 s that its clock"):
-        estimate_clock(one, replace(two, specific_force=short))
+    with pytest.raises(RecordingError, match="less than the 5 s from which its clock"):
+        estimate_clock_from_motion(one, replace(two, specific_force=short))

@@ -11,7 +11,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators import EstimatorName
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.online import Tracker, Update, track_of
-from pdr_est.preprocessing.trim import cut
+from pdr_est.preprocessing.trim import trim_recording
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
 
@@ -133,17 +133,17 @@ def test_a_fix_that_cannot_be_used_takes_nothing_with_it() -> None:
     same_poses([*updates, *tracker.flush()], offline(recording, KNOWN_START))
 
 
-def begun_late(recording: Recording, late_s: float) -> Recording:
+def devices_started_late(recording: Recording, late_s: float) -> Recording:
     """The second phone records from then on."""
     first, second = recording.devices
-    (late,) = cut(replace(recording, devices=(second,)), late_s).devices
+    (late,) = trim_recording(replace(recording, devices=(second,)), late_s).devices
     return replace(recording, devices=(first, late))
 
 
 @pytest.mark.parametrize("config", [ONE_CLOCK, KNOWN_START], ids=["open", "known"])
 @pytest.mark.parametrize("fixes", [[], FIXES], ids=["bare", "fixes"])
 def test_a_phone_that_begins_late_is_the_same_online(config: Config, fixes: list) -> None:
-    recording, rng = begun_late(recorded(2, gap=True), 17.3), np.random.default_rng(4)
+    recording, rng = devices_started_late(recorded(2, gap=True), 17.3), np.random.default_rng(4)
     tracker = tracker_of(recording, config)
     for fix in fixes:
         tracker.push_fix(fix)
@@ -154,7 +154,7 @@ def test_a_phone_that_begins_late_is_the_same_online(config: Config, fixes: list
 @pytest.mark.parametrize("name", ["ekf", "fixed-lag"])
 def test_a_phone_that_begins_late_begins_where_the_other_one_is(name: EstimatorName) -> None:
     recording, config = recorded(2), KNOWN_START.with_estimator(name)
-    whole, late = offline(recording, config), offline(begun_late(recording, 17.3), config)
+    whole, late = offline(recording, config), offline(devices_started_late(recording, 17.3), config)
     first, second = (late.of_device(device) for device in ("left", "right"))
     assert second.time_s[0] == pytest.approx(17.3, abs=0.1)
     assert np.linalg.norm(second.position_m[0] - first.at(second.time_s[:1])[0][0]) < 1.0

@@ -11,8 +11,8 @@ from fabricated import Walk, make_walk
 
 from pdr_est.frames import Array
 from pdr_est.io.formats.registry import read
-from pdr_est.preprocessing.quality.inspection import ChannelInspection, Inspection, inspect
-from pdr_est.preprocessing.quality.inspection_text import describe
+from pdr_est.preprocessing.quality.inspection import ChannelInspection, Inspection, inspect_recording
+from pdr_est.preprocessing.quality.inspection_text import format_inspection
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, GeoOrigin, Recording, Signal
@@ -42,7 +42,7 @@ def device(walk: Walk, **changes: Any) -> DeviceRecording:
 
 
 def look(*devices: DeviceRecording, **parts: Any) -> Inspection:
-    return inspect(Recording("walk", "test", devices, **parts))
+    return inspect_recording(Recording("walk", "test", devices, **parts))
 
 
 def channel(inspection: Inspection, name: str) -> ChannelInspection:
@@ -164,7 +164,7 @@ def test_sensors_that_never_run_together_are_reported(walk: Walk) -> None:
 
 
 def test_a_gyroscope_with_other_signs_than_the_attitude_is_reported(walk: Walk) -> None:
-    assert "do not turn the same way" in findings(look(device(walk, rotation_rate=Signal(walk.time_s, -walk.rate))))
+    assert "do not rotate the same way" in findings(look(device(walk, rotation_rate=Signal(walk.time_s, -walk.rate))))
 
 
 def test_a_single_sample_is_reported() -> None:
@@ -184,7 +184,7 @@ def test_truth_and_fixes_are_summed_up(walk: Walk) -> None:
 
 def test_text_and_json_hold_the_same(walk: Walk) -> None:
     found = look(device(walk), device(walk, name="second"), epoch_s=1_718_030_736.0, origin=GeoOrigin(60.0, 24.0))
-    text = describe(found)
+    text = format_inspection(found)
     for part in ("2024-06-10 14:45:36 UTC", "device second", "rotation_rate: 800 samples, 100.0 Hz", "something odd"):
         assert part in text
     plain = json.loads(json.dumps(found.to_dict(), allow_nan=False))
@@ -197,17 +197,17 @@ def test_what_is_not_finite_becomes_null(walk: Walk) -> None:
 
 
 def test_an_impossible_start_is_described(walk: Walk) -> None:
-    assert "1e+20 s since 1970, not a date" in describe(look(device(walk), epoch_s=1e20))
+    assert "1e+20 s since 1970, not a date" in format_inspection(look(device(walk), epoch_s=1e20))
 
 
 def test_hundreds_of_findings_are_shortened_in_the_text(walk: Walk) -> None:
     time_s = walk.time_s * 100.0
-    text = describe(look(device(walk, specific_force=Signal(time_s + np.arange(800) // 2, walk.force))))
+    text = format_inspection(look(device(walk, specific_force=Signal(time_s + np.arange(800) // 2, walk.force))))
     assert len(text.splitlines()) < 60
 
 
 def test_real_recordings_can_be_inspected(shared_data: Path) -> None:
-    found = inspect(read(shared_data / "known-distance/D.csv.gz"))
+    found = inspect_recording(read(shared_data / "known-distance/D.csv.gz"))
     assert channel(found, "magnetic_field").hidden_by == "repeated"
     assert channel(found, "specific_force").clock.backward_steps == 1
     assert channel(found, "specific_force").clipped_axes == ()

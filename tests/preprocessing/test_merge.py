@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.preprocessing.merge import together
+from pdr_est.preprocessing.merge import merge_recordings
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 
@@ -17,20 +17,20 @@ def recording(name: str, value: float = 1.0, epoch_s: float | None = None, devic
 
 
 def test_devices_of_one_name_get_that_of_their_recording() -> None:
-    both = together([recording("a"), recording("b", 2.0)])
+    both = merge_recordings([recording("a"), recording("b", 2.0)])
     assert [device.name for device in both.devices] == ["a", "b"]
     assert both.name == "a + b"
 
 
 def test_dates_put_the_second_recording_where_it_began() -> None:
-    both = together([recording("a", epoch_s=1000.0), recording("b", 2.0, epoch_s=1030.0)])
+    both = merge_recordings([recording("a", epoch_s=1000.0), recording("b", 2.0, epoch_s=1030.0)])
     moved = both.devices[1].specific_force
     assert moved is not None
     np.testing.assert_allclose(moved.time_s, 30.0 + np.arange(5.0))
 
 
 def test_without_dates_times_stay_as_they_are() -> None:
-    both = together([recording("a", epoch_s=1000.0), recording("b", 2.0)])
+    both = merge_recordings([recording("a", epoch_s=1000.0), recording("b", 2.0)])
     kept = both.devices[1].specific_force
     assert kept is not None
     np.testing.assert_allclose(kept.time_s, np.arange(5.0))
@@ -38,11 +38,11 @@ def test_without_dates_times_stay_as_they_are() -> None:
 
 def test_a_recording_that_is_given_twice_counts_once() -> None:
     one = recording("walk", devices=2)
-    once = together([one, replace(one)])
+    once = merge_recordings([one, replace(one)])
     assert once.devices is one.devices
-    assert once.notes == ("walk: given more than once with the same samples, and counted once",)
+    assert once.notes == ("walk: given more than once with the same samples, and used once",)
 
 
 def test_recordings_that_cannot_be_told_apart_are_refused() -> None:
-    with pytest.raises(RecordingError, match="alike in name and device"):
-        together([recording("a"), recording("a", 2.0)])
+    with pytest.raises(RecordingError, match="share the name of recording and device"):
+        merge_recordings([recording("a"), recording("a", 2.0)])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pdr_est.frames import Array
-from pdr_est.preprocessing.quality.warnings import doubts
+from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.recording import DeviceRecording, Signal
 
 TIME_S = np.arange(3001) / 50.0
@@ -28,18 +28,18 @@ def first(signal: Signal, seconds: float) -> Signal:
 
 
 def test_nothing_is_doubtful_of_a_sound_recording() -> None:
-    assert doubts(FULL) == ()
-    assert doubts(replace(FULL, rotation_rate=None)) == ()
-    assert doubts(replace(FULL, rotation_rate=Signal(np.empty(0), np.empty((0, 3))))) == ()
+    assert quality_warnings(FULL) == ()
+    assert quality_warnings(replace(FULL, rotation_rate=None)) == ()
+    assert quality_warnings(replace(FULL, rotation_rate=Signal(np.empty(0), np.empty((0, 3))))) == ()
     # Sensors start and stop one after the other, and a gap in both costs nothing twice.
-    assert doubts(replace(FULL, rotation_rate=first(RATE, 59.5))) == ()
+    assert quality_warnings(replace(FULL, rotation_rate=first(RATE, 59.5))) == ()
     holed = np.r_[0:1000, 2000:3001]
     force, rate = (Signal(signal.time_s[holed], signal.values[holed]) for signal in (FORCE, RATE))
-    assert doubts(DeviceRecording(specific_force=force, rotation_rate=rate)) == ()
+    assert quality_warnings(DeviceRecording(specific_force=force, rotation_rate=rate)) == ()
 
 
 def test_a_gyroscope_of_zeros_is_told_once() -> None:
-    (words,) = doubts(replace(FULL, rotation_rate=with_values(RATE, slice(None), 0.0)))
+    (words,) = quality_warnings(replace(FULL, rotation_rate=with_values(RATE, slice(None), 0.0)))
     assert words.startswith("all values of the gyroscope are zero")
 
 
@@ -50,24 +50,25 @@ def test_a_sensor_that_stands_still_for_half_of_the_walk(value: float, name: str
         "gyroscope": replace(FULL, rotation_rate=with_values(RATE, half, value)),
         "accelerometer": replace(FULL, specific_force=with_values(FORCE, half, value)),
     }[name]
-    (words,) = doubts(stuck)
-    assert words.startswith(f"the {name} is stuck from 30.00 s on, for 30.0 s in all: no ")
+    (words,) = quality_warnings(stuck)
+    unseen = {"gyroscope": "turns", "accelerometer": "steps"}[name]
+    assert words == f"the {name} is stuck from 30.00 s on, for 30.0 s in all: {unseen} cannot be seen there"
 
 
 def test_a_gyroscope_that_covers_a_part() -> None:
-    (most,) = doubts(replace(FULL, rotation_rate=first(RATE, 45.0)))
+    (most,) = quality_warnings(replace(FULL, rotation_rate=first(RATE, 45.0)))
     assert most == "the gyroscope covers only 45.0 of 60.0 s of the accelerometer: nothing outside is used"
-    (few,) = doubts(replace(FULL, rotation_rate=first(RATE, 0.4)))
+    (few,) = quality_warnings(replace(FULL, rotation_rate=first(RATE, 0.4)))
     assert few.startswith("the gyroscope covers only 0.4 of 60.0 s of the accelerometer: nothing outside is used; ")
     assert "without the gyroscope" in few
     holed = np.r_[0:1000, 2000:3001]
-    (gap,) = doubts(replace(FULL, rotation_rate=Signal(TIME_S[holed], RATE.values[holed])))
+    (gap,) = quality_warnings(replace(FULL, rotation_rate=Signal(TIME_S[holed], RATE.values[holed])))
     assert gap.startswith("the gyroscope covers only 40.0 of 60.0 s")
 
 
 def test_what_no_phone_can_measure_is_counted() -> None:
-    assert doubts(replace(FULL, specific_force=with_values(FORCE, slice(5, 7), 1e30))) == (
+    assert quality_warnings(replace(FULL, specific_force=with_values(FORCE, slice(5, 7), 1e30))) == (
         "2 of 3001 samples of the accelerometer are beyond 1000 m/s^2, which no phone can measure, and are left out",
     )
-    (words,) = doubts(replace(FULL, rotation_rate=with_values(RATE, slice(5, 6), -1e6)))
+    (words,) = quality_warnings(replace(FULL, rotation_rate=with_values(RATE, slice(5, 6), -1e6)))
     assert words.startswith("1 of 3001 samples of the gyroscope are beyond 200 rad/s")

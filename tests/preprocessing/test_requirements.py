@@ -8,11 +8,11 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.preprocessing.quality.requirements import (
-    better_attitude,
+    explain_empty_grid,
     has_gyroscope,
-    needed_channels,
-    refuse_without_track,
-    why_nothing,
+    prefers_recorded_attitude,
+    require_track_sensors,
+    required_channels,
 )
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
@@ -29,59 +29,59 @@ BARE = DeviceRecording(specific_force=FORCE, warnings=("the gyroscope is broken"
 
 def test_the_channels_that_are_taken() -> None:
     force, rate, attitude = Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE
-    assert needed_channels(FULL, "walk", with_attitude=False) == (force, rate)
-    assert needed_channels(FULL, "walk", with_attitude=True) == (force, rate, attitude)
-    assert needed_channels(BARE, "walk", with_attitude=False) == (force,)
-    assert needed_channels(replace(BARE, rotation_rate=NOTHING), "walk", with_attitude=False) == (force,)
+    assert required_channels(FULL, "walk", with_attitude=False) == (force, rate)
+    assert required_channels(FULL, "walk", with_attitude=True) == (force, rate, attitude)
+    assert required_channels(BARE, "walk", with_attitude=False) == (force,)
+    assert required_channels(replace(BARE, rotation_rate=NOTHING), "walk", with_attitude=False) == (force,)
 
 
 def test_a_gyroscope_of_zeros_is_one() -> None:
     fake = replace(FULL, rotation_rate=Signal(TIME_S, np.zeros((100, 3))))
     assert has_gyroscope(fake)
-    refuse_without_track(fake, "walk")
+    require_track_sensors(fake, "walk")
 
 
 def test_a_track_needs_both_and_says_what_remains() -> None:
-    refuse_without_track(FULL, "walk")
+    require_track_sensors(FULL, "walk")
     with pytest.raises(RecordingError, match=r"^walk: no gyroscope \(the gyroscope is broken\), .*`pdr-est steps` "):
-        refuse_without_track(BARE, "walk")
-    with pytest.raises(RecordingError, match=r"^walk: no accelerometer: nothing can be done without it"):
-        refuse_without_track(replace(FULL, specific_force=None), "walk")
+        require_track_sensors(BARE, "walk")
+    with pytest.raises(RecordingError, match=r"^walk: no accelerometer, without which nothing can be estimated"):
+        require_track_sensors(replace(FULL, specific_force=None), "walk")
 
 
 def test_steps_need_an_accelerometer_that_runs() -> None:
     with pytest.raises(RecordingError, match=r"^walk: no accelerometer"):
-        needed_channels(DeviceRecording(rotation_rate=RATE), "walk", with_attitude=False)
+        required_channels(DeviceRecording(rotation_rate=RATE), "walk", with_attitude=False)
     stuck = DeviceRecording(specific_force=Signal(np.zeros(100), FORCE.values))
     with pytest.raises(RecordingError, match=r"^walk: all 100 time stamps of the accelerometer are 0\.00 s"):
-        needed_channels(stuck, "walk", with_attitude=False)
+        required_channels(stuck, "walk", with_attitude=False)
 
 
 def test_a_gyroscope_that_cannot_be_used_is_not_passed_over() -> None:
     """One that is there and damaged is for its owner to repair or to remove, not for the reader to ignore."""
     late = replace(FULL, rotation_rate=Signal(TIME_S + 100.0, RATE.values))
     with pytest.raises(RecordingError, match=r"^walk: the channels do not overlap in time \(accelerometer 0\.00"):
-        needed_channels(late, "walk", with_attitude=False)
+        required_channels(late, "walk", with_attitude=False)
 
 
 @pytest.mark.parametrize("attitude", [ATTITUDE, None])
 def test_the_devices_attitude_is_used_with_a_gyroscope_only(attitude: Signal | None) -> None:
     with pytest.raises(
-        RecordingError, match=r"^walk: no gyroscope .*with attitude.source: vqf in the configuration steps are found"
+        RecordingError, match=r"^walk: no gyroscope .*set attitude.source: vqf in the configuration to find steps"
     ):
-        needed_channels(replace(BARE, attitude=attitude), "walk", with_attitude=True)
+        required_channels(replace(BARE, attitude=attitude), "walk", with_attitude=True)
 
 
 def test_why_nothing_came_out_of_whole_seconds_or_another_unit() -> None:
     rounded = DeviceRecording(specific_force=Signal(np.floor(TIME_S), FORCE.values))
     assert re.search(
-        r"^walk: the time stamps of the accelerometer are whole seconds, 100 samples on 2 of them: give seconds with",
-        str(why_nothing(rounded, "walk", 0.5)),
+        r"^walk: the time stamps of the accelerometer are whole seconds, 100 samples on 2 of them: give the frac",
+        str(explain_empty_grid(rounded, "walk", 0.5)),
     )
     milli_g = DeviceRecording(specific_force=Signal(TIME_S, 1e3 * FORCE.values))
-    assert "accelerometer reach 9.8e+03 m/s^2, more than 1000" in str(why_nothing(milli_g, "walk", 0.5))
+    assert "accelerometer reach 9.8e+03 m/s^2, more than 1000" in str(explain_empty_grid(milli_g, "walk", 0.5))
     short = DeviceRecording(specific_force=Signal(TIME_S[:2], FORCE.values[:2]))
-    assert "record for longer" in str(why_nothing(short, "walk", 0.5))
+    assert "record for longer" in str(explain_empty_grid(short, "walk", 0.5))
 
 
 def sampled(rate_hz: float, attitude_hz: float, attitude_s: tuple[float, float] = (0.0, 20.0)) -> DeviceRecording:
@@ -112,4 +112,4 @@ def sampled(rate_hz: float, attitude_hz: float, attitude_s: tuple[float, float] 
     ],
 )
 def test_the_devices_attitude_is_better_where_samples_are_coarse(device: DeviceRecording, better: bool) -> None:
-    assert better_attitude(device) is better
+    assert prefers_recorded_attitude(device) is better

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.preprocessing.trim import cut
+from pdr_est.preprocessing.trim import trim_recording
 from pdr_est.types.ground_truth import TruePositions, TrueSteps, TrueTurns, Truth
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
@@ -36,7 +36,7 @@ def recording():
 
 
 def test_both_ends_are_inside_and_the_clock_stays(recording):
-    part = cut(recording, 3.0, 5.0)
+    part = trim_recording(recording, 3.0, 5.0)
     (device,) = part.devices
     np.testing.assert_array_equal(device.specific_force.time_s, [3.0, 4.0, 5.0])
     np.testing.assert_array_equal(device.specific_force.values[:, 0], [3.0, 4.0, 5.0])
@@ -48,7 +48,7 @@ def test_both_ends_are_inside_and_the_clock_stays(recording):
 
 
 def test_truth_and_fixes_are_cut_too(recording):
-    part = cut(recording, 3.0, 5.0)
+    part = trim_recording(recording, 3.0, 5.0)
     np.testing.assert_array_equal(part.truth.positions.position_m, [[3, -3], [4, -4], [5, -5]])
     assert (part.truth.positions.sigma_m, part.truth.positions.source) == (0.7, "waypoints")
     assert part.truth.steps.foot.tolist() == ["R", "L", "R"]
@@ -57,7 +57,7 @@ def test_truth_and_fixes_are_cut_too(recording):
 
 
 def test_what_holds_for_the_whole_walk_only_is_forgotten_and_the_cut_is_noted(recording):
-    part = cut(recording, 3.0)
+    part = trim_recording(recording, 3.0)
     assert part.truth.step_count is None
     assert part.truth.distance_m is None
     assert part.truth.activity == "walking"
@@ -67,15 +67,15 @@ def test_what_holds_for_the_whole_walk_only_is_forgotten_and_the_cut_is_noted(re
 def test_a_clock_that_jumps_back_loses_only_what_lies_outside(recording):
     signal = Signal(np.array([4.0, 1.0, 5.0]), np.zeros((3, 3)))
     jumping = Recording(name="walk", format="by hand", devices=(DeviceRecording(specific_force=signal),))
-    np.testing.assert_array_equal(cut(jumping, 3.0, 9.0).devices[0].specific_force.time_s, [4.0, 5.0])
+    np.testing.assert_array_equal(trim_recording(jumping, 3.0, 9.0).devices[0].specific_force.time_s, [4.0, 5.0])
 
 
 def test_the_original_is_not_changed(recording):
-    cut(recording, 3.0, 5.0)
+    trim_recording(recording, 3.0, 5.0)
     assert len(recording.devices[0].specific_force) == 10
     assert len(recording.fixes) == 10
 
 
 def test_nothing_left_is_an_error_that_names_the_span(recording):
     with pytest.raises(RecordingError, match=r"walk: no sample between 100\.000 and 200\.000 s"):
-        cut(recording, 100.0, 200.0)
+        trim_recording(recording, 100.0, 200.0)

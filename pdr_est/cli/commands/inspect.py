@@ -7,8 +7,8 @@ import click
 
 from pdr_est.cli.options import PATH
 from pdr_est.io import read
-from pdr_est.preprocessing.quality.inspection import inspect as inspect_recording
-from pdr_est.preprocessing.quality.inspection_text import describe
+from pdr_est.preprocessing.quality.inspection import inspect_recording
+from pdr_est.preprocessing.quality.inspection_text import format_inspection
 
 
 @click.command()
@@ -21,4 +21,4 @@ def inspect(recordings: tuple[Path, ...], as_json: bool) -> None:
         documents = [inspection.to_dict() for inspection in found]
         click.echo(json.dumps(documents[0] if len(documents) == 1 else documents, indent=2, ensure_ascii=False))
         return
-    click.echo("\n\n".join(describe(inspection) for inspection in found))
+    click.echo("\n\n".join(format_inspection(inspection) for inspection in found))

@@ -18,7 +18,7 @@ from pdr_est.config import Config
 from pdr_est.io import read
 from pdr_est.io.writers.atomic_output import staged_folder
 from pdr_est.io.writers.checksums import file_digests
-from pdr_est.preprocessing.merge import together
+from pdr_est.preprocessing.merge import merge_recordings
 
 
 @click.command()
@@ -70,7 +70,7 @@ def smooth_into(
     with. messages: by which the devices compared their clocks."""
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
-    recorded = with_messages(together([read(path) for path in paths]), messages)
+    recorded = with_messages(merge_recordings([read(path) for path in paths]), messages)
     known = chosen_fixes(fixes, recorded, paths[0])
     bar.doing("walking")
     with naming(", ".join(map(str, paths))):

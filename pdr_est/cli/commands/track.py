@@ -14,15 +14,15 @@ import click
 from pdr_est.cli.error_context import naming
 from pdr_est.cli.fix_options import chosen_fixes
 from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
-from pdr_est.clock_sync import begun_late, outside_others, refuse_apart
+from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_overlap
 from pdr_est.config import Config
 from pdr_est.errors import OutputError, PdrError, RecordingError
 from pdr_est.estimators import SPECS
 from pdr_est.io import read
-from pdr_est.io.formats.sensor_logger.live import LiveNews, LiveReader, Platform
+from pdr_est.io.formats.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.online import Tracker, Update
 from pdr_est.online.recording_stream import expected, moments
-from pdr_est.preprocessing.merge import together
+from pdr_est.preprocessing.merge import merge_recordings
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
@@ -69,7 +69,7 @@ def track(
     if platform is not None:
         raise click.UsageError("--platform is for the phones that send to -; recordings tell theirs")
     read_in = [read(path) for path in recordings]
-    recorded = together(read_in)
+    recorded = merge_recordings(read_in)
     _refuse_apart(recorded, recordings)
     if len(recorded.devices) > len(read_in[0].devices) and any(one.epoch_s is None for one in read_in):
         words = "not every recording tells its date: their times are taken to count from one moment"
@@ -82,11 +82,11 @@ def track(
 def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:
     """Raise RecordingError for devices that did not record together; warn of one that begins late or ends early."""
     with naming(", ".join(map(str, paths))):
-        refuse_apart(recorded.devices, "track them one by one, or use `pdr-est smooth`, which finds their clocks")
-    for name, notes in outside_others(recorded.devices).items():
+        require_overlap(recorded.devices, "track them one by one, or use `pdr-est smooth`, which finds their clocks")
+    for name, notes in coverage_warnings(recorded.devices).items():
         for note in notes:
             click.echo(f"warning: {name}: {note}", err=True)
-    late = begun_late(recorded.devices)
+    late = devices_started_late(recorded.devices)
     if late:
         words = "begun late, taken to begin where the other phones were by then"
         click.echo(f"warning: {', '.join(late)}: {words}", err=True)
@@ -141,7 +141,7 @@ def _until_interrupted(lines: Iterable[str]) -> Iterator[str]:
         return
 
 
-def _take(news: LiveNews, tracker: Tracker, with_fixes: bool, stream: TextIO) -> None:
+def _take(news: LiveUpdate, tracker: Tracker, with_fixes: bool, stream: TextIO) -> None:
     for note in news.notes:
         click.echo(f"warning: {note}", err=True)
     _push(tracker, news.fixes if with_fixes else (), news.blocks, stream)

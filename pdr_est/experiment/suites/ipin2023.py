@@ -11,7 +11,7 @@ from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, score_waypoints
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth
 from pdr_est.experiment.suite import Suite, WalkFile
-from pdr_est.preprocessing.trim import cut
+from pdr_est.preprocessing.trim import trim_recording
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode
 
@@ -30,7 +30,7 @@ def from_first_point(recording: Recording) -> Recording:
     positions = recording.truth.positions
     if positions is None or not len(positions.time_s):
         raise RecordingError(f"{recording.name}: no surveyed point (POSI): nothing to score the track against")
-    return cut(recording, float(positions.time_s.min()))
+    return trim_recording(recording, float(positions.time_s.min()))
 
 
 SUITE = Suite(

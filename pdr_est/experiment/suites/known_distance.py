@@ -20,7 +20,7 @@ from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores
 from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
 from pdr_est.front_end.step_length import WalkerParams
-from pdr_est.io.side_tables.known_distances import KnownWalk, read_truth_table
+from pdr_est.io.side_tables.known_distances import KnownDistance, read_known_distances
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import Truth
 
@@ -62,7 +62,7 @@ def find(folder: Path) -> list[WalkFile]:
         )
     if truth_path is None:
         return []
-    known = read_truth_table(truth_path)
+    known = read_known_distances(truth_path)
     return [WalkFile(name, path, truth=_truth(known.get(name))) for name, path in tables if name != _TRUTH]
 
 
@@ -95,7 +95,7 @@ def _scores(walk: AnalysedWalk, device: DeviceWalk) -> Scores:
     return replace(device_scores(walk, device, part), calibration=DistanceCase(steps, truth.distance_m))
 
 
-def _truth(known: KnownWalk | None) -> Truth:
+def _truth(known: KnownDistance | None) -> Truth:
     return Truth() if known is None else Truth(distance_m=known.distance_m, step_count=known.step_count)
 
 

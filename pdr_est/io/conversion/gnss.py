@@ -1,4 +1,4 @@
-"""A recorder's own position fixes, from latitude and longitude to the local map frame."""
+"""Convert a recorder's own positions from latitude and longitude to position fixes in the map frame."""
 
 from dataclasses import dataclass
 
@@ -14,36 +14,54 @@ _SMALLEST_SIGMA_M = 1.0  # recorders print optimistic accuracies; no phone is be
 
 
 @dataclass(frozen=True)
-class GpsFixes:
-    """fixes: in the order of the file, source "gps", robust. origin: where the first valid fix lies, or None."""
+class GnssFixes:
+    """Position fixes of a recorder.
+
+    Attributes
+    ----------
+    fixes
+        Fixes in the order of the file, with source "gps", marked as robust because they may be outliers.
+    origin
+        Latitude and longitude of the first valid fix, which is the origin of the map frame; None without a valid fix.
+    warnings
+        Counts of the fixes that were left out, by reason.
+    """
 
     fixes: tuple[PositionFix, ...]
     origin: GeoOrigin | None
     warnings: tuple[str, ...] = ()
 
 
-def gps_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m: Array) -> GpsFixes:
-    """Fixes east and north of the first valid one.
+def gnss_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m: Array) -> GnssFixes:
+    """Make fixes with positions east and north, m, of the first valid one.
 
-    time_s, latitude_deg, longitude_deg, sigma_m: (n,); sigma_m is the recorder's horizontal accuracy, taken as the
-    standard deviation of each axis. Rows are left out, with a warning that counts them, when their position is
-    impossible, missing or exactly (0, 0), when their accuracy is missing or not positive (recorders mark invalid
-    fixes so), and when they repeat the row before (a cached fix, not a new one).
+    Rows are left out, with a warning that counts them, when their position is impossible, missing or exactly (0, 0),
+    when their accuracy is missing or not positive (recorders mark invalid fixes so), and when they repeat the
+    previous row (a cached fix, not a new one).
+
+    Parameters
+    ----------
+    time_s
+        (n,) times on the recording's clock, s.
+    latitude_deg, longitude_deg
+        (n,) WGS 84 coordinates, degrees.
+    sigma_m
+        (n,) horizontal accuracy that the recorder gives, m, taken as standard deviation of each axis, at least 1 m.
     """
     on_earth = (np.abs(latitude_deg) <= 90.0) & (np.abs(longitude_deg) <= 180.0)
     placed = np.isfinite(time_s) & on_earth & ((latitude_deg != 0.0) | (longitude_deg != 0.0))
     measured = np.isfinite(sigma_m) & (sigma_m > 0.0)
     valid = placed & measured
     kept = valid & ~_repeats(np.column_stack([latitude_deg, longitude_deg, sigma_m]), valid)
-    warnings = _counts(
+    warnings = _count_warnings(
         (
             (~placed, "without a possible position"),
             (placed & ~measured, "without a valid accuracy"),
-            (valid & ~kept, "that repeat the one before"),
+            (valid & ~kept, "that repeat the previous one"),
         )
     )
     if not kept.any():
-        return GpsFixes((), None, warnings)
+        return GnssFixes((), None, warnings)
     latitude, longitude = latitude_deg[kept], longitude_deg[kept]
     origin = GeoOrigin(float(latitude[0]), float(longitude[0]))
     east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
@@ -52,21 +70,34 @@ def gps_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m:
         PositionFix(float(t), position, np.eye(2) * v, source="gps", robust=True)
         for t, position, v in zip(time_s[kept], np.column_stack([east, north]), variance, strict=True)
     )
-    return GpsFixes(fixes, origin, warnings)
+    return GnssFixes(fixes, origin, warnings)
 
 
-def within(found: GpsFixes, start_s: float, end_s: float, slack_s: float = 1.0) -> GpsFixes:
-    """The fixes made while the sensors ran; the others, such as one cached before, are counted and left out."""
-    inside = tuple(fix for fix in found.fixes if start_s - slack_s <= fix.time_s <= end_s + slack_s)
-    outside = len(found.fixes) - len(inside)
+def drop_fixes_outside(gnss: GnssFixes, start_s: float, end_s: float, margin_s: float = 1.0) -> GnssFixes:
+    """Leave out fixes made before or after the sensors ran, such as one cached earlier, and count them.
+
+    Parameters
+    ----------
+    gnss
+        Fixes of the recorder.
+    start_s, end_s
+        Time span of the sensors, s.
+    margin_s
+        Time, s, by which a fix may lie outside.
+    """
+    inside = tuple(fix for fix in gnss.fixes if start_s - margin_s <= fix.time_s <= end_s + margin_s)
+    outside = len(gnss.fixes) - len(inside)
     if not outside:
-        return found
-    warning = f"location: {outside} of {len(found.fixes)} fixes lie outside the time of the sensors and are left out"
-    return GpsFixes(inside, found.origin, (*found.warnings, warning))
+        return gnss
+    warning = (
+        f"location: {outside} of {len(gnss.fixes)} fixes are left out because they were made before or after the "
+        "sensors ran"
+    )
+    return GnssFixes(inside, gnss.origin, (*gnss.warnings, warning))
 
 
 def _repeats(rows: Array, valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which valid rows equal the valid row before them."""
+    """Find the valid rows that equal the valid row before them."""
     index = np.flatnonzero(valid)
     same = (rows[index[1:]] == rows[index[:-1]]).all(axis=1)
     repeats = np.zeros(len(rows), dtype=np.bool_)
@@ -74,9 +105,10 @@ def _repeats(rows: Array, valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return repeats
 
 
-def _counts(groups: tuple[tuple[NDArray[np.bool_], str], ...]) -> tuple[str, ...]:
+def _count_warnings(groups: tuple[tuple[NDArray[np.bool_], str], ...]) -> tuple[str, ...]:
+    """Count the fixes with each fault."""
     return tuple(
-        f"location: {int(mask.sum())} of {len(mask)} fixes {words} are left out"
-        for mask, words in groups
+        f"location: {int(mask.sum())} of {len(mask)} fixes {fault} are left out"
+        for mask, fault in groups
         if mask.any()
     )

@@ -9,11 +9,12 @@ import pymap3d
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
-from pdr_est.io.conversion.gnss import GpsFixes, gps_fixes
-from pdr_est.io.conversion.units import acceleration_unit, force_sign
+from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
+from pdr_est.io.conversion.signs import detect_force_sign
+from pdr_est.io.conversion.units import detect_acceleration_unit
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import finite_rows
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import finite_signal
 from pdr_est.io.text.tagged_lines import TaggedLog
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.measurements import PositionFix
@@ -30,24 +31,24 @@ _HEADER_VALUE = re.compile(r"^%\s*(Manufacturer|Model):\s*(\S.*?)\s*$", re.MULTI
 
 def sniff(source: Source) -> bool:
     """Whether some member has rows of this format."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of a GetSensorData log: one phone, surveyed points as truth, GNSS rows as fixes.
 
     Time is the app's clock; the map frame's origin is the first surveyed point, else the first GNSS position.
     Raises RecordingError when there are several walks or no accelerometer rows.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     data = source.read(member)
     log = TaggedLog.parse(data, source.place(member), separator=";", tag_field=0, n_fields=_N_FIELDS)
     points, floors = _surveyed_points(log)
     gnss = log.numbers("GNSS", (1, 2, 3, 4, 7))  # app time, Unix time, latitude, longitude, accuracy
-    gps = gps_fixes(gnss[:, 0], gnss[:, 2], gnss[:, 3], gnss[:, 4])
+    gps = gnss_fixes(gnss[:, 0], gnss[:, 2], gnss[:, 3], gnss[:, 4])
     origin = GeoOrigin(float(points[0, 1]), float(points[0, 2])) if len(points) else gps.origin
     return Recording(
-        name=stem(member),
+        name=member_stem(member),
         format=NAME,
         devices=(_device(log, data),),
         truth=Truth(positions=_truth(points, origin)),
@@ -99,7 +100,7 @@ def _signal(
         return None
     time_s, decision = _on_app_clock(tag, rows[:, 0], rows[:, 1])
     decisions.append(decision)
-    signal, dropped = finite_rows(time_s, rows[:, 2:], tag, log.place)
+    signal, dropped = finite_signal(time_s, rows[:, 2:], tag, log.place)
     warnings.extend(dropped)
     return signal
 
@@ -139,10 +140,10 @@ def _in_si_upwards(
     raw: Signal, attitude: Signal | None, decisions: list[str], warnings: list[str]
 ) -> tuple[Signal, bool]:
     """Specific force in m/s^2 that points up at rest, and whether it was recorded in g, as iPhones do."""
-    unit = acceleration_unit(raw.values)
+    unit = detect_acceleration_unit(raw.values)
     in_g = unit.factor != 1.0
     expected, reason = (-1.0, "iPhones record in g") if in_g else (1.0, "Android phones record in m/s^2")
-    sign = force_sign(raw, attitude, expected, reason)
+    sign = detect_force_sign(raw, attitude, expected, reason)
     for finding in (unit, sign):
         decisions.append(finding.decision)
         warnings.extend(finding.warnings)
@@ -173,7 +174,7 @@ def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:
     return TruePositions(points[:, 0], position_m, _POSI_SIGMA_M, "surveyed points")
 
 
-def _about(found: GpsFixes, origin: GeoOrigin | None) -> tuple[PositionFix, ...]:
+def _about(found: GnssFixes, origin: GeoOrigin | None) -> tuple[PositionFix, ...]:
     """Fixes moved from their own origin to another one; over a walk's extent a shift is exact to a millimetre."""
     if origin is None or found.origin is None:
         return found.fixes

@@ -7,8 +7,8 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import finite_rows
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import finite_signal
 from pdr_est.io.text.tagged_lines import TaggedLog
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
@@ -26,16 +26,16 @@ _N_FIELDS = 8  # time, type and the six values of the uncalibrated sensors
 
 def sniff(source: Source) -> bool:
     """Whether some member has rows of this format."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of an ILC20 log: one Android phone, with truth positions if waypoints were clicked.
 
     Time zero is the header's startTime, or the first accelerometer row when the header has none that fits.
     Raises RecordingError when there are several walks or no accelerometer rows.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     place = source.place(member)
     data = source.read(member)
     log, glued = _split_log(data, place)
@@ -43,7 +43,7 @@ def read(source: Source) -> Recording:
     epoch_ms, zero = _time_zero(log, header)
     waypoints, incomplete = _waypoints(log, epoch_ms)
     return Recording(
-        name=stem(member),
+        name=member_stem(member),
         format=NAME,
         devices=(_device(log, header, epoch_ms, zero, glued),),
         truth=Truth(positions=waypoints),
@@ -123,7 +123,7 @@ def _three_axes(log: TaggedLog, name: str, epoch_ms: float) -> tuple[Signal | No
             return None, (), (_NO_GYROSCOPE,) if name == "GYROSCOPE" else ()
         rows = np.column_stack([raw[:, 0], raw[:, 1:4] - raw[:, 4:7]])
         decisions = (f"{name.lower()}: uncalibrated rows minus their bias columns, calibrated rows are absent",)
-    signal, warnings = finite_rows((rows[:, 0] - epoch_ms) / 1e3, rows[:, 1:], name.lower(), log.place)
+    signal, warnings = finite_signal((rows[:, 0] - epoch_ms) / 1e3, rows[:, 1:], name.lower(), log.place)
     return signal, decisions, warnings
 
 
@@ -131,7 +131,7 @@ def _attitude(log: TaggedLog, epoch_ms: float) -> tuple[Signal | None, tuple[str
     rows = log.numbers("TYPE_ROTATION_VECTOR", (0, 2, 3, 4))
     if not len(rows):
         return None, ()
-    return finite_rows(
+    return finite_signal(
         (rows[:, 0] - epoch_ms) / 1e3, quaternion_from_rotation_vector(rows[:, 1:]), "attitude", log.place
     )
 

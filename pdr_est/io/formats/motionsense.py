@@ -5,10 +5,10 @@ import re
 import numpy as np
 
 from pdr_est.frames import quaternion_from_core_motion
-from pdr_est.io.conversion.axes import core_motion_force, vertical_warning
+from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch_warnings
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import Table, finite_rows, read_table
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import NumberTable, finite_signal, read_table
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -32,19 +32,19 @@ ACTIVITIES = {
 
 def sniff(source: Source) -> bool:
     """Whether some member has the header of this format."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of a MotionSense table: one iPhone, with the activity if the folder's name tells it.
 
     Time is the row number at 50 Hz. Raises RecordingError when there are several walks or the table is damaged.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     table = read_table(source.read(member), source.place(member), columns=_COLUMNS)
     folder = source.folder_name(member)
     return Recording(
-        name=stem(member),
+        name=member_stem(member),
         format=NAME,
         devices=(_device(table),),
         truth=Truth(activity=_activity(folder)),
@@ -63,16 +63,16 @@ def _activity(folder: str) -> str | None:
     return ACTIVITIES.get(match.group(1)) if match else None
 
 
-def _device(table: Table) -> DeviceRecording:
+def _device(table: NumberTable) -> DeviceRecording:
     time_s = np.arange(len(table)) / _RATE_HZ
     gravity_g = table.stack(_GRAVITY)
     angles = [table.numbers(name) for name in _ANGLES]
     attitude = quaternion_from_core_motion(*angles)
-    force, force_warnings = finite_rows(
-        time_s, core_motion_force(gravity_g, table.stack(_USER)), "specific force", table.place
+    force, force_warnings = finite_signal(
+        time_s, specific_force_from_core_motion(gravity_g, table.stack(_USER)), "specific force", table.place
     )
-    rate, rate_warnings = finite_rows(time_s, table.stack(_RATE), "rotation rate", table.place)
-    attitude_signal, attitude_warnings = finite_rows(time_s, attitude, "attitude", table.place)
+    rate, rate_warnings = finite_signal(time_s, table.stack(_RATE), "rotation rate", table.place)
+    attitude_signal, attitude_warnings = finite_signal(time_s, attitude, "attitude", table.place)
     return DeviceRecording(
         model="iPhone",
         platform="ios",
@@ -88,6 +88,6 @@ def _device(table: Table) -> DeviceRecording:
             *force_warnings,
             *rate_warnings,
             *attitude_warnings,
-            *vertical_warning(attitude, -gravity_g),
+            *vertical_mismatch_warnings(attitude, -gravity_g),
         ),
     )

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import Table, finite_rows, read_table
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import NumberTable, finite_signal, read_table
 from pdr_est.types.ground_truth import TrueSteps, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -35,10 +35,10 @@ _FORCES_MPS2 = (5.0, 20.0)
 
 def sniff(source: Source) -> bool:
     """Whether some member is an accelerometer table of this data set."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of an accelerometer table, with true steps if `stepcounter.csv` lies beside it.
 
     Times are seconds since the first accelerometer sample. A true step is a foot contact that begins: the state of
@@ -48,10 +48,10 @@ def read(source: Source) -> Recording:
 
     Raises RecordingError when there are several walks, or a table is damaged or of another walk.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     table = read_table(source.read(member), source.place(member), has_header=False, columns=_COLUMNS)
-    start_s, time_s = table.clock("time", _TICKS_PER_S)
-    force, warnings = finite_rows(time_s, table.stack(("x", "y", "z")), "specific force", table.place)
+    start_s, time_s = table.relative_time("time", _TICKS_PER_S)
+    force, warnings = finite_signal(time_s, table.stack(("x", "y", "z")), "specific force", table.place)
     device = DeviceRecording(
         platform="android",
         specific_force=force,
@@ -62,7 +62,7 @@ def read(source: Source) -> Recording:
         warnings=warnings,
     )
     steps, notes = _true_steps(source, member, start_s, float(force.time_s.max()))
-    name = stem(member)
+    name = member_stem(member)
     return Recording(
         name=source.folder_name(member) if name == "accelerometer" else name,
         format=NAME,
@@ -95,7 +95,7 @@ def _true_steps(
     (contact_member,) = beside.members
     place = beside.place(contact_member)
     table = read_table(beside.read(contact_member), place, has_header=False, columns=_CONTACT_COLUMNS)
-    first_s, since_s = table.clock("time", _TICKS_PER_S)
+    first_s, since_s = table.relative_time("time", _TICKS_PER_S)
     time_s = first_s - start_s + since_s
     if not (time_s[0] < end_s and time_s[-1] > 0.0):
         raise RecordingError(
@@ -116,7 +116,7 @@ def _true_steps(
     return steps, (note,)
 
 
-def _contact(table: Table, column: str) -> NDArray[np.bool_]:
+def _contact(table: NumberTable, column: str) -> NDArray[np.bool_]:
     values = table.numbers(column)
     wrong = np.flatnonzero(~np.isin(values, (0.0, 1.0)))
     if len(wrong):

@@ -7,10 +7,10 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array, quaternion_from_core_motion
-from pdr_est.io.conversion.axes import core_motion_force, vertical_mismatch, vertical_warning
+from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch, vertical_mismatch_warnings
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import Table, finite_rows, measurable, read_table
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import NumberTable, discard_huge_values, finite_signal, read_table
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -29,21 +29,21 @@ _LARGEST_MISMATCH = 0.01
 
 def sniff(source: Source) -> bool:
     """Whether some member is such a table."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of an `imuN` table: one iPhone, with truth positions if `tangoN` or `viN` lies beside it.
 
     Time is the row number at 100 Hz: the printed time is rounded. Raises RecordingError when there are several
     walks or the table is damaged.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     place = source.place(member)
     table = read_table(source.read(member), place, has_header=False, columns=_COLUMNS)
     truth, note = _poses(source, member, len(table))
     return Recording(
-        name=stem(member),
+        name=member_stem(member),
         format=NAME,
         devices=(_device(table),),
         truth=Truth(positions=truth),
@@ -58,25 +58,25 @@ def _looks_right(head: bytes) -> bool:
     if not lines or any(line.count(b",") != len(_COLUMNS) - 1 for line in lines):
         return False
     try:
-        rows = measurable(np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2))
+        rows = discard_huge_values(np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2))
     except ValueError:
         return False
     attitude = quaternion_from_core_motion(rows[:, 1], rows[:, 2], rows[:, 3])
     return vertical_mismatch(attitude, -rows[:, 7:10]) < _LARGEST_MISMATCH
 
 
-def _device(table: Table) -> DeviceRecording:
+def _device(table: NumberTable) -> DeviceRecording:
     time_s = np.arange(len(table)) / _RATE_HZ
     gravity_g = table.stack(_COLUMNS[7:10])
     angles = [table.numbers(name) for name in ("roll", "pitch", "yaw")]
     attitude = quaternion_from_core_motion(*angles)
     channels = {
-        "specific force": core_motion_force(gravity_g, table.stack(_COLUMNS[10:13])),
+        "specific force": specific_force_from_core_motion(gravity_g, table.stack(_COLUMNS[10:13])),
         "rotation rate": table.stack(_COLUMNS[4:7]),
         "magnetic field": table.stack(_COLUMNS[13:16]),
         "attitude": attitude,
     }
-    signals = {what: finite_rows(time_s, values, what, table.place) for what, values in channels.items()}
+    signals = {what: finite_signal(time_s, values, what, table.place) for what, values in channels.items()}
     return DeviceRecording(
         model="iPhone",
         platform="ios",
@@ -91,19 +91,19 @@ def _device(table: Table) -> DeviceRecording:
         ),
         warnings=(
             *(warning for _, warnings in signals.values() for warning in warnings),
-            *vertical_warning(attitude, -gravity_g),
+            *vertical_mismatch_warnings(attitude, -gravity_g),
         ),
     )
 
 
-def _epoch_s(table: Table) -> float | None:
-    first_s, _ = table.clock("time")
+def _epoch_s(table: NumberTable) -> float | None:
+    first_s, _ = table.relative_time("time")
     return first_s if first_s > 1e9 else None
 
 
 def _poses(source: Source, member: str, n_rows: int) -> tuple[TruePositions | None, tuple[str, ...]]:
     """Positions row by row with the sensor table; a file that is longer or shorter is paired from its first row."""
-    number = re.search(r"\d+$", stem(member))
+    number = re.search(r"\d+$", member_stem(member))
     files = [source.sibling(member, f"{name}{number.group()}.csv") for name in _POSE_FILES] if number else []
     beside = next((file for file in files if file is not None), None)
     if beside is None:

@@ -10,7 +10,7 @@ from pdr_est.io.formats.phyphox import reader as phyphox
 from pdr_est.io.formats.plain_csv import reader as plain_csv
 from pdr_est.io.formats.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.weallwalk import reader as weallwalk
-from pdr_est.io.side_tables.clock_messages import with_recorded_messages
+from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
 from pdr_est.io.text.container import Source
 from pdr_est.types.recording import Recording
 
@@ -23,7 +23,7 @@ class Format(Protocol):
     def sniff(self, source: Source) -> bool:
         """Whether the content of the source is of this format."""
 
-    def read(self, source: Source) -> Recording:
+    def read_source(self, source: Source) -> Recording:
         """The recording; raises RecordingError when it cannot be used."""
 
 
@@ -52,12 +52,12 @@ def read(path: str | Path) -> Recording:
     Raises RecordingError, in one line with the file, the place and a remedy, when the format is unknown, when
     several walks are inside, or when the data are damaged.
     """
-    source, messages = with_recorded_messages(Source.open(path))
+    source, messages = split_off_clock_messages(Source.open(path))
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: empty (0 bytes of content); export the recording again")
     for known in FORMATS:
         if known.sniff(source):
-            return replace(known.read(source), messages=messages)
+            return replace(known.read_source(source), messages=messages)
     if any(source.head(member, 2) in _UTF16_MARKS for member in source.members):
         raise RecordingError(f"{source.path}: UTF-16 text; save it as UTF-8")
     names = ", ".join(known.NAME for known in FORMATS)

@@ -10,8 +10,8 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import Table, finite_rows, read_table
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import NumberTable, finite_signal, read_table
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -41,10 +41,10 @@ ACTIVITIES = {
 
 def sniff(source: Source) -> bool:
     """Whether some member is a table of this data set."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The recording of a SisFall table, with the activity if the file's name tells it.
 
     Slow and quick walking (D01, D02) are "walking", slow jogging (D03) is "jogging", quick jogging (D04) "running".
@@ -54,12 +54,12 @@ def read(source: Source) -> Recording:
     Time is the row number at 200 Hz. Raises RecordingError when there are several recordings, the table is damaged or
     a number is beyond the range of its sensor. A file that ends within a row's last number has a warning.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     # A blank and not nothing, so that a ";" within a row does not join two numbers into one.
     rows = source.read(member).replace(b";", b" ")
     table = read_table(rows, source.place(member), has_header=False, columns=_COLUMNS)
     _refuse_impossible(table)
-    name = stem(member)
+    name = member_stem(member)
     cut = () if source.read(member).rstrip().endswith(b";") else (_CUT,)
     return Recording(name=name, format=NAME, devices=(_device(table, cut),), truth=Truth(activity=_activity(name)))
 
@@ -78,7 +78,7 @@ def _activity(name: str) -> str | None:
     return "fall" if code.startswith("F") else ACTIVITIES.get(code)
 
 
-def _refuse_impossible(table: Table) -> None:
+def _refuse_impossible(table: NumberTable) -> None:
     for names, bits in _BITS:
         for name in names:
             numbers = table.numbers(name)
@@ -91,13 +91,13 @@ def _refuse_impossible(table: Table) -> None:
                 )
 
 
-def _device(table: Table, cut: tuple[str, ...]) -> DeviceRecording:
-    written = table.filled(_COLUMNS)  # a blank line is no sample and takes no time
+def _device(table: NumberTable, cut: tuple[str, ...]) -> DeviceRecording:
+    written = table.has_values(_COLUMNS)  # a blank line is no sample and takes no time
     time_s = np.arange(int(written.sum())) / _RATE_HZ
     force_mps2 = _FORCE_MPS2_PER_BIT * table.stack(_FORCE)[written]
     rate_radps = _RATE_RADPS_PER_BIT * table.stack(_RATE)[written]
-    force, force_warnings = finite_rows(time_s, force_mps2, "specific force", table.place)
-    rate, rate_warnings = finite_rows(time_s, rate_radps, "rotation rate", table.place)
+    force, force_warnings = finite_signal(time_s, force_mps2, "specific force", table.place)
+    rate, rate_warnings = finite_signal(time_s, rate_radps, "rotation rate", table.place)
     return DeviceRecording(
         model="SisFall box",
         specific_force=force,

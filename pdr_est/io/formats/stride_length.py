@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import Table, finite_rows, read_table, usable_rows
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import NumberTable, finite_signal, finite_signal_or_none, read_table
 from pdr_est.types.ground_truth import TrueStrides, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -33,23 +33,23 @@ _TAG = re.compile(rb"^[A-Za-z]\S* ", re.MULTILINE)
 
 def sniff(source: Source) -> bool:
     """Whether some member is a table of this data set."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of such a file, with its strides as truth.
 
     Times are seconds since the first row. A stride ends where its number goes up by one, and begins where the one
     before it ended: the beginning of the first is not told, nor that of one whose predecessors are missing, and those
     are left out, with a note. Raises RecordingError when there are several walks or the table is damaged.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     place = source.place(member)
     table = read_table(_TAG.sub(b"", source.read(member)), place, separator=" ", has_header=False, columns=_COLUMNS)
-    start_s, time_s = table.clock("time", _TICKS_PER_S)
+    start_s, time_s = table.relative_time("time", _TICKS_PER_S)
     strides, left_out = _strides(table, time_s)
     return Recording(
-        name=stem(member),
+        name=member_stem(member),
         format=NAME,
         devices=(_device(table, time_s),),
         truth=Truth(strides=strides),
@@ -63,10 +63,10 @@ def _looks_right(head: bytes) -> bool:
     return len(lines) >= 2 and all(_ROW.fullmatch(line) for line in lines)
 
 
-def _device(table: Table, time_s: Array) -> DeviceRecording:
-    force, force_warnings = finite_rows(time_s, table.stack(_FORCE), "specific force", table.place)
-    rate, rate_warnings = finite_rows(time_s, table.stack(_RATE), "rotation rate", table.place)
-    field, field_warnings = usable_rows(time_s, table.stack(_FIELD), "magnetic field", table.place)
+def _device(table: NumberTable, time_s: Array) -> DeviceRecording:
+    force, force_warnings = finite_signal(time_s, table.stack(_FORCE), "specific force", table.place)
+    rate, rate_warnings = finite_signal(time_s, table.stack(_RATE), "rotation rate", table.place)
+    field, field_warnings = finite_signal_or_none(time_s, table.stack(_FIELD), "magnetic field", table.place)
     return DeviceRecording(
         platform="android",
         specific_force=force,
@@ -80,7 +80,7 @@ def _device(table: Table, time_s: Array) -> DeviceRecording:
     )
 
 
-def _strides(table: Table, time_s: Array) -> tuple[TrueStrides, int]:
+def _strides(table: NumberTable, time_s: Array) -> tuple[TrueStrides, int]:
     """The strides whose beginning and end are told, and how many more end in the table."""
     number = table.numbers("number")
     _refuse_wrong_numbers(number, table.place)

@@ -11,8 +11,8 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import Source, SourceKind
-from pdr_est.io.text.csv_dialect import find_dialect
-from pdr_est.io.text.members import stem
+from pdr_est.io.text.csv_dialect import detect_dialect
+from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import read_table
 from pdr_est.types.recording import ClockMessages
 
@@ -23,7 +23,7 @@ _HEAD_BYTES = 4096
 _MILLISECONDS_FROM_S = 1e11  # larger ones are no seconds of our days
 
 
-def read_messages(path: str | Path) -> ClockMessages:
+def read_clock_messages(path: str | Path) -> ClockMessages:
     """The exchanges of a table with the header `device,t1_s,t2_s,t3_s`; separators as in any CSV.
 
     t1_s and t3_s are on the clock of the first device, t2_s on that of `device`; each in seconds as in the recording
@@ -38,9 +38,9 @@ def read_messages(path: str | Path) -> ClockMessages:
     return _read(source, source.members[0])
 
 
-def with_recorded_messages(source: Source) -> tuple[Source, tuple[ClockMessages, ...]]:
+def split_off_clock_messages(source: Source) -> tuple[Source, tuple[ClockMessages, ...]]:
     """A folder or zip without its table `clock_messages`, and what that tells; nothing where there is none."""
-    members = [name for name in source.members if stem(name).casefold() == RECORDED_NAME]
+    members = [name for name in source.members if member_stem(name).casefold() == RECORDED_NAME]
     if source.kind is SourceKind.FILE or not members or len(members) == len(source.members):
         return source, ()
     rest = {name: stored for name, stored in source.stored.items() if name not in members}
@@ -49,7 +49,7 @@ def with_recorded_messages(source: Source) -> tuple[Source, tuple[ClockMessages,
 
 def _read(source: Source, member: str) -> ClockMessages:
     data, place = source.read(member), source.place(member)
-    dialect = find_dialect(data[:_HEAD_BYTES])
+    dialect = detect_dialect(data[:_HEAD_BYTES])
     if dialect is None:
         raise RecordingError(f"{place}: no header line device,{','.join(_STAMPS)}: add it")
     titles = {title.casefold(): title for title in dialect.titles}

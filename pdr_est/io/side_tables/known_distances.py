@@ -8,19 +8,19 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import stem
+from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import read_table
 
 
 @dataclass(frozen=True)
-class KnownWalk:
+class KnownDistance:
     """What is known of a walk. distance_m: walked; step_count: by hand."""
 
     distance_m: float
     step_count: int
 
 
-def read_truth_table(path: str | Path) -> Mapping[str, KnownWalk]:
+def read_known_distances(path: str | Path) -> Mapping[str, KnownDistance]:
     """The walks of a table with the columns `file,distance_m,steps`, plain or gzipped, in the order of its rows.
 
     The key is the name of the recording's file without extension (`A` for `A.csv`). Raises RecordingError that names
@@ -34,10 +34,10 @@ def read_truth_table(path: str | Path) -> Mapping[str, KnownWalk]:
     _refuse_separator(content, place)
     table = read_table(content, place, columns=("file", "distance_m", "steps"), text_columns=("file",))
     distance_m, steps = table.numbers("distance_m"), table.numbers("steps")
-    walks: dict[str, KnownWalk] = {}
+    walks: dict[str, KnownDistance] = {}
     for row, file in enumerate(table.texts("file")):
         line = f"{place}, line {row + 2}"
-        name = stem(str(file).strip().removesuffix(".gz"))
+        name = member_stem(str(file).strip().removesuffix(".gz"))
         if not name:
             raise RecordingError(f"{line}: no file name; give the name of the recording")
         if name in walks:
@@ -46,7 +46,7 @@ def read_truth_table(path: str | Path) -> Mapping[str, KnownWalk]:
             raise RecordingError(f"{line}: distance_m = {distance_m[row]:g} is not above zero; give it in metres")
         if not (steps[row] >= 1.0 and steps[row].is_integer()):
             raise RecordingError(f"{line}: steps = {steps[row]:g} is not a number of steps; count them again")
-        walks[name] = KnownWalk(float(distance_m[row]), int(steps[row]))
+        walks[name] = KnownDistance(float(distance_m[row]), int(steps[row]))
     return walks
 
 

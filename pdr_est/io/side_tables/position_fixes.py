@@ -9,8 +9,8 @@ from pymap3d import geodetic2enu
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import find_dialect
-from pdr_est.io.text.number_table import Table, read_table
+from pdr_est.io.text.csv_dialect import detect_dialect
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Recording
 
@@ -36,7 +36,7 @@ def recorded_fixes(recording: Recording) -> tuple[PositionFix, ...]:
     return recording.fixes
 
 
-def read_fixes(path: str | Path, recording: Recording) -> tuple[PositionFix, ...]:
+def read_position_fixes(path: str | Path, recording: Recording) -> tuple[PositionFix, ...]:
     """Fixes of a table with a header: `time_s`, then `x_m,y_m` or `latitude_deg,longitude_deg`, and optionally
     `sigma_m` (default 1 m per axis) and `robust` (1: may be an outlier). Separators as in any CSV.
 
@@ -77,14 +77,14 @@ class _Rows:
     robust: Array
 
 
-def _read(path: str | Path) -> Table:
+def _read(path: str | Path) -> NumberTable:
     """The known columns, with their titles in small letters. Raises RecordingError when one is missing."""
     source = Source.open(path)
     if len(source.members) != 1:
         raise RecordingError(f"{source.path}: {len(source.members)} files inside: give the table of the fixes itself")
     member = source.members[0]
     data, place = source.read(member), source.place(member)
-    dialect = find_dialect(data[:_HEAD_BYTES])
+    dialect = detect_dialect(data[:_HEAD_BYTES])
     if dialect is None:
         raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
     titles = {title.casefold(): title for title in dialect.titles}
@@ -99,10 +99,10 @@ def _read(path: str | Path) -> Table:
     table = read_table(data, place, separator=dialect.separator, decimal_comma=dialect.decimal_comma, columns=known)
     if not len(table):
         raise RecordingError(f"{place}: holds no fix: add a row or leave --fixes out")
-    return Table(place, {name.casefold(): column for name, column in table.columns.items()})
+    return NumberTable(place, {name.casefold(): column for name, column in table.columns.items()})
 
 
-def _times(table: Table, recording: Recording) -> Array:
+def _times(table: NumberTable, recording: Recording) -> Array:
     """Times on the recording's clock."""
     time_s = table.numbers("time_s")
     finite = time_s[np.isfinite(time_s)]
@@ -128,7 +128,7 @@ def _span_s(recording: Recording) -> tuple[float, float]:
     return min((begin for begin, _ in spans), default=-np.inf), max((end for _, end in spans), default=np.inf)
 
 
-def _positions(table: Table, recording: Recording) -> Array:
+def _positions(table: NumberTable, recording: Recording) -> Array:
     if all(name in table for name in _ON_MAP):
         return table.stack(_ON_MAP)
     if recording.origin is None:

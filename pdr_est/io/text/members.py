@@ -1,4 +1,4 @@
-"""Which member of a source is the recording: found by content, and never guessed when there are several."""
+"""Find the member of a source that holds the recording: by content, and without guessing when there are several."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,21 +9,29 @@ _HEAD_BYTES = 8192
 _NAMED_IN_MESSAGE = 3
 
 
-def members_like(source: Source, looks_right: Callable[[bytes], bool]) -> tuple[str, ...]:
-    """The members whose first bytes look right."""
+def find_members(source: Source, looks_right: Callable[[bytes], bool]) -> tuple[str, ...]:
+    """Find the members whose first bytes `looks_right` accepts."""
     return tuple(member for member in source.members if looks_right(source.head(member, _HEAD_BYTES)))
 
 
-def only_walk(source: Source, walks: Sequence[str], format_name: str) -> str:
-    """The one walk of a source. Raises RecordingError that names some of them when there are several."""
+def require_single_walk(source: Source, walks: Sequence[str], format_name: str) -> str:
+    """Return the only walk of a source.
+
+    Raises
+    ------
+    RecordingError
+        When there is none or several, some of which it names.
+    """
     if len(walks) == 1:
         return walks[0]
     if not walks:
-        raise RecordingError(f"{source.path}: no {format_name} recording inside; give the recording itself")
+        raise RecordingError(f"{source.path}: contains no {format_name} recording; give the recording itself")
     named = ", ".join(walks[:_NAMED_IN_MESSAGE]) + (", …" if len(walks) > _NAMED_IN_MESSAGE else "")
-    raise RecordingError(f"{source.path}: {len(walks)} {format_name} recordings inside ({named}); pick one of them")
+    raise RecordingError(
+        f"{source.path}: contains {len(walks)} {format_name} recordings ({named}); choose one of them"
+    )
 
 
-def stem(member: str) -> str:
-    """Name of a member without folders and extension."""
+def member_stem(member: str) -> str:
+    """Return the name of a member without folders and extension."""
     return member.rsplit("/", 1)[-1].rsplit(".", 1)[0]

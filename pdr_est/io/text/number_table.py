@@ -1,4 +1,4 @@
-"""Tables of numbers in text form, read by a fast engine into arrays, with errors that name the line and column."""
+"""Parse tables of numbers into arrays by a fast engine (polars), with errors that name line, column and value."""
 
 import csv
 import io
@@ -15,17 +15,23 @@ from pdr_est.frames import Array
 from pdr_est.types.recording import Signal
 
 _BOM = b"\xef\xbb\xbf"
-_ROWS_FOR_TYPES = 100
+_TYPE_INFERENCE_ROWS = 100
 _LARGEST = 1e30
 
 
 @dataclass(frozen=True)
-class Table:
-    """The columns of a table, all of one length.
+class NumberTable:
+    """Columns of a table, all of one length.
 
-    place: the file, for messages. columns: name -> (n,) of float64, of int64 where every value is an integer
-    (nanosecond clocks exceed what float64 holds exactly), or of str for the columns asked for as text.
-    empty: for number columns with empty cells, (n,) which cells are; a written NaN is none.
+    Attributes
+    ----------
+    place
+        The file, for messages.
+    columns
+        Name -> (n,) float64; int64 where every value is an integer, because nanosecond clocks exceed what float64
+        holds exactly; str for the columns that were asked for as text.
+    empty
+        Name -> (n,) which cells are empty, for number columns with empty cells. A written NaN is not an empty cell.
     """
 
     place: str
@@ -40,39 +46,50 @@ class Table:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Column names in the order of the file."""
+        """Return the column names in the order of the file."""
         return tuple(self.columns)
 
     def numbers(self, name: str) -> Array:
-        """A column as float64; a missing value is NaN."""
+        """Return a column as float64, (n,); a missing value is NaN."""
         return self._column(name).astype(np.float64)
 
     def stack(self, names: Sequence[str]) -> Array:
-        """Several columns side by side, (n, len(names)) float64."""
+        """Return several columns side by side, (n, len(names)) float64."""
         return np.stack([self.numbers(name) for name in names], axis=1)
 
-    def filled(self, names: Sequence[str]) -> NDArray[np.bool_]:
-        """Rows in which at least one of some number columns is not empty, (n,)."""
-        filled = np.zeros(len(self), dtype=np.bool_)
+    def has_values(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """Find the rows (n,) in which at least one of some number columns is not empty."""
+        present = np.zeros(len(self), dtype=np.bool_)
         for name in names:
-            filled |= ~self.empty[name] if name in self.empty else True
-        return filled
+            present |= ~self.empty[name] if name in self.empty else True
+        return present
 
     def texts(self, name: str) -> NDArray[Any]:
-        """A column that was asked for as text; a missing value is the empty string."""
+        """Return a column that was asked for as text; a missing value is the empty string."""
         return self._column(name).astype(np.str_)
 
-    def clock(self, name: str, ticks_per_s: float = 1.0) -> tuple[float, Array]:
-        """A time column as (first time in seconds, seconds since the first).
+    def relative_time(self, name: str, ticks_per_s: float = 1.0) -> tuple[float, Array]:
+        """Split a time column into its first time and the seconds since then.
 
-        The difference is taken before the conversion to float64, so that integer nanoseconds since 1970 lose
-        nothing. Raises RecordingError when the first time is missing.
+        The difference is taken before the conversion to float64, so that integer nanoseconds since 1970 lose nothing.
+
+        Returns
+        -------
+        first_s : float
+            First time, s.
+        since_s : (n,)
+            Seconds since the first time.
+
+        Raises
+        ------
+        RecordingError
+            When there are no rows or the first time is missing.
         """
         ticks = self._column(name)
         if len(ticks) == 0:
-            raise RecordingError(f"{self.place}: no rows; record again or leave this file out")
+            raise RecordingError(f"{self.place}: has no rows; record again or leave this file out")
         if not np.isfinite(ticks[0]):
-            raise RecordingError(f"{self.place}: no time in the first row of column {name!r}; remove that row")
+            raise RecordingError(f"{self.place}: the first row has no time in column {name!r}; remove that row")
         return float(ticks[0]) / ticks_per_s, (ticks - ticks[0]).astype(np.float64) / ticks_per_s
 
     def _column(self, name: str) -> NDArray[Any]:
@@ -92,24 +109,38 @@ def read_table(
     has_header: bool = True,
     columns: Sequence[str] | None = None,
     text_columns: Sequence[str] = (),
-) -> Table:
-    """Parse a table.
+) -> NumberTable:
+    """Parse a table from the bytes of a file.
 
-    place: the file, for messages. columns: the names to keep (absent ones are simply not in the result); without
-    a header they name all columns from the left. text_columns: names of columns that stay text; every other
-    column must hold numbers; empty fields, NaN and what no sensor can measure become NaN. A byte-order mark, the line
-    ends of every system and trailing blank lines are tolerated.
+    A byte-order mark, the line ends of every system and trailing blank lines are tolerated. Empty cells, NaN and
+    numbers that no sensor can measure become NaN.
 
-    Raises RecordingError for an empty table, text in a number column and rows of unequal length, naming line,
-    column and value.
+    Parameters
+    ----------
+    data
+        Content of the file.
+    place
+        Name of the file, for messages.
+    separator, decimal_comma, has_header
+        Way in which the table is written.
+    columns
+        Names of the columns to keep; absent ones are simply not in the result. Without a header they name all columns
+        from the left.
+    text_columns
+        Names of columns that stay text. Every other column must hold numbers.
+
+    Raises
+    ------
+    RecordingError
+        For an empty table, text in a number column and rows of unequal length, naming line, column and value.
     """
     content = data.removeprefix(_BOM).rstrip(b"\r\n \0")
     if b"\n" not in content:
         content = content.replace(b"\r", b"\n")
     if not content:
-        raise RecordingError(f"{place}: empty, holds no table; export it again or leave this file out")
-    options = _Layout(separator, decimal_comma, has_header)
-    frame = _parse(content, place, options, text_columns)
+        raise RecordingError(f"{place}: the table is empty; export it again or leave this file out")
+    layout = _TableLayout(separator, decimal_comma, has_header)
+    frame = _parse_frame(content, place, layout, text_columns)
     if not has_header:
         frame.columns = _headerless_names(frame.width, columns, place)
     else:
@@ -122,82 +153,112 @@ def read_table(
         if name in text_columns:
             arrays[name] = frame[name].cast(pl.String).fill_null("").to_numpy().astype(np.str_)
             continue
-        arrays[name] = measurable(_as_numbers(frame[name], place, options))
+        arrays[name] = discard_huge_values(_as_numbers(frame[name], place, layout))
         cells = _empty_cells(frame[name])
         if cells.any():
             empty[name] = cells
-    return Table(place, arrays, empty)
+    return NumberTable(place, arrays, empty)
 
 
-def finite_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal, tuple[str, ...]]:
-    """A signal of the rows that are finite in time and values, with a warning that counts the others.
+def finite_signal(time_s: Array, values: Array, sensor: str, place: str) -> tuple[Signal, tuple[str, ...]]:
+    """Make a signal of the rows that are finite in time and values.
 
-    Raises RecordingError when there are no rows or none is finite.
+    Parameters
+    ----------
+    time_s, values
+        (n,) s and (n, k).
+    sensor, place
+        Name of the sensor and of the file, for messages.
+
+    Returns
+    -------
+    Signal
+        The finite rows.
+    tuple of str
+        A warning that counts the other rows, if there are any.
+
+    Raises
+    ------
+    RecordingError
+        When there are no rows or none is finite.
     """
     if len(time_s) == 0:
-        raise RecordingError(f"{place}: no rows of {what}; record again with this sensor switched on")
+        raise RecordingError(f"{place}: {sensor} has no rows; record again with this sensor switched on")
     finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
     dropped = len(finite) - int(finite.sum())
     if dropped == 0:
         return Signal(time_s, values), ()
     if dropped == len(finite):
-        raise RecordingError(f"{place}: all {dropped} rows of {what} are NaN or infinite; record again")
-    warning = f"{what}: {dropped} of {len(finite)} rows dropped because they hold NaN or infinite values"
+        raise RecordingError(f"{place}: all {dropped} rows of {sensor} are NaN or infinite; record again")
+    warning = f"{sensor}: {dropped} of {len(finite)} rows are left out: NaN or infinite values"
     return Signal(time_s[finite], values[finite]), (warning,)
 
 
-def usable_rows(time_s: Array, values: Array, what: str, place: str) -> tuple[Signal | None, tuple[str, ...]]:
-    """Like `finite_rows`, but None and a warning where no row is finite: for sensors that a track can do without."""
+def finite_signal_or_none(
+    time_s: Array, values: Array, sensor: str, place: str
+) -> tuple[Signal | None, tuple[str, ...]]:
+    """Make a signal like `finite_signal`, but return None and a warning where no row is finite.
+
+    It is for sensors without which a track is still possible.
+    """
     timed = np.isfinite(time_s)
     if len(time_s) and not (timed & np.isfinite(values).all(axis=1)).any():
-        reason = "hold NaN or infinite values" if timed.any() else "have no usable time"
-        return None, (f"{what}: left out because all {len(time_s)} rows {reason}",)
-    return finite_rows(time_s, values, what, place)
+        reason = "contain NaN or infinite values" if timed.any() else "have no finite time"
+        return None, (f"{sensor}: left out because all {len(time_s)} rows {reason}",)
+    return finite_signal(time_s, values, sensor, place)
 
 
-def measurable(values: NDArray[Any]) -> NDArray[Any]:
-    """Numbers with NaN for infinity and for what is so large that arithmetic would soon get there."""
+def discard_huge_values(values: NDArray[Any]) -> NDArray[Any]:
+    """Replace infinity, and values so large that arithmetic would soon overflow, by NaN."""
     if values.dtype != np.float64:
         return values
     return np.where(np.abs(values) <= _LARGEST, values, np.nan)
 
 
 @dataclass(frozen=True)
-class _Layout:
+class _TableLayout:
+    """Separator, decimal mark and header of a table."""
+
     separator: str
     decimal_comma: bool
     has_header: bool
 
 
-def _parse(content: bytes, place: str, layout: _Layout, text_columns: Sequence[str]) -> pl.DataFrame:
+def _parse_frame(content: bytes, place: str, layout: _TableLayout, text_columns: Sequence[str]) -> pl.DataFrame:
+    """Parse all columns, of types found from the first rows or, if a later row differs, as text."""
     try:
-        frame = _frame(content, layout, text_columns, _ROWS_FOR_TYPES)
+        frame = _read_frame(content, layout, text_columns, _TYPE_INFERENCE_ROWS)
     except (pl.exceptions.PolarsError, ValueError):
         # A later row is not of the type of the first rows: all fields as text, which is slower.
         try:
-            frame = _frame(content, layout, text_columns, 0)
+            frame = _read_frame(content, layout, text_columns, 0)
         except (pl.exceptions.PolarsError, ValueError) as error:
-            _refuse_ragged(content, place, layout)
-            raise RecordingError(f"{place}: not a readable table ({_first_line(error)}); export it again") from error
+            _check_row_lengths(content, place, layout)
+            raise RecordingError(
+                f"{place}: cannot be read as a table ({_first_line(error)}); export it again"
+            ) from error
     # The engine fills rows that are too short with nulls; only then is the slow look at the lines needed.
     if frame.width > 1 and frame[frame.columns[-1]].null_count():
-        _refuse_ragged(content, place, layout)
+        _check_row_lengths(content, place, layout)
     return frame
 
 
-def _frame(content: bytes, layout: _Layout, text_columns: Sequence[str], rows_for_types: int) -> pl.DataFrame:
+def _read_frame(
+    content: bytes, layout: _TableLayout, text_columns: Sequence[str], inference_rows: int
+) -> pl.DataFrame:
     return pl.read_csv(
         content,
         separator=layout.separator,
         decimal_comma=layout.decimal_comma,
         has_header=layout.has_header,
-        infer_schema_length=rows_for_types,
+        infer_schema_length=inference_rows,
         schema_overrides=dict.fromkeys(text_columns, pl.String),
         encoding="utf8-lossy",
     )
 
 
-def _refuse_ragged(content: bytes, place: str, layout: _Layout) -> None:
+def _check_row_lengths(content: bytes, place: str, layout: _TableLayout) -> None:
+    """Raise an error for the first row whose number of fields differs from the header's."""
     rows = csv.reader(io.StringIO(content.decode("utf-8", "replace"), newline=""), delimiter=layout.separator)
     expected = 0
     try:
@@ -209,26 +270,27 @@ def _refuse_ragged(content: bytes, place: str, layout: _Layout) -> None:
                     "complete or remove this line"
                 )
     except csv.Error as error:
-        raise RecordingError(f"{place}, line {rows.line_num}: {error}, is a quote not closed? correct it") from error
+        raise RecordingError(f"{place}, line {rows.line_num}: {error}; look for an open quote") from error
 
 
 def _headerless_names(width: int, names: Sequence[str] | None, place: str) -> list[str]:
     if names is None:
         return [f"column_{i + 1}" for i in range(width)]
     if len(names) != width:
-        raise RecordingError(f"{place}: {width} columns instead of {len(names)}; not the expected table")
+        raise RecordingError(f"{place}: {width} columns instead of {len(names)}; this is not the expected table")
     return list(names)
 
 
 def _empty_cells(column: pl.Series) -> NDArray[np.bool_]:
+    """Find the cells without any text."""
     empty = column.is_null()
     if column.dtype == pl.String:
         empty |= (column.str.strip_chars() == "").fill_null(True)
     return empty.to_numpy()
 
 
-def _as_numbers(column: pl.Series, place: str, layout: _Layout) -> NDArray[Any]:
-    """int64 when all values are integers, else float64 with NaN for what is missing."""
+def _as_numbers(column: pl.Series, place: str, layout: _TableLayout) -> NDArray[Any]:
+    """Convert a column to int64 when all values are integers, else to float64 with NaN for missing values."""
     if column.dtype == pl.Int64 and column.null_count() == 0:
         return column.to_numpy()
     if column.dtype.is_numeric():

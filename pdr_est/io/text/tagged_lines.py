@@ -1,4 +1,4 @@
-"""Logs that mix the rows of many sensors in one file, each row tagged with its type."""
+"""Parse logs that mix the rows of many sensors in one file, each row tagged with its type."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,14 +8,19 @@ import polars as pl
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.text.number_table import measurable
+from pdr_est.io.text.number_table import discard_huge_values
 
 
 @dataclass(frozen=True)
 class TaggedLog:
-    """The rows of a log as text fields, selected by tag and turned into numbers on request.
+    """Rows of a log as text fields, selected by tag and converted to numbers on request.
 
-    place: the file, for messages. A row with fewer fields than asked for gives NaN there.
+    A row with fewer fields than asked for gives NaN there.
+
+    Attributes
+    ----------
+    place
+        The file, for messages.
     """
 
     place: str
@@ -26,7 +31,21 @@ class TaggedLog:
 
     @classmethod
     def parse(cls, data: bytes, place: str, *, separator: str, tag_field: int, n_fields: int) -> "TaggedLog":
-        """Split a log into rows and fields; fields beyond n_fields are left out."""
+        """Split a log into rows and fields.
+
+        Parameters
+        ----------
+        data
+            Content of the file.
+        place
+            Name of the file, for messages.
+        separator
+            Character between two fields.
+        tag_field
+            Index of the field that holds the tag.
+        n_fields
+            Number of fields to keep; further ones are ignored.
+        """
         names = [f"field_{i}" for i in range(n_fields)]
         header = separator.join(names).encode() + b"\n"
         rows = pl.read_csv(
@@ -40,14 +59,18 @@ class TaggedLog:
         return cls(place, data, separator, names[tag_field], rows)
 
     def count(self, tag_prefix: str) -> int:
-        """Number of rows whose tag begins so."""
+        """Count the rows whose tag begins with a prefix."""
         return int(self._rows[self._tag_column].str.starts_with(tag_prefix).sum())
 
     def numbers(self, tag: str, fields: Sequence[int]) -> Array:
-        """The rows of a tag, (n, len(fields)) float64; an empty or absent field is NaN, as is what no sensor can
-        measure.
+        """Convert fields of the rows with a tag to numbers, (n, len(fields)) float64.
 
-        Raises RecordingError for text in a number field, naming line, field and value.
+        An empty or absent field is NaN, as is a number that no sensor can measure.
+
+        Raises
+        ------
+        RecordingError
+            For text in a number field, naming line, tag and value.
         """
         rows = self._rows.filter(pl.col(self._tag_column) == tag)
         text = rows.select(f"field_{i}" for i in fields)
@@ -64,10 +87,10 @@ class TaggedLog:
                     f"{self.place}, line {self._line_of(rows.row(wrong))}, {tag}: {text[name][wrong]!r} is not a "
                     "number; correct or remove this line"
                 )
-        return measurable(numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields)))
+        return discard_huge_values(numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields)))
 
     def _line_of(self, row: tuple[str | None, ...]) -> int:
-        """Line of the first row that equals this one, in the file as it was recorded."""
+        """Find the line of the first row that equals this one, in the file as it was recorded."""
         fields = [field for field in row if field is not None]
         found = self._data.find(self._separator.join(fields).encode())
         return self._data[: max(found, 0)].count(b"\n") + 1

@@ -1,4 +1,4 @@
-"""What a recording holds and what is wrong with it, as records, JSON and text."""
+"""Inspect a recording: what it contains and what is wrong with it, as records that can be written as JSON."""
 
 import math
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.io.conversion.units import gravity_cosine
+from pdr_est.io.conversion.signs import gravity_cosine
 from pdr_est.preprocessing.quality.sensor_checks import (
     ClockCheck,
     Interval,
@@ -20,17 +20,37 @@ from pdr_est.preprocessing.quality.sensor_checks import (
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 _AXES = ("x", "y", "z")
-_RANGE_LIMITED = ("specific_force", "rotation_rate")
+_CLIPPING = ("specific_force", "rotation_rate")
 _VECTORS = ("specific_force", "rotation_rate", "magnetic_field", "attitude")
 _CHANNELS = (*_VECTORS, "pressure")
-_CONTRADICTION = 0.3  # correlation of gyroscope and attitude below which their axes or signs do not agree
+_LEAST_CORRELATION = 0.3  # of gyroscope and attitude, below which their axes or signs do not agree
 
 
 @dataclass(frozen=True)
 class ChannelInspection:
-    """One sensor. effective_rate_hz: rate of really new values, and hidden_by says how the others were made
-    ("repeated", "interpolated" or ""). clipped_axes: axes that hit the end of a range. stuck: stretches without any
-    change while others moved. all_zero: nothing but zeros."""
+    """Inspection of one channel.
+
+    Attributes
+    ----------
+    name
+        Channel, such as "specific_force".
+    samples
+        Number of samples.
+    start_s, end_s
+        Earliest and latest time stamp, s.
+    clock
+        Check of the time stamps.
+    effective_rate_hz
+        Rate, Hz, at which new values really come.
+    hidden_by
+        How the other values were made: "repeated", "interpolated", or "" when all are new.
+    clipped_axes
+        Axes that hit the end of their range.
+    stuck
+        Intervals without any change while another sensor moved.
+    all_zero
+        True when all values are zero.
+    """
 
     name: str
     samples: int
@@ -46,10 +66,31 @@ class ChannelInspection:
 
 @dataclass(frozen=True)
 class DeviceInspection:
-    """One device. overlap: when accelerometer and gyroscope both run, None when never.
-    force_norm_mps2: median norm of the specific force. gravity_cosine: of the specific force to the attitude's up,
-    near 1. rate_correlation: of the gyroscope with the change of the attitude, near 1. Each None when unknown.
-    capabilities: what is possible with these sensors. findings: what is wrong with them, in words."""
+    """Inspection of one device; a value that cannot be computed is None.
+
+    Attributes
+    ----------
+    name, model, platform
+        Identity of the device.
+    channels
+        Inspections of the channels that have samples.
+    overlap
+        Interval in which accelerometer and gyroscope both run; None when they never do.
+    force_norm_mps2
+        Median norm of the specific force, m/s^2; near 9.8 for correct units.
+    gravity_cosine
+        Median cosine between specific force and the up direction of the attitude; near +1 for correct signs.
+    rate_correlation
+        Correlation of the gyroscope with the change of the attitude; near +1 for correct axes and signs.
+    capabilities
+        What can be computed with these sensors.
+    findings
+        What is wrong with the channels.
+    decisions
+        How the reader found units and signs.
+    warnings
+        What the reader warned of.
+    """
 
     name: str
     model: str
@@ -67,7 +108,25 @@ class DeviceInspection:
 
 @dataclass(frozen=True)
 class Inspection:
-    """A recording. duration_s: from the first to the last sample of any sensor."""
+    """Inspection of a recording.
+
+    Attributes
+    ----------
+    name, format
+        Name and file format of the recording.
+    duration_s
+        Time from the first to the last sample of any sensor, s.
+    start_unix_s
+        Unix time of time zero, s; None when unknown.
+    origin_deg
+        Latitude and longitude of the map frame's origin, degrees; None when unknown.
+    devices
+        Inspections of the devices.
+    truth, fixes
+        Summaries of ground truth and position fixes.
+    notes
+        Notes of the reader.
+    """
 
     name: str
     format: str
@@ -80,13 +139,13 @@ class Inspection:
     notes: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Nested plain values for JSON; what is not finite is None."""
+        """Convert to nested plain values for JSON; numbers that are not finite become None."""
         plain: dict[str, Any] = _plain(asdict(self))
         return plain
 
 
-def inspect(recording: Recording) -> Inspection:
-    """Look at every sensor of a recording. Raises nothing: what is wrong is in the result."""
+def inspect_recording(recording: Recording) -> Inspection:
+    """Inspect every sensor of a recording; it never raises, because everything wrong is part of the result."""
     devices = tuple(_inspect_device(device) for device in recording.devices)
     starts = [channel.start_s for device in devices for channel in device.channels]
     ends = [channel.end_s for device in devices for channel in device.channels]
@@ -98,8 +157,8 @@ def inspect(recording: Recording) -> Inspection:
         start_unix_s=recording.epoch_s,
         origin_deg=None if origin is None else (origin.latitude_deg, origin.longitude_deg),
         devices=devices,
-        truth=_truth_in_words(recording),
-        fixes=_fixes_in_words(recording),
+        truth=_summarise_truth(recording),
+        fixes=_summarise_fixes(recording),
         notes=recording.notes,
     )
 
@@ -113,8 +172,11 @@ def _inspect_device(device: DeviceRecording) -> DeviceInspection:
     findings = [words for channel in channels for words in _channel_findings(channel)]
     if force is not None and rate is not None and overlap is None:
         findings.append("accelerometer and gyroscope never run at the same time: no track is possible")
-    if correlation is not None and correlation < _CONTRADICTION:
-        findings.append(f"gyroscope and attitude do not turn the same way (correlation {correlation:+.2f})")
+    if correlation is not None and correlation < _LEAST_CORRELATION:
+        findings.append(
+            f"gyroscope and attitude do not rotate the same way (correlation {correlation:+.2f}): "
+            "their axes or signs differ"
+        )
     return DeviceInspection(
         name=device.name,
         model=device.model,
@@ -134,7 +196,7 @@ def _inspect_device(device: DeviceRecording) -> DeviceInspection:
 def _inspect_channel(name: str, signal: Signal, signals: Mapping[str, Signal]) -> ChannelInspection:
     clock = check_clock(signal.time_s)
     vector = name in _VECTORS
-    others = [signals[other] for other in _RANGE_LIMITED if other in signals and other != name]
+    others = [signals[other] for other in _CLIPPING if other in signals and other != name]
     rate_hz, hidden_by = effective_rate(signal, clock.rate_hz) if vector else (clock.rate_hz, "")
     return ChannelInspection(
         name=name,
@@ -144,7 +206,7 @@ def _inspect_channel(name: str, signal: Signal, signals: Mapping[str, Signal]) -
         clock=clock,
         effective_rate_hz=rate_hz,
         hidden_by=hidden_by,
-        clipped_axes=tuple(_AXES[i] for i in clipped_axes(signal.values)) if name in _RANGE_LIMITED else (),
+        clipped_axes=tuple(_AXES[i] for i in clipped_axes(signal.values)) if name in _CLIPPING else (),
         stuck=stuck_intervals(signal, others) if vector else (),
         all_zero=not signal.values.any(),
     )
@@ -157,12 +219,13 @@ def _overlap(a: Signal, b: Signal) -> Interval | None:
 
 
 def _channel_findings(channel: ChannelInspection) -> list[str]:
+    """Describe what is wrong with a channel."""
     name, clock = channel.name, channel.clock
     findings = []
     if channel.samples == 1:
         findings.append(f"{name}: a single sample")
     if channel.all_zero:
-        findings.append(f"{name}: all values are zero, the sensor is absent or fake")
+        findings.append(f"{name}: all values are zero, the sensor is missing or faulty")
     elif channel.hidden_by:
         findings.append(
             f"{name}: values are {channel.hidden_by}, new ones come at about {channel.effective_rate_hz:.0f} Hz "
@@ -180,7 +243,7 @@ def _channel_findings(channel: ChannelInspection) -> list[str]:
 
 
 def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tuple[str, ...]:
-    """What the sensors allow, and what a missing one takes away."""
+    """Describe what the sensors allow to compute, and what a missing one prevents."""
     force, attitude = "specific_force" in signals, "attitude" in signals
     rate = "rotation_rate" in signals and bool(signals["rotation_rate"].values.any())
     if force and rate and overlap is None:
@@ -190,11 +253,11 @@ def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tu
     if force:
         return ("no gyroscope: steps and distance are possible, headings and a track are not",)
     if rate or attitude:
-        return ("no accelerometer: the turning of the device is possible, steps and a track are not",)
+        return ("no accelerometer: rotations of the device are possible, steps and a track are not",)
     return ("no accelerometer and no gyroscope: nothing can be estimated",)
 
 
-def _truth_in_words(recording: Recording) -> tuple[str, ...]:
+def _summarise_truth(recording: Recording) -> tuple[str, ...]:
     truth = recording.truth
     words = []
     if truth.positions is not None:
@@ -212,8 +275,8 @@ def _truth_in_words(recording: Recording) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _fixes_in_words(recording: Recording) -> tuple[str, ...]:
-    """One line a source: count, time span and median standard deviation."""
+def _summarise_fixes(recording: Recording) -> tuple[str, ...]:
+    """Summarise the fixes of each source: count, time span and median standard deviation."""
     words = []
     for source in dict.fromkeys(fix.source for fix in recording.fixes):
         fixes = [fix for fix in recording.fixes if fix.source == source]
@@ -225,6 +288,7 @@ def _fixes_in_words(recording: Recording) -> tuple[str, ...]:
 
 
 def _plain(value: Any) -> Any:
+    """Convert records to plain values; numbers that are not finite become None."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

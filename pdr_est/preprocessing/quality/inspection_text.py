@@ -1,39 +1,41 @@
-"""The text form of an inspection."""
+"""Format an inspection as readable text, as `pdr-est inspect` prints it."""
 
 from collections.abc import Iterable
 from datetime import UTC, datetime
 
 from pdr_est.preprocessing.quality.inspection import ChannelInspection, DeviceInspection, Inspection
 
-_SHOWN = 20  # gaps can be many: the rest is counted
+_MAX_LINES = 20  # of one kind; gaps can be many, and the rest is counted
 
 
-def describe(inspection: Inspection) -> str:
-    """An inspection as readable lines; `Inspection.to_dict` has all of it."""
+def format_inspection(inspection: Inspection) -> str:
+    """Format an inspection as lines of text; long lists are shortened (`Inspection.to_dict` has everything)."""
     lines = [f"{inspection.name}: {inspection.format}, {inspection.duration_s:.1f} s"]
     if inspection.start_unix_s is not None:
-        lines.append(f"  time zero: {_moment(inspection.start_unix_s)}")
+        lines.append(f"  time zero: {_format_unix_time(inspection.start_unix_s)}")
     if inspection.origin_deg is not None:
         latitude, longitude = inspection.origin_deg
         lines.append(f"  origin: latitude {latitude:.6f}, longitude {longitude:.6f}")
-    lines += _list("truth", inspection.truth) + _list("fixes", inspection.fixes) + _list("note", inspection.notes)
+    lines += _labelled("truth", inspection.truth)
+    lines += _labelled("fixes", inspection.fixes)
+    lines += _labelled("note", inspection.notes)
     for device in inspection.devices:
-        lines += _device(device)
+        lines += _device_lines(device)
     return "\n".join(lines)
 
 
-def _moment(unix_s: float) -> str:
+def _format_unix_time(unix_s: float) -> str:
     try:
         return f"{datetime.fromtimestamp(unix_s, tz=UTC):%Y-%m-%d %H:%M:%S} UTC"
     except (OverflowError, OSError, ValueError):
         return f"{unix_s:g} s since 1970, not a date"
 
 
-def _device(device: DeviceInspection) -> list[str]:
+def _device_lines(device: DeviceInspection) -> list[str]:
     about = ", ".join(part for part in (device.model, device.platform) if part)
     lines = [f"device {device.name}{f' ({about})' if about else ''}"]
-    lines += [f"  {_channel(channel)}" for channel in device.channels]
-    lines += _list("possible", device.capabilities)
+    lines += [f"  {_channel_line(channel)}" for channel in device.channels]
+    lines += _labelled("possible", device.capabilities)
     if device.overlap is not None:
         lines.append(f"  accelerometer and gyroscope together: {device.overlap.length_s:.1f} s")
     if device.force_norm_mps2 is not None:
@@ -42,10 +44,11 @@ def _device(device: DeviceInspection) -> list[str]:
         lines.append(f"  check: cosine of specific force to the attitude's up {device.gravity_cosine:+.2f}")
     if device.rate_correlation is not None:
         lines.append(f"  check: correlation of gyroscope and attitude {device.rate_correlation:+.2f}")
-    return lines + _list("decided", device.decisions) + _list("warning", (*device.findings, *device.warnings))
+    lines += _labelled("decided", device.decisions)
+    return lines + _labelled("warning", (*device.findings, *device.warnings))
 
 
-def _channel(channel: ChannelInspection) -> str:
+def _channel_line(channel: ChannelInspection) -> str:
     clock = channel.clock
     return (
         f"{channel.name}: {channel.samples} samples, {clock.rate_hz:.1f} Hz, "
@@ -54,7 +57,8 @@ def _channel(channel: ChannelInspection) -> str:
     )
 
 
-def _list(title: str, words: Iterable[str]) -> list[str]:
-    lines = [f"  {title}: {text}" for text in words]
-    hidden = len(lines) - _SHOWN
-    return lines if hidden <= 0 else [*lines[:_SHOWN], f"  {title}: and {hidden} more"]
+def _labelled(label: str, texts: Iterable[str]) -> list[str]:
+    """Put a label before each text; count those beyond the longest list."""
+    lines = [f"  {label}: {text}" for text in texts]
+    hidden = len(lines) - _MAX_LINES
+    return lines if hidden <= 0 else [*lines[:_MAX_LINES], f"  {label}: and {hidden} more"]

@@ -1,4 +1,4 @@
-"""What steps and what a track need of a device's recording, and in words why a recording does not have it."""
+"""Refuse recordings that lack what steps or a track need, with an error that says why and what to do."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -7,160 +7,207 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion.units import Finding, acceleration_unit, rotation_unit
-from pdr_est.preprocessing.sensor_ranges import LIMITS, impossible
+from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit, detect_rotation_rate_unit
+from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
-_LONGEST_WALK_S = 366 * 86400.0  # what lies further apart is a wrong time stamp
-_MOST_IMPOSSIBLE = 0.5  # of the samples: more are no damage, their unit is another one
-COARSE_S = 0.03  # between samples; integrated, those of a phone on a leg at 25 Hz drift three times as fast
+COARSE_SAMPLING_S = 0.03
+"""Sampling period, s, above which the integrated rotation rate of a phone on a leg drifts: at 25 Hz three times as
+fast."""
+
+_LONGEST_WALK_S = 366 * 86400.0  # time stamps further apart are wrong
+_MOST_OUT_OF_RANGE = 0.5  # of the samples: more are not damaged, their unit is another one
 _LATE_S = 1.0
-_MANY_SAMPLES = 5  # of which some share a second
-_WORDS = {
+_MANY_SAMPLES = 5
+_SENSOR_NAMES = {
     Channel.SPECIFIC_FORCE: "accelerometer",
     Channel.ROTATION_RATE: "gyroscope",
     Channel.ATTITUDE: "attitude",
 }
-_UNITS: Mapping[Channel, tuple[Callable[[Array], Finding], str, str]] = MappingProxyType(
+_UNITS: Mapping[Channel, tuple[Callable[[Array], Conversion], str, str]] = MappingProxyType(
     {
-        Channel.SPECIFIC_FORCE: (acceleration_unit, "m/s^2", "acc_x (g)"),
-        Channel.ROTATION_RATE: (rotation_unit, "rad/s", "gyr_x (deg/s)"),
+        Channel.SPECIFIC_FORCE: (detect_acceleration_unit, "m/s^2", "acc_x (g)"),
+        Channel.ROTATION_RATE: (detect_rotation_rate_unit, "rad/s", "gyr_x (deg/s)"),
     }
 )
 
 
 def has_gyroscope(device: DeviceRecording) -> bool:
-    """Whether steps of this device can have a direction."""
+    """Tell whether a device recorded a gyroscope, without which its steps have no heading."""
     return _signal(device, Channel.ROTATION_RATE) is not None
 
 
-def refuse_without_track(device: DeviceRecording, place: str, one_of_several: bool = False) -> None:
-    """Raises RecordingError when a device lacks a sensor without which there is no track, whatever the settings.
+def require_track_sensors(device: DeviceRecording, label: str, one_of_several: bool = False) -> None:
+    """Check that a device has the sensors without which no track is possible, whatever the settings.
 
-    place: what to call the device in messages. one_of_several: whether others could make a track without it.
+    Parameters
+    ----------
+    device
+        Recording of the device.
+    label
+        Name of the device in messages.
+    one_of_several
+        True when other devices could make a track without this one.
+
+    Raises
+    ------
+    RecordingError
+        When there is no accelerometer or no gyroscope.
     """
-    _specific_force(device, place)
+    _specific_force(device, label)
     if not has_gyroscope(device):
         raise RecordingError(
-            f"{place}: no gyroscope{_reasons(device)}, so steps could be found but no heading and no track: "
+            f"{label}: no gyroscope{_reader_warnings(device)}, so steps can be found but no heading and no track: "
             f"record it too{', or leave this device out' if one_of_several else ''}; `pdr-est steps` still finds the "
             "steps"
         )
 
 
-def better_attitude(device: DeviceRecording) -> bool:
-    """Whether the attitude that the device recorded is better than one from its samples: they are so far apart that
-    they miss what a limb does, and it was recorded all along, at least as often as they were."""
+def prefers_recorded_attitude(device: DeviceRecording) -> bool:
+    """Tell whether the recorded attitude of a device is better than one integrated from its samples.
+
+    That is so where the gyroscope was sampled so coarsely that it misses the motion of a limb, while the attitude was
+    recorded all along and at least about as often.
+    """
     rate, attitude = _signal(device, Channel.ROTATION_RATE), _signal(device, Channel.ATTITUDE)
     if rate is None or attitude is None or len(rate) < 2 or len(attitude) < 0.9 * len(rate):
         return False
-    apart_s = float(np.median(np.diff(rate.time_s)))
+    period_s = float(np.median(np.diff(rate.time_s)))
     late_s = max(attitude.time_s[0] - rate.time_s[0], rate.time_s[-1] - attitude.time_s[-1])
-    return bool(apart_s > COARSE_S and late_s < _LATE_S)
+    return bool(period_s > COARSE_SAMPLING_S and late_s < _LATE_S)
 
 
-def needed_channels(device: DeviceRecording, place: str, with_attitude: bool) -> tuple[Channel, ...]:
-    """The channels that the front end takes: the accelerometer alone where there is no gyroscope.
+def required_channels(device: DeviceRecording, label: str, with_attitude: bool) -> tuple[Channel, ...]:
+    """Select the channels that the front end needs; without a gyroscope that is the accelerometer alone.
 
-    with_attitude: whether the device's own attitude is one of them. place: what to call the device in messages.
-    Raises RecordingError when one of them is missing, has a single sample, has no running clock, is in a wrong unit,
-    or when they never run at the same time.
+    Parameters
+    ----------
+    device
+        Recording of the device.
+    label
+        Name of the device in messages.
+    with_attitude
+        True when the recorded attitude is used.
+
+    Raises
+    ------
+    RecordingError
+        When one of the channels is missing, has a single sample, a clock that does not advance or a wrong unit, or
+        when the channels do not overlap in time.
     """
-    signals = _needed_signals(device, place, with_attitude)
+    signals = _required_signals(device, label, with_attitude)
     for channel, signal in signals.items():
-        _refuse_useless_clock(signal, _WORDS[channel], place)
-        _refuse_wrong_unit(channel, signal, place)
+        _check_clock(signal, _SENSOR_NAMES[channel], label)
+        _check_unit(channel, signal, label)
     start_s = max(float(signal.time_s.min()) for signal in signals.values())
     end_s = min(float(signal.time_s.max()) for signal in signals.values())
     if start_s >= end_s:
         spans = ", ".join(
-            f"{_WORDS[channel]} {_seconds(signal.time_s.min())} to {_seconds(signal.time_s.max())} s"
+            f"{_SENSOR_NAMES[channel]} {_format_time(signal.time_s.min())} to {_format_time(signal.time_s.max())} s"
             for channel, signal in signals.items()
         )
-        raise RecordingError(f"{place}: the channels do not overlap in time ({spans}): check the recorder's clocks")
+        raise RecordingError(f"{label}: the channels do not overlap in time ({spans}): check the recorder's clocks")
     return tuple(signals)
 
 
-def refuse_without_magnetometer(device: DeviceRecording, place: str) -> None:
-    """Raises RecordingError when a device recorded no magnetic field. place: what to call it in messages."""
+def require_magnetometer(device: DeviceRecording, label: str) -> None:
+    """Check that a device recorded a magnetic field.
+
+    Raises
+    ------
+    RecordingError
+        When it did not; `label` names the device in the message.
+    """
     if _signal(device, Channel.MAGNETIC_FIELD) is None:
         raise RecordingError(
-            f"{place}: no magnetometer{_reasons(device)}, which heading.method: magnetometer needs: record it too, "
-            "or choose another method"
+            f"{label}: no magnetometer{_reader_warnings(device)}, which heading.method: magnetometer needs: "
+            "record it too, or choose another method"
         )
 
 
-def why_nothing(device: DeviceRecording, place: str, longest_pause_s: float) -> RecordingError:
-    """The error for a device with all channels from which resampling made nothing."""
-    for channel, words in _WORDS.items():
+def explain_empty_grid(device: DeviceRecording, label: str, max_gap_s: float) -> RecordingError:
+    """Make the error for a device that has all channels, but from which resampling made no grid point.
+
+    Parameters
+    ----------
+    device
+        Recording of the device.
+    label
+        Name of the device in messages.
+    max_gap_s
+        Longest pause, s, that resampling interpolates.
+    """
+    for channel, sensor in _SENSOR_NAMES.items():
         signal = _signal(device, channel)
         if signal is None or len(signal) < 2:
             continue
-        limit = LIMITS.get(channel)
-        if limit is not None and impossible(channel, signal.values).mean() > _MOST_IMPOSSIBLE:
+        limit = SENSOR_RANGES.get(channel)
+        if limit is not None and out_of_range(channel, signal.values).mean() > _MOST_OUT_OF_RANGE:
             return RecordingError(
-                f"{place}: the values of the {words} reach {np.abs(signal.values).max():.3g} {limit.unit}, more than "
-                f"{limit.largest:g}, which no phone can measure: write their unit into the header"
+                f"{label}: the values of the {sensor} reach {np.abs(signal.values).max():.3g} {limit.unit}, "
+                f"more than {limit.largest:g}, which no phone can measure: write their unit into the header"
             )
         pause_s = float(np.median(np.diff(signal.time_s)))
         if pause_s < 0.0:
-            return RecordingError(f"{place}: the time stamps of the {words} run backwards: sort its rows by time")
-        if pause_s > longest_pause_s:
+            return RecordingError(f"{label}: the time stamps of the {sensor} run backwards: sort its rows by time")
+        if pause_s > max_gap_s:
             return RecordingError(
-                f"{place}: the samples of the {words} lie {pause_s:.6g} s apart, more than resample.max_gap_s = "
-                f"{longest_pause_s:g}: give the time in seconds, or record at a higher rate"
+                f"{label}: the samples of the {sensor} lie {pause_s:.6g} s apart, more than resample.max_gap_s = "
+                f"{max_gap_s:g}: give the time in seconds, or record at a higher rate"
             )
-        if len(signal) >= _MANY_SAMPLES and _whole_seconds(signal):
+        if len(signal) >= _MANY_SAMPLES and _in_whole_seconds(signal):
             return RecordingError(
-                f"{place}: the time stamps of the {words} are whole seconds, {len(signal)} samples on "
-                f"{len(np.unique(signal.time_s))} of them: give seconds with their fractions"
+                f"{label}: the time stamps of the {sensor} are whole seconds, {len(signal)} samples on "
+                f"{len(np.unique(signal.time_s))} of them: give the fractions of the seconds, too"
             )
-    return RecordingError(f"{place}: too few samples for a single point of the working grid: record for longer")
+    return RecordingError(f"{label}: too few samples for a single point of the working grid: record for longer")
 
 
-def _whole_seconds(signal: Signal) -> bool:
+def _in_whole_seconds(signal: Signal) -> bool:
+    """Tell whether time stamps were rounded to seconds, so that some samples share one."""
     since_s = signal.time_s - signal.time_s[0]
     return bool((since_s == np.round(since_s)).all()) and len(np.unique(since_s)) < len(since_s)
 
 
-def _needed_signals(device: DeviceRecording, place: str, with_attitude: bool) -> Mapping[Channel, Signal]:
-    signals = {Channel.SPECIFIC_FORCE: _specific_force(device, place)}
+def _required_signals(device: DeviceRecording, label: str, with_attitude: bool) -> Mapping[Channel, Signal]:
+    signals = {Channel.SPECIFIC_FORCE: _specific_force(device, label)}
     rate = _signal(device, Channel.ROTATION_RATE)
     if rate is not None:
         signals[Channel.ROTATION_RATE] = rate
     if with_attitude:
         if rate is None:
             raise RecordingError(
-                f"{place}: no gyroscope{_reasons(device)}, which the device's own attitude is used together with: "
-                "with attitude.source: vqf in the configuration steps are found by the accelerometer alone"
+                f"{label}: no gyroscope{_reader_warnings(device)}, without which the recorded attitude cannot be "
+                "used: set attitude.source: vqf in the configuration to find steps by the accelerometer alone"
             )
         attitude = _signal(device, Channel.ATTITUDE)
         if attitude is None:
             raise RecordingError(
-                f"{place}: the device recorded no attitude{_reasons(device)}: "
+                f"{label}: the device recorded no attitude{_reader_warnings(device)}: "
                 "set attitude.source: vqf in the configuration"
             )
         signals[Channel.ATTITUDE] = attitude
     return signals
 
 
-def _specific_force(device: DeviceRecording, place: str) -> Signal:
+def _specific_force(device: DeviceRecording, label: str) -> Signal:
     force = _signal(device, Channel.SPECIFIC_FORCE)
     if force is None:
         raise RecordingError(
-            f"{place}: no accelerometer{_reasons(device)}: nothing can be done without it; record it and try again"
+            f"{label}: no accelerometer{_reader_warnings(device)}, without which nothing can be estimated: record it "
+            "and try again"
         )
     return force
 
 
-def _reasons(device: DeviceRecording) -> str:
-    """What the reader said of the sensors, in brackets."""
+def _reader_warnings(device: DeviceRecording) -> str:
+    """Quote the warnings of the reader in brackets: they often say why a sensor is missing."""
     return f" ({'; '.join(device.warnings)})" if device.warnings else ""
 
 
 def _signal(device: DeviceRecording, channel: Channel) -> Signal | None:
-    """A channel's signal; None when it is absent or empty."""
+    """Return the signal of a channel; None when it is absent or empty."""
     signal = {
         Channel.SPECIFIC_FORCE: device.specific_force,
         Channel.ROTATION_RATE: device.rotation_rate,
@@ -170,40 +217,42 @@ def _signal(device: DeviceRecording, channel: Channel) -> Signal | None:
     return signal if signal is not None and len(signal) else None
 
 
-def _refuse_useless_clock(signal: Signal, words: str, place: str) -> None:
+def _check_clock(signal: Signal, sensor: str, label: str) -> None:
+    """Refuse a single sample, a clock that does not advance, and one that spans more than a year."""
     time_s = signal.time_s
     if len(signal) == 1:
-        raise RecordingError(f"{place}: a single sample of the {words}: record for longer")
+        raise RecordingError(f"{label}: the {sensor} has a single sample: record for longer")
     if time_s.min() == time_s.max():
         raise RecordingError(
-            f"{place}: all {len(signal)} time stamps of the {words} are {_seconds(time_s[0])} s, its clock does not "
-            "run: give seconds with their fractions"
+            f"{label}: all {len(signal)} time stamps of the {sensor} are {_format_time(time_s[0])} s, the clock does "
+            "not advance: give the fractions of the seconds, too"
         )
     if time_s.max() - time_s.min() > _LONGEST_WALK_S:
         wrong = int(np.argmax(np.abs(time_s - np.median(time_s))))
         raise RecordingError(
-            f"{place}: the {words} spans {_seconds(time_s.min())} to {_seconds(time_s.max())} s, more than a year: "
-            f"correct the time of sample {wrong + 1}, {_seconds(time_s[wrong])} s, or give the time in seconds"
+            f"{label}: the time stamps of the {sensor} span {_format_time(time_s.min())} to "
+            f"{_format_time(time_s.max())} s, more than a year: correct the time of sample {wrong + 1}, "
+            f"{_format_time(time_s[wrong])} s, or give the time in seconds"
         )
 
 
-def _refuse_wrong_unit(channel: Channel, signal: Signal, place: str) -> None:
-    """Refuse values that are surely in another unit than they were read in: all that follows would be nonsense."""
+def _check_unit(channel: Channel, signal: Signal, label: str) -> None:
+    """Refuse values that are surely in another unit than the one they were read in."""
     if channel not in _UNITS:
         return
-    detect, right, title = _UNITS[channel]
-    usable = np.isfinite(signal.values).all(axis=1) & ~impossible(channel, signal.values)
+    detect, assumed_unit, title = _UNITS[channel]
+    usable = np.isfinite(signal.values).all(axis=1) & ~out_of_range(channel, signal.values)
     if usable.sum() < _MANY_SAMPLES:
         return
-    found = detect(signal.values[usable])
-    if found.factor != 1.0:
+    conversion = detect(signal.values[usable])
+    if conversion.factor != 1.0:
         raise RecordingError(
-            f"{place}: the {_WORDS[channel]} was read as {right}, but {found.decision}: convert the values, or write "
-            f"their unit into the header, as in {title}"
+            f"{label}: the {_SENSOR_NAMES[channel]} was read as {assumed_unit}, but {conversion.decision}: "
+            f"convert the values, or write their unit into the header, as in {title}"
         )
 
 
-def _seconds(time_s: float) -> str:
-    """A time for a message: to the hundredth, but never hundreds of digits."""
+def _format_time(time_s: float) -> str:
+    """Format a time for a message: to the hundredth of a second, but never with hundreds of digits."""
     text = f"{time_s:.2f}" if abs(time_s) < 1e12 else f"{time_s:.6g}"
     return text.removeprefix("-") if float(text) == 0.0 else text

@@ -1,4 +1,4 @@
-"""What can be wrong with a sensor: its clock, values that stand still, repeat or hit the end of a range."""
+"""Check one sensor: its clock, its true sampling rate, values that stand still or hit the end of their range."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,25 +20,47 @@ _LINEAR_TOLERANCE = 1e-6
 _PLATEAUS = 2  # separate times at the same extreme for two samples or more
 _CLIPPED_SAMPLES = 5
 _MOVING_SHARE = 0.2  # of the signal's usual variation
-_LEAST_VARIATION = 1e-9  # in the unit of the signal; a constant one has what rounding leaves
+_LEAST_VARIATION = 1e-9  # in the unit of the signal; a constant one varies by rounding errors
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A stretch of time on the recording's clock."""
+    """Time interval on the clock of the recording.
+
+    Attributes
+    ----------
+    start_s
+        Beginning, s.
+    length_s
+        Duration, s.
+    """
 
     start_s: float
     length_s: float
 
     @property
     def end_s(self) -> float:
+        """Return the end, s."""
         return self.start_s + self.length_s
 
 
 @dataclass(frozen=True)
 class ClockCheck:
-    """rate_hz: by the median period. jitter_p50_s, jitter_p99_s: deviation of the period from its median.
-    duplicates, backward_steps: samples whose time repeats, or goes back. gaps: pauses above `LONGEST_PERIOD_S`."""
+    """Regularity of the time stamps of a sensor.
+
+    Attributes
+    ----------
+    rate_hz
+        Sampling rate by the median period, Hz; 0 when fewer than two times differ.
+    jitter_p50_s, jitter_p99_s
+        Median and 99th percentile of the deviation of the period from its median, s.
+    duplicates
+        Number of samples whose time repeats.
+    backward_steps
+        Number of samples whose time goes back.
+    gaps
+        Pauses longer than `LONGEST_PERIOD_S` and five median periods.
+    """
 
     rate_hz: float
     jitter_p50_s: float
@@ -49,7 +71,7 @@ class ClockCheck:
 
 
 def check_clock(time_s: Array) -> ClockCheck:
-    """The regularity of a sensor's time stamps. The rate is 0 when fewer than two times differ."""
+    """Check the time stamps (n,), s, of a sensor."""
     period_s = np.diff(time_s)
     forward_s = period_s[period_s > 0.0]
     if not len(forward_s):
@@ -68,9 +90,23 @@ def check_clock(time_s: Array) -> ClockCheck:
 
 
 def effective_rate(signal: Signal, rate_hz: float) -> tuple[float, str]:
-    """Rate at which new values really come, Hz, and how it was hidden: "" (not), "repeated" or "interpolated".
+    """Find the rate at which new values really come.
 
-    Samples with repeated time stamps are not counted, they are the clock's fault. A constant signal has rate 0.
+    Samples with repeated time stamps are not counted, because those are a fault of the clock.
+
+    Parameters
+    ----------
+    signal
+        Samples of the sensor.
+    rate_hz
+        Nominal sampling rate, Hz.
+
+    Returns
+    -------
+    rate_hz : float
+        True rate, Hz; 0 for a constant signal.
+    hidden_by : str
+        How the other values were made: "repeated", "interpolated", or "" when all are new.
     """
     keep = np.concatenate([[True], np.diff(signal.time_s) != 0.0])
     time_s, values = signal.time_s[keep], signal.values[keep]
@@ -94,15 +130,16 @@ def effective_rate(signal: Signal, rate_hz: float) -> tuple[float, str]:
 
 
 def clipped_axes(values: Array) -> tuple[int, ...]:
-    """Axes that stay at the same extreme value again and again while the other axes move.
+    """Find the axes (columns of values, (n, k)) that stay at one extreme value while the other axes move.
 
-    Values that repeat as a whole are counted once: they come from a slower sensor and not from the end of a range.
+    Samples that repeat as a whole are counted once: they come from a slower sensor, not from the end of a range.
     """
     distinct = values[np.concatenate([[True], (np.diff(values, axis=0) != 0.0).any(axis=1)])]
     return tuple(axis for axis in range(values.shape[1]) if _is_clipped(distinct[:, axis]))
 
 
 def _is_clipped(values: Array) -> bool:
+    """Tell whether a column has several plateaus at its minimum or maximum."""
     spread = float(values.std())
     for extreme in (values.min(), values.max()):
         lengths = _run_lengths(values == extreme)
@@ -114,21 +151,21 @@ def _is_clipped(values: Array) -> bool:
 
 
 def stuck_intervals(signal: Signal, others: Sequence[Signal]) -> tuple[Interval, ...]:
-    """Stretches of more than 2 s in which a sensor does not change at all while another one moves."""
+    """Find intervals of more than 2 s in which a sensor does not change at all while another one moves."""
     same = np.concatenate([[False], (np.diff(signal.values, axis=0) == 0.0).all(axis=1)])
     found = []
     for first, last in _runs(same):
         begin = max(first - 1, 0)
-        stretch = Interval(float(signal.time_s[begin]), float(signal.time_s[last] - signal.time_s[begin]))
-        enough = last - begin >= _STUCK_SAMPLES and stretch.length_s > _STUCK_S
-        if enough and any(_moves(other, stretch) for other in others):
-            found.append(stretch)
+        interval = Interval(float(signal.time_s[begin]), float(signal.time_s[last] - signal.time_s[begin]))
+        enough = last - begin >= _STUCK_SAMPLES and interval.length_s > _STUCK_S
+        if enough and any(_varies(other, interval) for other in others):
+            found.append(interval)
     return tuple(found)
 
 
-def _moves(signal: Signal, stretch: Interval) -> bool:
-    """Whether a signal varies in a stretch by a good part of its usual variation."""
-    inside = (signal.time_s >= stretch.start_s) & (signal.time_s <= stretch.end_s)
+def _varies(signal: Signal, interval: Interval) -> bool:
+    """Tell whether a signal varies in an interval by a good part of its usual variation."""
+    inside = (signal.time_s >= interval.start_s) & (signal.time_s <= interval.end_s)
     if inside.sum() < 2:
         return False
     usual = float(signal.values.std(axis=0).max())
@@ -136,7 +173,7 @@ def _moves(signal: Signal, stretch: Interval) -> bool:
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last index of each run of True."""
+    """Return first and last index of each run of True."""
     edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
     return [
         (int(a), int(b) - 1) for a, b in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)
@@ -148,20 +185,23 @@ def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def attitude_rate_correlation(attitude: Signal, rate: Signal) -> float | None:
-    """Correlation of the gyroscope with the rotation between consecutive attitudes, over all axes.
+    """Correlate the gyroscope with the rotation between consecutive attitudes, over all axes.
 
-    Near +1 when both use the same axes and signs; None without enough motion or overlap.
+    Returns
+    -------
+    float or None
+        Near +1 when both use the same axes and signs; None without enough motion or overlap in time.
     """
     w, v = attitude.values[:, 0], attitude.values[:, 1:]
     time_s, period_s = attitude.time_s, np.diff(attitude.time_s)
     # The vector part of conj(q_k) q_(k+1) is half the rotation vector in device axes, for small rotations.
-    turned = w[:-1, None] * v[1:] - w[1:, None] * v[:-1] - np.cross(v[:-1], v[1:])
+    rotated = w[:-1, None] * v[1:] - w[1:, None] * v[:-1] - np.cross(v[:-1], v[1:])
     cosine = w[:-1] * w[1:] + (v[:-1] * v[1:]).sum(axis=1)
-    usable = (period_s > 0.0) & (period_s < LONGEST_PERIOD_S) & (turned != 0.0).any(axis=1)
+    usable = (period_s > 0.0) & (period_s < LONGEST_PERIOD_S) & (rotated != 0.0).any(axis=1)
     usable &= (time_s[:-1] >= rate.time_s.min()) & (time_s[1:] <= rate.time_s.max())
     if usable.sum() < 10:
         return None
-    derived = 2.0 * np.sign(cosine)[usable, None] * turned[usable] / period_s[usable, None]
+    derived = 2.0 * np.sign(cosine)[usable, None] * rotated[usable] / period_s[usable, None]
     order = np.argsort(rate.time_s, kind="stable")
     middle_s = (time_s[:-1] + time_s[1:])[usable] / 2.0
     measured = np.stack([np.interp(middle_s, rate.time_s[order], axis) for axis in rate.values[order].T], axis=1)

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from pdr_est.io.conversion.gnss import gps_fixes, within
+from pdr_est.io.conversion.gnss import drop_fixes_outside, gnss_fixes
 
 NAN = float("nan")
 
 
 def test_fixes_are_east_and_north_of_the_first() -> None:
-    found = gps_fixes(np.arange(2.0), np.array([60.0, 60.001]), np.array([24.0, 24.002]), np.array([4.0, 0.1]))
+    found = gnss_fixes(np.arange(2.0), np.array([60.0, 60.001]), np.array([24.0, 24.002]), np.array([4.0, 0.1]))
     assert found.fixes[0].position_m == pytest.approx([0.0, 0.0], abs=1e-6)
     # Half a degree of longitude per degree of latitude at 60 degrees north, but for the flattening of the Earth.
     assert found.fixes[1].position_m == pytest.approx([111.6, 111.4], abs=0.2)
@@ -29,13 +29,13 @@ def test_fixes_are_east_and_north_of_the_first() -> None:
         (60.1, 24.0, -1.0, "without a valid accuracy"),
         (60.1, 24.0, 0.0, "without a valid accuracy"),
         (60.1, 24.0, NAN, "without a valid accuracy"),
-        (60.0, 24.0, 4.0, "that repeat the one before"),
+        (60.0, 24.0, 4.0, "that repeat the previous one"),
     ],
 )
 def test_useless_fixes_are_left_out_with_a_warning(
     latitude: float, longitude: float, sigma: float, words: str
 ) -> None:
-    found = gps_fixes(
+    found = gnss_fixes(
         np.arange(3.0),
         np.array([60.0, latitude, 60.2]),
         np.array([24.0, longitude, 24.0]),
@@ -46,14 +46,14 @@ def test_useless_fixes_are_left_out_with_a_warning(
 
 
 def test_no_valid_fix_gives_no_origin() -> None:
-    found = gps_fixes(np.zeros(1), np.zeros(1), np.zeros(1), np.ones(1))
+    found = gnss_fixes(np.zeros(1), np.zeros(1), np.zeros(1), np.ones(1))
     assert (found.fixes, found.origin) == ((), None)
-    assert gps_fixes(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0)).warnings == ()
+    assert gnss_fixes(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0)).warnings == ()
 
 
 def test_fixes_outside_the_sensors_are_counted() -> None:
-    found = gps_fixes(np.array([-20.0, -0.5, 5.0, 12.0]), np.linspace(60.0, 60.1, 4), np.full(4, 24.0), np.ones(4))
-    kept = within(found, 0.0, 10.0)
+    found = gnss_fixes(np.array([-20.0, -0.5, 5.0, 12.0]), np.linspace(60.0, 60.1, 4), np.full(4, 24.0), np.ones(4))
+    kept = drop_fixes_outside(found, 0.0, 10.0)
     assert [fix.time_s for fix in kept.fixes] == [-0.5, 5.0]
     assert kept.origin == found.origin
-    assert "2 of 4 fixes lie outside" in kept.warnings[-1]
+    assert "2 of 4 fixes are left out because" in kept.warnings[-1]

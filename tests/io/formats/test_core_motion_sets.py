@@ -115,7 +115,7 @@ def test_oxiod_rows_that_are_not_finite(tmp_path: Path) -> None:
     rows[30] = rows[30].replace("0.200000", "nan")
     (tmp_path / "imu1.csv").write_text("\n".join(rows))
     (device,) = read(tmp_path).devices
-    assert device.warnings == (f"specific force: 1 of {N} rows dropped because they hold NaN or infinite values",)
+    assert device.warnings == (f"specific force: 1 of {N} rows are left out: NaN or infinite values",)
 
 
 def test_sixteen_numbers_that_are_not_core_motion_are_not_oxiod(tmp_path: Path) -> None:
@@ -232,7 +232,7 @@ def test_a_weallwalk_annotation_cannot_expand_entities(weallwalk: Path) -> None:
 
 def test_several_weallwalk_walks_are_named(weallwalk: Path) -> None:
     (weallwalk / "sensor/iPhoneSensors_T2_ID2_1L_WC.csv").write_text(weallwalk_table())
-    with pytest.raises(RecordingError, match=r"2 WeAllWalk recordings inside \(T1_ID2_WC, T2_ID2_WC\); pick one"):
+    with pytest.raises(RecordingError, match=r"contains 2 WeAllWalk recordings \(T1_ID2_WC, T2_ID2_WC\); choose one"):
         read(weallwalk)
 
 
@@ -293,7 +293,7 @@ def test_motionsense_text_in_a_number_column(tmp_path: Path) -> None:
 def test_attitude_that_contradicts_gravity_is_a_warning(tmp_path: Path) -> None:
     (tmp_path / "sub_1.csv").write_text(motionsense_table().replace(",0.000000,-1.000000", ",-1.000000,0.000000"))
     (device,) = read(tmp_path).devices
-    assert any("vertical of the recorded attitude and recorded gravity differ" in text for text in device.warnings)
+    assert any("up directions of recorded attitude and gravity differ" in text for text in device.warnings)
 
 
 def test_real_motionsense_walks(shared_data: Path) -> None:

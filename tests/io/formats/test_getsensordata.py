@@ -131,7 +131,7 @@ def test_gnss_rows_are_fixes_in_the_frame_of_the_truth(tmp_path: Path) -> None:
     np.testing.assert_allclose(first.position_m, [east_m, 0.001 * METRES_PER_DEGREE_NORTH], atol=0.3)
     np.testing.assert_allclose(second.position_m - first.position_m, [0.0, 111.25], atol=0.05)
     assert recording.epoch_s == pytest.approx(1_686_729_678.0, abs=0.1)
-    assert any("1 of 3 fixes that repeat the one before are left out" in note for note in recording.notes)
+    assert any("1 of 3 fixes that repeat the previous one are left out" in note for note in recording.notes)
 
 
 def test_without_surveyed_points_the_first_fix_is_the_origin(tmp_path: Path) -> None:
@@ -159,7 +159,7 @@ def test_bad_values(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"log\.txt, line 14, GYRO: 'x' is not a number"):
         read_text(tmp_path, walk().replace("0.1;0.2;0.3", "0.1;x;0.3", 1))
     device = read_text(tmp_path, walk().replace("0.1;0.2;0.3", "0.1;inf;0.3", 1)).devices[0]
-    assert device.warnings == ("GYRO: 1 of 10 rows dropped because they hold NaN or infinite values",)
+    assert device.warnings == ("GYRO: 1 of 10 rows are left out: NaN or infinite values",)
 
 
 def test_real_walks(shared_data: Path) -> None:

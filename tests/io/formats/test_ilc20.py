@@ -139,7 +139,7 @@ def test_rows_that_are_not_finite_or_cut_short_are_dropped_and_counted(tmp_path:
     device = read_text(tmp_path, text).devices[0]
     assert device.specific_force is not None
     assert len(device.specific_force) == 3
-    assert device.warnings == ("accelerometer: 2 of 5 rows dropped because they hold NaN or infinite values",)
+    assert device.warnings == ("accelerometer: 2 of 5 rows are left out: NaN or infinite values",)
     with pytest.raises(RecordingError, match="all 5 rows of accelerometer are NaN or infinite"):
         read_text(tmp_path, walk().replace(SENSORS[0], "ACCELEROMETER\tinf\t0\t9.8\t2"))
 

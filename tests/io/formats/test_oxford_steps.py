@@ -90,7 +90,7 @@ def test_rows_that_are_not_finite_are_counted(tmp_path: Path) -> None:
     rows[50] = rows[50].replace("9.75", "NaN")
     (tmp_path / "accelerometer.csv").write_text("\n".join(rows))
     (device,) = read(tmp_path).devices
-    assert device.warnings == (f"specific force: 1 of {N} rows dropped because they hold NaN or infinite values",)
+    assert device.warnings == (f"specific force: 1 of {N} rows are left out: NaN or infinite values",)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_a_damaged_step_counter_is_named(tmp_path: Path, content: str, message: 
 def test_several_walks_are_refused(tmp_path: Path) -> None:
     for name in ("one", "two"):
         walk(tmp_path / name)
-    with pytest.raises(RecordingError, match=r"2 Oxford steps recordings inside .*pick one"):
+    with pytest.raises(RecordingError, match=r"contains 2 Oxford steps recordings .*choose one"):
         read(tmp_path)
 
 

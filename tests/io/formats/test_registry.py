@@ -39,7 +39,7 @@ def test_file_folder_and_zip_give_the_same(tmp_path: Path) -> None:
 def test_several_walks_in_a_folder_are_named(tmp_path: Path) -> None:
     for i in range(5):
         (tmp_path / f"walk{i}.txt").write_bytes(ilc20_walk())
-    message = r"5 ILC20 recordings inside \(walk0\.txt, walk1\.txt, walk2\.txt, …\); pick one of them"
+    message = r"contains 5 ILC20 recordings \(walk0\.txt, walk1\.txt, walk2\.txt, …\); choose one of them"
     with pytest.raises(RecordingError, match=message):
         read(tmp_path)
 
@@ -86,9 +86,9 @@ def write_escaping_zip(folder: Path) -> Path:
         (write_empty, "the file is empty"),
         (write_empty_gzip, "empty"),
         (write_truncated_gzip, "truncated gzip data; copy or download it again"),
-        (write_escaping_zip, "points outside the archive; refused"),
+        (write_escaping_zip, "points outside the archive; pack"),
         (lambda folder: folder / "nowhere.txt", "no such file or folder; check the path"),
-        (lambda folder: folder, "holds no files"),
+        (lambda folder: folder, "contains no files"),
     ],
     ids=["empty", "empty gzip", "truncated gzip", "path traversal", "missing", "empty folder"],
 )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats.sensor_logger.live import LiveNews, LiveReader, Platform
+from pdr_est.io.formats.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.types.sensors import Channel
 
 ZERO_NS = 1_698_501_144_401_773_001
@@ -34,17 +34,17 @@ def message(number: int, payload: list[dict[str, Any]], device: str = "p") -> st
     return json.dumps({"messageId": number, "sessionId": "s", "deviceId": device, "payload": payload})
 
 
-def read(lines: list[str], platform: Platform | None = None) -> LiveNews:
+def read(lines: list[str], platform: Platform | None = None) -> LiveUpdate:
     reader = LiveReader(platform)
     news = [*(reader.push(line) for line in lines), reader.flush()]
-    return LiveNews(
+    return LiveUpdate(
         tuple(block for one in news for block in one.blocks),
         tuple(fix for one in news for fix in one.fixes),
         tuple(note for one in news for note in one.notes),
     )
 
 
-def joined(news: LiveNews, channel: Channel, device: str = "p") -> tuple[np.ndarray, np.ndarray]:
+def joined(news: LiveUpdate, channel: Channel, device: str = "p") -> tuple[np.ndarray, np.ndarray]:
     own = [block for name, block in news.blocks if block.channel == channel and name == device]
     return np.concatenate([block.time_s for block in own]), np.concatenate([block.values for block in own])
 

@@ -126,7 +126,7 @@ def test_other_numbers_are_not_sisfall(tmp_path: Path, row: str) -> None:
 def test_several_recordings_are_named(tmp_path: Path) -> None:
     for code in ("D01", "D02"):
         write(tmp_path / f"{code}_SA01_R01.txt", rows())
-    with pytest.raises(RecordingError, match=r"2 SisFall recordings inside \(D01_SA01_R01\.txt, D02"):
+    with pytest.raises(RecordingError, match=r"contains 2 SisFall recordings \(D01_SA01_R01\.txt, D02"):
         read(tmp_path)
 
 

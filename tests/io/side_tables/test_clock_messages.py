@@ -7,7 +7,7 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.side_tables.clock_messages import read_messages
+from pdr_est.io.side_tables.clock_messages import read_clock_messages
 
 HEADER = "device,t1_s,t2_s,t3_s"
 
@@ -19,13 +19,13 @@ def saved(folder: Path, *lines: str, name: str = "messages.csv") -> Path:
 
 
 def test_a_table_is_read_whole(tmp_path: Path) -> None:
-    messages = read_messages(saved(tmp_path, HEADER, "b,1.0,3.5,1.1", " c ,2.0,9.5,2.2"))
+    messages = read_clock_messages(saved(tmp_path, HEADER, "b,1.0,3.5,1.1", " c ,2.0,9.5,2.2"))
     assert messages.device == ("b", "c")
     np.testing.assert_array_equal([messages.t1_s, messages.t2_s, messages.t3_s], [[1.0, 2.0], [3.5, 9.5], [1.1, 2.2]])
 
 
 def test_other_spellings_are_understood(tmp_path: Path) -> None:
-    messages = read_messages(saved(tmp_path, "T1_s;T3_s;Device;T2_s;note", "1,0;1,1;7;3,5;hello"))
+    messages = read_clock_messages(saved(tmp_path, "T1_s;T3_s;Device;T2_s;note", "1,0;1,1;7;3,5;hello"))
     assert messages.device == ("7",)
     assert (messages.t1_s[0], messages.t2_s[0], messages.t3_s[0]) == (1.0, 3.5, 1.1)
 
@@ -48,7 +48,7 @@ def test_other_spellings_are_understood(tmp_path: Path) -> None:
 def test_bad_tables_are_refused(lines: tuple[str, ...], pattern: str, tmp_path: Path) -> None:
     path = saved(tmp_path, *lines)
     with pytest.raises(RecordingError, match=pattern) as refusal:
-        read_messages(path)
+        read_clock_messages(path)
     assert str(refusal.value).startswith(str(path))
 
 
@@ -56,7 +56,7 @@ def test_a_folder_of_several_files_is_no_table(tmp_path: Path) -> None:
     saved(tmp_path, HEADER, "b,1.0,3.5,1.1")
     saved(tmp_path, HEADER, "b,1.0,3.5,1.1", name="more.csv")
     with pytest.raises(RecordingError, match="2 files inside"):
-        read_messages(tmp_path)
+        read_clock_messages(tmp_path)
 
 
 def test_messages_in_the_folder_of_a_recording_come_with_it(tmp_path: Path) -> None:

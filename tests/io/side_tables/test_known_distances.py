@@ -7,7 +7,7 @@ import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.side_tables.known_distances import KnownWalk, read_truth_table
+from pdr_est.io.side_tables.known_distances import KnownDistance, read_known_distances
 
 HEADER = "file,distance_m,steps\n"
 
@@ -17,8 +17,8 @@ def test_walks_by_the_name_of_their_recording(tmp_path: Path) -> None:
     (tmp_path / "truth.csv").write_text(content)
     (tmp_path / "packed.csv.gz").write_bytes(gzip.compress(content.encode()))
     for name in ("truth.csv", "packed.csv.gz"):
-        walks = read_truth_table(tmp_path / name)
-        assert walks == {"A": KnownWalk(31.91, 42), "long walk": KnownWalk(120.0, 168)}
+        walks = read_known_distances(tmp_path / name)
+        assert walks == {"A": KnownDistance(31.91, 42), "long walk": KnownDistance(120.0, 168)}
 
 
 @pytest.mark.parametrize(
@@ -39,18 +39,18 @@ def test_errors_name_the_line_and_the_value(tmp_path: Path, content: str, messag
     path = tmp_path / "truth.csv"
     path.write_text(content)
     with pytest.raises(RecordingError, match=rf"^{path}.*{message}"):
-        read_truth_table(path)
+        read_known_distances(path)
 
 
 def test_a_folder_is_no_table(tmp_path: Path) -> None:
     for name in ("a.csv", "b.csv"):
         (tmp_path / name).write_text(HEADER)
     with pytest.raises(RecordingError, match="holds 2 files; give the truth table itself"):
-        read_truth_table(tmp_path)
+        read_known_distances(tmp_path)
 
 
 def test_every_walk_of_the_real_table_is_read(shared_data: Path) -> None:
-    walks = read_truth_table(shared_data / "known-distance" / "truth.csv")
+    walks = read_known_distances(shared_data / "known-distance" / "truth.csv")
     assert list(walks) == list("ABCDEFG")
     for name, known in walks.items():
         (device,) = read(shared_data / "known-distance" / f"{name}.csv.gz").devices
@@ -66,4 +66,4 @@ def test_another_separator_is_named(tmp_path: Path, separator: str, name: str) -
     with pytest.raises(
         RecordingError, match=rf"truth\.csv: its columns are separated by {name}; save it with commas"
     ):
-        read_truth_table(tmp_path / "truth.csv")
+        read_known_distances(tmp_path / "truth.csv")

@@ -132,7 +132,7 @@ def test_an_empty_file_and_an_empty_folder(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"empty\.csv: the file is empty \(0 bytes\)"):
         Source.open(tmp_path / "empty.csv")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(RecordingError, match="holds no files"):
+    with pytest.raises(RecordingError, match="contains no files"):
         Source.open(tmp_path / "folder")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.text.number_table import finite_rows, read_table
+from pdr_est.io.text.number_table import finite_signal, read_table
 
 
 def test_columns_by_name() -> None:
@@ -18,7 +18,7 @@ def test_columns_by_name() -> None:
 def test_nanosecond_clocks_lose_nothing() -> None:
     first = 1_718_030_736_872_695_301
     table = read_table(f"time,x\n{first},0\n{first + 1},0\n{first + 10_000_003},0\n".encode(), "walk.csv")
-    epoch_s, relative_s = table.clock("time", ticks_per_s=1e9)
+    epoch_s, relative_s = table.relative_time("time", ticks_per_s=1e9)
     assert epoch_s == pytest.approx(first / 1e9)
     np.testing.assert_array_equal(relative_s, np.array([0, 1, 10_000_003]) / 1e9)
 
@@ -26,7 +26,7 @@ def test_nanosecond_clocks_lose_nothing() -> None:
 def test_nanosecond_clocks_stay_exact_where_another_column_changes_type_late() -> None:
     first = 1_718_030_736_872_695_301
     rows = "".join(f"{first + i},{i}\n" for i in range(300)) + f"{first + 300},NaN\n"
-    _, relative_s = read_table(f"time,x\n{rows}".encode(), "walk.csv").clock("time", ticks_per_s=1e9)
+    _, relative_s = read_table(f"time,x\n{rows}".encode(), "walk.csv").relative_time("time", ticks_per_s=1e9)
     np.testing.assert_array_equal(relative_s, np.arange(301) / 1e9)
 
 
@@ -78,8 +78,8 @@ def test_only_wanted_columns_must_be_numbers() -> None:
         (b"t,x\n" + b"0,1\n" * 300 + b"0,?\n", r"line 302, column 'x': '\?' is not a number"),
         (b"t,x\n0,1\n2\n3,4\n", r"walk\.csv, line 3: 1 fields instead of 2; complete or remove"),
         (b"t,x\n0,1\n2,3,4\n", r"walk\.csv, line 3: 3 fields instead of 2"),
-        (b"", r"walk\.csv: empty, holds no table"),
-        (b"\xef\xbb\xbf\r\n \n", r"walk\.csv: empty, holds no table"),
+        (b"", r"walk\.csv: the table is empty"),
+        (b"\xef\xbb\xbf\r\n \n", r"walk\.csv: the table is empty"),
     ],
 )
 def test_bad_tables_name_the_place(data: bytes, message: str) -> None:
@@ -99,22 +99,22 @@ def test_a_missing_column_lists_those_that_are_there() -> None:
 
 def test_a_clock_without_rows_or_first_value() -> None:
     with pytest.raises(RecordingError, match="no rows"):
-        read_table(b"t,x\n", "walk.csv").clock("t")
-    with pytest.raises(RecordingError, match="no time in the first row"):
-        read_table(b"t,x\n,1\n1.0,2\n", "walk.csv").clock("t")
+        read_table(b"t,x\n", "walk.csv").relative_time("t")
+    with pytest.raises(RecordingError, match="the first row has no time"):
+        read_table(b"t,x\n,1\n1.0,2\n", "walk.csv").relative_time("t")
 
 
 def test_rows_that_are_not_finite_are_dropped_and_counted() -> None:
     time_s = np.array([0.0, 1.0, np.nan, 3.0])
     values = np.array([[1.0, 1.0], [np.inf, 1.0], [1.0, 1.0], [2.0, 2.0]])
-    signal, warnings = finite_rows(time_s, values, "rotation rate", "walk.csv")
+    signal, warnings = finite_signal(time_s, values, "rotation rate", "walk.csv")
     np.testing.assert_array_equal(signal.time_s, [0.0, 3.0])
-    assert warnings == ("rotation rate: 2 of 4 rows dropped because they hold NaN or infinite values",)
-    assert finite_rows(signal.time_s, signal.values, "rotation rate", "walk.csv")[1] == ()
+    assert warnings == ("rotation rate: 2 of 4 rows are left out: NaN or infinite values",)
+    assert finite_signal(signal.time_s, signal.values, "rotation rate", "walk.csv")[1] == ()
 
 
 def test_nothing_finite_or_nothing_at_all_is_an_error() -> None:
     with pytest.raises(RecordingError, match=r"walk\.csv: all 1 rows of rotation rate are NaN"):
-        finite_rows(np.zeros(1), np.full((1, 3), np.nan), "rotation rate", "walk.csv")
-    with pytest.raises(RecordingError, match=r"walk\.csv: no rows of rotation rate"):
-        finite_rows(np.zeros(0), np.zeros((0, 3)), "rotation rate", "walk.csv")
+        finite_signal(np.zeros(1), np.full((1, 3), np.nan), "rotation rate", "walk.csv")
+    with pytest.raises(RecordingError, match=r"walk\.csv: rotation rate has no rows"):
+        finite_signal(np.zeros(0), np.zeros((0, 3)), "rotation rate", "walk.csv")

@@ -8,14 +8,14 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import find_dialect
+from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.number_table import read_table
 
 _EXPERIMENT_TIME, _SYSTEM_TIME = "experiment time", "system time"
 
 
 @dataclass(frozen=True)
-class Clock:
+class ExperimentClock:
     """The experiment's clock, which stands still in pauses.
 
     epoch_s: Unix time of the first start, None when unknown. resumed_s: experiment times at which a pause ended;
@@ -26,7 +26,7 @@ class Clock:
     resumed_s: tuple[float, ...] = ()
     pause_s: tuple[float, ...] = ()
 
-    def with_pauses(self, time_s: Array) -> Array:
+    def to_continuous_time(self, time_s: Array) -> Array:
         """Experiment times as times on a clock that runs through the pauses."""
         if not self.resumed_s:
             return time_s
@@ -43,11 +43,11 @@ class Clock:
         return (f"the experiment was paused {total}; the pauses became gaps",)
 
 
-def read_clock(source: Source, member: str) -> Clock:
+def read_experiment_clock(source: Source, member: str) -> ExperimentClock:
     """The clock by the start and pause events of `meta/time.csv`; an unknown one when that is absent."""
-    dialect = find_dialect(source.head(member)) if member in source.members else None
+    dialect = detect_dialect(source.head(member)) if member in source.members else None
     if dialect is None:
-        return Clock()
+        return ExperimentClock()
     table = read_table(
         source.read(member),
         source.place(member),
@@ -58,19 +58,19 @@ def read_clock(source: Source, member: str) -> Clock:
     )
     starts = table.texts("event") == "START"
     if not starts.any():
-        return Clock()
+        return ExperimentClock()
     experiment_s = table.numbers(_EXPERIMENT_TIME)[starts]
     offset_s = table.numbers(_SYSTEM_TIME)[starts] - experiment_s
     resumed_s = tuple(float(t) for t in experiment_s[1:])
-    return Clock(float(offset_s[0]), resumed_s, tuple(float(pause) for pause in np.diff(offset_s)))
+    return ExperimentClock(float(offset_s[0]), resumed_s, tuple(float(pause) for pause in np.diff(offset_s)))
 
 
-def read_properties(source: Source, member: str) -> Mapping[str, str]:
+def read_device_properties(source: Source, member: str) -> Mapping[str, str]:
     """The properties of `meta/device.csv`; none when that is absent."""
     if member not in source.members:
         return {}
     data = source.read(member)
-    dialect = find_dialect(data)
+    dialect = detect_dialect(data)
     if dialect is None:
         return {}
     rows = csv.reader(data.decode("utf-8-sig", "replace").splitlines(), delimiter=dialect.separator)

@@ -9,14 +9,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.conversion import units
-from pdr_est.io.conversion.axes import with_gravity
-from pdr_est.io.conversion.gnss import GpsFixes, gps_fixes, within
-from pdr_est.io.formats.phyphox.metadata import Clock, read_clock, read_properties
+from pdr_est.io.conversion import signs, units
+from pdr_est.io.conversion.axes import add_gravity
+from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
+from pdr_est.io.formats.phyphox.metadata import ExperimentClock, read_device_properties, read_experiment_clock
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import find_dialect
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import Table, read_table, usable_rows
+from pdr_est.io.text.csv_dialect import detect_dialect
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import NumberTable, finite_signal_or_none, read_table
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "phyphox"
@@ -60,17 +60,17 @@ class _Reading:
 
     source: Source
     sensors: Mapping[str, _Column]
-    clock: Clock
+    clock: ExperimentClock
     decisions: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
-    def table(self, sensor: str) -> Table | None:
+    def table(self, sensor: str) -> NumberTable | None:
         """The time and the columns of a sensor; None when it is absent or has no rows."""
         if sensor not in self.sensors:
             return None
         where = self.sensors[sensor]
         head = self.source.head(where.member)
-        dialect = find_dialect(head)
+        dialect = detect_dialect(head)
         if dialect is None or b"\n" not in head.strip():
             self.warnings.append(f"{sensor}: {where.member} has no rows")
             return None
@@ -88,9 +88,9 @@ class _Reading:
         if table is None:
             return None
         values = table.stack(self.sensors[sensor].titles)
-        signal, dropped = usable_rows(table.numbers(_TIME), values, sensor, table.place)
+        signal, dropped = finite_signal_or_none(table.numbers(_TIME), values, sensor, table.place)
         self.warnings += dropped
-        return None if signal is None else Signal(self.clock.with_pauses(signal.time_s), signal.values)
+        return None if signal is None else Signal(self.clock.to_continuous_time(signal.time_s), signal.values)
 
 
 def sniff(source: Source) -> bool:
@@ -98,23 +98,23 @@ def sniff(source: Source) -> bool:
     return bool(_walks(source))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of a phyphox export. Time zero is the start of the experiment.
 
     Raises RecordingError for several walks, and when neither accelerometer nor gyroscope has rows.
     """
-    walk = only_walk(source, _walks(source), NAME)
+    walk = require_single_walk(source, _walks(source), NAME)
     members = tuple(member for member in source.members if _folder(member) == walk)
     prefix = f"{walk}/" if walk else ""
-    clock = read_clock(source, f"{prefix}meta/time.csv")
-    properties = read_properties(source, f"{prefix}meta/device.csv")
+    clock = read_experiment_clock(source, f"{prefix}meta/time.csv")
+    properties = read_device_properties(source, f"{prefix}meta/device.csv")
     reading = _Reading(source, _find_sensors(source, members), clock)
     reading.warnings += [f"{member} is empty" for member in members if not source.head(member).strip()]
     reading.warnings += clock.warnings
     signals = _signals(reading)
     located = _fixes(reading, signals)
     return Recording(
-        name=stem(source.name) if source.path.is_file() else source.name,
+        name=member_stem(source.name) if source.path.is_file() else source.name,
         format=NAME,
         devices=(_device(reading, signals, properties),),
         fixes=located.fixes,
@@ -125,7 +125,7 @@ def read(source: Source) -> Recording:
 
 def _walks(source: Source) -> tuple[str, ...]:
     """Folders with at least one table of a known sensor ("" is the top)."""
-    tables = members_like(source, lambda head: _TIME.encode() in head[:64])
+    tables = find_members(source, lambda head: _TIME.encode() in head[:64])
     return tuple(dict.fromkeys(_folder(member) for member in tables if any(_sensors_of(source, member))))
 
 
@@ -144,10 +144,10 @@ def _find_sensors(source: Source, members: tuple[str, ...]) -> Mapping[str, _Col
 
 def _sensors_of(source: Source, member: str) -> Iterator[tuple[str, tuple[str, ...]]]:
     """The sensors of a table with the titles of their columns."""
-    dialect = find_dialect(source.head(member))
+    dialect = detect_dialect(source.head(member))
     if dialect is None or _TIME not in dialect.titles:
         return
-    yield from _three_axes(dialect.titles, stem(member).casefold())
+    yield from _three_axes(dialect.titles, member_stem(member).casefold())
     if set(_FIX) <= set(dialect.titles):
         yield "location", _FIX
     if set(_QUATERNION) <= set(dialect.titles):
@@ -211,7 +211,7 @@ def _specific_force(reading: _Reading) -> Signal | None:
             "record again with the accelerometer switched on"
         )
     reading.decisions.append("specific force is linear acceleration + gravity: no accelerometer")
-    total, warnings = with_gravity(linear, gravity)
+    total, warnings = add_gravity(linear, gravity)
     reading.warnings += warnings
     if not len(total):
         reading.warnings.append("linear acceleration and gravity have no overlap in time: no specific force")
@@ -219,15 +219,15 @@ def _specific_force(reading: _Reading) -> Signal | None:
     return total
 
 
-def _fixes(reading: _Reading, signals: Mapping[str, Signal | None]) -> GpsFixes:
+def _fixes(reading: _Reading, signals: Mapping[str, Signal | None]) -> GnssFixes:
     table = reading.table("location")
     if table is None:
-        return GpsFixes((), None)
+        return GnssFixes((), None)
     latitude, longitude, accuracy = (table.numbers(title) for title in _FIX)
-    time_s = reading.clock.with_pauses(table.numbers(_TIME))
-    found = gps_fixes(time_s, latitude, longitude, accuracy)
+    time_s = reading.clock.to_continuous_time(table.numbers(_TIME))
+    found = gnss_fixes(time_s, latitude, longitude, accuracy)
     motion = [signal.time_s for name in ("force", "rate") if (signal := signals[name]) is not None]
-    found = within(found, min(t.min() for t in motion), max(t.max() for t in motion))
+    found = drop_fixes_outside(found, min(t.min() for t in motion), max(t.max() for t in motion))
     reading.warnings += found.warnings
     return found
 
@@ -238,11 +238,11 @@ def _device(
     force, attitude, pressure = signals["force"], signals["attitude"], signals["pressure"]
     findings = []
     if force is not None:
-        findings.append(units.acceleration_unit(force.values))
+        findings.append(units.detect_acceleration_unit(force.values))
         if attitude is not None:
-            attitude, finding = units.fitting_attitude(force, attitude)
+            attitude, finding = signs.resolve_attitude_direction(force, attitude)
             findings.append(finding)
-        sign = units.force_sign(force, attitude, 1.0, "phyphox writes Android's signs on every platform")
+        sign = signs.detect_force_sign(force, attitude, 1.0, "phyphox writes Android's signs on every platform")
         findings.append(sign)
         force = Signal(force.time_s, force.values * sign.factor)
     return DeviceRecording(

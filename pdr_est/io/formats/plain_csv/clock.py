@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion.units import Finding, clock_unit
-from pdr_est.io.formats.plain_csv.header import Columns
-from pdr_est.io.text.number_table import Table
+from pdr_est.io.conversion.units import Conversion, detect_clock_unit
+from pdr_est.io.formats.plain_csv.header import QuantityColumns
+from pdr_est.io.text.number_table import NumberTable
 
 _DATE = re.compile(r"^\s*\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}")
 _MOMENT = re.compile(r"[1-9]\d{3}-\d{2}-\d{2}[T ]\d{2}:\d{2}(:\d{2}(\.\d+)?)?")
@@ -20,28 +20,28 @@ _EARLIEST_UNIX_S = 9e8  # smaller clocks count from something else
 
 
 @dataclass(frozen=True)
-class TableClock:
+class TimeColumn:
     """time_s: (n,), NaN where a row has no time. epoch_s: Unix time of time zero, None when it is not known."""
 
     time_s: Array
     epoch_s: float | None
-    finding: Finding
+    finding: Conversion
 
 
-def is_date(cell: str) -> bool:
+def is_date_with_time(cell: str) -> bool:
     """Whether a cell holds a date with a time of day, such as 2025-02-25 11:02:09.387 or ISO 8601."""
     return _DATE.match(cell) is not None
 
 
-def read_clock(table: Table, columns: Columns, dates: bool) -> TableClock:
+def read_time_column(table: NumberTable, columns: QuantityColumns, dates: bool) -> TimeColumn:
     """The clock of a table. dates: whether the column holds dates instead of numbers.
 
     The documented `time_s` is taken as it is; other clocks start at zero with the first row.
     """
     title = columns.titles[0]
     if columns.canonical:
-        return TableClock(
-            table.numbers(title), None, Finding(1.0, "the clock counts seconds by the documented header")
+        return TimeColumn(
+            table.numbers(title), None, Conversion(1.0, "the clock counts seconds by the documented header")
         )
     if dates:
         return _by_dates(table, title)
@@ -49,14 +49,14 @@ def read_clock(table: Table, columns: Columns, dates: bool) -> TableClock:
     if not len(ticks):
         raise RecordingError(f"{table.place}: no time in column {title!r}; record again")
     if columns.factor is None:
-        finding = clock_unit(ticks)
+        finding = detect_clock_unit(ticks)
     else:
-        finding = Finding(columns.factor, f"the clock's unit is in the header: {title}")
-    first_s, since_s = table.clock(title, 1.0 / finding.factor)
-    return TableClock(since_s, first_s if first_s > _EARLIEST_UNIX_S else None, finding)
+        finding = Conversion(columns.factor, f"the clock's unit is in the header: {title}")
+    first_s, since_s = table.relative_time(title, 1.0 / finding.factor)
+    return TimeColumn(since_s, first_s if first_s > _EARLIEST_UNIX_S else None, finding)
 
 
-def _by_dates(table: Table, title: str) -> TableClock:
+def _by_dates(table: NumberTable, title: str) -> TimeColumn:
     texts = np.char.strip(table.texts(title))
     zone = _ZONE.search(str(texts[0]))
     suffixes = {found.group() if (found := _ZONE.search(text)) else "" for text in texts if text}
@@ -68,7 +68,7 @@ def _by_dates(table: Table, title: str) -> TableClock:
     since_s = (moments - moments[0]) / np.timedelta64(1, "ns") / 1e9
     epoch_s = None if zone is None else _unix_s(f"{texts[0]}{zone.group()}", table.place, title)
     words = f"the clock counts date and time{'' if zone else ' without a time zone: the Unix time is unknown'}"
-    return TableClock(since_s, epoch_s, Finding(1.0, words))
+    return TimeColumn(since_s, epoch_s, Conversion(1.0, words))
 
 
 def _unix_s(text: str, place: str, title: str) -> float:

@@ -79,7 +79,7 @@ _TITLE = re.compile(r"^(?P<stem>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?$")
 
 
 @dataclass(frozen=True)
-class Columns:
+class QuantityColumns:
     """The columns of a quantity. titles: as in the file, in the order of the axes. factor: to SI units where the
     header tells the unit, else None. canonical: documented header. apple: Core Motion's signs by the titles."""
 
@@ -89,13 +89,13 @@ class Columns:
     apple: bool = False
 
 
-def understand(titles: Sequence[str]) -> Mapping[Quantity, Columns]:
+def parse_header(titles: Sequence[str]) -> Mapping[Quantity, QuantityColumns]:
     """The quantities that a header names completely; the documented titles go first, then the aliases in order."""
-    found: dict[Quantity, Columns] = {}
+    found: dict[Quantity, QuantityColumns] = {}
     by_name = {title.casefold(): title for title in titles}
     for quantity, names in CANONICAL.items():
         if all(name in by_name for name in names):
-            found[quantity] = Columns(tuple(by_name[name] for name in names), 1.0, canonical=True)
+            found[quantity] = QuantityColumns(tuple(by_name[name] for name in names), 1.0, canonical=True)
     stems: dict[str, str] = {}
     for title in titles:
         stems.setdefault(_plain(_split(title)[0]), title)
@@ -106,7 +106,7 @@ def understand(titles: Sequence[str]) -> Mapping[Quantity, Columns]:
             if all(name in stems for name in names):
                 chosen = tuple(stems[name] for name in names)
                 apple = names[0].startswith(_APPLE_STEM)
-                found[quantity] = Columns(chosen, _unit_factor(quantity, chosen), apple=apple)
+                found[quantity] = QuantityColumns(chosen, _unit_factor(quantity, chosen), apple=apple)
                 break
     return found
 
@@ -114,7 +114,7 @@ def understand(titles: Sequence[str]) -> Mapping[Quantity, Columns]:
 def _spellings(quantity: Quantity) -> Sequence[tuple[str, ...]]:
     """Plain names of a quantity's columns, one tuple an alias."""
     if quantity in _STEMS:
-        return [tuple(stem + axis for axis in _AXES[quantity]) for stem in _STEMS[quantity]]
+        return [tuple(member_stem + axis for axis in _AXES[quantity]) for member_stem in _STEMS[quantity]]
     return _WHOLE.get(quantity, ())
 
 
@@ -124,8 +124,8 @@ def _split(title: str) -> tuple[str, str]:
     return (match["stem"], match["unit"] or "") if match else (title, "")
 
 
-def _plain(stem: str) -> str:
-    return re.sub(r"[\W_]", "", stem.casefold())
+def _plain(member_stem: str) -> str:
+    return re.sub(r"[\W_]", "", member_stem.casefold())
 
 
 def _unit_factor(quantity: Quantity, titles: Sequence[str]) -> float | None:

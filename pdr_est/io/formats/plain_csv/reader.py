@@ -12,15 +12,15 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion import units
+from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
-from pdr_est.io.conversion.gnss import GpsFixes, gps_fixes
-from pdr_est.io.formats.plain_csv.clock import TableClock, is_date, read_clock
-from pdr_est.io.formats.plain_csv.header import Columns, Quantity, understand
+from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
+from pdr_est.io.formats.plain_csv.clock import TimeColumn, is_date_with_time, read_time_column
+from pdr_est.io.formats.plain_csv.header import Quantity, QuantityColumns, parse_header
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import Dialect, find_dialect
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import Table, read_table, usable_rows
+from pdr_est.io.text.csv_dialect import CsvDialect, detect_dialect
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import NumberTable, finite_signal_or_none, read_table
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
@@ -36,9 +36,9 @@ _LONGEST_ROTATION_VECTOR = 1.01
 class _Reading:
     """The table while it is read."""
 
-    table: Table
-    columns: Mapping[Quantity, Columns]
-    clock: TableClock
+    table: NumberTable
+    columns: Mapping[Quantity, QuantityColumns]
+    clock: TimeColumn
     decisions: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
@@ -47,17 +47,19 @@ class _Reading:
         if quantity not in self.columns:
             return None
         titles = self.columns[quantity].titles
-        values, sampled = self.table.stack(titles), self.table.filled(titles)
+        values, sampled = self.table.stack(titles), self.table.has_values(titles)
         if not sampled.any():
             self.decisions.append(f"{quantity}: the columns are there but hold no values")
             return None
         if not sampled.all():
             self.decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows hold values")
-        signal, dropped = usable_rows(self.clock.time_s[sampled], values[sampled], quantity, self.table.place)
+        signal, dropped = finite_signal_or_none(
+            self.clock.time_s[sampled], values[sampled], quantity, self.table.place
+        )
         self.warnings += dropped
         return signal
 
-    def note(self, finding: units.Finding) -> float:
+    def note(self, finding: units.Conversion) -> float:
         """Keep the words of a finding, give its factor."""
         self.decisions.append(finding.decision)
         self.warnings += finding.warnings
@@ -66,36 +68,36 @@ class _Reading:
 
 def sniff(source: Source) -> bool:
     """Whether some member is a table whose header names a time and all axes of accelerometer or gyroscope."""
-    return bool(members_like(source, _looks_right))
+    return bool(find_members(source, _looks_right))
 
 
 def _looks_right(head: bytes) -> bool:
-    dialect = find_dialect(head)
+    dialect = detect_dialect(head)
     if dialect is None:
         return False
-    columns = understand(dialect.titles)
+    columns = parse_header(dialect.titles)
     return Quantity.TIME in columns and (Quantity.FORCE in columns or Quantity.RATE in columns)
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of a plain table.
 
     Raises RecordingError for several tables, and when neither accelerometer nor gyroscope has values.
     """
-    member = only_walk(source, members_like(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _looks_right), NAME)
     data = source.read(member)
-    dialect = find_dialect(data[:_HEAD_BYTES])
+    dialect = detect_dialect(data[:_HEAD_BYTES])
     if dialect is None:
         raise RecordingError(f"{source.place(member)}: no header line; see the README for the columns")
-    columns = understand(dialect.titles)
+    columns = parse_header(dialect.titles)
     dates = _has_dates(data[:_HEAD_BYTES], dialect, columns[Quantity.TIME])
     table = _table(data, source.place(member), dialect, columns, dates)
-    reading = _Reading(table, columns, read_clock(table, columns[Quantity.TIME], dates))
+    reading = _Reading(table, columns, read_time_column(table, columns[Quantity.TIME], dates))
     reading.note(reading.clock.finding)
     device = _device(reading)
     located = _fixes(reading)
     return Recording(
-        name=stem(member),
+        name=member_stem(member),
         format=NAME,
         devices=(replace(device, decisions=tuple(reading.decisions), warnings=tuple(reading.warnings)),),
         truth=Truth(positions=_true_positions(reading)),
@@ -105,15 +107,17 @@ def read(source: Source) -> Recording:
     )
 
 
-def _has_dates(head: bytes, dialect: Dialect, time: Columns) -> bool:
+def _has_dates(head: bytes, dialect: CsvDialect, time: QuantityColumns) -> bool:
     """Whether the first row has a date in the time column."""
     lines = head.decode("utf-8-sig", "replace").splitlines()[:2]
     cells = next(csv.reader(lines[1:], delimiter=dialect.separator), [])
     at = dialect.titles.index(time.titles[0])
-    return at < len(cells) and is_date(cells[at])
+    return at < len(cells) and is_date_with_time(cells[at])
 
 
-def _table(data: bytes, place: str, dialect: Dialect, columns: Mapping[Quantity, Columns], dates: bool) -> Table:
+def _table(
+    data: bytes, place: str, dialect: CsvDialect, columns: Mapping[Quantity, QuantityColumns], dates: bool
+) -> NumberTable:
     """The known columns; a lone dash is an empty cell."""
     if _DASH_CELL.search(data):
         data = _DASH_CELL.sub(b"", data)
@@ -129,10 +133,10 @@ def _table(data: bytes, place: str, dialect: Dialect, columns: Mapping[Quantity,
 
 def _device(reading: _Reading) -> DeviceRecording:
     attitude = _attitude(reading)
-    force = _in_si(reading, Quantity.FORCE, units.acceleration_unit)
+    force = _in_si(reading, Quantity.FORCE, units.detect_acceleration_unit)
     if force is not None:
         force, attitude = _upwards(reading, force, attitude)
-    rate = _in_si(reading, Quantity.RATE, units.rotation_unit)
+    rate = _in_si(reading, Quantity.RATE, units.detect_rotation_rate_unit)
     if force is None and rate is None:
         reasons = f" ({'; '.join(reading.warnings)})" if reading.warnings else ""
         raise RecordingError(
@@ -147,7 +151,7 @@ def _device(reading: _Reading) -> DeviceRecording:
     )
 
 
-def _in_si(reading: _Reading, quantity: Quantity, detect: Callable[[Array], units.Finding]) -> Signal | None:
+def _in_si(reading: _Reading, quantity: Quantity, detect: Callable[[Array], units.Conversion]) -> Signal | None:
     """A sensor in SI units: by the header, which the values must not contradict, else by the values."""
     signal = reading.signal(quantity)
     if signal is None:
@@ -172,15 +176,17 @@ def _upwards(reading: _Reading, force: Signal, attitude: Signal | None) -> tuple
     columns = reading.columns[Quantity.FORCE]
     if columns.canonical:
         reading.decisions.append("acceleration points up at rest by the documented header")
-        cosine = None if attitude is None else units.gravity_cosine(force, attitude)
+        cosine = None if attitude is None else signs.gravity_cosine(force, attitude)
         if cosine is not None and cosine < 0.0:
             reading.warnings.append(f"acceleration and attitude contradict each other: median cosine {cosine:+.2f}")
         return force, attitude
     if attitude is not None:
-        attitude, finding = units.fitting_attitude(force, attitude)
+        attitude, finding = signs.resolve_attitude_direction(force, attitude)
         reading.note(finding)
     expected = -1.0 if columns.apple else None
-    factor = reading.note(units.force_sign(force, attitude, expected, f"Core Motion's titles, {columns.titles[0]}"))
+    factor = reading.note(
+        signs.detect_force_sign(force, attitude, expected, f"Core Motion's titles, {columns.titles[0]}")
+    )
     return Signal(force.time_s, force.values * factor), attitude
 
 
@@ -222,7 +228,7 @@ def _pressure(reading: _Reading) -> Signal | None:
         return None
     factor = reading.columns[Quantity.PRESSURE].factor
     if factor is None:
-        factor = reading.note(units.pressure_unit(pressure.values))
+        factor = reading.note(units.detect_pressure_unit(pressure.values))
     return Signal(pressure.time_s, pressure.values * factor)
 
 
@@ -232,11 +238,11 @@ def _true_positions(reading: _Reading) -> TruePositions | None:
     return None if true is None else TruePositions(true.time_s, true.values, 0.0, "poses")
 
 
-def _fixes(reading: _Reading) -> GpsFixes:
+def _fixes(reading: _Reading) -> GnssFixes:
     """A fix where the position changes: tables repeat the last one in every row."""
     places = reading.signal(Quantity.PLACE)
     if places is None:
-        return GpsFixes((), None)
+        return GnssFixes((), None)
     changed = np.concatenate([[True], (np.diff(places.values, axis=0) != 0.0).any(axis=1)])
     time_s, (latitude, longitude) = places.time_s[changed], places.values[changed].T
     accuracy = reading.signal(Quantity.ACCURACY)
@@ -247,6 +253,6 @@ def _fixes(reading: _Reading) -> GpsFixes:
         sigma_m = np.interp(time_s, accuracy.time_s, accuracy.values[:, 0])
         origin = f"accuracy by {reading.columns[Quantity.ACCURACY].titles[0]}"
     reading.decisions.append(f"location: {len(time_s)} changes in {len(changed)} rows are fixes; {origin}")
-    found = gps_fixes(time_s, latitude, longitude, sigma_m)
+    found = gnss_fixes(time_s, latitude, longitude, sigma_m)
     reading.warnings += found.warnings
     return found

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.text.number_table import Table
+from pdr_est.io.text.number_table import NumberTable
 
 _TICKS_PER_S = 10**9
 _LARGEST_SHIFT_S = 60.0  # a cached fix may be older than the recording, but the streams never lie further apart
@@ -25,7 +25,7 @@ _LOCAL_TIME = re.compile(r"(\d{4})-(\d{2})-(\d{2})_(\d{2})-(\d{2})-(\d{2})$")
 
 
 @dataclass(frozen=True)
-class FixClock:
+class FixTimes:
     """time_s: (n,) times of the fixes on the recording's clock. epoch_s: Unix time of the recording's time zero.
     warning: how the streams were brought together, "" where they agreed."""
 
@@ -34,7 +34,7 @@ class FixClock:
     warning: str = ""
 
 
-def seconds_since(table: Table, zero_ns: int) -> Array:
+def seconds_since(table: NumberTable, zero_ns: int) -> Array:
     """The time column of a table as seconds since a Unix time in ns; integers are subtracted before rounding.
 
     Raises RecordingError when the table has no time.
@@ -46,25 +46,25 @@ def seconds_since(table: Table, zero_ns: int) -> Array:
     return since
 
 
-def fix_clock(location: Table, zero_ns: int, end_s: float, metadata: Mapping[str, str]) -> FixClock:
+def align_fix_times(location: NumberTable, zero_ns: int, end_s: float, metadata: Mapping[str, str]) -> FixTimes:
     """Times of the location rows relative to the motion sensors, which run from 0 (zero_ns) to end_s."""
     own_s = seconds_since(location, zero_ns)
     epoch_s = zero_ns / _TICKS_PER_S
     if _together(own_s, end_s):
-        return FixClock(own_s, epoch_s)
+        return FixTimes(own_s, epoch_s)
     last_s = float(np.nanmax(own_s))
     if "seconds_elapsed" in location:
         elapsed_s = location.numbers("seconds_elapsed")
         if _together(elapsed_s, end_s):
             shift_s = float(np.nanmedian(own_s - elapsed_s))
-            return FixClock(elapsed_s, epoch_s + shift_s, _apart(shift_s, "seconds_elapsed"))
+            return FixTimes(elapsed_s, epoch_s + shift_s, _apart(shift_s, "seconds_elapsed"))
     start_s = _start_by_metadata(metadata, epoch_s + last_s - end_s)
     if start_s is not None:
         shift_s = start_s - epoch_s
-        return FixClock(own_s - shift_s, start_s, _apart(shift_s, "the metadata's recording time, good to 1 s"))
+        return FixTimes(own_s - shift_s, start_s, _apart(shift_s, "the metadata's recording time, good to 1 s"))
     shift_s = last_s - end_s
     how = "putting the last fix at the end of the motion data, good to a few seconds"
-    return FixClock(own_s - shift_s, epoch_s + shift_s, _apart(shift_s, how))
+    return FixTimes(own_s - shift_s, epoch_s + shift_s, _apart(shift_s, how))
 
 
 def _apart(shift_s: float, how: str) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.number_table import Table, measurable, read_table
+from pdr_est.io.text.number_table import NumberTable, discard_huge_values, read_table
 
 CLOCK_COLUMNS = ("time", "seconds_elapsed")
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')
@@ -31,7 +31,7 @@ class Export(Protocol):
     @property
     def empty(self) -> tuple[str, ...]: ...
 
-    def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> Table | None:
+    def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
         """The clock columns and the named ones; None for a sensor without rows.
 
         Raises RecordingError when a column is absent or holds something else than numbers.
@@ -46,7 +46,7 @@ class FolderExport:
     members: Mapping[str, str]
 
     @classmethod
-    def of_folder(cls, source: Source, folder: str) -> "FolderExport":
+    def from_folder(cls, source: Source, folder: str) -> "FolderExport":
         """The CSV files directly in a folder of the source ("" is its top)."""
         inside = [member for member in source.members if member.rpartition("/")[0] == folder]
         return cls(source, {_stem(member): member for member in inside if member.lower().endswith(".csv")})
@@ -63,7 +63,7 @@ class FolderExport:
     def empty(self) -> tuple[str, ...]:
         return tuple(sensor for sensor, member in self.members.items() if not _has_rows(self.source.head(member)))
 
-    def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> Table | None:
+    def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
         member = self.members.get(sensor)
         if member is None or not _has_rows(self.source.head(member)):
             return None
@@ -99,7 +99,7 @@ class JsonExport:
     def sensors(self) -> tuple[str, ...]:
         return tuple(self.rows)
 
-    def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> Table | None:
+    def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
         if sensor not in self.rows:
             return None
         rows = self.rows[sensor]
@@ -108,7 +108,7 @@ class JsonExport:
         parsed: dict[str, NDArray[Any]] = {name: _json_numbers(rows, name, place) for name in present}
         for name in texts:
             parsed[name] = np.array([str(row.get(name, "")) for row in rows])
-        return Table(place, parsed)
+        return NumberTable(place, parsed)
 
 
 def looks_like_json(head: bytes) -> bool:
@@ -148,7 +148,7 @@ def _json_numbers(rows: Sequence[Mapping[str, Any]], name: str, place: str) -> N
     except (ValueError, OverflowError):
         pass
     try:
-        return measurable(np.array([float(text) if text else np.nan for text in texts]))
+        return discard_huge_values(np.array([float(text) if text else np.nan for text in texts]))
     except ValueError:
         number = next(i for i, text in enumerate(texts) if text and not _is_number(text))
         raise RecordingError(

@@ -13,8 +13,8 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.conversion import units
-from pdr_est.io.conversion.gnss import gps_fixes
+from pdr_est.io.conversion import signs
+from pdr_est.io.conversion.gnss import gnss_fixes
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Signal
 from pdr_est.types.sensors import Channel, SensorBlock
@@ -40,7 +40,7 @@ _LATEST_NS = 4_000_000_000 * _NS
 
 
 @dataclass(frozen=True)
-class LiveNews:
+class LiveUpdate:
     """What messages told: blocks by device, fixes, and words for whoever is watching."""
 
     blocks: tuple[tuple[str, SensorBlock], ...] = ()
@@ -60,7 +60,7 @@ class LiveReader:
         self._map = _Map()
         self._phones: dict[str, _Phone] = {}
 
-    def push(self, line: str) -> LiveNews:
+    def push(self, line: str) -> LiveUpdate:
         """Take one message. Raises RecordingError when it is none, and takes nothing of it then."""
         message = _parsed(line)
         name = message["device"]
@@ -71,7 +71,7 @@ class LiveReader:
         self._phones[name].zero_ns = self._zero_ns or 0
         return self._phones[name].push(message)
 
-    def flush(self) -> LiveNews:
+    def flush(self) -> LiveUpdate:
         """What was waiting for missing messages, and for gravity."""
         news = [phone.flush() for phone in self._phones.values()]
         return _joined(news)
@@ -83,18 +83,18 @@ class _Map:
     def __init__(self) -> None:
         self._origin: GeoOrigin | None = None
 
-    def fixes(self, name: str, located: Signal) -> LiveNews:
+    def fixes(self, name: str, located: Signal) -> LiveUpdate:
         """Fixes from latitude, longitude and accuracy (n, 3)."""
         time_s, values = located.time_s, located.values
         if self._origin is not None:  # the first of all rows is the origin
             time_s = np.concatenate([time_s[:1], time_s])
             values = np.concatenate([[[self._origin.latitude_deg, self._origin.longitude_deg, 1.0]], values])
-        found = gps_fixes(time_s, *values.T)
+        found = gnss_fixes(time_s, *values.T)
         notes = tuple(f"{name}: {warning}" for warning in found.warnings)
         if self._origin is not None:
-            return LiveNews(fixes=found.fixes[1:], notes=notes)
+            return LiveUpdate(fixes=found.fixes[1:], notes=notes)
         self._origin = found.origin
-        return LiveNews(fixes=found.fixes, notes=notes)
+        return LiveUpdate(fixes=found.fixes, notes=notes)
 
 
 class _Phone:
@@ -110,7 +110,7 @@ class _Phone:
         self._total = False
         self._told = False  # that acceleration was left out
 
-    def push(self, message: dict[str, Any]) -> LiveNews:
+    def push(self, message: dict[str, Any]) -> LiveUpdate:
         number = message["id"]
         if number is None:
             return self._read(message)
@@ -119,14 +119,14 @@ class _Phone:
             self._session, self._next_id = message["session"], number
             return _joined([news, self.push(message)])
         if number < self._next_id:
-            return LiveNews(notes=(f"{self._name}: message {number} came after those that follow it: left out",))
+            return LiveUpdate(notes=(f"{self._name}: message {number} came after those that follow it: left out",))
         self._waiting[number] = message
         return self._in_turn(give_up=len(self._waiting) > _MOST_WAITING)
 
-    def flush(self) -> LiveNews:
+    def flush(self) -> LiveUpdate:
         return _joined([self._in_turn(give_up=True), self._force(at_end=True)])
 
-    def _in_turn(self, give_up: bool) -> LiveNews:
+    def _in_turn(self, give_up: bool) -> LiveUpdate:
         news = []
         while self._waiting:
             number = min(self._waiting)
@@ -135,13 +135,13 @@ class _Phone:
                     break
                 missing = number - self._next_id
                 news.append(
-                    LiveNews(notes=(f"{self._name}: {missing} messages before message {number} are missing",))
+                    LiveUpdate(notes=(f"{self._name}: {missing} messages before message {number} are missing",))
                 )
             news.append(self._read(self._waiting.pop(number)))
             self._next_id = number + 1
         return _joined(news)
 
-    def _read(self, message: dict[str, Any]) -> LiveNews:
+    def _read(self, message: dict[str, Any]) -> LiveUpdate:
         signals = {sensor: self._signal(rows) for sensor, rows in message["rows"].items()}
         blocks: list[tuple[str, SensorBlock]] = []
         for sensor, channel in (("magnetometer", Channel.MAGNETIC_FIELD), ("gyroscope", Channel.ROTATION_RATE)):
@@ -152,34 +152,34 @@ class _Phone:
         self._user = _append(self._user, signals.get("totalacceleration" if self._total else "accelerometer"))
         self._gravity = _append(self._gravity, signals.get("gravity"))
         self._attitude = _append(self._attitude, signals.get("orientation"))
-        fixes = self._map.fixes(self._name, signals["location"]) if "location" in signals else LiveNews()
-        return _joined([LiveNews(blocks=tuple(blocks)), self._force(at_end=False), fixes, self._forget()])
+        fixes = self._map.fixes(self._name, signals["location"]) if "location" in signals else LiveUpdate()
+        return _joined([LiveUpdate(blocks=tuple(blocks)), self._force(at_end=False), fixes, self._forget()])
 
-    def _forget(self) -> LiveNews:
+    def _forget(self) -> LiveUpdate:
         """Keep no more than some time of what waits for something that does not come."""
         signals = (self._user, self._gravity, self._attitude)
         begin_s = max((float(signal.time_s.max()) for signal in signals if len(signal)), default=-np.inf) - _KEPT_S
         left_out = bool((self._user.time_s < begin_s).any())
         self._user, self._gravity, self._attitude = (_since(signal, begin_s) for signal in signals)
         if not left_out or self._told:
-            return LiveNews()
+            return LiveUpdate()
         self._told = True
         words = "acceleration without gravity is left out: let the phone send gravity or totalacceleration"
-        return LiveNews(notes=(f"{self._name}: {words}",))
+        return LiveUpdate(notes=(f"{self._name}: {words}",))
 
     def _signal(self, rows: Sequence[tuple[int, Sequence[float]]]) -> Signal:
         time_s = np.array([(time_ns - self.zero_ns) / _NS for time_ns, _ in rows])
         return Signal(time_s, np.array([values for _, values in rows], dtype=np.float64))
 
-    def _force(self, at_end: bool) -> LiveNews:
+    def _force(self, at_end: bool) -> LiveUpdate:
         """The specific force of the samples whose gravity is known."""
         known_s = np.inf if self._total or at_end else (self._gravity.time_s.max() if len(self._gravity) else -np.inf)
         ready = self._user.time_s <= known_s
         if not ready.any() or (not self._total and not len(self._gravity)):
-            return LiveNews()
+            return LiveUpdate()
         force = Signal(self._user.time_s[ready], self._user.values[ready].copy())
         if self._sign is None and not at_end and force.time_s[-1] - force.time_s[0] < _LOOK_S:
-            return LiveNews()
+            return LiveUpdate()
         if not self._total:
             order = np.argsort(self._gravity.time_s, kind="stable")
             gravity_s, gravity = self._gravity.time_s[order], self._gravity.values[order]
@@ -190,7 +190,7 @@ class _Phone:
         self._attitude = _empty(4)  # it has told all that it can
         sign = 1.0 if self._sign is None else self._sign
         block = SensorBlock(Channel.SPECIFIC_FORCE, force.time_s, sign * force.values)
-        return LiveNews(blocks=((self._name, block),), notes=notes)
+        return LiveUpdate(blocks=((self._name, block),), notes=notes)
 
     def _decide_sign(self, force: Signal) -> tuple[str, ...]:
         if self._platform is not None:
@@ -199,7 +199,7 @@ class _Phone:
         attitude = self._attitude if len(self._attitude) > 1 else None
         up = float(np.median(force.values[:, 2]))
         words = "gravity along the screen's normal, for a screen that faces up"
-        found = units.force_sign(force, attitude, -1.0 if up < 0.0 else 1.0, words)
+        found = signs.detect_force_sign(force, attitude, -1.0 if up < 0.0 else 1.0, words)
         self._sign = found.factor
         return (f"{self._name}: {found.decision}; give --platform if that is wrong", *found.warnings)
 
@@ -255,8 +255,8 @@ def _number(place: str, value: Any, kind: Callable[[Any], _T]) -> _T:
         raise RecordingError(f"{place} is damaged: {value!r} is no number") from None
 
 
-def _joined(news: Sequence[LiveNews]) -> LiveNews:
-    return LiveNews(
+def _joined(news: Sequence[LiveUpdate]) -> LiveUpdate:
+    return LiveUpdate(
         tuple(block for one in news for block in one.blocks),
         tuple(fix for one in news for fix in one.fixes),
         tuple(note for one in news for note in one.notes),

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
-from pdr_est.io.conversion import units
-from pdr_est.io.conversion.axes import with_gravity
-from pdr_est.io.conversion.gnss import GpsFixes, gps_fixes, within
-from pdr_est.io.formats.sensor_logger.clock import fix_clock, seconds_since
+from pdr_est.io.conversion import signs, units
+from pdr_est.io.conversion.axes import add_gravity
+from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
+from pdr_est.io.formats.sensor_logger.clock import align_fix_times, seconds_since
 from pdr_est.io.formats.sensor_logger.export import (
     Export,
     FolderExport,
@@ -22,8 +22,8 @@ from pdr_est.io.formats.sensor_logger.export import (
     looks_like_sensor,
 )
 from pdr_est.io.text.container import Source, SourceKind
-from pdr_est.io.text.members import members_like, only_walk
-from pdr_est.io.text.number_table import usable_rows
+from pdr_est.io.text.members import find_members, require_single_walk
+from pdr_est.io.text.number_table import finite_signal_or_none
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "Sensor Logger"
@@ -53,17 +53,17 @@ class _Reading:
         if table is None:
             return None
         time_s = seconds_since(table, self.zero_ns)
-        signal, dropped = usable_rows(time_s, table.stack(columns), sensor, table.place)
+        signal, dropped = finite_signal_or_none(time_s, table.stack(columns), sensor, table.place)
         self.warnings.extend(dropped)
         return signal
 
-    def with_gravity(self, linear: Signal, gravity: Signal) -> Signal:
+    def add_gravity(self, linear: Signal, gravity: Signal) -> Signal:
         """Acceleration with gravity."""
-        total, warnings = with_gravity(linear, gravity)
+        total, warnings = add_gravity(linear, gravity)
         self.warnings.extend(warnings)
         return total
 
-    def note(self, finding: units.Finding) -> float:
+    def note(self, finding: units.Conversion) -> float:
         """Keep the words of a finding, give its factor."""
         self.decisions.append(finding.decision)
         self.warnings.extend(finding.warnings)
@@ -75,7 +75,7 @@ def sniff(source: Source) -> bool:
     return bool(_walks(source))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk of a Sensor Logger export. Time zero is the first sample of accelerometer or gyroscope.
 
     Raises RecordingError for several walks, the file of a single sensor, no motion sensor at all, or an
@@ -99,18 +99,18 @@ def read(source: Source) -> Recording:
 
 def _walks(source: Source) -> tuple[str, ...]:
     """JSON members, and folders with at least one sensor's CSV file."""
-    documents = members_like(source, looks_like_json)
-    tables = members_like(source, looks_like_sensor)
+    documents = find_members(source, looks_like_json)
+    tables = find_members(source, looks_like_sensor)
     return (*documents, *dict.fromkeys(member.rpartition("/")[0] for member in tables))
 
 
 def _open(source: Source) -> Export:
-    walk = only_walk(source, _walks(source), NAME)
+    walk = require_single_walk(source, _walks(source), NAME)
     if walk in source.members:
         return JsonExport.parse(source.read(walk), source.place(walk))
     if source.kind is SourceKind.FILE:
         raise RecordingError(f"{source.path}: one sensor of a {NAME} export; give the folder or zip that it lies in")
-    return FolderExport.of_folder(source, walk)
+    return FolderExport.from_folder(source, walk)
 
 
 def _metadata(export: Export) -> Mapping[str, str]:
@@ -144,7 +144,7 @@ def _device(reading: _Reading) -> DeviceRecording:
         reading.warnings.append("accelerometer and gravity have no overlap in time: no specific force")
         raw = None
     if raw is not None and attitude is not None:
-        attitude, finding = units.fitting_attitude(raw, attitude)
+        attitude, finding = signs.resolve_attitude_direction(raw, attitude)
         reading.note(finding)
     return DeviceRecording(
         model=reading.metadata.get("device name", ""),
@@ -178,15 +178,15 @@ def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float 
     gravity = None if user is None else reading.signal("Gravity")
     if user is not None and gravity is not None:
         reading.decisions.append("specific force is Accelerometer + Gravity")
-        return reading.with_gravity(user, gravity)
+        return reading.add_gravity(user, gravity)
     raw = reading.signal("AccelerometerUncalibrated")
     if raw is not None:
         reading.decisions.append("specific force is AccelerometerUncalibrated: no accelerometer with gravity")
-        return Signal(raw.time_s, raw.values * reading.note(units.acceleration_unit(raw.values)))
+        return Signal(raw.time_s, raw.values * reading.note(units.detect_acceleration_unit(raw.values)))
     if user is not None and attitude is not None:
         reading.decisions.append("specific force is Accelerometer + gravity along the attitude: no Gravity")
         up = up_in_device(attitude.values) * (STANDARD_GRAVITY_MPS2 * (1.0 if sign is None else sign))
-        return reading.with_gravity(user, Signal(attitude.time_s, up))
+        return reading.add_gravity(user, Signal(attitude.time_s, up))
     _explain_no_force(reading, user is not None)
     return None
 
@@ -208,8 +208,8 @@ def _explain_no_force(reading: _Reading, without_gravity: bool) -> None:
 
 def _upwards(reading: _Reading, raw: Signal, attitude: Signal | None, sign: float | None, reason: str) -> Signal:
     """The acceleration with the sign that points up at rest."""
-    factor = reading.note(units.force_sign(raw, attitude, sign, reason))
-    check = units.acceleration_unit(raw.values)
+    factor = reading.note(signs.detect_force_sign(raw, attitude, sign, reason))
+    check = units.detect_acceleration_unit(raw.values)
     reading.note(check)
     return Signal(raw.time_s, raw.values * factor)
 
@@ -228,21 +228,21 @@ def _pressure(reading: _Reading) -> Signal | None:
     signal = reading.signal("Barometer", ("pressure",))
     if signal is None:
         return None
-    return Signal(signal.time_s, signal.values * reading.note(units.pressure_unit(signal.values)))
+    return Signal(signal.time_s, signal.values * reading.note(units.detect_pressure_unit(signal.values)))
 
 
 def _end_s(device: DeviceRecording) -> float:
     return max((float(block.time_s.max()) for block in device.blocks()), default=0.0)
 
 
-def _fixes(reading: _Reading, end_s: float) -> tuple[GpsFixes, float]:
+def _fixes(reading: _Reading, end_s: float) -> tuple[GnssFixes, float]:
     """The fixes on the recording's clock, and the Unix time of its zero."""
     location = reading.export.table("Location", _FIX)
     if location is None:
-        return GpsFixes((), None), reading.zero_ns / 1e9
-    clock = fix_clock(location, reading.zero_ns, end_s, reading.metadata)
+        return GnssFixes((), None), reading.zero_ns / 1e9
+    clock = align_fix_times(location, reading.zero_ns, end_s, reading.metadata)
     latitude, longitude, accuracy = (location.numbers(name) for name in _FIX)
-    found = within(gps_fixes(clock.time_s, latitude, longitude, accuracy), 0.0, end_s)
+    found = drop_fixes_outside(gnss_fixes(clock.time_s, latitude, longitude, accuracy), 0.0, end_s)
     reading.warnings += [*((clock.warning,) if clock.warning else ()), *found.warnings]
     return found, clock.epoch_s
 

@@ -7,11 +7,11 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion.axes import core_motion_force, vertical_mismatch, vertical_warning
+from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch, vertical_mismatch_warnings
 from pdr_est.io.formats.weallwalk.annotations import is_annotation, read_annotation
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import members_like, only_walk, stem
-from pdr_est.io.text.number_table import finite_rows, measurable, read_table
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.number_table import discard_huge_values, finite_signal, read_table
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -32,17 +32,17 @@ _UNKNOWN_DEVICE = "device"
 
 def sniff(source: Source) -> bool:
     """Whether some member is a sensor table or an annotation of this data set."""
-    return bool(members_like(source, _is_known))
+    return bool(find_members(source, _is_known))
 
 
-def read(source: Source) -> Recording:
+def read_source(source: Source) -> Recording:
     """The walk that a sensor table, an annotation, or a folder with one walk belongs to.
 
     The walk's other files are looked for beside it and in the folders `sensor` and `xml` next to its own. A phone
     or an annotation that is missing is reported. Raises RecordingError when there are several walks or no table.
     """
-    members = members_like(source, _is_known)
-    walk = only_walk(source, sorted({_walk_and_device(member)[0] for member in members}), NAME)
+    members = find_members(source, _is_known)
+    walk = require_single_walk(source, sorted({_walk_and_device(member)[0] for member in members}), NAME)
     tables, annotation = _files_of_walk(source, members[0], walk)
     if not tables:
         raise RecordingError(
@@ -68,16 +68,16 @@ def _is_table(head: bytes) -> bool:
     if not lines or any(line.count(b",") != len(_COLUMNS) - 1 for line in lines):
         return False
     try:
-        rows = measurable(np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2))
+        rows = discard_huge_values(np.loadtxt(io.BytesIO(b"\n".join(lines)), delimiter=",", ndmin=2))
     except ValueError:
         return False
     return vertical_mismatch(rows[:, _QUATERNION], -rows[:, _GRAVITY]) < _LARGEST_MISMATCH
 
 
 def _walk_and_device(member: str) -> tuple[str, str]:
-    match = _SENSOR_FILE.fullmatch(stem(member))
+    match = _SENSOR_FILE.fullmatch(member_stem(member))
     if match is None:
-        return stem(member), _UNKNOWN_DEVICE
+        return member_stem(member), _UNKNOWN_DEVICE
     return f"{match['path']}_{match['tool']}", match["device"]
 
 
@@ -88,7 +88,7 @@ def _files_of_walk(source: Source, member: str, walk: str) -> tuple[dict[str, So
     found = {device: _beside(source, member, "sensor", name) for device, name in names.items()}
     tables = {device: table for device, table in found.items() if table is not None}
     if not tables and not is_annotation(source.head(member)):
-        tables = {_UNKNOWN_DEVICE: source.narrowed(member)}
+        tables = {_UNKNOWN_DEVICE: source.with_only(member)}
     return tables, _beside(source, member, "xml", f"{walk}.xml")
 
 
@@ -103,12 +103,12 @@ def _device(name: str, source: Source, warnings: tuple[str, ...]) -> DeviceRecor
     values = table.stack(_COLUMNS)
     attitude = _unit(values[:, _QUATERNION])
     channels = {
-        "specific force": core_motion_force(values[:, _GRAVITY], values[:, _USER]),
+        "specific force": specific_force_from_core_motion(values[:, _GRAVITY], values[:, _USER]),
         "rotation rate": values[:, _RATE],
         "magnetic field": values[:, _MAGNETIC],
         "attitude": attitude,
     }
-    signals = {what: finite_rows(values[:, 0], rows, what, table.place) for what, rows in channels.items()}
+    signals = {what: finite_signal(values[:, 0], rows, what, table.place) for what, rows in channels.items()}
     dropped = (warning for _, found in signals.values() for warning in found)
     return DeviceRecording(
         name=name,
@@ -124,7 +124,7 @@ def _device(name: str, source: Source, warnings: tuple[str, ...]) -> DeviceRecor
             "rotation rate with Core Motion's own bias removed; magnetic field uncalibrated",
             "attitude from the quaternion columns in the order x, y, z, w, normalised, device -> z up",
         ),
-        warnings=(*warnings, *dropped, *vertical_warning(attitude, -values[:, _GRAVITY])),
+        warnings=(*warnings, *dropped, *vertical_mismatch_warnings(attitude, -values[:, _GRAVITY])),
     )
 
 
