@@ -11,7 +11,7 @@ from pdr_est.estimators.common.map_directions import tied_to_map
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.estimators.person.track import at_lever_arm, fuse
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.measurements import LATE_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
+from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
 from pdr_est.types.track import Track, concatenate
 
 
@@ -36,7 +36,7 @@ def tethers(walks: Sequence[DeviceWalk], config: Config) -> list[DeviceTether]:
     """What holds the devices together, as configured."""
     if not config.devices.tethered:
         return []
-    spans_s = {walk.device: walk.stepping_s for walk in walks}
+    spans_s = {walk.device: walk.walking_span_s for walk in walks}
     return tethers_between(spans_s, config.devices.tether, at_end=config.estimator.name in SMOOTHERS)
 
 
@@ -47,7 +47,7 @@ def track_of(devices: Sequence[DeviceMeasurements], node_tethers: Sequence[Devic
     """
     chosen, start = config.estimator, config.start.pose()
     sigma_scale = config.odometry.sigma_length_scale
-    extended = devices if chosen.name in ONLINE else with_way_to_start(devices, LATE_S)
+    extended = devices if chosen.name in ONLINE else with_way_to_start(devices, LATE_START_S)
     track = estimate_walk(
         chosen.name, extended, start, sigma_scale, node_tethers, chosen.map_fusion, chosen.fixed_lag
     )

@@ -18,7 +18,7 @@ from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.factors import Keys
 from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
-from pdr_est.types.track import legs_at
+from pdr_est.types.track import bracketing_poses
 
 _ALL_TIME_S = 5.0  # tethers of a pair that follow each other so soon stand for all the time between them; ours
 _WITHIN = 0.02  # of the largest distance, that tracks may exceed it by before a tether is added; ours
@@ -88,7 +88,7 @@ class _Rows:
 
     def places(self, time_s: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
         """Keys (m,) of the poses that the line leads from and to at some times, and the share (m,) of the way."""
-        before, after, share = legs_at(self.time_s, self.moving_from_s, time_s)
+        before, after, share = bracketing_poses(self.time_s, self.moving_from_s, time_s)
         before, after = np.where(share >= 1.0, after, before), np.where(share <= 0.0, before, after)
         return self.key[before], self.key[after], share
 
