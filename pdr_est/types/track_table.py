@@ -50,7 +50,7 @@ def columns_of(track: "Track") -> dict[str, NDArray[Any]]:
         track.device,
         track.position_m[:, 0],
         track.position_m[:, 1],
-        wrap_angle(track.heading_rad),
+        np.where(np.abs(track.heading_rad) <= math.pi, track.heading_rad, wrap_angle(track.heading_rad)),
         track.covariance_m2[:, 0, 0],
         track.covariance_m2[:, 0, 1],
         track.covariance_m2[:, 1, 1],
@@ -99,8 +99,8 @@ def read_csv(path: str | Path) -> dict[str, Any]:
     covariance = np.array(
         [[columns["cov_xx_m2"], columns["cov_xy_m2"]], [columns["cov_xy_m2"], columns["cov_yy_m2"]]]
     )
-    # A rounded heading may lie just outside the half-open turn; it would be wrapped to the other end when written.
-    heading = np.clip(columns["heading_rad"], -math.pi, np.nextafter(math.pi, 0.0))
+    # A rounded heading may lie just outside [-pi, pi]; it would be wrapped to the other end when written again.
+    heading = np.clip(columns["heading_rad"], -math.pi, math.pi)
     return {
         "time_s": time_s,
         "moving_from_s": np.where(first, time_s, np.roll(time_s, 1)),
