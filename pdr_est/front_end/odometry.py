@@ -94,7 +94,7 @@ class Odometry:
         """Compute the extra heading-change sigma (rad) from mode changes and re-orientation."""
         modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
         changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in TRANS the phone turns all the time
-        of_mode = self._parameters.sigma_mode_change_rad if changed and not item.follows_phone else 0.0
+        of_mode = self._parameters.sigma_mode_change_rad if changed and not item.placement_tracked else 0.0
         return float(np.hypot(of_mode, item.sigma_turn_rad))
 
     def _sigma_heading(self, elapsed_s: float, extra_sigma_rad: float = 0.0) -> float:

@@ -13,7 +13,7 @@ from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.estimators.person.track import at_lever_arm, fuse
 from pdr_est.parts import ESTIMATOR, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.measurements import LATE_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
+from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
 from pdr_est.types.track import Track, concatenate
 
 
@@ -58,7 +58,7 @@ def tethers_of(walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec)
     """Make the tethers between the devices, as configured; for a smoother also one at the end of the walk."""
     if not config.devices.tethered:
         return []
-    spans_s = {walk.device: walk.stepping_s for walk in walks}
+    spans_s = {walk.device: walk.walking_span_s for walk in walks}
     return tethers_between(spans_s, config.devices.tether, at_end=spec.smooths)
 
 
@@ -73,7 +73,7 @@ def track_of(
     Raises EstimationError for measurements that give no track, and for an estimator that returns no track of every
     device.
     """
-    extended = devices if estimator.spec.online else with_way_to_start(devices, LATE_S)
+    extended = devices if estimator.spec.online else with_way_to_start(devices, LATE_START_S)
     track = estimator.estimate(extended, tethers, config.start.pose(), config.odometry.sigma_length_scale)
     names = tuple(one.device for one in devices)
     if not isinstance(track, Track) or track.devices != names:

@@ -16,7 +16,7 @@ from cli_runs import PROGRAM, RESULT_FILES, interrupt, refused, run, smoothed
 from pdr_est.front_end.gait import shipped_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.front_end.step_length.equations import MMPDR_K
-from pdr_est.types.track import COLUMNS
+from pdr_est.types.track_table import TRACK_COLUMNS
 
 SUMMARY_KEYS = {"inputs", "config", "versions", "counts", "distance_m", "gaps", "timings_s", "warnings", "estimator"}
 
@@ -24,7 +24,7 @@ SUMMARY_KEYS = {"inputs", "config", "versions", "counts", "distance_m", "gaps", 
 def table(out: Path) -> list[dict[str, str]]:
     with (out / "track.csv").open(newline="", encoding="utf-8") as stream:
         reader = csv.DictReader(stream)
-        assert tuple(reader.fieldnames or ()) == COLUMNS
+        assert tuple(reader.fieldnames or ()) == TRACK_COLUMNS
         return list(reader)
 
 

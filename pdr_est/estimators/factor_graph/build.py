@@ -71,7 +71,9 @@ class WalkGraph:
         graph, complete = problem.complete(own, self.length_scales)
         return replace(self, graph=graph, values=complete, _problem=problem)
 
-    def track_from(self, values: gtsam.Values | None = None, graph: gtsam.NonlinearFactorGraph | None = None) -> Track:
+    def track_from(
+        self, values: gtsam.Values | None = None, graph: gtsam.NonlinearFactorGraph | None = None
+    ) -> Track:
         """Return the track of some values, with marginal covariances.
 
         Parameters

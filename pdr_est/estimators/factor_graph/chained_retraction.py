@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.frames import Array, turned
+from pdr_est.frames import Array, rotate_vectors
 
 
 @dataclass(frozen=True)
@@ -58,14 +58,14 @@ class ChainedRetraction:
         (n, 3) array
             Poses after the change, to first order `pose` moved by `change`.
         """
-        shift, turn = turned(change[:, :2], pose[:, 2]), change[:, 2]
+        shift, turn = rotate_vectors(change[:, :2], pose[:, 2]), change[:, 2]
         seen_from = np.concatenate([np.maximum(np.arange(self.leading) - 1, 0), self.leader])
         base_rad = pose[seen_from, 2]
-        ahead = turned(pose[:, :2] - pose[seen_from, :2], -base_rad)
+        ahead = rotate_vectors(pose[:, :2] - pose[seen_from, :2], -base_rad)
         across = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
-        ahead = ahead + turned(shift - shift[seen_from], -base_rad) - turn[seen_from, None] * across
+        ahead = ahead + rotate_vectors(shift - shift[seen_from], -base_rad) - turn[seen_from, None] * across
         heading_rad = pose[:, 2] + turn
-        moved = turned(ahead, heading_rad[seen_from])
+        moved = rotate_vectors(ahead, heading_rad[seen_from])
         moved[0] = pose[0, :2] + shift[0]
         place = np.cumsum(moved[: self.leading], axis=0)
         return np.column_stack([np.concatenate([place, place[self.leader] + moved[self.leading :]]), heading_rad])

@@ -18,7 +18,7 @@ from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
-from pdr_est.types.track import legs_at
+from pdr_est.types.track import bracketing_poses
 
 _MAX_INTERVAL_S = 5.0  # successive tethers of a pair that are no further apart hold in between, too; ours
 _TOLERANCE = 0.02  # share of the length by which it may be exceeded before a tether is added; ours
@@ -97,7 +97,7 @@ class _TrackLines:
 
     def places(self, time_s: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
         """Return the poses (m,) that the lines lead from and to at some times, and the shares (m,) of the way."""
-        before, after, share = legs_at(self.time_s, self.moving_from_s, time_s)
+        before, after, share = bracketing_poses(self.time_s, self.moving_from_s, time_s)
         before, after = np.where(share >= 1.0, after, before), np.where(share <= 0.0, before, after)
         return self.key[before], self.key[after], share
 

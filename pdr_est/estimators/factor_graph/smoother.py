@@ -82,9 +82,7 @@ def solve(
     values, tethered = problem.initial_values(initial), len(problem.tethers) > 0
     for softening in CONTINUATION_FACTORS[:-1] if tethered else ():
         problem.softening = softening
-        scales, values = optimise_with_scales(
-            problem, values, scales, sigma_length_scale, SOFTLY, _SOFT_SCALE_ROUNDS
-        )
+        scales, values = optimise_with_scales(problem, values, scales, sigma_length_scale, SOFTLY, _SOFT_SCALE_ROUNDS)
         problem.add_violated_tethers(values)
     problem.softening = 1.0
     for _ in range(_CUTTING_ROUNDS if tethered or problem.scale_is_observable else 0):
@@ -132,9 +130,7 @@ def track_of(problem: SmoothingProblem, pose: Array, covariance: Array, scales: 
         own = slice(first, first + len(timeline.nodes))
         scale = (float(scales.value[d]), float(np.sqrt(scales.covariance[d, d])))
         position_m, heading_rad = pose[own, :2], pose[own, 2]
-        tracks.append(
-            track_from_nodes(timeline, position_m, heading_rad, covariance[own], "smoothed", NAME, scale)
-        )
+        tracks.append(track_from_nodes(timeline, position_m, heading_rad, covariance[own], "smoothed", NAME, scale))
     return concatenate(tracks)
 
 

@@ -82,9 +82,7 @@ class SmoothingProblem:
             self._at = length_scale, graph
         return self._at[1]
 
-    def complete(
-        self, values: gtsam.Values, length_scale: Array
-    ) -> tuple[gtsam.NonlinearFactorGraph, gtsam.Values]:
+    def complete(self, values: gtsam.Values, length_scale: Array) -> tuple[gtsam.NonlinearFactorGraph, gtsam.Values]:
         """Return the graph with the factors of the tethers that are active at some values, and its values.
 
         Parameters

@@ -177,9 +177,7 @@ class LinearTethers:
         resisting = self._stiffness(expected_violation_m) * across
         return 0.5 * float(np.sum((violation_m / self.tethers.sigma_m) ** 2 + resisting**2))
 
-    def stiffness_factors(
-        self, active: NDArray[np.bool_], expected_violation_m: Array
-    ) -> gtsam.GaussianFactorGraph:
+    def stiffness_factors(self, active: NDArray[np.bool_], expected_violation_m: Array) -> gtsam.GaussianFactorGraph:
         """Return linear factors of the stiffness of active tethers across their direction.
 
         Parameters

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pdr_est.frames import Array, turned
+from pdr_est.frames import Array, rotate_vectors
 
 _LEAST_UPRIGHT = 1e-9  # least 1 + cos: a device exactly upside down has no shortest way upright, and no yaw
 
@@ -30,4 +30,4 @@ def to_level(vectors: Array, up: Array, yaw_rad: Array) -> Array:
     x, y, z = vectors.T
     up_x, up_y, up_z = up.T
     tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, _LEAST_UPRIGHT)
-    return turned(np.stack([x - up_x * tilted, y - up_y * tilted], axis=1), yaw_rad)
+    return rotate_vectors(np.stack([x - up_x * tilted, y - up_y * tilted], axis=1), yaw_rad)

@@ -216,4 +216,4 @@ class PostureAwareYaw:
         heading_rad = step.heading_rad
         if step.event.mode in _LIMB_MODES and abs(after_rad - before_rad) < self._parameters.bend_rad:
             heading_rad = stride_average(before_rad, heading_rad, after_rad)
-        return replace(step, heading_rad=float(wrap_angle(heading_rad)), follows_phone=True)
+        return replace(step, heading_rad=float(wrap_angle(heading_rad)), placement_tracked=True)

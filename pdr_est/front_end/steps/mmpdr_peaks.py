@@ -42,7 +42,7 @@ from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.steps.mode_transition import StepFrequency, TransitionCompensation
 from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.params import NonNegative, Positive, params
-from pdr_est.run_lengths import runs
+from pdr_est.run_lengths import label_runs
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 
@@ -149,7 +149,7 @@ class MmpdrSteps:
             return []
         peaks = {mode: rule.peaks(samples.signal) for mode, rule in self._rules.items() if mode in samples.mode}
         events: list[StepEvent] = []
-        for first, last in runs(samples.mode[self._decided : stop]):
+        for first, last in label_runs(samples.mode[self._decided : stop]):
             start, end = self._decided + first, self._decided + last
             mode = int(samples.mode[start])
             if mode == CarryingMode.TRANS:

@@ -17,7 +17,7 @@ from pdr_est.pipeline import DeviceWalk
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.time_axis import TimeAxis
-from pdr_est.run_lengths import runs
+from pdr_est.run_lengths import label_runs
 from pdr_est.types.steps import CarryingMode
 
 STRIP_IN, STRIP_GAP_IN = 0.16, 0.05  # height of a strip, and the room below it
@@ -69,7 +69,7 @@ def mode_runs(device: DeviceWalk) -> list[ModeRun]:
     mode = np.concatenate([block.mode for block in blocks])
     segment = np.repeat([block.segment for block in blocks], [len(block) for block in blocks])
     found = []
-    for start, stop in runs(mode, segment):
+    for start, stop in label_runs(mode, segment):
         # A run lasts until the next begins; before a gap and at the end it lasts until its own last sample.
         last = stop if stop < len(time_s) and segment[stop] == segment[stop - 1] else stop - 1
         found.append(ModeRun(float(time_s[start]), float(time_s[last]), CarryingMode(int(mode[start]))))

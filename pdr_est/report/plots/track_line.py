@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from pdr_est.frames import Array
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.mode_style import MODE_DASHES
-from pdr_est.run_lengths import runs
+from pdr_est.run_lengths import label_runs
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
@@ -27,7 +27,7 @@ def mode_polylines(track: Track) -> dict[CarryingMode, Array]:
     """
     mode = track.mode[1:]
     pieces: dict[CarryingMode, list[Array]] = {}
-    for start, stop in runs(mode):
+    for start, stop in label_runs(mode):
         legs = pieces.setdefault(CarryingMode(int(mode[start])), [])
         legs += [track.position_m[start : stop + 1], np.full((1, 2), np.nan)]
     return {value: np.concatenate(legs[:-1]) for value, legs in sorted(pieces.items())}

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.errors import ConfigError
-from pdr_est.frames import Array, turned, wrap_angle
+from pdr_est.frames import Array, rotate_vectors, wrap_angle
 from pdr_est.params import Positive, params
 from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal
 
@@ -96,7 +96,7 @@ class WalkingPath:
         self._start_m = np.concatenate([[0.0], np.cumsum(self._piece_m)[:-1]])
         self._heading = leg_heading[0] + np.concatenate([[0.0], np.cumsum(self._turn)[:-1]])
         ends = _local_end(self._piece_m, self._turn, np.ones(len(self._piece_m)))
-        moves = turned(ends, self._heading)
+        moves = rotate_vectors(ends, self._heading)
         self._origin = vertices[0] + np.concatenate([np.zeros((1, 2)), np.cumsum(moves, axis=0)[:-1]])
         self.length_m = float(self._piece_m.sum())
         self.corner_m: Array = self._start_m[1::2] + corner_m / 2.0
@@ -113,7 +113,7 @@ class WalkingPath:
         bent = turn != 0.0
         local[bent] = _local_end(length[bent], turn[bent], share[bent])
         return PathPoints(
-            position_m=self._origin[piece] + turned(local, self._heading[piece]),
+            position_m=self._origin[piece] + rotate_vectors(local, self._heading[piece]),
             heading_rad=self._heading[piece] + np.where(bent, turn * _smooth_step(share), 0.0),
             curvature_pm=np.where(bent, turn * _smooth_step_slope(share) * per_m, 0.0),
             curvature_slope_pm2=np.where(bent, turn * _smooth_step_bend(share) * per_m**2, 0.0),
