@@ -23,7 +23,7 @@ check: $(READY)  ## lint, format and types
 	$(BIN)/mypy
 
 docs: $(READY_FOR_DOCS)  ## the documentation site, build/docs/index.html; broken links fail
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "Documentation: build/docs/index.html"
 
 format: $(READY)
