@@ -1,18 +1,23 @@
-"""The pictures of the README, from simulated walks.
+"""Draw the pictures of the README and the docs from simulated walks.
 
-    python experiments/readme_pictures.py
+    python experiments/readme_pictures.py [--browser chromium]
 
-Writes docs/pictures/steps.png, track.png and two-phones.png.
+Writes docs/pictures/steps.png, track.png and two-phones.png. With a Chromium-like browser also report.png, the upper
+part of the report that `make demo` writes.
 """
 
 import argparse
+import subprocess
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
 from pdr_est import pipeline
+from pdr_est.cli import main as pdr_est
 from pdr_est.config import Config, StartParams
 from pdr_est.estimators.person.track import NAME
 from pdr_est.pipeline import SmoothedWalk
@@ -31,16 +36,32 @@ HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.
 SEED = 0
 SIGMA_M = 0.5
 DPI = 100
+REPORT_SIZE = (1000, 1066)  # pixels: header and track
 
 
 def main() -> None:
     """Write all pictures."""
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--browser", help="program that takes a screenshot of the report")
+    browser = parser.parse_args().browser
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name, figure in (("steps", steps()), ("track", track_with_fixes()), ("two-phones", two_phones())):
         figure.patch.set_visible(True)
         figure.set_facecolor("white")
         figure.savefig(PICTURES / f"{name}.png", dpi=DPI, metadata={"Software": None})
+    if browser:
+        photograph_report(browser, PICTURES / "report.png")
+
+
+def photograph_report(browser: str, picture: Path) -> None:
+    """Take a screenshot of the demo's report, with few colours so that it stays small."""
+    with tempfile.TemporaryDirectory() as folder:
+        pdr_est(["demo", "-o", f"{folder}/demo", "--quiet"], standalone_mode=False)
+        size = ",".join(str(pixels) for pixels in REPORT_SIZE)
+        options = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={size}")
+        shot = Path(folder) / "shot.png"
+        subprocess.run((browser, *options, f"--screenshot={shot}", f"file://{folder}/demo/report.html"), check=True)
+        Image.open(shot).convert("P", palette=Image.Palette.ADAPTIVE, colors=128).save(picture, optimize=True)
 
 
 def steps() -> Figure:
