@@ -20,6 +20,7 @@ from pdr_est.types.track import Track
 __all__ = [
     "ESTIMATORS",
     "SPECS",
+    "BuiltInEstimator",
     "DeviceMeasurements",
     "Estimator",
     "EstimatorName",
