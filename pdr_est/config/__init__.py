@@ -7,7 +7,14 @@
 """
 
 from pdr_est.config.commented_yaml import config_to_yaml
-from pdr_est.config.loading import config_from_dict, config_to_dict, config_with, import_folders, load_config
+from pdr_est.config.loading import (
+    config_from_dict,
+    config_to_dict,
+    config_with,
+    external_files,
+    import_folders,
+    load_config,
+)
 from pdr_est.config.records import PART_KEYS, Config, DevicesParams, EstimatorParams, Mounting, StartParams
 from pdr_est.config.settings import merged
 
@@ -22,6 +29,7 @@ __all__ = [
     "config_to_dict",
     "config_to_yaml",
     "config_with",
+    "external_files",
     "import_folders",
     "load_config",
     "merged",

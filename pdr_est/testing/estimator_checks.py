@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.estimators import BuiltInEstimator, EstimatorSpec, PoseEstimate
+from pdr_est.estimators import BuiltInEstimator, EstimatorSpec, OnlinePose
 from pdr_est.frames import wrap_angle
 from pdr_est.testing.partitions import exact_content
 from pdr_est.types.measurements import (
@@ -213,7 +213,7 @@ def _check_online(estimator: Any) -> None:
     own = estimator.begin(["phone"], _START, _SIGMA_SCALE)
     for attribute in ("push", "flush"):
         assert hasattr(own, attribute), f"{name}: the filter that begin makes has no {attribute}"
-    poses: list[PoseEstimate] = []
+    poses: list[OnlinePose] = []
     for number, measurement in enumerate((*_steps(), _fix(_STEP_S * _STEPS))):
         if number == _STEPS // 2:
             own = pickle.loads(pickle.dumps(own))
@@ -221,8 +221,8 @@ def _check_online(estimator: Any) -> None:
         assert isinstance(emitted, list), f"{name}: push returns {type(emitted).__name__}: it must return a list"
         poses += emitted
     poses += own.flush()
-    wrong = [pose for pose in poses if not isinstance(pose, PoseEstimate)]
-    assert not wrong, f"{name}: the filter gives {wrong[:1]}: it must give PoseEstimate"
+    wrong = [pose for pose in poses if not isinstance(pose, OnlinePose)]
+    assert not wrong, f"{name}: the filter gives {wrong[:1]}: it must give OnlinePose"
     latest = {pose.time_s: pose for pose in poses}
     missing = [step.time_s for step in _steps() if step.time_s not in latest]
     assert not missing, f"{name}: the filter gives no pose for the step that ends at {missing[:1]} s"
