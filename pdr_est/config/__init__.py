@@ -6,7 +6,7 @@
 * `commented_yaml`: configurations to YAML.
 """
 
-from pdr_est.config.commented_yaml import config_to_yaml
+from pdr_est.config.commented_yaml import commented, config_to_yaml
 from pdr_est.config.loading import (
     config_from_dict,
     config_to_dict,
@@ -25,6 +25,7 @@ __all__ = [
     "EstimatorParams",
     "Mounting",
     "StartParams",
+    "commented",
     "config_from_dict",
     "config_to_dict",
     "config_to_yaml",
