@@ -24,24 +24,36 @@ _SECTIONS = ("profile", "walker", "odometry")
 
 @params
 class ProfileNote:
-    """Where a profile comes from. step_length, detector: of the configuration whose steps the constants correct.
-    recordings: how many walks. distances_m: their true lengths; empty when fixes told the scale."""
+    """Origin of a profile."""
 
     step_length: StepLengthParams
+    """Step-length model whose lengths the constants correct."""
+
     detector: Annotated[str, PartName(DETECTORS)]
+    """Step detector whose steps the constants correct."""
+
     recordings: Annotated[int, Ge(1)]
+    """Number of walks of the calibration."""
+
     date: Date
+    """Date of the calibration."""
+
     distances_m: tuple[Positive, ...] = ()
+    """True lengths of the walks, m; empty when fixes told the scale."""
 
 
 @params
 class Profile:
-    """walker: height, gender and personal constants. sigma_length_scale: what remains unknown of the length scale of
-    the next walk, over the scale."""
+    """Personal constants of a walker."""
 
     note: ProfileNote
+    """Origin of the constants."""
+
     walker: WalkerParams
+    """Height, gender and personal constants."""
+
     sigma_length_scale: Positive
+    """Standard deviation of the length scale that remains for the next walk, over the scale."""
 
 
 _NOTE = TypeAdapter(ProfileNote)

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from partitions import one_by_one
 from signals import level, run
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.signal.vectors import excess_magnitude
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
+from pdr_est.testing import one_by_one
 
 STEP = [0.7, 1.9, 0.0, -1.1, -0.9, -0.5]  # one transition a sample but for the third, at 50 Hz
 PEAK = [0.7, 1.9]
