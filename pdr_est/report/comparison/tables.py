@@ -150,9 +150,9 @@ def pairs_table(found: Iterable[Paired], note: str = "") -> ReportTable:
     )
     words = ("metric", "A", "B", "walks", "B − A", "95 % interval", "wins A : B")
     about = (
-        "B − A is the mean over the walks of the distance of B from the ideal value less that of A; if negative, B is "
-        "better. The interval is a bootstrap over walks, too narrow for fewer than about 20. The better variant is "
-        "bold where the interval excludes zero. Pairs that agree on every walk are left out. "
+        "B − A is the mean over the walks of the distance of B from the ideal value less that of A; if negative, B "
+        "is better. The interval is a bootstrap over walks, too narrow for fewer than about 20. The better variant "
+        "is bold where the interval excludes zero. Pairs that agree on every walk are left out. "
         f"{note}"
     )
     return ReportTable("Walk by walk", tuple(TableCell(word) for word in words), rows, texts=3, note=about.rstrip())
