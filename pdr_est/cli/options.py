@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import click
 import numpy as np
 
-from pdr_est.calibration.profile import Profile, refuse_contradiction, with_profile
+from pdr_est.calibration.profile import Profile, apply_profile, check_profile_matches
 from pdr_est.config import Config, config_with, load_config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import HEADINGS
@@ -149,7 +149,7 @@ def resolve_config(
     ConfigError
         If a value is wrong or contradicts the profile; the message names the file or the option.
     """
-    config = Config() if profile is None else with_profile(Config(), profile)
+    config = Config() if profile is None else apply_profile(Config(), profile)
     if config_file is not None:
         config = load_config(config_file, base=config)
     x_m, y_m = (None, None) if start is None else start
@@ -172,5 +172,5 @@ def resolve_config(
         if given:
             config = config_with(config, {section: given}, option)
     if profile is not None:
-        refuse_contradiction(config, profile, "--profile")
+        check_profile_matches(config, profile, "--profile")
     return config

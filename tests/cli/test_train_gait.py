@@ -55,7 +55,7 @@ def test_own_recordings_give_a_model_with_its_card_the_same_every_time(data: Pat
     assert (tmp_path / "a" / "gait-auto.json").read_text().split('"sha256": "')[1][:64] in card
     assert recordings_digest(data) in card
     assert "MotionSense" not in card
-    assert "nobody has checked their labels" in card
+    assert "labels and the place of the phone have not been checked" in card
     (own,) = model.data
     assert f"| own | 3 | 9 | {own.steps[0]} | {own.steps[1]} | {own.steps[2]} |" in card
 

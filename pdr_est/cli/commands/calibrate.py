@@ -12,9 +12,9 @@ from pdr_est import pipeline
 from pdr_est.calibration.profile import Profile, ProfileNote, profile_to_yaml
 from pdr_est.calibration.step_length_fit import (
     Calibration,
-    Observation,
-    PacedSteps,
-    fit,
+    CalibrationSteps,
+    ScaleObservation,
+    fit_calibration,
     observe_distance,
     observe_fixes,
 )
@@ -83,7 +83,7 @@ def calibrate_command(
             choices = fixes * len(recordings) if fixes == (RECORDED,) else fixes
             _refuse_wrong_count("--fixes", len(choices), len(recordings))
             seen = [_by_fixes(*pair, config) for pair in zip(recordings, choices, strict=True)]
-        found = fit(seen)
+        found = fit_calibration(seen)
         file.write_text(profile_to_yaml(_profile(found, config, distances_m, len(recordings))), encoding="utf-8")
     click.echo(f"{_describe(found, seen)} -> {output}")
 
@@ -108,14 +108,14 @@ def _refuse_wrong_count(option: str, count: int, recordings: int) -> None:
         )
 
 
-def _by_distance(path: Path, distance_m: float, config: Config) -> Observation:
+def _by_distance(path: Path, distance_m: float, config: Config) -> ScaleObservation:
     recording = read(path)
     with prefix_errors(path):
         walks = pipeline.analyse(recording, config)
-    return observe_distance([PacedSteps.of(walk.steps) for walk in walks], distance_m, str(path))
+    return observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], distance_m, str(path))
 
 
-def _by_fixes(path: Path, choice: str, config: Config) -> Observation:
+def _by_fixes(path: Path, choice: str, config: Config) -> ScaleObservation:
     recording = read(path)
     fixes = load_fixes(choice, recording, path)
     with prefix_errors(path):
@@ -135,7 +135,7 @@ def _profile(found: Calibration, config: Config, distances_m: Sequence[float], r
     return Profile(note=note, walker=found.walker(config.walker), sigma_length_scale=found.sigma_next)
 
 
-def _describe(found: Calibration, seen: Sequence[Observation]) -> str:
+def _describe(found: Calibration, seen: Sequence[ScaleObservation]) -> str:
     """Describe the calibration in one line."""
     walker = found.walker(WalkerParams())
     words = f"length scale {walker.length_scale:.3f} from {len(seen)} walk{'s' if len(seen) > 1 else ''}"
