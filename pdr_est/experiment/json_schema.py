@@ -1,4 +1,4 @@
-"""JSON schemas of configuration files, for editors."""
+"""JSON schemas of settings files and experiment files, for editors."""
 
 from typing import Any
 
@@ -14,12 +14,12 @@ _DOTTED = r"^[a-z_]+(\.[a-z0-9_]+)+$"
 
 
 def settings_schema() -> Json:
-    """Of a settings file."""
+    """Make the JSON schema of a settings file."""
     return {"$schema": _DIALECT, **TypeAdapter(Config).json_schema(), "title": "pdr-est settings"}
 
 
 def experiment_schema() -> Json:
-    """Of an experiment file; settings may be given as sections or as dotted keys."""
+    """Make the JSON schema of an experiment file; settings may be sections or dotted keys."""
     document = TypeAdapter(ExperimentConfig).json_schema()
     settings = TypeAdapter(Config).json_schema()
     sections = settings.pop("$defs")

@@ -1,7 +1,7 @@
 """What is shown of one track of one walk with one variant."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pdr_est.frames import Array
 
@@ -17,7 +17,8 @@ class TrackOutcome:
     position_m: (n, 2) poses of the track in the frame of the truth. truth_m: (k, 2) true positions, none when they
     are not known. At (p,) true positions that the estimator was not given: way_m, the distance walked until there;
     error_m; squared, the error in units of its stated covariance (squared Mahalanobis distance, 2 is right on
-    average), empty without fixes.
+    average), empty without fixes. counts: name -> number of points or steps that the metrics are based on.
+    predicted: label -> number of steps that got it, where steps are classified.
     """
 
     walk: str
@@ -35,3 +36,5 @@ class TrackOutcome:
     way_m: Array
     error_m: Array
     squared: Array
+    counts: Mapping[str, int] = field(default_factory=dict)
+    predicted: Mapping[str, int] = field(default_factory=dict)

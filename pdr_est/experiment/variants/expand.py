@@ -1,4 +1,4 @@
-"""From the settings, variants and sweeps of an experiment file to the configurations that are compared."""
+"""Configurations from the settings, variants and sweeps of an experiment file."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from pdr_est.experiment.config import ExperimentConfig
 from pdr_est.experiment.variants.axes import Variant
 
 _FILE_KEY = "settings_file"
-_CHOICES = ("name", "method", "detector", "model")  # keys whose value speaks for itself
+_CHOICES = ("name", "method", "detector", "model")  # keys whose value is a name that needs no key
 _MOST_VARIANTS = 10_000
 
 
 @dataclass(frozen=True)
 class _Settings:
-    """Sections of settings, and the line of each value of them."""
+    """Sections of settings, and the line of each of their values."""
 
     values: Mapping[str, Any]
     lines: Mapping[Location, int]
@@ -29,10 +29,22 @@ class _Settings:
 
 
 def expand(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Variant, ...]:
-    """The variants in the order of the file, sweeps inside. path: of the file; lines: where its values stand.
+    """Make the variants in the order of the file, with the combinations of the sweep inside each.
 
-    Raises ConfigError for settings that are unknown, out of range or contradict each other, in the line where they
-    stand, and for names that stand for two variants.
+    Parameters
+    ----------
+    config : ExperimentConfig
+        Sections of the file.
+    path : Path
+        The file.
+    lines : Lines
+        Line numbers of its values.
+
+    Raises
+    ------
+    ConfigError
+        For settings that are unknown, out of range or contradict each other, with their line, and for two variants of
+        one name.
     """
     base = _from_file(config.settings_file, path, (_FILE_KEY,), lines, Config())
     shared = _sections(config.settings, path, ("settings",), lines)
@@ -57,7 +69,7 @@ def expand(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Variant,
 
 
 def _from_file(file: Any, path: Path, place: Location, lines: Lines, base: Config) -> Config:
-    """The settings of a file that lies relative to the experiment's."""
+    """Read a settings file whose path is relative to the experiment file."""
     if file is None:
         return base
     if not isinstance(file, str) or not (path.parent / file).is_file():
@@ -69,7 +81,7 @@ def _from_file(file: Any, path: Path, place: Location, lines: Lines, base: Confi
 def _combinations(
     sweep: Mapping[str, tuple[Any, ...]], path: Path, lines: Lines
 ) -> Iterator[tuple[tuple[str, ...], _Settings]]:
-    """Each combination of the sweep's values: how it is called, and its settings."""
+    """Yield each combination of the values of the sweep: the words of its name, and its settings."""
     count = 1
     for key, values in sweep.items():
         count *= len(values)
@@ -80,20 +92,20 @@ def _combinations(
         words, settings = [], _Settings({}, {})
         for (key, values), number in zip(sweep.items(), chosen, strict=True):
             place: Location = ("sweep", key, number)
-            words.append(_called(key, values[number]))
+            words.append(_value_name(key, values[number]))
             nested, location = _nested(key, values[number])
             line = lines.of(place)
             settings = _Settings(nested, {} if line is None else {location: line}).over(settings)
         yield tuple(words), settings
 
 
-def _called(key: str, value: Any) -> str:
+def _value_name(key: str, value: Any) -> str:
     short = key.rpartition(".")[2]
     return str(value) if short in _CHOICES else f"{short}={value}"
 
 
 def _sections(given: Mapping[str, Any], path: Path, place: Location, lines: Lines) -> _Settings:
-    """Settings with dotted keys taken apart."""
+    """Nest settings that are given with dotted keys."""
     settings = _Settings({}, {})
     for key, value in given.items():
         nested, location = _nested(str(key), value)
@@ -116,7 +128,7 @@ def _nested(key: str, value: Any) -> tuple[dict[str, Any], tuple[str, ...]]:
 
 
 def _leaves(value: Any, location: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    """Where the values stand that are no sections."""
+    """Yield the locations of the values that are no sections."""
     if isinstance(value, dict) and value:
         for key, inner in value.items():
             yield from _leaves(inner, (*location, str(key)))
@@ -125,7 +137,7 @@ def _leaves(value: Any, location: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
 
 
 def _ends_at(values: Any, location: tuple[str, ...]) -> bool:
-    """Whether a value that is no section, or all of one, stands there."""
+    """Check if a value that is no section, or a whole section, is at that location."""
     for part in location:
         if not isinstance(values, dict) or part not in values:
             return False

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
-from pdr_est.evaluate.paired_comparison import ROUNDING, Paired
+from pdr_est.evaluate.paired_comparison import ROUNDING, PairedComparison
 from pdr_est.evaluate.statistics import Average
 from pdr_est.report.walk.page import NO_VALUE, number, percent
 from pdr_est.types.outcome import TrackOutcome
@@ -92,7 +92,7 @@ def _groups_aside(
     return Table(f"Means by {key}", headings, tuple(rows), texts=2, note=f"Number of tracks: {tracks}.")
 
 
-def pairs(found: Iterable[Paired], note: str = "") -> Table:
+def pairs(found: Iterable[PairedComparison], note: str = "") -> Table:
     """The comparisons of two variants each. note: more to say below it."""
     rows = tuple(
         (
