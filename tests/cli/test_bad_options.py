@@ -161,7 +161,7 @@ HEAD = "time_s,x_m,y_m"
             r": needs the columns x_m and y_m, or latitude_deg and longitude_deg; it has time_s, x, y",
         ),
         (["1 0 0"], r": no header line such as time_s,x_m,y_m: add one"),
-        ([HEAD, "1718030737,0,0"], r": time_s is Unix time, but that of walk is unknown: give seconds on its own clock, "),
+        ([HEAD, "1718030737,0,0"], r": time_s is Unix time, but that of walk is unknown: give seconds on its own clo"),
         (
             [HEAD, "1718030737000,0,0"],
             r": time_s = 1\.71803e\+12 is not a time in seconds: convert milliseconds to seconds",
@@ -230,7 +230,7 @@ def test_fixes_by_latitude_and_longitude(export_zip: Path, tmp_path: Path, outs:
     for row, place in (("1,11,48", "latitude 11, longitude 48"), ("1,148,11", "latitude 148, longitude 11")):
         line = smooth_refused(export_zip, outs, "--fixes", save(tmp_path / "fixes.csv", [head, row]))
         assert re.search(
-            rf"line 2: {place} lies far from the recording at 48\.0000, 11\.0000: check whether they are swapped", line
+            rf"line 2: {place} lies far from the recording at 48\.0000, 11\.0000: check whether they are swap", line
         )
     line = smooth_refused(export_zip, outs, "--fixes", save(tmp_path / "fixes.csv", [head, "1,48,inf"]))
     assert "line 2: time or position is not a finite number" in line
