@@ -161,7 +161,7 @@ HEAD = "time_s,x_m,y_m"
             r": needs the columns x_m and y_m, or latitude_deg and longitude_deg; it has time_s, x, y",
         ),
         (["1 0 0"], r": no header line such as time_s,x_m,y_m: add one"),
-        ([HEAD, "1718030737,0,0"], r": time_s is Unix time, but that of walk is unknown: give seconds on its own clo"),
+        ([HEAD, "1718030737,0,0"], r": time_s is Unix time, but that of walk is unknown: give seconds on its own cl"),
         (
             [HEAD, "1718030737000,0,0"],
             r": time_s = 1\.71803e\+12 is not a time in seconds: convert milliseconds to seconds",

@@ -157,7 +157,7 @@ def test_live_messages_and_a_damaged_line(walk: Walk) -> None:
     lines.insert(3, '{"messageId": 3, "payload')
     result = live("\n".join(lines), "--platform", "android")
     assert result.exit_code == 0
-    assert result.stderr.startswith("warning: line 4: no JSON: damaged or cut off at character 26 of 26: left out")
+    assert result.stderr.startswith("warning: line 4: not JSON: damaged or cut off at character 26 of 26: left out")
     assert result.stderr.count("\n") == 1
     rows = documents(result.stdout)
     assert len(rows) > 10

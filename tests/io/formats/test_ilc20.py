@@ -1,4 +1,4 @@
-"""ILC20 logs: values, clock, waypoints, glued rows, fallbacks and bad rows."""
+"""ILC20 logs: values, clock, waypoints, joined rows, fallbacks and bad rows."""
 
 import time
 from pathlib import Path
@@ -89,8 +89,8 @@ def test_without_a_usable_start_time_the_first_sample_is_zero(tmp_path: Path) ->
 def test_joined_rows_are_split_and_counted(tmp_path: Path) -> None:
     lines = walk().split("\n")
     at = next(i for i, line in enumerate(lines) if "TYPE_ACCELEROMETER" in line)
-    glued = "\n".join([*lines[: at + 1], lines[at + 1] + lines[at + 2] + lines[at + 3], *lines[at + 4 :]])
-    device, whole = read_text(tmp_path, glued).devices[0], read_text(tmp_path, walk()).devices[0]
+    joined = "\n".join([*lines[: at + 1], lines[at + 1] + lines[at + 2] + lines[at + 3], *lines[at + 4 :]])
+    device, whole = read_text(tmp_path, joined).devices[0], read_text(tmp_path, walk()).devices[0]
     assert device.warnings == ("2 rows were joined to the end of another row and have been split off",)
     for name in ("rotation_rate", "magnetic_field", "attitude"):
         np.testing.assert_array_equal(getattr(device, name).values, getattr(whole, name).values)

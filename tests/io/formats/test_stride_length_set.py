@@ -13,7 +13,7 @@ from pdr_est.io.formats.stride_length import sniff
 from pdr_est.io.text.container import Source
 
 START_MS = 1_540_481_684_988
-BOUNDS = "which is not above 0 and at most 10 m"
+BOUNDS = "is not above 0 and at most 10 m"
 SENSORS = "-0.25 0.5 9.75 0.1 -0.2 0.3 -22.5 -1.75 -30.125"
 
 
@@ -74,9 +74,9 @@ def test_somebody_who_stands_has_no_strides(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("strides", "message"),
     [
-        ([(0, 0.0), (1, 1.2), (2, 0.0)], f"line 21: the stride length 0 m, {BOUNDS}; restore the file"),
-        ([(0, 0.0), (1, 1.2), (2, 1.4e9)], f"line 21: the stride length 1.4e+09 m, {BOUNDS}; restore the file"),
-        ([(0, 0.0), (1, 1.2), (2, 10.1)], f"line 21: the stride length 10.1 m, {BOUNDS}; restore the file"),
+        ([(0, 0.0), (1, 1.2), (2, 0.0)], f"line 21: the stride length 0 m {BOUNDS}; restore the file"),
+        ([(0, 0.0), (1, 1.2), (2, 1.4e9)], f"line 21: the stride length 1.4e+09 m {BOUNDS}; restore the file"),
+        ([(0, 0.0), (1, 1.2), (2, 10.1)], f"line 21: the stride length 10.1 m {BOUNDS}; restore the file"),
         ([(0, 0.0), (2, 1.2), (1, 1.2)], "line 21: stride number 1 after 2; restore the file"),
     ],
 )
