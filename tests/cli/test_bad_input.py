@@ -85,7 +85,7 @@ def test_truncated_gzip(keep: int, tmp_path: Path, outs: Path, lines: list[str])
 
 def test_an_unknown_format_lists_the_known_ones(tmp_path: Path, outs: Path) -> None:
     walk = save(tmp_path / "walk.txt", ["hello", "world"])
-    line = both_refuse(walk, outs, r"unknown format; known formats are .*; see docs/recorder-formats\.md for the layouts")
+    line = both_refuse(walk, outs, r"unknown format; known formats are .*; see docs/recorder-formats\.md for")
     assert all(known.NAME in line for known in FORMATS)
 
 

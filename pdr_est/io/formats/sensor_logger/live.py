@@ -210,7 +210,7 @@ class _Phone:
         notes = self._decide_sign(force) if self._sign is None else ()
         self._user = Signal(self._user.time_s[~ready], self._user.values[~ready])
         self._gravity = _from_time(self._gravity, float(force.time_s.max()) - _SIGN_DECISION_S)
-        self._attitude = _empty(4)  # it has told all that it can
+        self._attitude = _empty(4)  # it is not needed any more
         sign = 1.0 if self._sign is None else self._sign
         block = SensorBlock(Channel.SPECIFIC_FORCE, force.time_s, sign * force.values)
         return LiveUpdate(blocks=((self._name, block),), notes=notes)
