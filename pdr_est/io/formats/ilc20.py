@@ -11,8 +11,8 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import finite_signal
 from pdr_est.io.text.tagged_lines import TaggedLog
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal

@@ -11,8 +11,9 @@ import numpy as np
 from pdr_est.frames import quaternion_from_core_motion
 from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch_warnings
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal, finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal, finite_signal_or_none, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import TrueStrides, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 

@@ -16,8 +16,9 @@ from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.formats.phyphox.metadata import ExperimentClock, read_device_properties, read_experiment_clock
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import detect_dialect
+from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal_or_none, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "phyphox"

@@ -21,8 +21,9 @@ from pdr_est.io.formats.plain_csv.clock import TimeColumn, is_date_with_time, re
 from pdr_est.io.formats.plain_csv.header import Quantity, QuantityColumns, parse_header
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import CsvDialect, detect_dialect
+from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal_or_none, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 

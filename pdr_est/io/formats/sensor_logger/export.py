@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.members import member_stem
-from pdr_est.io.text.number_table import NumberTable, discard_huge_values, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 
 CLOCK_COLUMNS = ("time", "seconds_elapsed")
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')

@@ -1,42 +1,29 @@
-"""Read the messages that Sensor Logger pushes over HTTP while it records: one JSON object each.
+"""Combine the messages that Sensor Logger pushes over HTTP while it records to samples, fixes and notes.
 
 The messages carry no metadata. The sign of the acceleration, which is opposite on iPhones, follows from the platform
 if that is given, from the phone's own attitude if it is sent, or else from gravity, for a phone whose screen faces
 up. Specific force is accelerometer plus gravity, each sample with gravity interpolated to its time.
 """
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 
-from pdr_est.errors import RecordingError
 from pdr_est.io.conversion import signs
 from pdr_est.io.conversion.gnss import gnss_fixes
+from pdr_est.io.formats.sensor_logger.live_messages import LiveMessage, parse_live_message
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Signal
 from pdr_est.types.sensors import Channel, SensorBlock
 
 Platform = Literal["ios", "android"]
-_T = TypeVar("_T", int, float)
 
-_XYZ = ("x", "y", "z")
-_FIELDS: Mapping[str, tuple[str, ...]] = {
-    "accelerometer": _XYZ,
-    "gravity": _XYZ,
-    "totalacceleration": _XYZ,
-    "gyroscope": _XYZ,
-    "magnetometer": _XYZ,
-    "orientation": ("qw", "qx", "qy", "qz"),
-    "location": ("latitude", "longitude", "horizontalAccuracy"),
-}
 _SIGN_DECISION_S = 2.0  # of acceleration and gravity, until the sign is decided
 _LONGEST_WAIT_S = 60.0  # of acceleration for its gravity
 _MAX_WAITING = 8  # messages that came early wait for a missing one, which is then given up
 _NS = 1_000_000_000
-_LATEST_NS = 4_000_000_000 * _NS
 
 
 @dataclass(frozen=True)
@@ -83,10 +70,10 @@ class LiveReader:
         RecordingError
             When the line is not a message of Sensor Logger; nothing of it is taken then.
         """
-        message = _parse_message(line)
-        name = message["device"]
-        if self._zero_ns is None and message["rows"]:
-            self._zero_ns = min(time_ns for rows in message["rows"].values() for time_ns, _ in rows)
+        message = parse_live_message(line)
+        name = message.device
+        if self._zero_ns is None and message.rows:
+            self._zero_ns = min(time_ns for rows in message.rows.values() for time_ns, _ in rows)
         if name not in self._phones:
             self._phones[name] = _Phone(name, self._platform, self._map)
         self._phones[name].zero_ns = self._zero_ns or 0
@@ -125,19 +112,19 @@ class _Phone:
         self._name, self._platform, self._map = name, platform, common
         self.zero_ns = 0
         self._session, self._next_id = "", 0
-        self._waiting: dict[int, dict[str, Any]] = {}
+        self._waiting: dict[int, LiveMessage] = {}
         self._sign: float | None = None
         self._user, self._gravity, self._attitude = _empty(3), _empty(3), _empty(4)
         self._total = False
         self._warned = False  # that acceleration is left out
 
-    def push(self, message: dict[str, Any]) -> LiveUpdate:
-        number = message["id"]
+    def push(self, message: LiveMessage) -> LiveUpdate:
+        number = message.number
         if number is None:
             return self._read(message)
-        if message["session"] != self._session:
+        if message.session != self._session:
             update = self._read_in_order(give_up=True)
-            self._session, self._next_id = message["session"], number
+            self._session, self._next_id = message.session, number
             return _join([update, self.push(message)])
         if number < self._next_id:
             return LiveUpdate(notes=(f"{self._name}: message {number} came after later ones and is left out",))
@@ -162,8 +149,8 @@ class _Phone:
             self._next_id = number + 1
         return _join(updates)
 
-    def _read(self, message: dict[str, Any]) -> LiveUpdate:
-        signals = {sensor: self._signal(rows) for sensor, rows in message["rows"].items()}
+    def _read(self, message: LiveMessage) -> LiveUpdate:
+        signals = {sensor: self._signal(rows) for sensor, rows in message.rows.items()}
         blocks: list[tuple[str, SensorBlock]] = []
         for sensor, channel in (("magnetometer", Channel.MAGNETIC_FIELD), ("gyroscope", Channel.ROTATION_RATE)):
             if sensor in signals:
@@ -225,59 +212,6 @@ class _Phone:
         conversion = signs.detect_force_sign(force, attitude, -1.0 if up < 0.0 else 1.0, reason)
         self._sign = conversion.factor
         return (f"{self._name}: {conversion.decision}; use --platform if that is wrong", *conversion.warnings)
-
-
-def _parse_message(line: str) -> dict[str, Any]:
-    """Parse device, session, id and rows (sensor -> times ns and values) of a message."""
-    try:
-        message = json.loads(line)
-    except json.JSONDecodeError as error:
-        raise RecordingError(f"not JSON: damaged or cut off at character {error.pos + 1} of {len(line)}") from error
-    except (ValueError, RecursionError) as error:
-        raise RecordingError(
-            "the JSON cannot be read: a number is too long, or lists are nested too deeply"
-        ) from error
-    if not isinstance(message, dict) or not isinstance(message.get("payload"), list):
-        raise RecordingError("not a message of Sensor Logger: the list payload is missing")
-    rows: dict[str, list[tuple[int, list[float]]]] = {}
-    for number, reading in enumerate(message["payload"], start=1):
-        sensor, time_ns, values = _parse_reading(number, reading)
-        if values is not None:
-            rows.setdefault(sensor, []).append((time_ns, values))
-    identity = message.get("messageId")
-    return {
-        "device": str(message.get("deviceId") or "device"),
-        "session": str(message.get("sessionId") or ""),
-        "id": identity if isinstance(identity, int) and not isinstance(identity, bool) else None,
-        "rows": rows,
-    }
-
-
-def _parse_reading(number: int, reading: Any) -> tuple[str, int, list[float] | None]:
-    """Parse sensor, time and values of a reading; the values are None for a sensor that is not used."""
-    place = f"reading {number} of the payload"
-    if not isinstance(reading, dict):
-        raise RecordingError(f"{place} is damaged: it is not an object with name, time and values")
-    missing = [name for name in ("name", "time", "values") if name not in reading]
-    if missing:
-        raise RecordingError(f"{place} is damaged: {missing[0]} is missing")
-    sensor, values = str(reading["name"]), reading["values"]
-    time_ns = _number(f"{place} ({sensor}): time", reading["time"], int)
-    if not 0 <= time_ns < _LATEST_NS:
-        raise RecordingError(f"{place} ({sensor}) is damaged: time {time_ns} is not a Unix time in ns")
-    if sensor not in _FIELDS:
-        return sensor, time_ns, None
-    lacking = [name for name in _FIELDS[sensor] if not isinstance(values, dict) or name not in values]
-    if lacking:
-        raise RecordingError(f"{place} ({sensor}) is damaged: the value {lacking[0]} is missing")
-    return sensor, time_ns, [_number(f"{place} ({sensor}): {name}", values[name], float) for name in _FIELDS[sensor]]
-
-
-def _number(place: str, value: Any, kind: Callable[[Any], _T]) -> _T:
-    try:
-        return kind(value)
-    except (TypeError, ValueError, OverflowError):
-        raise RecordingError(f"{place} is damaged: {value!r} is not a number") from None
 
 
 def _join(updates: Sequence[LiveUpdate]) -> LiveUpdate:

@@ -22,8 +22,8 @@ from pdr_est.io.formats.sensor_logger.export import (
     looks_like_sensor,
 )
 from pdr_est.io.text.container import Source, SourceKind
+from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, require_single_walk
-from pdr_est.io.text.number_table import finite_signal_or_none
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "Sensor Logger"
