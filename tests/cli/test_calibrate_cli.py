@@ -115,7 +115,7 @@ def test_fixes_give_the_scale_that_smoothing_with_them_finds(walk: Walk, good: P
         (("--fixes", "a.csv", "--fixes", "b.csv"), "--fixes is given 2 times for 1 recording"),
         (("--distance", 0), "walk.csv: a distance of 0 m: give the length of the way in metres"),
         (("--distance", 1200), "walk.csv: .* m by its steps and 1200 m as given, a scale of .* give metres"),
-        (("--fixes", "recording"), "walk.csv: .* holds no position fixes"),
+        (("--fixes", "recording"), "walk.csv: .* has no position fixes"),
         (("--distance", "12 m"), "'12 m' is not a valid float"),
         (("--distance", 12, "--height", 175), "--height: walker.height_m = 175.0: .* metres"),
     ],

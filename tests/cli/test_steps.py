@@ -133,7 +133,7 @@ def test_what_the_reader_and_the_gyroscope_leave_open_is_a_warning(walk: Walk, t
     result = run("steps", save(tmp_path / "walk.csv", lines))
     assert result.exit_code == 0
     assert "1 of" in result.stderr
-    assert "rows are left out because they contain NaN" in result.stderr
+    assert "rows are left out: NaN" in result.stderr
     assert "the gyroscope covers only" in result.stderr
 
 
@@ -148,7 +148,7 @@ def test_a_table_of_steps_replaces_nothing_unasked_and_never_an_input(
     assert "exists already: allow overwriting (--overwrite)" in refused("steps", recording, "-o", table)
     for target in (recording, config, tmp_path / "hard.csv"):
         line = refused("steps", recording, "--config", config, "-o", target, "--overwrite")
-        assert re.search(r"is the input .* or lies inside it: name a file elsewhere", line)
+        assert re.search(r"is the input .* or lies inside it: choose a file elsewhere", line)
     assert (table.read_text(), config.read_text()) == ("mine", "{}")
     assert recording.read_text().splitlines() == lines
     assert run("steps", good, "-o", table, "--overwrite").exit_code == 0

@@ -153,7 +153,7 @@ def test_live_messages_and_a_damaged_line(walk: Walk) -> None:
     result = live("\n".join(lines), "--platform", "android")
     assert result.exit_code == 0
     assert result.stderr.startswith(
-        "warning: line 4: no JSON: damaged or cut off at character 26 of 26: line ignored"
+        "warning: line 4: not JSON: damaged or cut off at character 26 of 26: line ignored"
     )
     assert result.stderr.count("\n") == 1
     rows = documents(result.stdout)
