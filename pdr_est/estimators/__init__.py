@@ -8,8 +8,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.kalman import multi_device as joint_ekf
-from pdr_est.estimators.kalman import single_device as ekf
+from pdr_est.estimators.kalman import ekf
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, PositionFix, StartPose
 from pdr_est.types.track import Track, concatenate
@@ -54,9 +53,7 @@ def estimate_walk(
         case "map-general":
             return estimate_general(timelines, tethers, start, sigma_length_scale, map_fusion)
         case "ekf":
-            if len(timelines) == 1:
-                return ekf.estimate(timelines[0], start, sigma_length_scale)
-            return joint_ekf.estimate(timelines, tethers, start, sigma_length_scale)
+            return ekf.estimate(timelines, tethers, start, sigma_length_scale)
         case "factor-graph":
             from pdr_est.estimators.factor_graph import smoother as factor_graph
 

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 import gtsam
 import numpy as np
 
+from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.motion_model import STATES, GaussianState
-from pdr_est.estimators.common.tethers import NodeTether, node_tethers_between, starts_of
+from pdr_est.estimators.common.tethers import NodeTether, node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.factor_graph import smoother as factor_graph
 from pdr_est.estimators.factor_graph.deep_stack import with_large_stack

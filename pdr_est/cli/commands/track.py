@@ -20,7 +20,7 @@ from pdr_est.errors import OutputError, PdrError, RecordingError
 from pdr_est.io import read
 from pdr_est.io.formats.sensor_logger.live import LiveNews, LiveReader, Platform
 from pdr_est.online import Tracker, Update
-from pdr_est.online.recording_stream import expected, moments
+from pdr_est.online.recording_stream import expected_devices, stream_slices
 from pdr_est.preprocessing.merge import together
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -94,9 +94,9 @@ def _replay(
     recorded: Recording, fixes: Sequence[PositionFix], config: Config, realtime: bool, stream: TextIO
 ) -> None:
     devices = recorded.devices
-    tracker = Tracker(config, expected(devices, recorded.name, config))
+    tracker = Tracker(config, expected_devices(devices, recorded.name, config))
     begun_s: float | None = None
-    for moment in moments(devices, fixes):
+    for moment in stream_slices(devices, fixes):
         if realtime:
             begun_s = time.monotonic() - moment.time_s if begun_s is None else begun_s
             time.sleep(max(moment.time_s + begun_s - time.monotonic(), 0.0))
