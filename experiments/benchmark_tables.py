@@ -1,5 +1,6 @@
-"""Runs the benchmark suites with all estimators, detectors, length models or headings; writes experiments/results/
-and the table of the README and of docs/accuracy.md.
+"""Run the benchmark suites with all estimators, detectors, length models or headings.
+
+Writes experiments/results/ and the table of the README and of docs/accuracy.md.
 
     python experiments/benchmark_tables.py --data DIR [--jobs 2] [--suite NAME ...]
 

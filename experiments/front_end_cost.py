@@ -1,4 +1,4 @@
-"""What recognising the carrying mode and detecting steps cost, on a simulated walk with changing modes.
+"""CPU time of mode recognition and step detection on a simulated walk with changing modes.
 
 Microseconds of this thread's CPU time a sample in long blocks, and a push at one sample a push, the best of some
 repetitions. Run alone on the machine; the numbers are its own.
@@ -26,7 +26,7 @@ REPETITIONS = 4
 
 
 def level_samples(config: Config) -> LevelBlock:
-    """The samples of a walk with their modes not yet recognised."""
+    """Simulate the leveled samples of a walk whose modes are not recognised yet."""
     walk = simulate_walk(mmpdr_mode_walks(3, 0)[1])
     device = walk.recording.devices[0]
     _, to_level = levelling(device, "simulated", replace(config, mode=ModeParams(method="fixed")))
@@ -35,7 +35,7 @@ def level_samples(config: Config) -> LevelBlock:
 
 
 def push_times_us(config: Config, blocks: Sequence[LevelBlock]) -> Array:
-    """How long each push takes at best, (n,)."""
+    """Measure the shortest time of each push, (n,), microseconds."""
     rate_hz = config.resample.rate_hz
     times_ns = np.empty((REPETITIONS, len(blocks)))
     for row in times_ns:
@@ -49,10 +49,12 @@ def push_times_us(config: Config, blocks: Sequence[LevelBlock]) -> Array:
 
 
 def cut(samples: LevelBlock, count: int) -> list[LevelBlock]:
+    """Cut samples into blocks of `count`."""
     return [part(samples, i, min(i + count, len(samples))) for i in range(0, len(samples), count)]
 
 
 def main() -> None:
+    """Measure, and write results/front_end_cost.txt."""
     config = Config()
     samples = level_samples(config)
     lines = [f"mode and step detection of {len(samples)} samples at {config.resample.rate_hz:g} Hz", ""]

@@ -1,4 +1,4 @@
-"""How soon a change between walking and a faster gait is seen, on people left out.
+"""Delay in recognising a change between walking and a faster gait, on people outside of the training data.
 
     python experiments/gait_changes.py --data DIR
 
@@ -7,13 +7,12 @@ are joined: some of one gait, then some of the other. Nothing leads up to such a
 results/gait_changes.txt and the table of experiments/README.md.
 """
 
-import argparse
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from recorded import write_table
+from recorded import command_line, markdown_table, write_table
 
 from pdr_est import pipeline
 from pdr_est.config import Config
@@ -31,7 +30,7 @@ PLACES = {"motionsense": "pocket", "sisfall": "belt"}
 
 @dataclass(frozen=True)
 class Walk:
-    """The steps of one recording."""
+    """Steps of one recording."""
 
     person: str
     data_set: str
@@ -40,25 +39,23 @@ class Walk:
 
     @property
     def faster(self) -> bool:
+        """True for jogging and running."""
         return self.gait is not Gait.WALKING
 
 
 def main() -> None:
-    """Join the walks, classify, and write how many changes were seen at which step."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True)
-    seen = seen_at(list(walks_of(parser.parse_args().data)))
+    """Join the walks, classify, and write how many changes were recognised at which step."""
+    seen = seen_at(list(walks_of(command_line(__doc__, {"--data": Path}).data)))
     rows = [row(f"{PLACES[place]}, {change}", steps) for (place, change), steps in sorted(seen.items())]
     rows.append(row("all", [step for steps in seen.values() for step in steps]))
     head = ("change", "joins", "1st step", "2nd", "3rd", "later")
     RESULT.write_text("\n".join("".join(f"{cell:>28}" for cell in cells) for cells in (head, *rows)) + "\n", "utf-8")
-    table = "\n".join(f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows))
-    write_table(MARK, table)
+    write_table(MARK, markdown_table(head, rows))
     print(RESULT.read_text(encoding="utf-8"), end="")
 
 
 def walks_of(data: Path) -> Iterator[Walk]:
-    """The walks of both data sets, with default settings and no gaits yet."""
+    """Read the walks of both data sets, with default settings and without gaits."""
     config = replace(Config(), gait=GaitParams(method="none"))
     for file in labelled_files(data):
         if file.data_set in PLACES:
@@ -68,7 +65,7 @@ def walks_of(data: Path) -> Iterator[Walk]:
 
 
 def seen_at(walks: Sequence[Walk]) -> dict[tuple[str, str], list[int]]:
-    """Number of the first step after each change with a label on the right side, by data set and direction."""
+    """Find the number of the first right step after each change, by data set and direction."""
     folds = shipped_folds("auto")
     found: dict[tuple[str, str], list[int]] = {}
     for first, second in itertools.permutations(walks, 2):
@@ -83,7 +80,7 @@ def seen_at(walks: Sequence[Walk]) -> dict[tuple[str, str], list[int]]:
 
 
 def first_right(folds: GaitFolds, person: str, joined: Sequence[Step], faster: bool) -> int:
-    """1 for the first step after the change; one more than there are steps when none is right."""
+    """Find the number of the first right step after the change; one more than the steps if none is right."""
     model = folds.model_for(person)
     if model is None:
         raise SystemExit(f"{person}: not among the people of the shipped model; take its data")
@@ -94,7 +91,7 @@ def first_right(folds: GaitFolds, person: str, joined: Sequence[Step], faster: b
 
 
 def row(name: str, steps: Sequence[int]) -> tuple[str, ...]:
-    """A row of the table: shares in percent."""
+    """Make a row of the table: shares in percent."""
     shares = [sum(step == number for step in steps) for number in (1, 2, 3)]
     return name, str(len(steps)), *(f"{100.0 * n / len(steps):.1f} %" for n in (*shares, len(steps) - sum(shares)))
 

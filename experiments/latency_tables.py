@@ -5,15 +5,13 @@
 Writes the tables into docs/latency.md.
 """
 
-import argparse
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from recorded import write_table
+from recorded import command_line, markdown_table, write_table
 
 from pdr_est.config import Config, load_config
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
@@ -36,17 +34,17 @@ MODES: tuple[Literal["auto", "mmpdr", "fixed"], ...] = ("auto", "mmpdr", "fixed"
 
 def main() -> None:
     """Write the tables into the page."""
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    command_line(__doc__)
     write_table(MARK, latency_tables(), PAGE)
 
 
 def latency_tables() -> str:
-    """Both tables as Markdown."""
+    """Make both tables as Markdown."""
     return "\n\n".join([stage_table(), chain_table()])
 
 
 def stage_table() -> str:
-    """A row a stage with the default parameters."""
+    """Make the table of the stages with their default parameters."""
     config = Config()
     rate_hz = config.resample.rate_hz
     rows: list[tuple[str, str, Stage]] = [
@@ -64,20 +62,20 @@ def stage_table() -> str:
     whole_walk = whole_walk_stage(config.heading)
     if whole_walk is not None:
         rows.insert(-1, ("dominant directions", "", whole_walk))
-    return as_table(
+    return markdown_table(
         ("stage", "choice", "latency_s"), [(stage, choice, in_words(made.latency_s)) for stage, choice, made in rows]
     )
 
 
 def steps_of(config: Config, detector: str) -> Stage:
-    """A detector and what makes steps of its events."""
+    """Make a step detector with the segmentation that turns its events into steps."""
     chosen = next(name for name in DETECTORS if name == detector)
     found = step_detector(config.resample.rate_hz, replace(config.steps, detector=chosen))
     return StepSegmentation(found, config.steps.segmentation)
 
 
 def chain_table() -> str:
-    """A row a chain, from raw samples to odometry."""
+    """Make the table of the chains from raw samples to odometry."""
     default = Config()
     chains = {
         "the defaults": default,
@@ -89,7 +87,7 @@ def chain_table() -> str:
         to_level, to_step = levelling(phone(), "phone", config)[1], stepping(config)
         whole = Chain([to_level, to_step, Odometry("phone", config.odometry)])
         rows.append((words, in_words(to_level.latency_s), in_words(to_step.latency_s), in_words(whole.latency_s)))
-    return as_table(("chain", "to level samples", "to steps", "sum, s"), rows)
+    return markdown_table(("chain", "to level samples", "to steps", "sum, s"), rows)
 
 
 def _with_heading(config: Config) -> Config:
@@ -97,7 +95,7 @@ def _with_heading(config: Config) -> Config:
 
 
 def phone() -> DeviceRecording:
-    """A device with all sensors."""
+    """Make a recording of a device with all sensors."""
     time_s = np.arange(2.0)
     return DeviceRecording(
         specific_force=Signal(time_s, np.zeros((2, 3))),
@@ -107,13 +105,8 @@ def phone() -> DeviceRecording:
 
 
 def in_words(latency_s: float) -> str:
-    """With two digits, or that the end of the recording is waited for."""
+    """Format a latency with two digits, or as "the end" if it is the end of the recording."""
     return "the end" if math.isinf(latency_s) else f"{latency_s:.2f}"
-
-
-def as_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """As Markdown."""
-    return "\n".join(f"| {' | '.join(row)} |" for row in (titles, ["---"] * len(titles), *rows))
 
 
 if __name__ == "__main__":

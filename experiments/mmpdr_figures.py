@@ -10,7 +10,6 @@ error at every metre of the path in each single mode, mean over the walkers, and
 Writes experiments/results/mmpdr_figure10.png, mmpdr_figure11.png, mmpdr_figure13.png, mmpdr_figures.json and .txt.
 """
 
-import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -20,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from mmpdr_table10 import CHAINS, errors_of, reckoned
 from mmpdr_walks import HOLDING, POCKET, ROWS, SWING, WALKERS
-from recorded import RESULTS, write
+from recorded import RESULTS, command_line, write
 
 from pdr_est.frames import Array
 from pdr_est.simulate import SimulatedWalk
@@ -36,7 +35,7 @@ PAPER_STRAIGHT_M, PAPER_MOST_M = 0.6, 2.5  # of figure 11, which is a curve with
 
 @dataclass(frozen=True)
 class Panel:
-    """A path of figure 10 or 13: its title, the walk, and the track by each chain."""
+    """Path of figure 10 or 13: its title, the walk, and the track of each chain."""
 
     title: str
     walk: SimulatedWalk
@@ -45,9 +44,7 @@ class Panel:
 
 def main() -> None:
     """Simulate, draw and write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(WALKERS)))
-    seeds = parser.parse_args().seeds
+    seeds = command_line(__doc__, {"--seeds": list(range(WALKERS))}).seeds
     figures = {
         "mmpdr_figure10": paths_figure(single_mode_panels(seeds[0])),
         "mmpdr_figure13": paths_figure(changing_panels(seeds[:5])),
@@ -60,25 +57,25 @@ def main() -> None:
 
 
 def single_mode_panels(seed: int) -> list[Panel]:
-    """Figure 10: one walker in each mode."""
+    """Simulate figure 10: one walker in each mode."""
     walks = [(row.words, row.walks([seed])[0]) for row in SINGLE]
     return [panel(f"({letter}) {words}", walk) for letter, (words, walk) in zip("abc", walks, strict=True)]
 
 
 def changing_panels(seeds: Sequence[int]) -> list[Panel]:
-    """Figure 13: some walkers in all modes, and the last of them in two."""
+    """Simulate figure 13: some walkers in all modes, and the last of them in two."""
     walks = [(f"walker {number}, all modes", walk) for number, walk in enumerate(ALL_MODES.walks(seeds), 1)]
     walks += [(f"walker {len(seeds)}, two modes", TWO_MODES.walks(seeds[-1:])[0])]
     return [panel(f"({'abcdef'[number]}) {words}", walk) for number, (words, walk) in enumerate(walks)]
 
 
 def panel(title: str, walk: SimulatedWalk) -> Panel:
-    """A walk by each chain that is shown."""
+    """Estimate a walk with each chain that is shown."""
     return Panel(title, walk, {name: reckoned(walk, CHAINS[name]).track for name in SHOWN})
 
 
 def mean_errors(seeds: Sequence[int]) -> dict[str, dict[str, Array]]:
-    """Position error in m at every metre, mean over walkers, by chain and kind of walk; "mean" is of the modes."""
+    """Average the position error, m, at every metre over walkers, by chain and kind of walk; "mean" is over modes."""
     curves: dict[str, dict[str, Array]] = {name: {} for name in SHOWN}
     for row in SINGLE:
         walks = row.walks(seeds)
@@ -93,7 +90,7 @@ def mean_errors(seeds: Sequence[int]) -> dict[str, dict[str, Array]]:
 
 
 def numbers(error_m: Array) -> dict[str, float]:
-    """What the paper says of its curve: the most on the first straight, and of all."""
+    """Return the maxima that the paper states: on the first straight segment, and in all."""
     return {
         "straight_most_m": round(float(error_m[:STRAIGHT_M].max()), 2),
         "most_m": round(float(error_m.max()), 2),
@@ -102,7 +99,7 @@ def numbers(error_m: Array) -> dict[str, float]:
 
 
 def as_document(curves: Mapping[str, Mapping[str, Array]], seeds: Sequence[int]) -> dict[str, object]:
-    """The numbers of the text, and the curves."""
+    """Make the document with the numbers of the text and the curves."""
     return {
         "seeds": list(seeds),
         "paper": {"straight_most_m": PAPER_STRAIGHT_M, "most_m": PAPER_MOST_M},
@@ -114,7 +111,7 @@ def as_document(curves: Mapping[str, Mapping[str, Array]], seeds: Sequence[int])
 
 
 def as_text(curves: Mapping[str, Mapping[str, Array]], seeds: Sequence[int]) -> str:
-    """A line a chain and kind of walk."""
+    """Format a line for each chain and kind of walk."""
     lines = [
         f"MMPDR Fig. 11: position error along the path of 96 m, m, mean over {len(seeds)} walkers",
         "",
@@ -128,7 +125,7 @@ def as_text(curves: Mapping[str, Mapping[str, Array]], seeds: Sequence[int]) -> 
 
 
 def paths_figure(panels: Sequence[Panel]) -> Figure:
-    """Three panels side by side, each chain below the other, on the true path; all to one scale."""
+    """Draw three panels side by side, one row for each chain, with the true path, all to one scale."""
     rows = 2 * -(-len(panels) // 3)
     figure = Figure(figsize=(15.0, 3.2 * rows + 0.5), layout="constrained")
     axes = figure.subplots(rows, 3, squeeze=False, sharex=True, sharey=True)
@@ -143,7 +140,7 @@ def paths_figure(panels: Sequence[Panel]) -> Figure:
 
 
 def draw_path(axes: Axes, one: Panel, chain: str) -> None:
-    """The true path, and the track of one chain in the colours of the modes."""
+    """Draw the true path, and the track of one chain in the colours of the modes."""
     track = one.tracks[chain]
     axes.plot(*one.walk.truth_position_m.T, "--", color="0.3", linewidth=1.0)
     for mode in sorted(set(track.mode.tolist())):
@@ -156,7 +153,7 @@ def draw_path(axes: Axes, one: Panel, chain: str) -> None:
 
 
 def errors_figure(curves: Mapping[str, Mapping[str, Array]]) -> Figure:
-    """Figure 11: a panel a chain."""
+    """Draw figure 11, with a panel for each chain."""
     figure = Figure(figsize=(12.0, 4.2), layout="constrained")
     colours = dict(zip((row.words for row in SINGLE), COLOURS.values(), strict=True))
     for axes, (chain, by_row) in zip(figure.subplots(1, len(curves)), curves.items(), strict=True):

@@ -68,7 +68,7 @@ PAPER_OFFSETS_DEG = {
 
 @dataclass(frozen=True)
 class Errors:
-    """One walk by one chain. heading_deg: (steps,) absolute; position_m: (metres,); offsets: that were trained."""
+    """Errors of one walk with one chain: of headings (steps,), of positions at each metre, and trained offsets."""
 
     heading_deg: Array
     position_m: Array
@@ -80,13 +80,13 @@ Table = Mapping[str, dict[str, list[Errors]]]
 
 
 def measured(row: Row, seeds: Sequence[int]) -> dict[str, list[Errors]]:
-    """The errors of the walkers of all seeds, by chain."""
+    """Measure the errors of the walkers of all seeds, by chain."""
     walks = row.walks(seeds)
     return {name: [errors_of(walk, config) for walk in walks] for name, config in CHAINS.items()}
 
 
 def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
-    """What one chain makes of a walk."""
+    """Measure the errors of one chain on a walk."""
     smoothed = reckoned(walk, config)
     track, steps = smoothed.track, smoothed.devices[0].steps
     middle_s = np.array([0.5 * (step.start_s + step.event.time_s) for step in steps])
@@ -103,18 +103,18 @@ def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
 
 
 def reckoned(walk: SimulatedWalk, config: Config) -> SmoothedWalk:
-    """A walk by one chain, from the known start."""
+    """Estimate a walk with one chain, from the known start."""
     return smooth(walk.recording, replace(config, start=start_of(walk)))
 
 
 def start_of(walk: SimulatedWalk) -> StartParams:
-    """Where the walk begins and in which direction, which the paper's walkers know."""
+    """Return the start position and heading of the walk, which the walkers of the paper know."""
     x_m, y_m = walk.truth_position_m[0].tolist()
     return StartParams(x_m=x_m, y_m=y_m, heading_rad=float(wrap_angle(walk.truth_heading_rad[0])))
 
 
 def trained(steps: Sequence[Step]) -> tuple[TrainedOffset, ...]:
-    """The offsets that MMPDR trains on the steps of a walk."""
+    """Compute the offsets that MMPDR trains on the steps of a walk."""
     heading = MmpdrHeading(MmpdrHeadingParams())
     for step in steps:
         heading.push(step)
@@ -123,8 +123,11 @@ def trained(steps: Sequence[Step]) -> tuple[TrainedOffset, ...]:
 
 
 def of_row(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
-    """Median over walks of the largest and the median heading error, deg; their 95th percentile over all steps; mean
-    position error, m."""
+    """Summarise a row.
+
+    The results are the medians over walks of the largest and of the median heading error, deg, the 95th percentile
+    over all steps, and the mean position error, m.
+    """
     return (
         float(np.median([walk.heading_deg.max() for walk in walks])),
         float(np.median([np.median(walk.heading_deg) for walk in walks])),
@@ -134,7 +137,7 @@ def of_row(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
 
 
 def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
-    """Median, mean and 95th percentile of the heading error over all steps, deg; position accuracy, percent."""
+    """Compute median, mean and 95th percentile of the heading error, deg, and the position accuracy, percent."""
     heading_deg = np.concatenate([walk.heading_deg for walk in walks])
     accuracy = 100.0 * (1.0 - np.mean([walk.position_m.mean() / walk.length_m for walk in walks]))
     return (
@@ -146,12 +149,12 @@ def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
 
 
 def offsets_deg(walks: Sequence[Errors], mode: CarryingMode) -> list[float]:
-    """The offsets that were trained for a mode, deg, walk after walk."""
+    """Return the offsets that were trained for a mode, deg, walk after walk."""
     return [float(np.degrees(offset.offset_rad)) for walk in walks for offset in walk.offsets if offset.mode is mode]
 
 
 def as_document(table: Table, seeds: Sequence[int]) -> dict[str, object]:
-    """The numbers of the text."""
+    """Make the document with the numbers of the text."""
     words = ("heading_max_deg", "heading_median_deg", "heading_p95_deg", "position_m")
     return {
         "seeds": list(seeds),
@@ -170,7 +173,7 @@ def as_document(table: Table, seeds: Sequence[int]) -> dict[str, object]:
 
 
 def as_text(table: Table, seeds: Sequence[int]) -> str:
-    """A line a kind of walk and chain with the paper's numbers before it, then Table X and the offsets."""
+    """Format a line for each kind of walk and chain after the numbers of the paper, then Table X and the offsets."""
     head = f"{'max':>8}{'median':>8}{'95 %':>8}{'pos. m':>8}"
     lines = [f"MMPDR Tables VIII to X, heading errors in degrees; {len(seeds)} walkers a row", "", f"{'':34}{head}"]
     for row in ROWS:

@@ -1,4 +1,4 @@
-"""Table VI of MMPDR (Tian et al. 2016) on simulated walks: how well the carrying mode is recognised.
+"""Table VI of MMPDR (Tian et al. 2016) on simulated walks: recognition of the carrying mode.
 
     python experiments/mmpdr_table6.py [--people 17] [--seeds 0 1 2]
 
@@ -17,14 +17,13 @@
 Writes experiments/results/mmpdr_table6.json and .txt.
 """
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from recorded import write
+from recorded import command_line, write
 
 from pdr_est.config import Config
 from pdr_est.evaluate.carrying_modes import Transitions, count_transitions, mode_confusion, row_shares
@@ -46,7 +45,7 @@ PAPER_MISSED, PAPER_FALSE = 7.55, 1.89
 
 @dataclass(frozen=True)
 class Score:
-    """What a method made of all walks. time: samples by true mode and label; changes: counted."""
+    """Score of a method over all walks: samples by true mode and label, and counted changes."""
 
     time: NDArray[np.int64]
     changes: Transitions
@@ -54,23 +53,20 @@ class Score:
 
 def main() -> None:
     """Simulate, recognise, print and write the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--people", type=int, default=17)
-    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
-    options = parser.parse_args()
+    options = command_line(__doc__, {"--people": 17, "--seeds": [0, 1, 2]})
     scores = measured(options.people, options.seeds)
     text = as_text(scores, options.people, options.seeds)
     write("mmpdr_table6", text, as_document(scores, options.people, options.seeds))
 
 
 def measured(people: int, seeds: Sequence[int]) -> dict[str, Score]:
-    """The score of each method over the walks of all seeds."""
+    """Score each method over the walks of all seeds."""
     walks = [simulate_walk(scenario) for seed in seeds for scenario in mmpdr_mode_walks(people, seed)]
     return {method: score(walks, replace(Config(), mode=ModeParams(method=method))) for method in METHODS}
 
 
 def score(walks: Sequence[SimulatedWalk], config: Config) -> Score:
-    """The score of a configuration."""
+    """Score a configuration."""
     total: Score | None = None
     for walk in walks:
         modes = walk.devices[0].modes
@@ -84,18 +80,18 @@ def score(walks: Sequence[SimulatedWalk], config: Config) -> Score:
 
 
 def percent(counts: NDArray[np.int64]) -> dict[str, dict[str, float]]:
-    """Shares of the labels by true mode."""
+    """Compute the shares of the labels by true mode, percent."""
     share = 100.0 * row_shares(counts)
     return {true.name: {label.name: round(float(share[true, label]), 2) for label in LABELS} for true in TRUE}
 
 
 def missed_and_false(changes: Transitions) -> tuple[float, float]:
-    """Both in percent of the true changes."""
+    """Compute missed and false changes in percent of the true changes."""
     return 100.0 * changes.missed / changes.real, 100.0 * changes.false / changes.real
 
 
 def as_document(scores: dict[str, Score], people: int, seeds: Sequence[int]) -> dict[str, object]:
-    """The same numbers as the text, in percent."""
+    """Make the document with the numbers of the text, in percent."""
     methods = {}
     for name, own in scores.items():
         missed, false = missed_and_false(own.changes)
@@ -111,7 +107,7 @@ def as_document(scores: dict[str, Score], people: int, seeds: Sequence[int]) -> 
 
 
 def as_text(scores: dict[str, Score], people: int, seeds: Sequence[int]) -> str:
-    """A block for the paper and two for each method; a column a true mode."""
+    """Format a block for the paper and two for each method, with a column for each true mode."""
     lines = [f"MMPDR Table VI: {people} people, seeds {' '.join(map(str, seeds))}; percent, a column a true mode", ""]
     lines += block("paper, changes", PAPER, PAPER_MISSED, PAPER_FALSE)
     for name, own in scores.items():
@@ -125,7 +121,7 @@ def as_text(scores: dict[str, Score], people: int, seeds: Sequence[int]) -> str:
 def block(
     title: str, cells: dict[str, dict[str, float]], missed: float | None = None, false: float | None = None
 ) -> list[str]:
-    """The lines of one table; rows of labels that never occur are left out."""
+    """Format the lines of one table; rows of labels that never occur are left out."""
     lines = [f"{title:26}" + "".join(f"{true.name:>10}" for true in TRUE)]
     for label in LABELS:
         row = [cells[true.name].get(label.name, 0.0) for true in TRUE]

@@ -12,13 +12,12 @@ The simulated steps follow eq. 9 but for habits of 5 % and variations, so that i
 Writes experiments/results/mmpdr_table7.json and .txt.
 """
 
-import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from recorded import write
+from recorded import command_line, write
 
 from pdr_est.config import Config
 from pdr_est.front_end.step_length import (
@@ -47,7 +46,7 @@ NUMBERS = ("min", "max", "median", "std")
 
 @dataclass(frozen=True)
 class Walk:
-    """The steps that were found in one walk, and whose it is."""
+    """Steps that were detected in one walk, and its walker."""
 
     walker: WalkerParams
     steps: tuple[Step, ...]
@@ -55,29 +54,26 @@ class Walk:
 
 @dataclass(frozen=True)
 class Row:
-    """Distances of all walks by one model, (n,) metres, after tuning. factor: by what the lengths were multiplied."""
+    """Distances (n,) of all walks by one model, m, after tuning of the lengths by `factor`."""
 
     distance_m: NDArray[np.float64]
     factor: float
 
     def numbers(self) -> tuple[float, float, float, float]:
-        """Minimum, maximum, median and standard deviation, m."""
+        """Compute minimum, maximum, median and standard deviation, m."""
         d = self.distance_m
         return float(d.min()), float(d.max()), float(np.median(d)), float(d.std(ddof=1))
 
 
 def main() -> None:
     """Simulate, measure, print and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--people", type=int, default=10)
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
+    arguments = command_line(__doc__, {"--people": 10, "--seed": 0})
     table = measured(walks_of(arguments.people, arguments.seed))
     write("mmpdr_table7", as_text(table), as_document(table))
 
 
 def walks_of(people: int, seed: int) -> list[Walk]:
-    """Every person's walks: men and women in turn, each gender from short to tall."""
+    """Simulate the walks of every person: men and women in turn, each gender from short to tall."""
     rng = np.random.default_rng([seed, 7])
     pairs = (people + 1) // 2
     walks = []
@@ -91,7 +87,7 @@ def walks_of(people: int, seed: int) -> list[Walk]:
 
 
 def scenario(walker: WalkerParams, person: SimulatedPerson, pace: float, rng: np.random.Generator) -> Scenario:
-    """One walk along the corridor, by a person of that walker's height and gender."""
+    """Simulate one walk along the corridor by a person of that height and gender."""
     cadence_hz = pace * person.gait.cadence_hz
     return Scenario(
         path=PathParams(vertices_m=((0.0, 0.0), (DISTANCE_M, 0.0))),
@@ -103,18 +99,18 @@ def scenario(walker: WalkerParams, person: SimulatedPerson, pace: float, rng: np
 
 
 def steps_of(walk: Scenario) -> tuple[Step, ...]:
-    """What the front end finds in the recording of a simulated walk."""
+    """Run the front end on the recording of a simulated walk."""
     (device,) = analyse(simulate_walk(walk).recording, Config())
     return device.steps
 
 
 def measured(walks: list[Walk]) -> dict[LengthModel, Row]:
-    """The tuned distances by every model."""
+    """Compute the tuned distances of every model."""
     return {model: tuned(model, walks) for model in LENGTH_MODELS}
 
 
 def tuned(model: LengthModel, walks: list[Walk]) -> Row:
-    """Distances by a model, its constant such that their mean is the truth, as in section IV-C."""
+    """Compute the distances of a model, tuned so that their mean is the truth, as in section IV-C."""
     distance = np.array([distance_m(model, walk) for walk in walks])
     if model == "static":
         return Row(distance, 1.0)
@@ -128,13 +124,13 @@ def tuned(model: LengthModel, walks: list[Walk]) -> Row:
 
 
 def distance_m(model: LengthModel, walk: Walk) -> float:
-    """Sum of the lengths of a walk's steps."""
+    """Add up the lengths of the steps of a walk."""
     stage = StepLength(Config().resample.rate_hz, walk.walker, StepLengthParams(model=model))
     return sum(found.length_m for step in walk.steps for found in stage.push(step))
 
 
 def as_document(table: Mapping[LengthModel, Row]) -> dict[str, object]:
-    """The numbers of the text, and the distance of each walk."""
+    """Make the document with the numbers of the text and the distance of each walk."""
     return {
         model: {
             "factor": round(row.factor, 4),
@@ -147,7 +143,7 @@ def as_document(table: Mapping[LengthModel, Row]) -> dict[str, object]:
 
 
 def as_text(table: Mapping[LengthModel, Row]) -> str:
-    """A line a model: the paper's numbers, then ours."""
+    """Format a line for each model: the numbers of the paper, then ours."""
     walks = len(next(iter(table.values())).distance_m)
     heading = "".join(f"{number:>8}" for number in NUMBERS)
     lines = [

@@ -37,22 +37,22 @@ PAPER: Mapping[str, tuple[tuple[int, int], ...]] = {
 
 @dataclass(frozen=True)
 class Counts:
-    """Steps of the walks of a row. taken: (n,); counted: (n,) by method."""
+    """Steps taken, (n,), and counted by each method, (n,), in the walks of a row."""
 
     taken: NDArray[np.int64]
     counted: dict[str, NDArray[np.int64]]
 
     def ratio(self, method: str) -> float:
-        """Steps counted / steps taken, percent."""
+        """Compute steps counted / steps taken, percent."""
         return 100.0 * float(self.counted[method].sum() / self.taken.sum())
 
     def error(self, method: str) -> float:
-        """Mean over walks of the absolute error of the count, percent."""
+        """Compute the mean over walks of the absolute error of the count, percent."""
         return 100.0 * float(np.mean(np.abs(self.counted[method] - self.taken) / self.taken))
 
 
 def measured(row: Row, seeds: Sequence[int]) -> Counts:
-    """Steps taken and counted by the walkers of all seeds."""
+    """Count the steps of the walkers of all seeds."""
     walks = row.walks(seeds)
     configs = {
         method: replace(Config(), mode=ModeParams(method=method), steps=StepsParams(detector=method))
@@ -68,13 +68,13 @@ def measured(row: Row, seeds: Sequence[int]) -> Counts:
 
 
 def paper_ratio(row: Row) -> float:
-    """Steps counted / steps taken in the paper, percent."""
+    """Return steps counted / steps taken in the paper, percent."""
     counted, taken = np.sum(PAPER[row.words], axis=0)
     return 100.0 * float(counted / taken)
 
 
 def as_document(table: Mapping[str, Counts], seeds: Sequence[int]) -> dict[str, object]:
-    """The numbers of the text, in percent, and the counts of each walk."""
+    """Make the document with the numbers of the text, in percent, and the counts of each walk."""
     rows = {
         row.words: {
             "paper_ratio": round(paper_ratio(row), 2),
@@ -94,7 +94,7 @@ def as_document(table: Mapping[str, Counts], seeds: Sequence[int]) -> dict[str, 
 
 
 def as_text(table: Mapping[str, Counts], seeds: Sequence[int]) -> str:
-    """A line a row: the paper's ratio, then ratio and error of each method."""
+    """Format a line for each row: the ratio of the paper, then ratio and error of each method."""
     lines = [
         f"MMPDR Tables VIII, IX and the park, percent of the steps taken; {len(seeds)} walkers a row",
         "",

@@ -1,11 +1,10 @@
-"""The walks of MMPDR's (Tian et al. 2016) Tables VIII and IX and of its park, for the scripts that measure them."""
+"""Walks of Tables VIII and IX of MMPDR (Tian et al. 2016) and of its park, for the scripts that measure them."""
 
-import argparse
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from recorded import write
+from recorded import command_line, write
 
 from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, park_348, simulate_walk
 from pdr_est.types.steps import CarryingMode
@@ -18,18 +17,18 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Row:
-    """A kind of walk. modes: in the order of carrying; park: there instead of indoors."""
+    """Kind of walk: its carrying modes in their order, indoors or in the park."""
 
     words: str
     modes: tuple[CarryingMode, ...]
     park: bool = False
 
     def scenario(self, seed: int) -> Scenario:
-        """The walk of one walker."""
+        """Simulate the walk of one walker."""
         return park_348(*self.modes, seed=seed) if self.park else mmpdr_indoor(*self.modes, seed=seed)
 
     def walks(self, seeds: Sequence[int]) -> list[SimulatedWalk]:
-        """The walks of some walkers."""
+        """Simulate the walks of some walkers."""
         return [simulate_walk(self.scenario(seed)) for seed in seeds]
 
 
@@ -50,10 +49,7 @@ def tabulate(
     as_text: Callable[[Mapping[str, T], Sequence[int]], str],
     as_document: Callable[[Mapping[str, T], Sequence[int]], Mapping[str, object]],
 ) -> None:
-    """A script: measure every row for the walkers of the command line, print the text, and write it and the numbers
-    to results/STEM.txt and .json. description: of the script."""
-    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(WALKERS)))
-    seeds = parser.parse_args().seeds
+    """Run a script: measure every row for the walkers of the command line, and write results/STEM.txt and .json."""
+    seeds = command_line(description, {"--seeds": list(range(WALKERS))}).seeds
     table = {row.words: measured(row, seeds) for row in ROWS}
     write(stem, as_text(table, seeds), as_document(table, seeds))

@@ -1,4 +1,4 @@
-"""Memory of the tracker over a day: two phones, a second of samples a push.
+"""Memory of the tracker over a day: two phones, one second of samples per push.
 
 Run: python experiments/online_memory.py [--hours 24] [--estimator ekf] [--rate-hz 25] [-o FILE]
 Repeats a simulated walk of ten minutes with times that go on, and gives its first position as a fix that comes five
@@ -26,7 +26,7 @@ TITLES = ("estimator", "hour", "memory_mb", "nodes", "state_kb", "updates", "cpu
 
 
 def seconds_of(device: DeviceRecording, length_s: int) -> list[list[SensorBlock]]:
-    """The samples of a device, second by second."""
+    """Return the samples of a device, second by second."""
     found: list[list[SensorBlock]] = [[] for _ in range(length_s)]
     for block in device.blocks():
         borders = np.searchsorted(block.time_s, np.arange(length_s + 1.0))
@@ -37,7 +37,7 @@ def seconds_of(device: DeviceRecording, length_s: int) -> list[list[SensorBlock]
 
 
 def stream(recording: Recording, hours: float) -> Iterator[tuple[float, list[tuple[str, SensorBlock]], bool]]:
-    """Of every second its time, the blocks, and whether a repetition began FIX_LATE_S ago."""
+    """Yield for every second its time, the blocks, and if a repetition began FIX_LATE_S ago."""
     length_s = int(min(block.time_s[-1] for device in recording.devices for block in device.blocks()))
     cut = {device.name: seconds_of(device, length_s) for device in recording.devices}
     for now in range(int(hours * 3600.0)):
@@ -51,7 +51,7 @@ def stream(recording: Recording, hours: float) -> Iterator[tuple[float, list[tup
 
 
 def hourly(tracker: Tracker, recording: Recording, hours: float) -> Iterator[tuple[float, ...]]:
-    """A row of numbers, those of TITLES but for the estimator, after the first ten minutes and after every hour."""
+    """Yield the numbers of TITLES without the estimator, after the first ten minutes and after every hour."""
     updates, begin_s = 0, time.process_time()
     for now_s, blocks, fix_is_due in stream(recording, hours):
         for name, block in blocks:
@@ -67,11 +67,13 @@ def hourly(tracker: Tracker, recording: Recording, hours: float) -> Iterator[tup
 
 
 def as_line(estimator: str, row: Sequence[float]) -> str:
+    """Format a row."""
     hour, memory_mb, nodes, state_kb, updates, cpu_s = row
     return f"{estimator:>9} {hour:5.2f} {memory_mb:9.1f} {nodes:5.0f} {state_kb:8.1f} {updates:8.0f} {cpu_s:6.1f}"
 
 
 def main() -> None:
+    """Measure, print and write the rows."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--hours", type=float, default=24.0)
     parser.add_argument("--estimator", choices=("all", *ESTIMATORS), default="all")

@@ -1,4 +1,4 @@
-"""The tables of experiments/README.md that stand beside those of the papers, from the recorded results.
+"""Make the tables of experiments/README.md that compare with the papers, from the recorded results.
 
     python experiments/paper_tables.py
 
@@ -6,12 +6,11 @@ Reads experiments/results/*.json, which the scripts of the papers write, and wri
 Nothing is computed anew.
 """
 
-import argparse
 import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from recorded import RESULTS, write_table
+from recorded import RESULTS, command_line, markdown_table, write_table
 
 _NUMBERS_FROM = 36  # columns of the names in results/mmpdr_table10.txt
 MODES = ("HOLDING", "SWING", "POCKET")
@@ -51,13 +50,13 @@ OVERVIEW = """\
 
 def main() -> None:
     """Write the tables into the page."""
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    command_line(__doc__)
     for name, table in paper_tables().items():
         write_table(f"<!-- {name} -->", table)
 
 
 def paper_tables() -> dict[str, str]:
-    """Name of the mark -> table as Markdown."""
+    """Make all tables: name of the mark -> Markdown."""
     tables: Mapping[str, Callable[[], str]] = {
         "overview": overview,
         "mmpdr table 6": mmpdr_table_6,
@@ -74,7 +73,7 @@ def paper_tables() -> dict[str, str]:
 
 
 def overview() -> str:
-    """A row for every table and figure of the four papers."""
+    """Make the table with a row for every table and figure of the four papers."""
     gaits = next(one for one in result("uptime_table4") if (one["who"], one["where"]) == ("uptime", "both"))
     planar = {one["trajectory"]: one for one in result("psp_table1")["blocks"] if one["legs"] == "planar legs"}
     facts = {
@@ -94,7 +93,7 @@ def overview() -> str:
 
 
 def mmpdr_table_6() -> str:
-    """Right labels of the changes of mode, and missed and false changes."""
+    """Tabulate the right labels after changes of mode, and missed and false changes."""
     document = result("mmpdr_table6")
     sources = {"paper": document["paper"], **{f"`{name}`": one for name, one in document["methods"].items()}}
     rows = [
@@ -106,24 +105,24 @@ def mmpdr_table_6() -> str:
         )
         for name, one in sources.items()
     ]
-    return as_table(("%, of changes", *MODES, "missed", "false"), rows)
+    return markdown_table(("%, of changes", *MODES, "missed", "false"), rows)
 
 
 def mmpdr_table_7() -> str:
-    """Distances of 30 walks of 28 m, the paper's / ours; its models first."""
+    """Tabulate distances of 30 walks of 28 m, paper / ours; the models of the paper come first."""
     document = result("mmpdr_table7")
     rows = []
     for name in sorted(document, key=lambda one: document[one]["paper"] is None):
         paper = document[name]["paper"] or {}
         cells = (beside(paper.get(key), document[name][key]) for key in ("min", "max", "median", "std"))
         rows.append((f"`{name}`", *cells))
-    return as_table(("model, m", "minimum", "maximum", "median", "STD"), rows)
+    return markdown_table(("model, m", "minimum", "maximum", "median", "STD"), rows)
 
 
 def mmpdr_steps() -> str:
-    """Steps counted in percent of those taken."""
+    """Tabulate the steps counted in percent of those taken."""
     rows = result("mmpdr_tables8_9")["rows"]
-    return as_table(
+    return markdown_table(
         ("walks, steps in %", "paper", "`mmpdr`", "mean error", "`auto`", "mean error"),
         [
             (words, f"{row['paper_ratio']:.2f}", *(f"{row[m][k]:.2f}" for m in ("mmpdr", "auto") for k in _STEPS))
@@ -136,7 +135,7 @@ _STEPS = ("ratio", "error")
 
 
 def mmpdr_headings() -> str:
-    """Median heading error in degrees and mean position error in metres, the paper's and of each chain."""
+    """Tabulate median heading error, deg, and mean position error, m, of the paper and of each chain."""
     rows = result("mmpdr_table10")["rows"]
     chains = tuple(next(iter(rows.values())))
     table = []
@@ -144,11 +143,11 @@ def mmpdr_headings() -> str:
         _, median, position = PAPER_HEADINGS.get(words, (None, None, None))
         ours = (f"{row[chain]['heading_median_deg']:.2f} / {row[chain]['position_m']:.2f}" for chain in chains)
         table.append((words, "–" if median is None else f"{median:.2f} / {position:.2f}", *ours))
-    return as_table(("walks, deg / m", "paper", *(f"chain `{chain}`" for chain in chains)), table)
+    return markdown_table(("walks, deg / m", "paper", *(f"chain `{chain}`" for chain in chains)), table)
 
 
 def mmpdr_table_10() -> str:
-    """Both rows of the table, whose numbers only the text of the results has."""
+    """Tabulate both rows of Table X, whose numbers are only in the text of the results."""
     text = (RESULTS / "mmpdr_table10.txt").read_text(encoding="utf-8")
     _, *lines = text[text.index("Table X ") :].split("\n\n")[0].splitlines()
     rows, walks = [], ""
@@ -157,21 +156,21 @@ def mmpdr_table_10() -> str:
         walks = words[0].replace("paper", "").strip() or walks
         who = f"chain `{words[1].strip()}`" if len(words) > 1 else "paper"
         rows.append((f"{walks}, {who}", *numbers))
-    return as_table(("walks", "median, deg", "mean", "95th percentile", "position, %"), rows)
+    return markdown_table(("walks", "median, deg", "mean", "95th percentile", "position, %"), rows)
 
 
 def mmpdr_offsets() -> str:
-    """Trained offsets of the walks in all modes."""
+    """Tabulate the trained offsets of the walks in all modes."""
     paper = {"SWING": "-1.4, -2.9, 3.0, -4.7, -6.0", "POCKET": "39.7, -6.9, 43.5, -56.5, 111.8, -62.5"}
     ours = result("mmpdr_table10")["trained_offsets_deg"]
-    return as_table(
+    return markdown_table(
         ("offsets, deg", "paper", "ours"),
         [(mode, paper[mode], ", ".join(f"{offset:.1f}" for offset in ours[mode])) for mode in paper],
     )
 
 
 def psp_table_1() -> str:
-    """Return position errors in percent of the way."""
+    """Tabulate the return position errors in percent of the path."""
     document = result("psp_table1")
     methods = tuple(document["blocks"][0]["methods"])
     rows = []
@@ -188,22 +187,22 @@ def psp_table_1() -> str:
             )
             for block in blocks
         ]
-    return as_table(("trajectory, % of the way", *(f"`{method}`" for method in methods)), rows)
+    return markdown_table(("trajectory, % of the way", *(f"`{method}`" for method in methods)), rows)
 
 
 def psp_figure_3() -> str:
-    """Return position errors of the paths that are drawn, percent of the way."""
+    """Tabulate the return position errors of the paths that are drawn, percent of the path."""
     walks = result("psp_figure3")["return_error_percent"]
     methods = [key for key in walks[0] if key not in ("trajectory", "legs", "way")]
     rows = [
         (f"{one['trajectory']}, {one['way']}, {one['legs']}", *(f"{one[method]:.2f}" for method in methods))
         for one in walks
     ]
-    return as_table(("left pocket, % of the way", *(f"`{method}`" for method in methods)), rows)
+    return markdown_table(("left pocket, % of the way", *(f"`{method}`" for method in methods)), rows)
 
 
 def robust_dr_figure_4() -> str:
-    """What fusion makes of the errors of both phones, by kind of headings, ten trials and more of them."""
+    """Tabulate the errors of both phones after fusion, by kind of headings, over ten trials and over more."""
     document = result("robust_dr_figure4")
     blocks = {f"{chain}, 10 trials": block["fusions"] for chain, block in document["headings"].items()}
     if document["further_trials"] is not None:
@@ -220,22 +219,17 @@ def robust_dr_figure_4() -> str:
             for name in names
         )
         rows.append((words, *cells))
-    return as_table(("headings", *(f"`{name}`" for name in names)), rows)
+    return markdown_table(("headings", *(f"`{name}`" for name in names)), rows)
 
 
 def beside(paper: float | None, ours: float) -> str:
-    """The paper's number / ours."""
+    """Format the number of the paper / ours."""
     return f"{'–' if paper is None else f'{paper:.2f}'} / {ours:.2f}"
 
 
 def result(stem: str) -> Any:
-    """A recorded document."""
+    """Read a recorded document."""
     return json.loads((RESULTS / f"{stem}.json").read_text(encoding="utf-8"))
-
-
-def as_table(titles: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """As Markdown."""
-    return "\n".join(f"| {' | '.join(row)} |" for row in (titles, ("---",) * len(titles), *rows))
 
 
 if __name__ == "__main__":

@@ -11,14 +11,13 @@ circle as those of recordings do.
 Writes experiments/results/psp_figure3.png, .json and .txt.
 """
 
-import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
 from psp_table1 import DEFAULT, LEGS, METHODS, TRAJECTORIES, group_of, settings, with_legs
-from recorded import RESULTS, write
+from recorded import RESULTS, command_line, write
 
 from pdr_est.front_end.heading import HeadingName
 from pdr_est.pipeline import smooth
@@ -33,7 +32,7 @@ ENOUGH_TESTS = 25  # among which each person, pocket and way is found
 
 @dataclass(frozen=True)
 class Panel:
-    """One walk. legs: of psp_table1.py; way: round; tracks: by heading."""
+    """One walk: legs and direction as in psp_table1.py, and the track with each heading."""
 
     trajectory: PspTrajectory
     legs: str
@@ -42,7 +41,7 @@ class Panel:
     tracks: Mapping[HeadingName, Track]
 
     def return_error_percent(self, method: HeadingName) -> float:
-        """From the end of the track to its start, percent of the way."""
+        """Compute the distance from the end of the track to its start, percent of the path."""
         position_m = self.tracks[method].position_m
         return (
             100.0
@@ -53,9 +52,7 @@ class Panel:
 
 def main() -> None:
     """Simulate, draw and write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=0)
-    seed = parser.parse_args().seed
+    seed = command_line(__doc__, {"--seed": 0}).seed
     panels = [
         panel(trajectory, legs, way, seed) for legs in reversed(LEGS) for trajectory in TRAJECTORIES for way in WAYS
     ]
@@ -64,7 +61,7 @@ def main() -> None:
 
 
 def panel(trajectory: PspTrajectory, legs: str, way: str, seed: int) -> Panel:
-    """The walk of the first man that way round, by each heading."""
+    """Estimate the walk of the first man in that direction with each heading."""
     walk = simulate_walk(with_legs(of_a_man(trajectory, way, seed), legs))
     return Panel(
         trajectory, legs, way, walk, {method: smooth(walk.recording, settings(method)).track for method in SHOWN}
@@ -72,14 +69,14 @@ def panel(trajectory: PspTrajectory, legs: str, way: str, seed: int) -> Panel:
 
 
 def of_a_man(trajectory: PspTrajectory, way: str, seed: int) -> Scenario:
-    """The first test that way round of the first man among the people, left pocket."""
+    """Return the first test in that direction of the first man among the people, left pocket."""
     tests = psp_walks(trajectory, ENOUGH_TESTS, seed)
     height_m = next(test.gait.height_m for test in tests if test.gait.gender == "male")
     return next(test for test in tests if test.gait.height_m == height_m and group_of(test) == f"left, {way}")
 
 
 def as_document(panels: Sequence[Panel], seed: int) -> dict[str, object]:
-    """The numbers of the text."""
+    """Make the document with the numbers of the text."""
     return {
         "seed": seed,
         "return_error_percent": [
@@ -95,7 +92,7 @@ def as_document(panels: Sequence[Panel], seed: int) -> dict[str, object]:
 
 
 def as_text(panels: Sequence[Panel]) -> str:
-    """A line a walk: the error at its end by each heading."""
+    """Format a line for each walk: the error at its end with each heading."""
     head = "".join(f"{method:>14}" for method in SHOWN)
     lines = ["PSP Fig. 3: return position error of the paths, percent of the way", "", f"{'':46}{head}"]
     for one in panels:
@@ -105,7 +102,7 @@ def as_text(panels: Sequence[Panel]) -> str:
 
 
 def draw(panels: Sequence[Panel]) -> Figure:
-    """A row a kind of legs."""
+    """Draw a row of panels for each kind of legs."""
     figure = Figure(figsize=(18.0, 9.0), layout="constrained")
     rows = figure.subplots(2, len(panels) // 2, squeeze=False)
     for axes, one in zip(rows.flat, panels, strict=True):

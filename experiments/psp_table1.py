@@ -1,4 +1,4 @@
-"""Table I of PSP (Hong et al. 2013) on simulated walks: how far from its start a closed walk ends.
+"""Table I of PSP (Hong et al. 2013) on simulated walks: distance of the end of a closed walk from its start.
 
     python experiments/psp_table1.py [--tests 25] [--seed 0]
 
@@ -23,12 +23,11 @@ all, and below it what others give.
 Writes experiments/results/psp_table1.json and .txt.
 """
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from recorded import write
+from recorded import command_line, write
 
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array
@@ -62,8 +61,11 @@ GROUPS = tuple(f"{side}, {way}" for side in ("left", "right") for way in ("clock
 
 @dataclass(frozen=True)
 class Returns:
-    """The tests on one trajectory with one kind of legs. length_m: of the walk; group: (n) of GROUPS; error_m: (n,)
-    by method; others_m: (n,) by controller and increment."""
+    """Tests on one trajectory with one kind of legs.
+
+    Errors, m, are (n,): `error_m` by method, `others_m` by controller and increment. `group` names the pocket and the
+    direction of each test.
+    """
 
     trajectory: PspTrajectory
     legs: str
@@ -73,21 +75,18 @@ class Returns:
     others_m: dict[tuple[HeadingName, float], Array]
 
     def mean_m(self, method: HeadingName, group: str | None = None) -> float:
-        """Mean return position error, m, of all tests or of those of a group; NaN without any."""
+        """Compute the mean return position error, m, of all tests or of a group; NaN without any."""
         chosen = [error for error, own in zip(self.error_m[method], self.group, strict=True) if group in (None, own)]
         return float(np.mean(chosen)) if chosen else float("nan")
 
     def percent(self, method: HeadingName) -> float:
-        """The mean in percent of the walk."""
+        """Compute the mean in percent of the walk."""
         return 100.0 * self.mean_m(method) / self.length_m
 
 
 def main() -> None:
-    """Simulate, reckon, print and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--tests", type=int, default=PSP_TESTS)
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
+    """Simulate, estimate, print and write the table."""
+    arguments = command_line(__doc__, {"--tests": PSP_TESTS, "--seed": 0})
     table = [
         measured(trajectory, legs, arguments.tests, arguments.seed, OTHER_INCREMENTS_RADPS)
         for legs in LEGS
@@ -99,7 +98,7 @@ def main() -> None:
 def measured(
     trajectory: PspTrajectory, legs: str, tests: int, seed: int, increments: Sequence[float] = ()
 ) -> Returns:
-    """Return position errors of some tests. increments: others for the controllers, rad/s more each second."""
+    """Measure the return position errors of tests, also with other increments of the controllers, rad/s²."""
     scenarios = [with_legs(scenario, legs) for scenario in psp_walks(trajectory, tests, seed)]
     errors = [errors_m(simulate_walk(scenario), increments) for scenario in scenarios]
     return Returns(
@@ -113,7 +112,7 @@ def measured(
 
 
 def with_legs(scenario: Scenario, legs: str) -> Scenario:
-    """The same walk with one kind of legs."""
+    """Return the same walk with one kind of legs."""
     device = scenario.devices[0]
     if legs == "real legs" or not isinstance(device.carry, PocketPhone):
         return scenario
@@ -122,20 +121,20 @@ def with_legs(scenario: Scenario, legs: str) -> Scenario:
 
 
 def errors_m(walk: SimulatedWalk, increments: Sequence[float]) -> dict[tuple[HeadingName, float], float]:
-    """Return position errors by method and increment."""
+    """Measure the return position errors by method and increment."""
     asked = [(method, INCREMENT_RADPS) for method in (*METHODS, DEFAULT)]
     asked += [(method, increment) for method in CONTROLLERS for increment in increments]
     return {key: return_error_m(walk, *key) for key in asked}
 
 
 def return_error_m(walk: SimulatedWalk, method: HeadingName, increment_radps: float) -> float:
-    """From the end of the track to its start, m."""
+    """Compute the distance from the end of the track to its start, m."""
     track = smooth(walk.recording, settings(method, increment_radps)).track
     return float(np.linalg.norm(track.position_m[-1] - track.position_m[0]))
 
 
 def settings(method: HeadingName, increment_radps: float = INCREMENT_RADPS) -> Config:
-    """The chain with a heading, from the known start."""
+    """Make the settings with a heading, from the known start."""
     start = StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0)
     if method == DEFAULT:
         return Config(start=start)
@@ -147,14 +146,14 @@ def settings(method: HeadingName, increment_radps: float = INCREMENT_RADPS) -> C
 
 
 def group_of(scenario: Scenario) -> str:
-    """Pocket and direction of a walk."""
+    """Name the pocket and the direction of a walk."""
     carry = scenario.devices[0].carry
     side = carry.side if isinstance(carry, PocketPhone) else "no pocket"
     return f"{side}, {'counter-clockwise' if WalkingPath(scenario.path).turn_rad.sum() > 0.0 else 'clockwise'}"
 
 
 def as_document(table: Sequence[Returns], seed: int) -> dict[str, object]:
-    """The numbers of the text, and the error of each test."""
+    """Make the document with the numbers of the text and the error of each test."""
     return {
         "seed": seed,
         "increment_radps": INCREMENT_RADPS,
@@ -184,7 +183,7 @@ def as_document(table: Sequence[Returns], seed: int) -> dict[str, object]:
 
 
 def as_text(table: Sequence[Returns]) -> str:
-    """A block a trajectory and kind of legs, a line a method: the paper's mean and ours, median, pocket and way."""
+    """Format a block for each trajectory and kind of legs, with a line for each method."""
     lines = [
         f"PSP Table I: average return position error of simulated walks, increment {INCREMENT_RADPS:g} rad/s a s"
     ]

@@ -65,13 +65,13 @@ def photograph_report(browser: str, picture: Path) -> None:
 
 
 def steps() -> Figure:
-    """Detected steps of a phone that goes from the hand into a pocket."""
+    """Draw the detected steps of a phone that goes from the hand into a pocket."""
     walk, _ = smoothed(simulate_walk(mmpdr_indoor(HOLDING, POCKET, seed=1)))
     return plot_acceleration(walk.devices[0], time_axis(walk), svg.device_colour(0))
 
 
 def track_with_fixes() -> Figure:
-    """The office loop of the demo with a known start and two fixes on the way."""
+    """Draw the office loop of the demo with a known start and two fixes."""
     simulated = simulate_walk(preset("office_loop"))
     end_s = float(simulated.truth_time_s[-1])
     walk, truth_m = smoothed(simulated, (0.33 * end_s, 0.66 * end_s))
@@ -79,7 +79,7 @@ def track_with_fixes() -> Figure:
 
 
 def two_phones() -> Figure:
-    """A swinging phone and one in a pocket, each reckoned alone, and the track of the person from both."""
+    """Draw the tracks of a swinging phone and of one in a pocket, each alone, and of the person from both."""
     simulated = simulate_walk(with_two_phones(SEED))
     recording, reckoned = simulated.recording, replace(Config(), start=KNOWN_START).with_estimator("dead-reckoning")
     alone = [pipeline.smooth(replace(recording, devices=(one,)), reckoned).track for one in recording.devices]
@@ -99,7 +99,7 @@ def two_phones() -> Figure:
 
 
 def with_two_phones(seed: int) -> Scenario:
-    """The office loop, walked by somebody with one phone in the swinging hand and another one in a pocket."""
+    """Simulate the office loop with one phone in the swinging hand and another one in a pocket."""
     rng = np.random.default_rng(seed)
     person = sample_person(rng)
     carried = [
@@ -111,7 +111,7 @@ def with_two_phones(seed: int) -> Scenario:
 
 
 def smoothed(simulated: SimulatedWalk, fixes_s: tuple[float, ...] = ()) -> tuple[SmoothedWalk, np.ndarray]:
-    """The walk from its known start, with fixes at some times, and its true positions (n, 2)."""
+    """Simulate the walk with a known start and fixes at some times; return also its true positions (n, 2)."""
     rng = np.random.default_rng(0)
     covariance_m2 = SIGMA_M**2 * np.eye(2)
     fixes = []

@@ -20,7 +20,6 @@ that of the right phone, whose clock is then taken as it is.
 Writes experiments/results/robust_dr_figure4.json, .txt and .png.
 """
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,7 +28,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from recorded import RESULTS, write
+from recorded import RESULTS, command_line, write
 
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config, DevicesParams, StartParams
@@ -55,7 +54,7 @@ PAPER_BEST_PERCENT = 73.7  # reduction in its trial 6
 
 @dataclass(frozen=True)
 class Trial:
-    """One trial with one kind of headings. time_s, true_m: (22,), (22, 2) of the passes; tracks: by estimator."""
+    """One trial with one kind of headings: times (22,) and true positions (22, 2) of the passes, and the tracks."""
 
     name: str
     time_s: Array
@@ -63,37 +62,34 @@ class Trial:
     tracks: dict[EstimatorName, Track]
 
     def errors_m(self, estimator: EstimatorName, phone: str) -> Array:
-        """Distances from the walker at the passes (22,)."""
+        """Compute the distances (22,) from the walker at the passes, m."""
         place_m, _ = self.tracks[estimator].of_device(phone).at(self.time_s)
         apart: Array = np.linalg.norm(place_m - self.true_m, axis=1)
         return apart
 
     def mean_m(self, estimator: EstimatorName) -> tuple[float, float]:
-        """Mean error of either phone."""
+        """Compute the mean error of each phone, m."""
         left, right = (float(self.errors_m(estimator, phone).mean()) for phone in PHONES)
         return left, right
 
     def reductions(self, estimator: EstimatorName) -> tuple[float, float]:
-        """Percent by which fusion lowers the error of either phone; negative where it raises it."""
+        """Compute by how many percent fusion reduces the error of each phone; negative where it increases it."""
         pairs = zip(self.mean_m(BEFORE), self.mean_m(estimator), strict=True)
         left, right = (100.0 * (1.0 - after / before) for before, after in pairs)
         return left, right
 
     def both_better(self, estimator: EstimatorName) -> bool:
-        """The paper's first scenario: both phones are better than before; in the second it is one of them."""
+        """Check the first scenario of the paper, that both phones are better than before; in the second it is one."""
         return min(self.reductions(estimator)) > 0.0
 
     def beats(self, estimator: EstimatorName, other: EstimatorName = "map-closed-form") -> bool:
-        """Whether the mean error of both phones is less."""
+        """Check if the mean error of both phones is smaller."""
         return sum(self.mean_m(estimator)) < sum(self.mean_m(other))
 
 
 def main() -> None:
     """Simulate, fuse, print and write everything."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--trials", type=int, default=0)
-    arguments = parser.parse_args()
+    arguments = command_line(__doc__, {"--seed": 0, "--trials": 0})
     scenarios = robust_dr_trials(arguments.seed)
     table = measured(scenarios)
     clocks = of_clock_errors(scenarios)
@@ -104,7 +100,7 @@ def main() -> None:
 
 
 def measured(scenarios: Sequence[Scenario]) -> dict[Chain, list[Trial]]:
-    """The trials with either kind of headings."""
+    """Run the trials with both kinds of headings."""
     table: dict[Chain, list[Trial]] = {chain: [] for chain in CHAINS}
     for scenario in scenarios:
         walk = simulate_walk(scenario)
@@ -114,7 +110,7 @@ def measured(scenarios: Sequence[Scenario]) -> dict[Chain, list[Trial]]:
 
 
 def settings(walk: SimulatedWalk, chain: Chain, clock: ClockMethod = "walk") -> Config:
-    """Everything but the estimator. clock: as in the section `devices`."""
+    """Make all settings except for the estimator; `clock` is that of the section `devices`."""
     x_m, y_m = walk.position_at(np.zeros(1))[0].tolist()
     gait = walk.scenario.gait
     return Config(
@@ -126,7 +122,7 @@ def settings(walk: SimulatedWalk, chain: Chain, clock: ClockMethod = "walk") -> 
 
 
 def fused(walk: SimulatedWalk, config: Config, estimators: Sequence[EstimatorName] = (BEFORE, *FUSIONS)) -> Trial:
-    """A walk with some estimators."""
+    """Estimate a walk with some estimators."""
     devices = analyse(walk.recording, config)
     tracks = {name: estimate(devices, config.with_estimator(name)) for name in estimators}
     return Trial(walk.scenario.name, *waypoint_passes(walk), tracks)
@@ -135,7 +131,7 @@ def fused(walk: SimulatedWalk, config: Config, estimators: Sequence[EstimatorNam
 def of_clock_errors(
     scenarios: Sequence[Scenario], errors_s: Sequence[float] = CLOCK_ERRORS_S
 ) -> dict[float, dict[EstimatorName, float]]:
-    """Mean error of the phones after fusion, m, when the right phone's clock is ahead by so much; gyro headings."""
+    """Compute the mean error after fusion, m, for errors of the right phone's clock, with gyroscope headings."""
     found = {}
     for error_s in errors_s:
         trials = []
@@ -154,7 +150,7 @@ def as_document(
     further: dict[Chain, list[Trial]] | None,
     seed: int,
 ) -> dict[str, object]:
-    """The numbers of the text, errors of the left and of the right phone."""
+    """Make the document with the numbers of the text; errors are of the left and of the right phone."""
     return {
         "seed": seed,
         "reach_m": REACH_M,
@@ -179,7 +175,7 @@ def as_document(
 
 
 def summary(trials: Sequence[Trial], name: EstimatorName) -> dict[str, float]:
-    """Of some trials: mean errors, m, mean and greatest reduction, percent, and counts of trials."""
+    """Summarise trials: mean errors, m, mean and greatest reduction, percent, and counts of trials."""
     reductions = np.array([trial.reductions(name) for trial in trials])
     before_m = np.mean([trial.mean_m(BEFORE) for trial in trials])
     after_m = np.mean([trial.mean_m(name) for trial in trials])
@@ -200,7 +196,7 @@ def as_text(
     clocks: dict[float, dict[EstimatorName, float]],
     further: dict[Chain, list[Trial]] | None,
 ) -> str:
-    """A block a kind of headings: the errors of left/right phone of each trial and what follows; then the clocks."""
+    """Format a block for each kind of headings, with the errors of both phones in each trial; then the clocks."""
     lines = ["Robust DR figure 4: mean error at 22 passes of waypoints, m, left / right phone; simulated trials"]
     for chain, trials in table.items():
         lines += ["", f"{chain} headings", f"{'trial':8}" + "".join(f"{name:>18}" for name in (BEFORE, *FUSIONS))]
@@ -240,13 +236,13 @@ def _summaries(trials: Sequence[Trial]) -> list[str]:
 
 
 def best_and_middle(trials: Sequence[Trial]) -> tuple[int, int]:
-    """Numbers of the trials with the greatest and the median reduction of the mean error by the closed form."""
+    """Return the numbers of the trials with the greatest and the median reduction by the closed form."""
     order = np.argsort([np.mean(trial.reductions("map-closed-form")) for trial in trials])
     return int(order[-1]), int(order[len(order) // 2])
 
 
 def plot(trials: Sequence[Trial], path: Path) -> None:
-    """Figures 5 to 8: a row a trial, its errors over time and the tracks of either phone before and after."""
+    """Draw figures 5 to 8: for each trial its errors over time and the tracks of both phones before and after."""
     figure = Figure(figsize=(15.0, 9.0), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(2, 3)

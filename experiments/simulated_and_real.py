@@ -1,11 +1,10 @@
-"""Draws simulated phones beside real ones carried in the same mode: signals, spectra, direction of gravity.
+"""Draw simulated phones beside real ones in the same mode: signals, spectra, direction of gravity.
 
     python experiments/simulated_and_real.py --data DIR
 
 DIR holds the data sets. Writes experiments/results/simulated_and_real.png and a table of the same, .txt.
 """
 
-import argparse
 import io
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
+from recorded import RESULTS, command_line
 from scipy.signal import welch
 
 from pdr_est import read
@@ -22,7 +22,6 @@ from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, 
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import ImuBlock
 
-RESULTS = Path(__file__).parent / "results"
 RATE_HZ = 100.0
 PEOPLE = 12
 SHOWN_S = 5.0
@@ -40,7 +39,7 @@ COLOURS = {"real": "tab:gray", "simulated": "tab:red"}
 
 @dataclass(frozen=True)
 class Walk:
-    """The steady walking of one recording at RATE_HZ.
+    """Steady walking of one recording at RATE_HZ.
 
     vertical_mps2: (n,) upwards without gravity; rotation_radps: (n, 3); tilt_deg: (n,) angle of gravity from its
     mean direction; cadence_hz: steps a second. up: (3,) the mean direction, device axes.
@@ -58,9 +57,7 @@ class Walk:
 
 def main() -> None:
     """Compare all modes."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True)
-    folder = parser.parse_args().data
+    folder = command_line(__doc__, {"--data": Path}).data
     kinds = {mode: {"real": real_walks(folder, mode), "simulated": simulated_walks(mode)} for mode in MODES}
     figure, axes = plt.subplots(len(MODES), 4, figsize=(16, 9), layout="constrained")
     for row, (mode, walks) in zip(axes, kinds.items(), strict=True):
@@ -72,14 +69,14 @@ def main() -> None:
 
 
 def real_walks(folder: Path, mode: str) -> list[Walk]:
-    """The real recordings of a mode that hold at least 10 s of walking."""
+    """Read the real recordings of a mode with at least 10 s of walking."""
     paths = sorted(path for pattern in MODES[mode] for path in folder.glob(pattern))
     walks = [steady_walk(path.name, read(path).devices[0]) for path in paths]
     return [walk for walk in walks if walk is not None]
 
 
 def simulated_walks(mode: str) -> list[Walk]:
-    """One walk each of some people drawn at random."""
+    """Simulate one walk of each of some random people."""
     walks = []
     for seed in range(PEOPLE):
         person = sample_person(np.random.default_rng(seed))
@@ -94,7 +91,7 @@ def simulated_walks(mode: str) -> list[Walk]:
 
 
 def steady_walk(name: str, device: DeviceRecording) -> Walk | None:
-    """The longest stretch of walking of a recording, its ends cut off; None below 10 s."""
+    """Return the longest segment of walking of a recording without its ends; None below 10 s."""
     if device.specific_force is None or device.rotation_rate is None:
         return None
     force, rate = device.specific_force, device.rotation_rate
@@ -123,12 +120,12 @@ def steady_walk(name: str, device: DeviceRecording) -> Walk | None:
 
 
 def sampled(signal: Signal, time_s: Array) -> Array:
-    """A three-axis signal at other times, linearly."""
+    """Interpolate a three-axis signal linearly at other times."""
     return np.stack([np.interp(time_s, signal.time_s, axis) for axis in signal.values.T], axis=1)
 
 
 def longest_walking(force_mps2: Array) -> slice:
-    """Where the magnitude keeps moving by more than 0.8 m/s^2 rms over 2 s; 3 s and 1 s at the ends cut off."""
+    """Find where the RMS of the magnitude over 2 s is above 0.8 m/s²; 3 s and 1 s at the ends are cut off."""
     moving = np.linalg.norm(force_mps2, axis=1) - np.linalg.norm(force_mps2, axis=1).mean()
     window = np.ones(int(2.0 * RATE_HZ)) / int(2.0 * RATE_HZ)
     walking = np.convolve(moving**2, window, "same") > 0.8**2
@@ -141,19 +138,19 @@ def longest_walking(force_mps2: Array) -> slice:
 
 
 def spectrum(signal: Array) -> tuple[Array, Array]:
-    """Frequencies and power density, summed over axes."""
+    """Compute frequencies and power density, summed over the axes."""
     frequency, power = welch(signal, fs=RATE_HZ, nperseg=1000, axis=0, detrend="constant")
     return frequency, power if power.ndim == 1 else power.sum(axis=1)
 
 
 def magnitude(vectors: Array) -> Array:
-    """Lengths (n,) of vectors (n, 3)."""
+    """Compute the lengths (n,) of vectors (n, 3)."""
     lengths: Array = np.linalg.norm(vectors, axis=1)
     return lengths
 
 
 def draw(axes: Array, mode: str, kinds: dict[str, list[Walk]]) -> None:
-    """One row: vertical acceleration, its spectrum, that of the rotation rate, tilt of gravity."""
+    """Draw one row: vertical acceleration, its spectrum, that of the rotation rate, tilt of gravity."""
     signal, vertical, rotation, tilt = axes
     for kind, walks in kinds.items():
         typical = sorted(walks, key=lambda walk: float(walk.vertical_mps2.std()))[len(walks) // 2]
@@ -181,7 +178,7 @@ def draw(axes: Array, mode: str, kinds: dict[str, list[Walk]]) -> None:
 
 
 def table(kinds: dict[str, dict[str, list[Walk]]]) -> str:
-    """Medians over the walks of each mode, with the 10th and 90th percentile."""
+    """Tabulate medians over the walks of each mode, with the 10th and 90th percentile."""
     measures = {
         "cadence, Hz": lambda walk: walk.cadence_hz,
         "vertical, 1st percentile, m/s2": lambda walk: np.percentile(walk.vertical_mps2, 1),

@@ -16,7 +16,6 @@ nearly as fixed as `static`, and speeds of walking tell fixed from variable here
 Writes experiments/results/uptime_figure7.png, .json and .txt.
 """
 
-import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,7 +26,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
-from recorded import RESULTS, write
+from recorded import RESULTS, command_line, write
 
 from pdr_est.config import Config
 from pdr_est.evaluate.stride_lengths import lengths_by_time, scored_strides, step_shares
@@ -50,7 +49,7 @@ WALK_M = 94.0  # times five makes the paper's 470 m
 
 @dataclass(frozen=True)
 class Walk:
-    """Between places of known distance. true_m: (n,) way from each to the next; model_m: the same by each model."""
+    """True distances (n,) between places, m, and those of each model."""
 
     true_m: Array
     model_m: Mapping[LengthModel, Array]
@@ -58,13 +57,13 @@ class Walk:
 
 @dataclass(frozen=True)
 class Errors:
-    """Along a trip, in metres. along_m: (n,) true distance so far; error_m: (n,) distance by the model less that."""
+    """Errors (n,) of the distance of a model, m, along the true distance so far (n,), m."""
 
     along_m: Array
     error_m: Array
 
     def numbers(self) -> dict[str, float]:
-        """Distance, error at the end, mean and largest error without sign, rounded."""
+        """Compute distance, error at the end, mean and largest absolute error, rounded."""
         size = np.abs(self.error_m)
         found = {
             "distance_m": self.along_m[-1],
@@ -78,10 +77,7 @@ class Errors:
 
 def main() -> None:
     """Measure, print, draw and write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
+    options = command_line(__doc__, {"--data": Path, "--seed": 0})
     trips = {
         "simulated": simulated_trip(options.seed),
         "known-distance": known_distance_trip(options.data / "known-distance"),
@@ -92,7 +88,7 @@ def main() -> None:
 
 
 def simulated_trip(seed: int, paces: Sequence[float] = PACES) -> list[Walk]:
-    """One person's walks along a straight way, each at another pace."""
+    """Simulate the walks of one person along a straight path, each at another pace."""
     rng = np.random.default_rng([seed, 7])
     person = sample_person(rng)
     walks = []
@@ -115,7 +111,7 @@ def simulated_trip(seed: int, paces: Sequence[float] = PACES) -> list[Walk]:
 
 
 def known_distance_trip(folder: Path) -> list[Walk]:
-    """The walks of the set, each from its beginning to its end."""
+    """Measure the walks of the set, each from its beginning to its end."""
     known = read_known_distances(next(folder.glob("truth.csv*")))
     always = np.array([-np.inf]), np.array([np.inf])
     return [
@@ -126,7 +122,7 @@ def known_distance_trip(folder: Path) -> list[Walk]:
 
 
 def stride_length_trip(folder: Path) -> list[Walk]:
-    """The scored strides of every walk of the set, the walks in order of name."""
+    """Measure the scored strides of every walk of the set, in order of name."""
     walks = []
     for _, path in recordings(folder, "PDR_Raw_*.txt"):
         recording = read(path)
@@ -136,7 +132,7 @@ def stride_length_trip(folder: Path) -> list[Walk]:
 
 
 def measured(recording: Recording, truth: TrueStrides, walker: WalkerParams | None = None) -> Walk:
-    """A walk's pieces of known length beside what each model makes of its steps."""
+    """Compute the distances of each model beside those of known length in a walk."""
     config = Config()
     (device,) = analyse(recording, config)
     start_s = np.array([step.start_s for step in device.steps])
@@ -151,7 +147,7 @@ def measured(recording: Recording, truth: TrueStrides, walker: WalkerParams | No
 
 
 def errors(trip: Sequence[Walk], model: LengthModel, scaled: bool) -> Errors:
-    """Along the trip by a model, as it is or scaled to the length of the first walk."""
+    """Compute the errors along the trip by a model, as it is or scaled to the length of the first walk."""
     first = trip[0]
     scale = float(first.true_m.sum() / first.model_m[model].sum()) if scaled else 1.0
     along_m = np.cumsum(np.concatenate([walk.true_m for walk in trip]))
@@ -159,7 +155,7 @@ def errors(trip: Sequence[Walk], model: LengthModel, scaled: bool) -> Errors:
 
 
 def as_document(trips: Mapping[str, Sequence[Walk]]) -> dict[str, dict[str, dict[str, dict[str, float]]]]:
-    """Trip, then "as_it_is" or "scaled", then model."""
+    """Make the document: trip, then "as_it_is" or "scaled", then model."""
     return {
         name: {
             way: {model: errors(trip, model, scaled).numbers() for model in MODELS}
@@ -170,7 +166,7 @@ def as_document(trips: Mapping[str, Sequence[Walk]]) -> dict[str, dict[str, dict
 
 
 def as_text(trips: Mapping[str, Sequence[Walk]]) -> str:
-    """A line for each trip, way and model."""
+    """Format a line for each trip, scaling and model."""
     lines = [
         "Error of the distance walked so far, fixed and variable step length (UPTIME, figure 7)",
         "scaled: so that the first walk of the trip is right",
@@ -189,7 +185,7 @@ def as_text(trips: Mapping[str, Sequence[Walk]]) -> str:
 
 
 def draw(trips: Mapping[str, Sequence[Walk]], path: Path) -> None:
-    """A row a trip; left as it is, right scaled to the first walk."""
+    """Draw a row for each trip; left as it is, right scaled to the first walk."""
     figure, axes = plt.subplots(len(trips), 2, figsize=(10, 3 * len(trips)), squeeze=False, layout="constrained")
     for row, (name, trip) in zip(axes, trips.items(), strict=True):
         for axis, scaled in zip(row, (False, True), strict=True):

@@ -8,14 +8,13 @@ tall. The gaits of the steps are those of the shipped model, which has seen thes
 it to experiments/results/ and experiments/README.md.
 """
 
-import argparse
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from recorded import write, write_table
+from recorded import command_line, markdown_table, write, write_table
 
 from pdr_est import pipeline
 from pdr_est.config import Config
@@ -42,32 +41,30 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Walk:
-    """Of one recording. activity: a key of `GROUPS`; duration_s: of all steps; length_m: by model, of each step."""
+    """Step lengths of one recording by model, m, with the duration of all steps and the key of its group."""
 
     activity: str
     duration_s: float
     length_m: Mapping[str, Array]
 
     def mean_m(self, model: str) -> float:
-        """Length of a step."""
+        """Compute the mean length of a step, m."""
         return float(self.length_m[model].mean())
 
     def speed_mps(self, model: str) -> float:
-        """While stepping."""
+        """Compute the mean speed, m/s, during the steps."""
         return float(self.length_m[model].sum()) / self.duration_s
 
 
 def main() -> None:
-    """Walk through the recordings, write results/uptime_table2.json and .txt and the README's table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True)
-    document = as_document(list(measured(parser.parse_args().data)))
+    """Measure the recordings, and write results/uptime_table2.json and .txt and the table of the README."""
+    document = as_document(list(measured(command_line(__doc__, {"--data": Path}).data)))
     write("uptime_table2", as_text(document), document)
     write_table(MARK, as_markdown(document))
 
 
 def measured(data: Path) -> Iterable[Walk]:
-    """Every recording of one of the `GROUPS`."""
+    """Measure every recording of one of the `GROUPS`."""
     for file in gait.SUITE.find(data):
         activity = file.labels["activity"]
         if activity in GROUPS:
@@ -77,7 +74,7 @@ def measured(data: Path) -> Iterable[Walk]:
 
 
 def lengths_m(steps: Sequence[Step], model: str) -> Array:
-    """(n,) of each step by a model with its default constants."""
+    """Compute the length of each step, (n,) m, by a model with its default constants."""
     (name,) = [known for known in LENGTH_MODELS if known == model]
     config = Config()
     stage = StepLength(config.resample.rate_hz, config.walker, StepLengthParams(model=name))
@@ -85,7 +82,7 @@ def lengths_m(steps: Sequence[Step], model: str) -> Array:
 
 
 def as_document(walks: Sequence[Walk]) -> list[Row]:
-    """For each group the paper's length, and by model mean, least and greatest length and speed of the recordings."""
+    """Make a row for each group: the length of the paper, and length and speed over the recordings by model."""
     document: list[Row] = []
     for activity, (words, paper) in GROUPS.items():
         own = [walk for walk in walks if walk.activity == activity]
@@ -103,12 +100,12 @@ def as_document(walks: Sequence[Walk]) -> list[Row]:
 
 
 def spread(values: Sequence[float]) -> list[float]:
-    """Mean, least and greatest."""
+    """Return mean, least and greatest value."""
     return [round(float(value), 3) for value in (np.mean(values), min(values), max(values))]
 
 
 def as_text(document: Sequence[Row]) -> str:
-    """One line a group."""
+    """Format a line for each group."""
     lines = [
         "UPTIME Table II beside recordings without known lengths; per model the mean over the recordings, and from",
         "the least to the greatest: length of a step in m, speed in m/s.",
@@ -125,18 +122,18 @@ def as_text(document: Sequence[Row]) -> str:
 
 
 def as_markdown(document: Sequence[Row]) -> str:
-    """The README's table: lengths of the models, and the speed that `auto` makes of them."""
-    heads = " | ".join(f"`{model}` m" for model in MODELS)
-    lines = [f"| what | recordings | UPTIME m | {heads} | `auto` m/s |", "|---" * (4 + len(MODELS)) + "|"]
+    """Make the table of the README: lengths of the models, and the speed with `auto`."""
+    headings = ("what", "recordings", "UPTIME m", *(f"`{model}` m" for model in MODELS), "`auto` m/s")
+    rows = []
     for row in document:
-        lengths = " | ".join(cell(row["models"][model]["length_m"]) for model in MODELS)
+        lengths = (cell(row["models"][model]["length_m"]) for model in MODELS)
         speed = cell(row["models"]["auto"]["speed_mps"])
-        lines.append(f"| {row['what']} | {row['recordings']} | {row['paper_m']:.2f} | {lengths} | {speed} |")
-    return "\n".join(lines)
+        rows.append((row["what"], str(row["recordings"]), f"{row['paper_m']:.2f}", *lengths, speed))
+    return markdown_table(headings, rows)
 
 
 def cell(numbers: Sequence[float]) -> str:
-    """Mean, and least to greatest."""
+    """Format the mean, and the least to the greatest value."""
     mean, least, greatest = numbers
     return f"{mean:.2f} ({least:.2f}–{greatest:.2f})"
 

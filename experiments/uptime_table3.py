@@ -6,13 +6,12 @@ DIR holds the data sets, laid out as `pdr-est benchmark` wants them; used are th
 Prints the table and writes it to experiments/results/ and experiments/README.md.
 """
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from recorded import write, write_table
+from recorded import command_line, markdown_table, write, write_table
 
 from pdr_est.config import Config
 from pdr_est.experiment import BenchmarkResult, comparison_on_axis, run_benchmark
@@ -25,7 +24,7 @@ Table = dict[str, dict[str, float]]
 
 @dataclass(frozen=True)
 class Place:
-    """Where a phone was. positions: those of the data set, none means all. paper_percent: the paper's errors."""
+    """Place of a phone: its positions in the data set (none means all), and the errors of the paper."""
 
     words: str
     positions: tuple[str, ...]
@@ -49,11 +48,8 @@ PLACES = (
 
 
 def main() -> None:
-    """Run the detectors on the recordings and write results/uptime_table3.json and .txt and the README's table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=1)
-    options = parser.parse_args()
+    """Run the detectors on the recordings, and write results/uptime_table3.json and .txt and the README's table."""
+    options = command_line(__doc__, {"--data": Path, "--jobs": 1})
     comparison = comparison_on_axis(Config(), "detector", DETECTORS)
     table = measured(run_benchmark("oxford-steps", options.data, comparison, options.jobs))
     write("uptime_table3", as_text(table), as_document(table))
@@ -61,7 +57,7 @@ def main() -> None:
 
 
 def measured(result: BenchmarkResult) -> Table:
-    """Mean count error in percent to three places, by place and detector; "walks" is how many are behind it."""
+    """Compute the mean count error, percent, by place and detector, and the number of walks."""
     return {
         place.words: {
             "walks": float(len(_errors(result, place, DETECTORS[0]))),
@@ -72,7 +68,7 @@ def measured(result: BenchmarkResult) -> Table:
 
 
 def as_document(table: Table) -> dict[str, dict[str, dict[str, float]]]:
-    """Paper and measurement side by side, in percent."""
+    """Make the document: paper and measurement side by side, in percent."""
     return {
         place.words: {"paper_percent": place.paper_percent, "measured_percent": table[place.words]}
         for place in PLACES
@@ -80,7 +76,7 @@ def as_document(table: Table) -> dict[str, dict[str, dict[str, float]]]:
 
 
 def as_text(table: Table) -> str:
-    """One line a place, one pair of columns a detector: the paper's number and ours."""
+    """Format a line for each place, with the numbers of the paper and ours for each detector."""
     lines = [
         "Mean error of the number of steps, in percent: UPTIME's Table III, and ours on the Oxford recordings.",
         "",
@@ -98,19 +94,18 @@ def as_text(table: Table) -> str:
 
 
 def as_markdown(table: Table) -> str:
-    """The README's table: the paper's number / ours."""
-    heads = " | ".join(f"`{name}`" for name in DETECTORS)
-    lines = [f"| phone | walks | {heads} |", "|---" * (len(DETECTORS) + 2) + "|"]
+    """Make the table of the README: the number of the paper / ours."""
+    rows = []
     for place in PLACES:
         cells = table[place.words]
         paper = {name: f"{percent:.2f}" for name, percent in place.paper_percent.items()}
-        pairs = " | ".join(f"{paper.get(name, '–')} / {cells[name]:.2f}" for name in DETECTORS)
-        lines.append(f"| {place.words} | {cells['walks']:.0f} | {pairs} |")
-    return "\n".join(lines)
+        pairs = (f"{paper.get(name, '–')} / {cells[name]:.2f}" for name in DETECTORS)
+        rows.append((place.words, f"{cells['walks']:.0f}", *pairs))
+    return markdown_table(("phone", "walks", *(f"`{name}`" for name in DETECTORS)), rows)
 
 
 def _errors(result: BenchmarkResult, place: Place, detector: str) -> Sequence[float]:
-    """Count errors of the walks with the phone in a place."""
+    """Return the count errors of the walks with the phone in a place."""
     rows = [row for row in result.rows if row.variant == detector]
     if place.positions:
         rows = [row for row in rows if row.labels["position"] in place.positions]

@@ -1,4 +1,4 @@
-"""Table IV of UPTIME (Alzantot and Youssef 2012) on people left out: which gait was taken for which, by position.
+"""Table IV of UPTIME (Alzantot and Youssef 2012): confusion of gaits on people outside of the training data.
 
     python experiments/uptime_table4.py --data DIR [--jobs 2]
 
@@ -7,14 +7,13 @@ are labelled by a model that was trained without the person: by the paper's six 
 stride (`auto`). Prints the matrices and writes them to experiments/results/, and the shares to experiments/README.md.
 """
 
-import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from recorded import write, write_table
+from recorded import command_line, markdown_table, write, write_table
 
 from pdr_est.config import Config
 from pdr_est.evaluate.gait_recognition import KNOWN, accuracies, recalls
@@ -33,30 +32,27 @@ HEADS = ("three gaits, of all steps", "mean of the gaits' recalls", "walking aga
 
 @dataclass(frozen=True)
 class Matrix:
-    """Steps by true gait and label, both by the numbers of `Gait`. who: method or paper; where: the phone was."""
+    """Steps by true gait and label, by the numbers of `Gait`, for a method or the paper and a place of the phone."""
 
     who: str
     where: str
     counts: NDArray[np.int64]
 
     def percent(self) -> dict[str, float]:
-        """`SHARES`, in percent."""
+        """Compute `SHARES`, in percent."""
         return {name: round(100.0 * share, 2) for name, share in accuracies(self.counts).items()}
 
 
 def main() -> None:
-    """Run the suite with both feature sets, write results/uptime_table4.json and .txt and the README's table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=1)
-    options = parser.parse_args()
+    """Run the suite with both feature sets, and write results/uptime_table4.json and .txt and the README's table."""
+    options = command_line(__doc__, {"--data": Path, "--jobs": 1})
     table = [paper(), *(matrix for method in METHODS for matrix in measured(method, options.data, options.jobs))]
     write("uptime_table4", as_text(table), as_document(table))
     write_table(MARK, as_markdown(table))
 
 
 def paper() -> Matrix:
-    """Table IV of the paper: phones in hand and pocket, the same people in training and test."""
+    """Return Table IV of the paper: phones in hand and pocket, the same people in training and test."""
     counts = np.zeros((len(Gait), len(Gait)), dtype=np.int64)
     for gait, row in PAPER_ROWS.items():
         counts[gait, list(KNOWN)] = row
@@ -64,7 +60,7 @@ def paper() -> Matrix:
 
 
 def measured(method: Literal["uptime", "auto"], data: Path, jobs: int) -> list[Matrix]:
-    """The matrices of a feature set by position."""
+    """Measure the matrices of a feature set by position."""
     comparison = comparison_on_axis(replace(Config(), gait=GaitParams(method=method)))
     result = run_benchmark("gait", data, comparison, jobs)
     found = result.confusions(comparison.main.name)
@@ -72,7 +68,7 @@ def measured(method: Literal["uptime", "auto"], data: Path, jobs: int) -> list[M
 
 
 def counts_of(confusion: ConfusionMatrix) -> NDArray[np.int64]:
-    """The suite's counts as a matrix."""
+    """Convert the counts of the suite into a matrix."""
     counts = np.zeros((len(Gait), len(Gait)), dtype=np.int64)
     for true, labels in confusion.counts.items():
         for label, steps in labels.items():
@@ -81,7 +77,7 @@ def counts_of(confusion: ConfusionMatrix) -> NDArray[np.int64]:
 
 
 def as_document(table: list[Matrix]) -> list[dict[str, object]]:
-    """Each matrix with its shares in percent; a row a true gait, columns in the same order."""
+    """Make the document: each matrix with its shares in percent, one row for each true gait."""
     return [
         {
             "who": matrix.who,
@@ -94,7 +90,7 @@ def as_document(table: list[Matrix]) -> list[dict[str, object]]:
 
 
 def as_text(table: list[Matrix]) -> str:
-    """A block for each matrix."""
+    """Format a block for each matrix."""
     lines = ["UPTIME Table IV: steps by true gait (rows) and label, and percent of right labels.", ""]
     for matrix in table:
         lines.append(f"{f'{matrix.who}, {matrix.where}':24}" + "".join(f"{gait.name.lower():>10}" for gait in KNOWN))
@@ -109,13 +105,13 @@ def as_text(table: list[Matrix]) -> str:
 
 
 def as_markdown(table: list[Matrix]) -> str:
-    """The README's table: the shares in percent."""
-    lines = [f"| labels | position | {' | '.join(HEADS)} |", "|---" * (2 + len(HEADS)) + "|"]
+    """Make the table of the README: the shares in percent."""
+    rows = []
     for matrix in table:
         percent = matrix.percent()
         who = matrix.who if matrix.who == "paper" else f"`{matrix.who}`"
-        lines.append(f"| {who} | {matrix.where} | {' | '.join(f'{percent[name]:.2f}' for name in SHARES)} |")
-    return "\n".join(lines)
+        rows.append((who, matrix.where, *(f"{percent[name]:.2f}" for name in SHARES)))
+    return markdown_table(("labels", "position", *HEADS), rows)
 
 
 if __name__ == "__main__":
