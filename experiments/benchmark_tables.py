@@ -1,5 +1,5 @@
 """Runs the benchmark suites with all estimators, detectors, length models or headings; writes experiments/results/
-and the README's table.
+and the table of the README and of docs/accuracy.md.
 
     python experiments/benchmark_tables.py --data DIR [--jobs 2] [--suite NAME ...]
 
@@ -19,7 +19,7 @@ from pdr_est.experiment.runners.score_walk import run_benchmark
 from pdr_est.experiment.suites import SUITES
 from pdr_est.experiment.variants.axes import axis_named, compare
 
-README = Path(__file__).parents[1] / "README.md"
+PAGES = tuple(Path(__file__).parents[1] / page for page in ("README.md", "docs/accuracy.md"))
 MARK = "<!-- benchmark -->"
 # What the suites compare, one document for each. The others compare estimators only.
 COMPARED = {
@@ -55,7 +55,8 @@ def main() -> None:
         record(name, first, options.data, options.jobs, name)
         for axis in further:
             record(name, axis, options.data, options.jobs, f"{name}-{axis}s")
-    write_table(MARK, readme_table(), README)
+    for page in PAGES:
+        write_table(MARK, readme_table(), page)
 
 
 def record(suite: str, compared: str, data: Path, jobs: int, stem: str) -> None:
@@ -69,10 +70,11 @@ def record(suite: str, compared: str, data: Path, jobs: int, stem: str) -> None:
 
 
 def readme_table() -> str:
-    """The README's table, from the recorded results of the default estimator."""
+    """Make the table of the README from the recorded results of the default estimator."""
     lines = [
-        "| recordings | walks | ate_rigid_m median | mean | length_ratio median | error_heldout_m | coverage95 |",
-        "|---|---|---|---|---|---|---|",
+        "| recordings | walks | ate_rigid_m median | mean | length_ratio median | error_heldout_m | coverage95 "
+        "| `pdr-est benchmark` |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for suite, group, words in ROWS:
         result = json.loads((RESULTS / f"{suite}.json").read_text(encoding="utf-8"))
@@ -81,7 +83,7 @@ def readme_table() -> str:
         cells = [f"{ate['median']:.2f}", f"{ate['mean']:.2f}", f"{metrics['length_ratio']['median']:.3f}"]
         for name in ("error_heldout_m", "coverage95"):
             cells.append(f"{metrics[name]['mean']:.2f}" if name in metrics else "–")
-        lines.append(f"| {words} | {ate['n']} | {' | '.join(cells)} |")
+        lines.append(f"| {words} | {ate['n']} | {' | '.join(cells)} | `{suite}` |")
     return "\n".join(lines)
 
 

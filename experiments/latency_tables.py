@@ -56,7 +56,7 @@ def stage_table() -> str:
         ("attitude", "accelerometer alone", AccelerometerTilt(rate_hz, config.attitude)),
         *(("carrying mode", name, mode_stage(rate_hz, replace(config.mode, method=name))) for name in MODES),
         *(("steps", name, steps_of(config, name)) for name in DETECTORS),
-        ("gait", config.gait.method, gait_stage(config.gait)),
+        ("gait", config.gait.method, gait_stage(rate_hz, config.gait)),
         ("step length", "every model", StepLength(rate_hz, config.walker, config.step_length)),
         *(("heading", name, heading_stage(rate_hz, replace(config.heading, method=name))) for name in HEADINGS),
         ("odometry", "", Odometry("phone", config.odometry)),

@@ -30,7 +30,7 @@ from pdr_est.front_end.step_length import (
     WalkerParams,
 )
 from pdr_est.pipeline import analyse
-from pdr_est.simulate import DeviceParams, PathParams, Person, Scenario, sample_person, simulate_walk
+from pdr_est.simulate import DeviceParams, PathParams, Scenario, SimulatedPerson, sample_person, simulate_walk
 from pdr_est.types.steps import Step
 
 DISTANCE_M = 28.0
@@ -90,7 +90,7 @@ def walks_of(people: int, seed: int) -> list[Walk]:
     return walks
 
 
-def scenario(walker: WalkerParams, person: Person, pace: float, rng: np.random.Generator) -> Scenario:
+def scenario(walker: WalkerParams, person: SimulatedPerson, pace: float, rng: np.random.Generator) -> Scenario:
     """One walk along the corridor, by a person of that walker's height and gender."""
     cadence_hz = pace * person.gait.cadence_hz
     return Scenario(

@@ -22,7 +22,7 @@ from recorded import RESULTS, write
 
 from pdr_est.front_end.heading import HeadingName
 from pdr_est.pipeline import smooth
-from pdr_est.simulate import Path, Scenario, SimulatedWalk, Trajectory, psp_walks, simulate_walk
+from pdr_est.simulate import PspTrajectory, Scenario, SimulatedWalk, WalkingPath, psp_walks, simulate_walk
 from pdr_est.types.track import Track
 
 SHOWN: tuple[HeadingName, ...] = (*METHODS, DEFAULT)
@@ -35,7 +35,7 @@ ENOUGH_TESTS = 25  # among which each person, pocket and way is found
 class Panel:
     """One walk. legs: of psp_table1.py; way: round; tracks: by heading."""
 
-    trajectory: Trajectory
+    trajectory: PspTrajectory
     legs: str
     way: str
     walk: SimulatedWalk
@@ -44,7 +44,11 @@ class Panel:
     def return_error_percent(self, method: HeadingName) -> float:
         """From the end of the track to its start, percent of the way."""
         position_m = self.tracks[method].position_m
-        return 100.0 * float(np.linalg.norm(position_m[-1] - position_m[0])) / Path(self.walk.scenario.path).length_m
+        return (
+            100.0
+            * float(np.linalg.norm(position_m[-1] - position_m[0]))
+            / WalkingPath(self.walk.scenario.path).length_m
+        )
 
 
 def main() -> None:
@@ -59,7 +63,7 @@ def main() -> None:
     write("psp_figure3", as_text(panels), as_document(panels, seed))
 
 
-def panel(trajectory: Trajectory, legs: str, way: str, seed: int) -> Panel:
+def panel(trajectory: PspTrajectory, legs: str, way: str, seed: int) -> Panel:
     """The walk of the first man that way round, by each heading."""
     walk = simulate_walk(with_legs(of_a_man(trajectory, way, seed), legs))
     return Panel(
@@ -67,7 +71,7 @@ def panel(trajectory: Trajectory, legs: str, way: str, seed: int) -> Panel:
     )
 
 
-def of_a_man(trajectory: Trajectory, way: str, seed: int) -> Scenario:
+def of_a_man(trajectory: PspTrajectory, way: str, seed: int) -> Scenario:
     """The first test that way round of the first man among the people, left pocket."""
     tests = psp_walks(trajectory, ENOUGH_TESTS, seed)
     height_m = next(test.gait.height_m for test in tests if test.gait.gender == "male")

@@ -37,19 +37,19 @@ from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.pipeline import smooth
 from pdr_est.simulate import (
     PSP_TESTS,
-    Path,
     PocketPhone,
+    PspTrajectory,
     Scenario,
     SimulatedWalk,
-    Trajectory,
+    WalkingPath,
     psp_walks,
     simulate_walk,
 )
 
 METHODS: tuple[HeadingName, ...] = ("psp", "hde", "gyro", "magnetometer")
 DEFAULT: HeadingName = "auto"  # smoothed, as it comes
-TRAJECTORIES: tuple[Trajectory, ...] = ("I", "II")
-PAPER_M: dict[Trajectory, dict[HeadingName, float]] = {
+TRAJECTORIES: tuple[PspTrajectory, ...] = ("I", "II")
+PAPER_M: dict[PspTrajectory, dict[HeadingName, float]] = {
     "I": {"psp": 1.967, "hde": 2.134, "gyro": 20.547, "magnetometer": 19.410},
     "II": {"psp": 3.868, "hde": 19.922, "gyro": 22.112, "magnetometer": 25.796},
 }
@@ -65,7 +65,7 @@ class Returns:
     """The tests on one trajectory with one kind of legs. length_m: of the walk; group: (n) of GROUPS; error_m: (n,)
     by method; others_m: (n,) by controller and increment."""
 
-    trajectory: Trajectory
+    trajectory: PspTrajectory
     legs: str
     length_m: float
     group: tuple[str, ...]
@@ -96,14 +96,16 @@ def main() -> None:
     write("psp_table1", as_text(table), as_document(table, arguments.seed))
 
 
-def measured(trajectory: Trajectory, legs: str, tests: int, seed: int, increments: Sequence[float] = ()) -> Returns:
+def measured(
+    trajectory: PspTrajectory, legs: str, tests: int, seed: int, increments: Sequence[float] = ()
+) -> Returns:
     """Return position errors of some tests. increments: others for the controllers, rad/s more each second."""
     scenarios = [with_legs(scenario, legs) for scenario in psp_walks(trajectory, tests, seed)]
     errors = [errors_m(simulate_walk(scenario), increments) for scenario in scenarios]
     return Returns(
         trajectory=trajectory,
         legs=legs,
-        length_m=Path(scenarios[0].path).length_m,
+        length_m=WalkingPath(scenarios[0].path).length_m,
         group=tuple(group_of(scenario) for scenario in scenarios),
         error_m={method: np.array([of[method, INCREMENT_RADPS] for of in errors]) for method in (*METHODS, DEFAULT)},
         others_m={key: np.array([of[key] for of in errors]) for key in errors[0] if key[1] != INCREMENT_RADPS},
@@ -148,7 +150,7 @@ def group_of(scenario: Scenario) -> str:
     """Pocket and direction of a walk."""
     carry = scenario.devices[0].carry
     side = carry.side if isinstance(carry, PocketPhone) else "no pocket"
-    return f"{side}, {'counter-clockwise' if Path(scenario.path).turn_rad.sum() > 0.0 else 'clockwise'}"
+    return f"{side}, {'counter-clockwise' if WalkingPath(scenario.path).turn_rad.sum() > 0.0 else 'clockwise'}"
 
 
 def as_document(table: Sequence[Returns], seed: int) -> dict[str, object]:

@@ -1,18 +1,23 @@
-"""The pictures of the README, from simulated walks.
+"""Draw the pictures of the README and the docs from simulated walks.
 
-    python experiments/readme_pictures.py
+    python experiments/readme_pictures.py [--browser chromium]
 
-Writes docs/pictures/steps.png, track.png and two-phones.png.
+Writes docs/pictures/steps.png, track.png and two-phones.png. With a Chromium-like browser also report.png, the upper
+part of the report that `make demo` writes.
 """
 
 import argparse
+import subprocess
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
 from pdr_est import pipeline
+from pdr_est.cli import main as pdr_est
 from pdr_est.config import Config, StartParams
 from pdr_est.estimators.person.track import NAME
 from pdr_est.pipeline import SmoothedWalk
@@ -20,8 +25,8 @@ from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
 from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.plots.track import plot_track
-from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
-from pdr_est.simulate.presets.mmpdr import carried_device
+from pdr_est.simulate import Scenario, SensorParams, SimulatedWalk, mmpdr_indoor, preset, sample_person, simulate_walk
+from pdr_est.simulate.people.carried_device import carried_device
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.steps import CarryingMode
 
@@ -31,22 +36,38 @@ HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.
 SEED = 0
 SIGMA_M = 0.5
 DPI = 100
+REPORT_SIZE = (1000, 1066)  # pixels: header and track
 
 
 def main() -> None:
     """Write all pictures."""
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--browser", help="program that takes a screenshot of the report")
+    browser = parser.parse_args().browser
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name, figure in (("steps", steps()), ("track", track_with_fixes()), ("two-phones", two_phones())):
         figure.patch.set_visible(True)
         figure.set_facecolor("white")
         figure.savefig(PICTURES / f"{name}.png", dpi=DPI, metadata={"Software": None})
+    if browser:
+        photograph_report(browser, PICTURES / "report.png")
+
+
+def photograph_report(browser: str, picture: Path) -> None:
+    """Take a screenshot of the demo's report, with few colours so that it stays small."""
+    with tempfile.TemporaryDirectory() as folder:
+        pdr_est(["demo", "-o", f"{folder}/demo", "--quiet"], standalone_mode=False)
+        size = ",".join(str(pixels) for pixels in REPORT_SIZE)
+        options = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={size}")
+        shot = Path(folder) / "shot.png"
+        subprocess.run((browser, *options, f"--screenshot={shot}", f"file://{folder}/demo/report.html"), check=True)
+        Image.open(shot).convert("P", palette=Image.Palette.ADAPTIVE, colors=128).save(picture, optimize=True)
 
 
 def steps() -> Figure:
     """Detected steps of a phone that goes from the hand into a pocket."""
     walk, _ = smoothed(simulate_walk(mmpdr_indoor(HOLDING, POCKET, seed=1)))
-    return plot_acceleration(walk.devices[0], time_axis(walk), svg.series_colour(0))
+    return plot_acceleration(walk.devices[0], time_axis(walk), svg.device_colour(0))
 
 
 def track_with_fixes() -> Figure:
@@ -69,8 +90,8 @@ def two_phones() -> Figure:
     axes.plot(*truth_m.T, color=svg.INK, linewidth=1.2, linestyle="--", label="truth")
     for number, track in enumerate(alone):
         words = f"{track.device[0]} alone"
-        axes.plot(*track.position_m.T, color=svg.series_colour(number), linewidth=1.6, label=words)
-    axes.plot(*person.position_m.T, color=svg.series_colour(2), linewidth=3.0, label="person, from both")
+        axes.plot(*track.position_m.T, color=svg.device_colour(number), linewidth=1.6, label=words)
+    axes.plot(*person.position_m.T, color=svg.device_colour(2), linewidth=3.0, label="person, from both")
     axes.set_aspect("equal", adjustable="datalim")
     svg.label_axes(axes, "east (m)", "north (m)")
     axes.legend(frameon=False, labelcolor=svg.INK, fontsize=9.0, loc="center")
@@ -82,7 +103,8 @@ def with_two_phones(seed: int) -> Scenario:
     rng = np.random.default_rng(seed)
     person = sample_person(rng)
     carried = [
-        carried_device(person, (mode,), (), rng, name=name) for name, mode in (("hand", SWING), ("pocket", POCKET))
+        carried_device(person, (mode,), (), rng, SensorParams(rate_hz=50.0), name)
+        for name, mode in (("hand", SWING), ("pocket", POCKET))
     ]
     loop = preset("office_loop")
     return replace(loop, gait=person.gait, body=person.body, devices=tuple(carried), seed=seed)

@@ -1,20 +1,88 @@
-"""pdr_est: the track of a walking person, with honest uncertainty, from the inertial recordings of phones."""
+"""Pedestrian dead reckoning: tracks with honest uncertainty from the inertial recordings of phones.
 
-from __future__ import annotations
+    import pdr_est
+
+    recording = pdr_est.read("demo-out/simulated-walk.csv")
+    track = pdr_est.smooth(recording)
+    track.to_csv("my-track.csv")
+    print(track.position_m[-1], track.covariance_m2[-1])
+
+Everything that a user needs is a name of this package. The modules below hold the parts; see `docs/`.
+
+From recording to track
+-----------------------
+A **recording** holds the raw samples of one or several **devices** (phones) of one walk. The **front end** processes
+each device by a chain of **stages**: resampling to a uniform rate, attitude, carrying mode, step detection, gait,
+step length, heading, odometry. It emits **measurements**. An **estimator** computes a **track** from them: a pose
+with covariance at the end of every step.
+
+Types
+-----
+- Recording: signals of all devices of one walk, as `read` returns it or `Recording.from_arrays` makes it.
+- Step: a detected step with carrying mode, gait, length and heading.
+- StepOdometry: length and heading change of one step, with their covariance.
+- HeadingPrior: heading of a device at one time, in the map or relative to an unknown direction.
+- PositionFix: known position with covariance, such as GPS or a surveyed point.
+- DeviceTether: upper bound on the distance between two devices on one body.
+- LoopClosure: the walk ends where it began.
+- StartPose: position and heading at the start, as far as they are known.
+- DeviceMeasurements: all measurements of one device.
+- Track: result of an estimator. *Filtered* poses use the past only, *smoothed* poses use the whole walk, *delayed*
+  poses use the past and a fixed time after it. The device "fused" is the person, from all devices.
+- Config: all settings; frozen, validated, with a default for each.
+- Tracker: the same pipeline online, fed with `SensorBlock` while the phones record.
+
+Words
+-----
+- step, stride: from one foot contact to the next of the other foot; two steps.
+- segment: part of a recording without a gap.
+- carrying mode: HOLDING (in front of the body), SWING (swinging hand), POCKET, OTHER, TRANS (between two).
+- heading: direction in which the person walks. It is not the yaw of the phone.
+- dominant directions: the few directions, at equal angles, that the corridors of a building follow.
+- fix, tether, prior: see PositionFix, DeviceTether, HeadingPrior.
+
+Frames
+------
+- device: as on Android, x to the right, y up along the screen, z out of the screen.
+- level: z up; the yaw about it has an arbitrary zero in each segment.
+- map: x east, y north, origin as the recording or the user gives it.
+- own: like the map frame, but with the origin at the start of the walk and the first step along x; used where neither
+  a start nor fixes are known.
+
+Headings count counter-clockwise from east. Quaternions have w first and rotate from device to level or map.
+
+Units and names
+---------------
+SI units: seconds, metres, radians, hertz; magnetic field in µT. Names end in their unit where a reader could doubt
+it: ``length_m``, ``heading_rad``, ``rate_hz``, ``acceleration_mps2``, ``covariance_m2``. ``sigma_x`` is the standard
+deviation of ``x``. ``time_s`` counts on the clock of the recording. ``(n, 3)`` in a docstring is the shape of an
+array, n samples or poses long. Specific force is the accelerometer signal including gravity; it points up when a
+device lies still.
+"""
 
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from pdr_est.config import Config, load_config
-    from pdr_est.errors import PdrError
+    from pdr_est.errors import ConfigError, EstimationError, OutputError, PdrError, RecordingError
     from pdr_est.io.formats.registry import read
     from pdr_est.online import Tracker
-    from pdr_est.types.measurements import PositionFix
-    from pdr_est.types.recording import Recording
+    from pdr_est.public_api import analyse, detect_steps, estimate, smooth
+    from pdr_est.types.analysis import DeviceWalk
+    from pdr_est.types.measurements import (
+        DeviceMeasurements,
+        DeviceTether,
+        HeadingPrior,
+        LoopClosure,
+        PositionFix,
+        StartPose,
+        StepOdometry,
+    )
+    from pdr_est.types.recording import DeviceRecording, Recording, Signal
+    from pdr_est.types.sensors import Channel, SensorBlock
+    from pdr_est.types.steps import CarryingMode, Step
     from pdr_est.types.track import Track
 
 try:
@@ -23,44 +91,74 @@ except PackageNotFoundError:  # run from a source tree that is not installed
     __version__ = "0+unknown"
 
 __all__ = [
+    "CarryingMode",
+    "Channel",
     "Config",
+    "ConfigError",
+    "DeviceMeasurements",
+    "DeviceRecording",
+    "DeviceTether",
+    "DeviceWalk",
+    "EstimationError",
+    "HeadingPrior",
+    "LoopClosure",
+    "OutputError",
     "PdrError",
     "PositionFix",
     "Recording",
+    "RecordingError",
+    "SensorBlock",
+    "Signal",
+    "StartPose",
+    "Step",
+    "StepOdometry",
     "Track",
     "Tracker",
     "__version__",
+    "analyse",
+    "detect_steps",
+    "estimate",
     "load_config",
     "read",
     "smooth",
 ]
 
-_HOMES = {
-    "Config": "pdr_est.config",
-    "PdrError": "pdr_est.errors",
-    "PositionFix": "pdr_est.types.measurements",
-    "Recording": "pdr_est.types.recording",
-    "Track": "pdr_est.types.track",
-    "Tracker": "pdr_est.online",
-    "load_config": "pdr_est.config",
-    "read": "pdr_est.io.formats.registry",
+_MODULES = {
+    "pdr_est.config": ("Config", "load_config"),
+    "pdr_est.errors": ("ConfigError", "EstimationError", "OutputError", "PdrError", "RecordingError"),
+    "pdr_est.io.formats.registry": ("read",),
+    "pdr_est.online": ("Tracker",),
+    "pdr_est.public_api": ("analyse", "detect_steps", "estimate", "smooth"),
+    "pdr_est.types.analysis": ("DeviceWalk",),
+    "pdr_est.types.measurements": (
+        "DeviceMeasurements",
+        "DeviceTether",
+        "HeadingPrior",
+        "LoopClosure",
+        "PositionFix",
+        "StartPose",
+        "StepOdometry",
+    ),
+    "pdr_est.types.recording": ("DeviceRecording", "Recording", "Signal"),
+    "pdr_est.types.sensors": ("Channel", "SensorBlock"),
+    "pdr_est.types.steps": ("CarryingMode", "Step"),
+    "pdr_est.types.track": ("Track",),
+    # To be added to this table, to `__all__` and to the imports for type checkers above, once their modules exist:
+    # "pdr_est.estimators.factor_graph.build": ("build_graph",)
+    # "pdr_est.estimators...": ("EstimatorSpec",)
 }
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    """Load a name at its first use: the libraries behind it take seconds, during which Ctrl-C must work."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'pdr_est' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    """Import a public name at its first use: the libraries behind it take seconds, during which Ctrl-C must work."""
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module 'pdr_est' has no attribute {name!r}: its names are {', '.join(__all__)}")
+    value = getattr(import_module(_MODULE_OF[name]), name)
+    globals()[name] = value
+    return value
 
 
-def smooth(recording: Recording, config: Config | None = None, fixes: Sequence[PositionFix] = ()) -> Track:
-    """Track of a recorded walk by the configured estimator (default: factor graph).
-
-    fixes: known positions, in the map frame. Use `pdr_est.pipeline.smooth` for the steps and timings as well.
-    Raises PdrError subclasses for recordings and settings that give no track.
-    """
-    from pdr_est import config as configuration
-    from pdr_est import pipeline
-
-    return pipeline.smooth(recording, config or configuration.Config(), fixes).track
+def __dir__() -> list[str]:
+    """List the public names, whether or not they have been imported yet."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

@@ -1,15 +1,16 @@
-"""The exceptions of the project.
+"""The exceptions of the library, all derived from `PdrError`.
 
-Every message names the value, the place and the remedy. Only the command line turns them into exit codes.
+A message names the value that is wrong, the place where it stands and the remedy. Only the command line turns
+exceptions into exit codes.
 """
 
 
 class PdrError(Exception):
-    """Base of everything that this package raises on purpose."""
+    """Base class of every error that the library raises on purpose."""
 
 
 class RecordingError(PdrError):
-    """A recording cannot be used: unknown format, damaged file, missing sensor."""
+    """A recording cannot be used: its format is unknown, its file is damaged, or a sensor is missing."""
 
 
 class ConfigError(PdrError):
@@ -17,8 +18,8 @@ class ConfigError(PdrError):
 
 
 class EstimationError(PdrError):
-    """An estimator cannot give a track from the measurements it was given."""
+    """An estimator cannot compute a track from the measurements that it was given."""
 
 
 class OutputError(PdrError):
-    """A result cannot be written."""
+    """A result cannot be written or shown."""

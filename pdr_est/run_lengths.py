@@ -1,4 +1,4 @@
-"""Stretches in which a label stays the same."""
+"""Runs of equal labels in a sequence, such as the samples of one carrying mode."""
 
 from typing import Any
 
@@ -6,8 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def runs(*labels: NDArray[Any]) -> list[tuple[int, int]]:
-    """(start, stop) of each run of samples that agree in every one of the labels, (n,) each; stop is exclusive."""
+def label_runs(*labels: NDArray[Any]) -> list[tuple[int, int]]:
+    """Divide a sequence into runs in which every label stays the same.
+
+    Parameters
+    ----------
+    *labels
+        One or more arrays (n,) with the labels of the same n samples.
+
+    Returns
+    -------
+    list of (start, stop)
+        Index range of each run, in order; `stop` is exclusive. Empty for empty arrays.
+    """
     count = len(labels[0])
     if not count:
         return []

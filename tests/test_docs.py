@@ -1,4 +1,4 @@
-"""Every code block of the README and of docs/ runs or is checked, in a folder where `make demo` has run.
+"""Every code block of the README and of docs/ is run or checked, in a folder where `make demo` has run.
 
 The blocks of a page run in the order in which they stand, in a folder of the page's own.
 """
@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from click.testing import CliRunner
-from documents import LANGUAGES, PAGES, ROOT, Block, blocks_of, missing_lines, prose_of
+from documents import LANGUAGES, PAGES, ROOT, TUTORIALS, Block, blocks_of, missing_lines, prose_of
 
+import pdr_est
 from pdr_est import read
 from pdr_est.cli import main
 from pdr_est.config import Config, config_to_dict, load_config
@@ -30,6 +32,8 @@ from pdr_est.io.side_tables.position_fixes import read_position_fixes
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 LARGEST_PICTURE_BYTES = 150_000
+MOST_README_LINES = 200
+GENERATED = ("changelog.md", "papers.md")  # pages of the site that lie elsewhere in the repository
 
 
 @pytest.fixture(scope="module")
@@ -160,7 +164,9 @@ def test_what_a_page_names_exists(page: Path) -> None:
     for path in re.findall(r"`((?:pdr_est|configs|experiments|docs|tests|models)/[\w./-]+)`", prose):
         assert (ROOT / path).exists(), f"{page.name}: {path}"
     for target in re.findall(r"\]\((?!https?://|#)([^)#]+)", prose):
-        assert (page.parent / target).exists(), f"{page.name}: {target}"
+        script = (page.parent / target).with_suffix(".py")  # tutorials become pages when the site is built
+        generated = page.parent == ROOT / "docs" and target in GENERATED
+        assert generated or script in TUTORIALS or (page.parent / target).exists(), f"{page.name}: {target}"
     for path, words in re.findall(r"`python (experiments/\w+\.py)([^`]*)`", prose):
         check_script(path, words.split())
 
@@ -176,9 +182,40 @@ def test_settings_that_a_page_names_exist(page: Path) -> None:
             section = section[key]
 
 
+def test_the_readme_is_short() -> None:
+    assert README.count("\n") <= MOST_README_LINES
+
+
 def test_every_page_is_reached_from_the_readme() -> None:
-    for page in PAGES[1:]:
+    reference = ROOT / "docs" / "api"  # which only the built site can show
+    pages = [page for page in PAGES[1:] if page.parent != reference and page.name != "index.md"]
+    for page in [*pages, *TUTORIALS]:
         assert f"]({page.relative_to(ROOT)})" in README, page.name
+
+
+def test_every_page_is_in_the_navigation_of_the_site() -> None:
+    navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    docs = ROOT / "docs"
+    pages = [page.relative_to(docs) for page in PAGES if page.is_relative_to(docs)]
+    tutorials = [script.relative_to(docs).with_suffix(".md") for script in TUTORIALS]
+    missing = [str(page) for page in [*pages, *tutorials] if not re.search(rf"[ :-] {page}\n", navigation)]
+    assert missing == []
+    assert yaml.safe_load(navigation)["strict"] is True
+
+
+def test_the_reference_has_every_public_name() -> None:
+    page = (ROOT / "docs" / "api" / "index.md").read_text(encoding="utf-8")
+    named = re.findall(r"^::: pdr_est\.(\w+)$", page, flags=re.MULTILINE)
+    assert sorted([*named, "__version__"]) == sorted(pdr_est.__all__)
+
+
+def test_the_reference_has_every_package() -> None:
+    pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs" / "api").glob("*.md"))
+    documented = set(re.findall(r"^::: pdr_est\.(\w+)$", pages, flags=re.MULTILINE))
+    # These serve the command line and are no library.
+    internal = {"cli", "experiment", "performance", "report"}
+    packages = {path.parent.name for path in (ROOT / "pdr_est").glob("*/__init__.py")}
+    assert packages - internal - documented == set()
 
 
 def test_pictures_are_small() -> None:
@@ -186,7 +223,7 @@ def test_pictures_are_small() -> None:
     assert pictures
     for picture in pictures:
         assert picture.stat().st_size <= LARGEST_PICTURE_BYTES, picture
-        assert picture.name in README, picture
+        assert any(picture.name in page.read_text(encoding="utf-8") for page in PAGES), picture
 
 
 @pytest.mark.parametrize(
@@ -205,7 +242,8 @@ def test_pages_are_complete(page: str, names: tuple[str, ...]) -> None:
 
 def test_benchmark_table_is_that_of_the_recorded_results() -> None:
     script = runpy.run_path(str(ROOT / "experiments" / "benchmark_tables.py"))
-    assert script["readme_table"]() in README
+    for page in script["PAGES"]:
+        assert script["readme_table"]() in page.read_text(encoding="utf-8"), page
 
 
 def test_latency_table_is_computed() -> None:

@@ -14,7 +14,9 @@ PACKAGE = "pdr_est"
 # A part may import what stands in an earlier group, and itself; never its neighbours in the same group. The longest
 # name that fits a module places it.
 ORDER: list[set[str]] = [
-    {"errors", "frames", "stage", "params", "run_lengths"},
+    {"errors", "frames", "stage", "run_lengths"},
+    {"params"},
+    {"parts"},
     {"types"},
     # The five wings, which never see each other. Inside a wing the same rule holds.
     {"io.text", "clock_sync", "front_end.signal", "estimators.common", "simulate"},
@@ -28,26 +30,29 @@ ORDER: list[set[str]] = [
     {"preprocessing", "evaluate"},
     {"config"},
     {"pipeline"},
-    {"online", "calibration", "training"},
+    {"public_api"},
+    {"online", "calibration", "training", "testing"},
     {"report"},
     {"experiment", "performance"},
     {"cli"},
+    {"__main__"},
 ]
 WINGS = ("io", "clock_sync", "front_end", "estimators", "simulate")
-FACADE_HIDES = {"cli"}  # what pdr_est/__init__.py must not import
+FACADE_HIDES = {"cli", "__main__"}  # what pdr_est/__init__.py must not import
 # Heavy or replaceable libraries, and the only places that know them.
 LIBRARIES = {
     "gtsam": ("estimators.factor_graph", "estimators.fixed_lag", "performance.smoothing"),
     "filterpy": ("estimators.kalman",),
     "sklearn": ("front_end.gait",),
     "vqf": ("front_end.attitude",),
-    "polars": ("io",),
-    "matplotlib": ("report",),
+    # A track gives data frames and drawings of itself; both libraries are imported at use.
+    "polars": ("io", "types.track", "types.track_table"),
+    "matplotlib": ("report", "types.track", "types.track_drawing"),
     "jinja2": ("report",),
     "click": ("cli",),
 }
 MOST_LINES, MOST_FUNCTION_LINES = 300, 60
-MOST_LINES_OF_THE_TOP = 80  # pipeline/__init__.py reads as the algorithm
+MOST_LINES_OF_THE_TOP = 90  # pipeline/__init__.py reads as the algorithm
 MOST_FILES = 14
 
 

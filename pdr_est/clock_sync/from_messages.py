@@ -148,10 +148,10 @@ def _stamps(recording: Recording, first: DeviceRecording, other: DeviceRecording
 def _to_recording_time(stamps_s: Array, recording: Recording, device: DeviceRecording) -> Array:
     """Convert stamps in the recorder's seconds or in Unix time to the times that the recording has for the device."""
     if recording.epoch_s is None:
-        return stamps_s + device.moved_s
+        return stamps_s + device.clock_shift_s
     span_s = device.span_s
     unix = (stamps_s > _EPOCH_FROM_S) & (span_s is None or span_s[1] < _EPOCH_FROM_S)
-    return np.where(unix, stamps_s - recording.epoch_s, stamps_s + device.moved_s)
+    return np.where(unix, stamps_s - recording.epoch_s, stamps_s + device.clock_shift_s)
 
 
 def _check_near_recording(
@@ -164,7 +164,7 @@ def _check_near_recording(
     far = np.flatnonzero((times_s < span_s[0] - _FAR_S) | (times_s > span_s[1] + _FAR_S))
     if len(far):
         row = int(rows[far[0]])
-        begin_s, end_s = (time_s - device.moved_s for time_s in span_s)
+        begin_s, end_s = (time_s - device.clock_shift_s for time_s in span_s)
         raise RecordingError(
             f"{messages.place}, line {row + _FIRST_LINE}: {name} = {getattr(messages, name)[row]:.6f} is far from "
             f"what {device.name} recorded ({begin_s:.3f} to {end_s:.3f} s): give it on the clock of that device"

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 
 from pdr_est.errors import RecordingError
-from pdr_est.types.measurements import LATE_S
+from pdr_est.types.measurements import LATE_START_S
 from pdr_est.types.recording import DeviceRecording
 
 # All ours. Less than this in common is a few steps, which determine neither clocks nor tethers.
@@ -45,7 +45,7 @@ def devices_started_late(devices: Sequence[DeviceRecording]) -> tuple[str, ...]:
     """Name the devices that began to record so late that they may not have begun where the walk did."""
     spans_s = _spans_s(devices)
     first_s = min((begin_s for begin_s, _ in spans_s.values()), default=0.0)
-    return tuple(name for name, (begin_s, _) in spans_s.items() if begin_s - first_s > LATE_S)
+    return tuple(name for name, (begin_s, _) in spans_s.items() if begin_s - first_s > LATE_START_S)
 
 
 def coverage_warnings(devices: Sequence[DeviceRecording]) -> Mapping[str, tuple[str, ...]]:
@@ -65,7 +65,7 @@ def coverage_warnings(devices: Sequence[DeviceRecording]) -> Mapping[str, tuple[
 
 def _coverage_warnings(span_s: TimeSpan, first_s: float, last_s: float) -> Iterator[str]:
     """Warn of a late beginning and an early end of one device."""
-    if span_s[0] - first_s > LATE_S:
+    if span_s[0] - first_s > LATE_START_S:
         yield (
             f"began to record {span_s[0] - first_s:.1f} s after another device, "
             "whose track is the person's until then"

@@ -1,4 +1,4 @@
-"""YAML files: read strictly, with the line on which each key stands."""
+"""Read YAML files strictly, with the line on which each key stands."""
 
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -9,22 +9,28 @@ from typing import Any
 import yaml
 
 from pdr_est.errors import ConfigError
-
-Location = tuple[int | str, ...]
-"""Keys and places in lists that lead to a value."""
+from pdr_est.params.validation_messages import Location
 
 _NO_LINES: Mapping[Location, int] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
 class Lines:
-    """Where the values of a document stand. numbers: line of each location, counted from 1."""
+    """Lines of the values of a document.
+
+    Attributes
+    ----------
+    numbers
+        Line of each location, counted from 1.
+    """
 
     numbers: Mapping[Location, int] = field(default_factory=lambda: _NO_LINES)
 
     def of(self, location: Location) -> int | None:
-        """Line of the value, else of the first one below it, else of the nearest one that it would lie in; None when
-        no line is known."""
+        """Find the line of a value, else of the first one below it, else of the nearest section that it would lie in.
+
+        Returns None when no line is known.
+        """
         below = [line for key, line in self.numbers.items() if key[: len(location)] == location]
         if location not in self.numbers and below:
             return min(below)
@@ -34,23 +40,23 @@ class Lines:
         return None
 
     def words(self, location: Location) -> str:
-        """`line 7: ` to put before what is said of a value, or nothing."""
+        """Make the words to put before what is said of a value, such as "line 7: ", or nothing."""
         line = self.of(location)
         return "" if line is None else f"line {line}: "
 
     def below(self, location: Location) -> "Lines":
-        """The lines of the value at a location, as if it were a document of its own."""
+        """Give the lines of the value at a location, as if it were a document of its own."""
         size = len(location)
         return Lines({key[size:]: line for key, line in self.numbers.items() if key[:size] == location})
 
 
 def load_yaml(path: str | Path) -> Any:
-    """What a YAML file holds. Raises ConfigError that names the file, also for a key that stands twice."""
+    """Read a YAML file. Raises ConfigError, which names the file, also for a key that stands twice."""
     return load_yaml_lines(path)[0]
 
 
 def load_yaml_lines(path: str | Path) -> tuple[Any, Lines]:
-    """What a YAML file holds and where. Raises ConfigError as `load_yaml` does."""
+    """Read a YAML file with the lines of its values. Raises ConfigError as `load_yaml` does."""
     try:
         return _parsed(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
@@ -65,9 +71,10 @@ def load_yaml_lines(path: str | Path) -> tuple[Any, Lines]:
 
 
 class _StrictLoader(yaml.SafeLoader):
-    """YAML in which a key that stands twice is an error: the first one would be lost without a word."""
+    """Loader for which a key that stands twice is an error: the first value would be lost without a word."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        """Make the dictionary of a mapping whose keys all differ."""
         seen: set[str] = set()
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode):

@@ -1,31 +1,83 @@
-"""Estimators: measurements ─► track. They know geometry and probability, and nothing of phones."""
+"""Estimators: from the measurements of a walk to its track with covariance.
 
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from typing import Literal, get_args
+They know geometry and probability, and nothing of phones. `spec` holds the contract that each of them fits, also one
+from outside the package; `built_in` the table of those of the package and what each can do.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, get_args
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import dead_reckoning
-from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.built_in import SPECS, BuiltInEstimator, EstimatorSettings, timelines_of
+from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.kalman import multi_device as joint_ekf
-from pdr_est.estimators.kalman import single_device as ekf
-from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
-from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, PositionFix, StartPose
-from pdr_est.types.track import Track, concatenate
+from pdr_est.estimators.robust_dr.fusion import MapFusionParams
+from pdr_est.estimators.spec import Estimator, EstimatorSpec, OnlineEstimator, OnlineFilter, OnlinePose
+from pdr_est.parts import ESTIMATOR, is_external, named_part
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, StartPose
+from pdr_est.types.track import Track
+
+__all__ = [
+    "ESTIMATORS",
+    "SPECS",
+    "BuiltInEstimator",
+    "DeviceMeasurements",
+    "Estimator",
+    "EstimatorName",
+    "EstimatorSettings",
+    "EstimatorSpec",
+    "OnlineEstimator",
+    "OnlineFilter",
+    "OnlinePose",
+    "Timeline",
+    "estimate_track",
+    "estimate_walk",
+    "estimator_named",
+    "timelines_of",
+]
 
 EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
-SMOOTHERS: tuple[EstimatorName, ...] = ("factor-graph",)  # each pose from the whole walk
-ONLINE: tuple[EstimatorName, ...] = ("ekf", "fixed-lag")  # the same while the devices record
-# These find a start that is not given from the fixes, and use them for nothing else.
-RECKONERS: tuple[EstimatorName, ...] = ("dead-reckoning", "map-closed-form", "map-general")
+"""Names of the estimators of the package, which are the keys of `SPECS`."""
 
+_NO_PARAMETERS: Mapping[str, Any] = {}
 _MAP_FUSION, _FIXED_LAG = MapFusionParams(), FixedLagParams()
 
 
+def estimator_named(
+    name: str,
+    parameters: Mapping[str, Any] = _NO_PARAMETERS,
+    map_fusion: MapFusionParams = _MAP_FUSION,
+    fixed_lag: FixedLagParams = _FIXED_LAG,
+) -> Estimator:
+    """Make an estimator.
+
+    Parameters
+    ----------
+    name
+        One of `ESTIMATORS`, or the dotted name, `module:attribute`, of one from outside the package.
+    parameters
+        Arguments of the class or function that a dotted name stands for.
+    map_fusion, fixed_lag
+        Parameters of the estimators of the package.
+
+    Raises
+    ------
+    EstimationError
+        For an unknown name.
+    PartError
+        For an estimator from outside the package that cannot be made.
+    """
+    if is_external(name):
+        own: Estimator = named_part(name, parameters, ESTIMATOR, "estimator.name", {})
+        return own
+    if name not in SPECS:
+        raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")
+    return BuiltInEstimator(SPECS[name], EstimatorSettings(map_fusion, fixed_lag))
+
+
 def estimate_walk(
-    name: EstimatorName,
+    name: str,
     devices: Sequence[DeviceMeasurements],
     start: StartPose,
     sigma_length_scale: float,
@@ -33,67 +85,40 @@ def estimate_walk(
     map_fusion: MapFusionParams = _MAP_FUSION,
     fixed_lag: FixedLagParams = _FIXED_LAG,
 ) -> Track:
-    """Tracks of all devices of one walk. sigma_length_scale: of the walker's own step length.
+    """Estimate the tracks of all devices of one walk by an estimator of the package.
 
-    A position fix among the measurements of several devices is one piece of knowledge about one walker: each device
-    gets its share of the information.
+    Parameters
+    ----------
+    name
+        One of `ESTIMATORS`.
+    devices
+        Measurements of each device. A position fix of the walk stands among those of every device, and each gets its
+        share of the information.
+    start
+        Start pose, as far as it is known.
+    sigma_length_scale
+        Standard deviation of the walker's length scale.
+    tethers
+        Tethers between the devices.
+    map_fusion, fixed_lag
+        Parameters of map-closed-form and map-general, and of fixed-lag.
 
-    Raises EstimationError for odometry out of order, a tether to an unknown device, or a graph without a unique
-    solution.
+    Raises
+    ------
+    EstimationError
+        For odometry out of order, a tether to an unknown device, or a graph without a unique solution.
     """
-    split_times_s = sorted({tether.time_s for tether in tethers})
-    timelines = [
-        build_timeline(one.device, one.start_s, _shared(one.measurements, len(devices)), split_times_s)
-        for one in devices
-    ]
-    match name:
-        case "dead-reckoning":
-            return concatenate([dead_reckoning.estimate(one, start, sigma_length_scale) for one in timelines])
-        case "map-closed-form":
-            return estimate_closed_form(timelines, tethers, start, sigma_length_scale, map_fusion)
-        case "map-general":
-            return estimate_general(timelines, tethers, start, sigma_length_scale, map_fusion)
-        case "ekf":
-            if len(timelines) == 1:
-                return ekf.estimate(timelines[0], start, sigma_length_scale)
-            return joint_ekf.estimate(timelines, tethers, start, sigma_length_scale)
-        case "factor-graph":
-            from pdr_est.estimators.factor_graph import smoother as factor_graph
-
-            return factor_graph.estimate(timelines, tethers, start, sigma_length_scale)
-        case "fixed-lag":
-            from pdr_est.estimators.fixed_lag import smoother as lagged  # likewise
-
-            return lagged.estimate(timelines, tethers, start, sigma_length_scale, fixed_lag)
-    raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")
+    estimator = estimator_named(name, map_fusion=map_fusion, fixed_lag=fixed_lag)
+    return estimator.estimate(devices, tethers, start, sigma_length_scale)
 
 
 def estimate_track(
-    name: EstimatorName,
+    name: str,
     device: str,
     start_s: float,
     measurements: Iterable[Measurement],
     start: StartPose,
     sigma_length_scale: float,
 ) -> Track:
-    """`estimate_walk` for one device."""
+    """Estimate the track of a single device; `estimate_walk` explains the arguments. start_s: time of its start."""
     return estimate_walk(name, [DeviceMeasurements(device, start_s, tuple(measurements))], start, sigma_length_scale)
-
-
-def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measurement]:
-    return [
-        replace(m, covariance_m2=m.covariance_m2 * devices) if isinstance(m, PositionFix) else m for m in measurements
-    ]
-
-
-__all__ = [
-    "ESTIMATORS",
-    "ONLINE",
-    "RECKONERS",
-    "SMOOTHERS",
-    "DeviceMeasurements",
-    "EstimatorName",
-    "Timeline",
-    "estimate_track",
-    "estimate_walk",
-]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.run_lengths import runs
+from pdr_est.run_lengths import label_runs
 from pdr_est.types.ground_truth import TrueModes
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, Step
@@ -116,7 +116,7 @@ def _fired_changes(time_s: Array, label: NDArray[np.int8]) -> list[tuple[float, 
     known = label != CarryingMode.UNKNOWN
     time_s, label = time_s[known], label[known]
     changes: list[tuple[float, float]] = []
-    for start, stop in runs(label):
+    for start, stop in label_runs(label):
         if label[start] == CarryingMode.TRANS:
             changes.append((float(time_s[start]), float(time_s[stop - 1])))
         elif start > 0 and label[start - 1] != CarryingMode.TRANS:

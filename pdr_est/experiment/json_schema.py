@@ -1,4 +1,4 @@
-"""JSON schemas of configuration files, for editors."""
+"""JSON schemas of configuration files, for editors; the docstrings of the settings are the descriptions."""
 
 from typing import Any
 
@@ -6,6 +6,7 @@ from pydantic import TypeAdapter
 
 from pdr_est.config import Config
 from pdr_est.experiment.config import ExperimentConfig
+from pdr_est.params.field_docstrings import DescribedJsonSchema
 
 Json = dict[str, Any]
 
@@ -14,14 +15,15 @@ _DOTTED = r"^[a-z_]+(\.[a-z0-9_]+)+$"
 
 
 def settings_schema() -> Json:
-    """Of a settings file."""
-    return {"$schema": _DIALECT, **TypeAdapter(Config).json_schema(), "title": "pdr-est settings"}
+    """Make the schema of a settings file; settings may be given as sections or as dotted keys."""
+    document = {**_schema(Config), "patternProperties": {_DOTTED: {}}}
+    return {"$schema": _DIALECT, **document, "title": "pdr-est settings"}
 
 
 def experiment_schema() -> Json:
-    """Of an experiment file; settings may be given as sections or as dotted keys."""
-    document = TypeAdapter(ExperimentConfig).json_schema()
-    settings = TypeAdapter(Config).json_schema()
+    """Make the schema of an experiment file; settings may be given as sections or as dotted keys."""
+    document = _schema(ExperimentConfig)
+    settings = _schema(Config)
     sections = settings.pop("$defs")
     settings["patternProperties"] = {_DOTTED: {}}
     file = {"settings_file": {"type": "string", "description": "Relative to the experiment file."}}
@@ -32,3 +34,7 @@ def experiment_schema() -> Json:
     properties["sweep"]["propertyNames"] = {"pattern": _DOTTED}
     definitions = {**sections, **document.pop("$defs"), "Settings": settings, "Variant": variant}
     return {"$schema": _DIALECT, **document, "title": "pdr-est experiment", "$defs": definitions}
+
+
+def _schema(record: type) -> Json:
+    return TypeAdapter(record).json_schema(schema_generator=DescribedJsonSchema)

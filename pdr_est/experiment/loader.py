@@ -10,8 +10,7 @@ import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.config import config_to_dict
-from pdr_est.config.messages import explain, nearest
-from pdr_est.config.yaml_lines import Lines, Location, load_yaml_lines
+from pdr_est.config.yaml_lines import Lines, load_yaml_lines
 from pdr_est.errors import ConfigError, PdrError
 from pdr_est.experiment.config import DataParams, ExperimentConfig
 from pdr_est.experiment.scoring.any_recording import HeldOutProtocol, judged, knows_positions
@@ -21,6 +20,7 @@ from pdr_est.experiment.suites import SUITES, suite_named
 from pdr_est.experiment.variants.axes import Variant
 from pdr_est.experiment.variants.expand import expand
 from pdr_est.experiment.walks import Walk, find_walks
+from pdr_est.params.validation_messages import Location, explain, nearest
 from pdr_est.simulate import PRESETS
 
 ADAPTER = TypeAdapter(ExperimentConfig)
@@ -93,7 +93,7 @@ def parse(content: Any, path: Path, lines: Lines) -> ExperimentConfig:
     try:
         return ADAPTER.validate_python(content)
     except ValidationError as error:
-        raise ConfigError(f"{path}: {explain(error, ExperimentConfig, lines)}") from error
+        raise ConfigError(f"{path}: {explain(error, ExperimentConfig, lines.words)}") from error
 
 
 def _suite(data: DataParams, path: Path, lines: Lines) -> Suite | None:

@@ -97,10 +97,10 @@ def _runner(workers: int, cluster: str | None) -> Iterator[Run]:
 def _write_report(
     output: Path, experiment: Experiment, parts: tuple[WalkResult, ...], document: dict[str, Any]
 ) -> None:
-    from pdr_est.report.comparison.page import Content, render_comparison  # matplotlib is slow to load
+    from pdr_est.report.comparison.page import ComparisonContent, render_comparison  # matplotlib is slow to load
 
     names = tuple(variant.name for variant in experiment.variants)
-    content = Content(
+    content = ComparisonContent(
         title=experiment.title,
         variants=names,
         metrics=experiment.metrics,

@@ -13,7 +13,7 @@ from pdr_est.experiment.recording_files import recordings, suite_folder
 from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.io import read
 from pdr_est.simulate import PRESETS, Scenario, preset, psp_walks, robust_dr_trials, simulate_walk
-from pdr_est.simulate.people.population import population
+from pdr_est.simulate.people.population import sample_population
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import Recording
 
@@ -113,7 +113,7 @@ def _simulated(parameters: SimulatedParams, seed: int, limit: int | None) -> lis
                 member.scenario,
                 every_s,
             )
-            for member in population(replace(parameters, number=number), seed)
+            for member in sample_population(replace(parameters, number=number), seed)
         ]
     return [
         Walk(f"{name}/{number + 1}", {"preset": name}, _again(preset(name), chosen, number), every_s)

@@ -1,4 +1,4 @@
-"""Direction of gravity, vertical acceleration and yaw: from raw samples, or from the device's own attitude.
+"""Level the samples: find gravity, vertical acceleration and yaw from raw samples or the device's own attitude.
 
 Without gyroscope there is no yaw, and gravity comes from the accelerometer alone.
 """
@@ -17,29 +17,44 @@ from pdr_est.params import Positive, params
 from pdr_est.types.sensors import ImuBlock, LevelBlock
 from pdr_est.types.steps import CarryingMode
 
-_LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of nothing finite
+_LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of a zero vector finite
 
 
 @params
 class AttitudeParams:
-    """source: "vqf" integrates the raw samples (Laidig and Seel 2023), "device" takes the recorder's attitude, and
-    "auto" takes that where the samples are too far apart to integrate: the device saw those in between.
-
-    accelerometer_time_constant_s: how slowly the accelerometer corrects the tilt that the gyroscope tells.
-    rest_rate_radps: below this rate, about each axis and against its own mean, vqf takes a phone for one at rest and
-    its rotation for the gyroscope's bias. Its own default, 2 degrees a second, takes the sway of a walker who stands
-    for that; the bias found so turned simulated pockets by 23 degrees in 100 m, against 3 degrees with ours.
-    tilt_cutoff_hz: below this frequency the specific force of a device without gyroscope is taken for gravity.
-    """
+    """Choose the source of the attitude, and how it is filtered."""
 
     source: Literal["auto", "vqf", "device"] = "auto"
+    """Source of the attitude: "vqf" integrates the raw samples (Laidig and Seel 2023), "device" takes the recorder's
+    own, and "auto" takes the recorder's where the samples are too far apart to integrate: the device saw those in
+    between.
+    """
     accelerometer_time_constant_s: Positive = 3.0
+    """Time constant, s, with which the accelerometer corrects the tilt integrated from the gyroscope (VQF's tauAcc).
+    """
     rest_rate_radps: Positive = 0.0087
+    """Rotation rate, rad/s, about each axis and against its own mean, below which VQF takes the phone for one at rest
+    and its rotation for the gyroscope's bias. VQF's own default, 2 degrees per second, takes the sway of a standing
+    walker for rest; the bias found so turned simulated pockets by 23 degrees in 100 m, against 3 degrees with ours.
+    """
     tilt_cutoff_hz: Annotated[float, Ge(0.02), Le(2.0)] = 0.3
+    """Frequency, Hz, below which the specific force of a device without gyroscope is taken for gravity."""
 
 
 class VqfAttitude:
-    """Stage ImuBlock -> LevelBlock with VQF without magnetometer. A new segment starts the filter anew."""
+    """Stage ImuBlock -> LevelBlock with the filter VQF without magnetometer; a new segment restarts the filter.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate of the samples.
+    parameters : AttitudeParams
+        Time constant and rest threshold of the filter.
+
+    References
+    ----------
+    Laidig and Seel: VQF, Information Fusion 2023.
+    """
 
     latency_s = 0.0
 
@@ -61,6 +76,13 @@ class VqfAttitude:
         self._filter.state = state["_filter"]
 
     def push(self, item: ImuBlock, /) -> list[LevelBlock]:
+        """Level the samples of a block.
+
+        Raises
+        ------
+        RecordingError
+            If the block has no rotation rate.
+        """
         if not len(item.time_s):
             return []
         if item.segment != self._segment:
@@ -71,6 +93,7 @@ class VqfAttitude:
         return [_level(item, result["quat6D"], rate - result["bias"])]
 
     def flush(self) -> list[LevelBlock]:
+        """Return nothing: no sample is held back."""
         return []
 
 
@@ -80,21 +103,36 @@ class DeviceAttitude:
     latency_s = 0.0
 
     def push(self, item: ImuBlock, /) -> list[LevelBlock]:
+        """Level the samples of a block.
+
+        Raises
+        ------
+        RecordingError
+            If the block has no attitude or no rotation rate.
+        """
         if item.attitude is None:
             raise RecordingError("the recording has no attitude of the device: use attitude source vqf")
         return [_level(item, item.attitude, _rotation_rate(item))]
 
     def flush(self) -> list[LevelBlock]:
+        """Return nothing: no sample is held back."""
         return []
 
 
 class AccelerometerTilt:
-    """Stage ImuBlock -> LevelBlock for a device without gyroscope: enough to find steps, not for a direction.
+    """Stage ImuBlock -> LevelBlock for a device without gyroscope: enough to find steps, not for a heading.
 
     Up is the direction of the low-passed specific force; it lags behind a phone that turns over. The vertical
     acceleration is therefore not taken along it: it is the length of the specific force less gravity, which no tilt
-    can spoil and which differs from the acceleration upwards in second order only. Yaw, rotation rate and turn rate
+    can spoil and which differs from the vertical acceleration in second order only. Yaw, rotation rate and turn rate
     are NaN. Without any specific force up is zero.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate of the samples.
+    parameters : AttitudeParams
+        Cutoff frequency of the low-pass.
     """
 
     latency_s = 0.0
@@ -104,6 +142,7 @@ class AccelerometerTilt:
         self._segment: int | None = None
 
     def push(self, item: ImuBlock, /) -> list[LevelBlock]:
+        """Level the samples of a block."""
         if not len(item.time_s):
             return []
         if item.segment != self._segment:
@@ -131,6 +170,7 @@ class AccelerometerTilt:
         ]
 
     def flush(self) -> list[LevelBlock]:
+        """Return nothing: no sample is held back."""
         return []
 
 

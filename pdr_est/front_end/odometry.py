@@ -1,4 +1,4 @@
-"""From steps to measurements. This is the only place where the noise of the odometry is set."""
+"""Turn steps into measurements for the estimators; the noise of the odometry is set here and nowhere else."""
 
 import numpy as np
 
@@ -10,37 +10,49 @@ from pdr_est.types.steps import CarryingMode, Step
 
 @params
 class OdometryParams:
-    """Standard deviations of a step, and of what is not observed.
-
-    sigma_length_drift: of a step over its length, on top of what its length model tells, for a scale that drifts
-    slowly through the walk. Estimators take the errors of steps for independent; those of neighbours are alike, so
-    that sums grow faster. On the loops of OxIOD the length of 3 steps is as uncertain as with 0.14 a step, of 20
-    with 0.17, of 40 with 0.19; the default is right for 20.
-    sigma_direction_rad: of the direction of a single step around the heading (it does not accumulate).
-    sigma_heading_rad_per_sqrt_s: random walk of the heading error, for gyroscope drift and for the phone turning in
-    the hand. sigma_length_scale: of the walker's own step length over the model's, constant through a walk.
-    sigma_mode_change_rad: of the heading change of a step in another carrying mode than the one before, because the
-    phone was turned against the body; not where the heading follows the phone. gap_speed_mps: speed with which a
-    walker may have moved during a gap. gap_turn_rad_per_sqrt_s: how much the walker may have turned.
-    sigma_straight_rad: of the heading of a step around the straight path that it lies on, independent from step to
-    step.
-    """
+    """Standard deviations of a step, and of motion that is not observed."""
 
     sigma_length_drift: NonNegative = 0.15
+    """Standard deviation of a step's length over the length, on top of what its length model gives, for a scale that
+    drifts slowly through the walk. Estimators take the errors of steps for independent; those of neighbours are
+    alike, so that sums grow faster. On the loops of OxIOD the length of 3 steps is as uncertain as with 0.14 for each
+    step, of 20 with 0.17, of 40 with 0.19; the default is right for 20.
+    """
     sigma_direction_rad: Positive = 0.18
+    """Standard deviation of the direction of a single step around the heading, rad; it does not accumulate."""
     sigma_heading_rad_per_sqrt_s: NonNegative = 0.02
+    """Random walk of the heading error, rad per root second, for gyroscope drift and for the phone turning in the
+    hand.
+    """
     sigma_length_scale: NonNegative = 0.11
+    """Standard deviation of the walker's own step length over the model's, constant through a walk."""
     sigma_mode_change_rad: NonNegative = 0.5
+    """Standard deviation, rad, of the heading change of a step in another carrying mode than the one before, because
+    the phone was turned against the body; not used where the heading follows the phone.
+    """
     gap_speed_mps: Positive = 1.0
+    """Speed, m/s, with which a walker may have moved during a gap."""
     gap_turn_rad_per_sqrt_s: Positive = 1.0
+    """Random walk of the walker's heading during a gap, rad per root second."""
     sigma_straight_rad: Positive = 0.15
+    """Standard deviation, rad, of the heading of a step around the straight path that it lies on, independent from
+    step to step.
+    """
 
 
 class Odometry:
-    """Stage Step -> StepOdometry and HeadingPrior of one device. A new segment is preceded by a bridge over the gap.
+    """Stage Step -> StepOdometry and HeadingPrior of one device.
 
-    A step on a straight path of known direction is followed by a heading prior, which is relative: the zero of the
-    headings is arbitrary. After a gap it is another one, so that priors are given in the first segment only.
+    The first step of a new segment is preceded by a bridge over the gap: an unobserved motion. A step on a straight
+    path of known heading is followed by a heading prior, which is relative, because the zero of the headings is
+    arbitrary. After a gap the zero is another one, so that priors are given in the first segment only.
+
+    Parameters
+    ----------
+    device : str
+        Name of the device.
+    parameters : OdometryParams
+        Standard deviations.
     """
 
     latency_s = 0.0
@@ -52,12 +64,14 @@ class Odometry:
         self._first_segment: int | None = None
 
     def push(self, item: Step, /) -> list[StepOdometry | HeadingPrior]:
-        return [*self._motion(item), *self._straight(item)]
+        """Turn a step into its measurements."""
+        return [*self._motion(item), *self._heading_prior(item)]
 
     def flush(self) -> list[StepOdometry | HeadingPrior]:
+        """Return nothing: no measurement is held back."""
         return []
 
-    def _straight(self, step: Step) -> list[HeadingPrior]:
+    def _heading_prior(self, step: Step) -> list[HeadingPrior]:
         if self._first_segment is None:
             self._first_segment = step.event.segment
         if np.isnan(step.path_heading_rad) or step.event.segment != self._first_segment:
@@ -71,20 +85,20 @@ class Odometry:
             return [self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
         elapsed = item.event.time_s - previous.event.time_s
         if item.event.segment == previous.event.segment:
-            sigma = self._sigma_heading(elapsed, self._sigma_besides(previous, item))
+            sigma = self._sigma_heading(elapsed, self._extra_sigma(previous, item))
             return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
         bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)
         return [bridge, self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
 
-    def _sigma_besides(self, previous: Step, item: Step) -> float:
-        """Of a heading change, on top of the random walk."""
+    def _extra_sigma(self, previous: Step, item: Step) -> float:
+        """Compute the extra heading-change sigma (rad) from mode changes and re-orientation."""
         modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
-        changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in which the phone turns all the time
-        of_mode = self._parameters.sigma_mode_change_rad if changed and not item.follows_phone else 0.0
+        changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in TRANS the phone turns all the time
+        of_mode = self._parameters.sigma_mode_change_rad if changed and not item.placement_tracked else 0.0
         return float(np.hypot(of_mode, item.sigma_turn_rad))
 
-    def _sigma_heading(self, elapsed_s: float, besides: float = 0.0) -> float:
-        return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), besides))
+    def _sigma_heading(self, elapsed_s: float, extra_sigma_rad: float = 0.0) -> float:
+        return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), extra_sigma_rad))
 
     def _step(self, step: Step, heading_change_rad: float, sigma_heading_rad: float) -> StepOdometry:
         p = self._parameters
@@ -104,7 +118,7 @@ class Odometry:
         )
 
     def _bridge(self, start_s: float, end_s: float, mode: CarryingMode) -> StepOdometry:
-        """An unobserved walk: anywhere within reach, turned by anything (a uniform angle has sigma pi/sqrt 3)."""
+        """Make an unobserved motion: anywhere within reach, with a heading change up to uniform (pi / sqrt 3)."""
         duration = max(end_s - start_s, 0.0)
         reach = self._parameters.gap_speed_mps * duration
         turn = min(self._parameters.gap_turn_rad_per_sqrt_s * np.sqrt(duration), np.pi / np.sqrt(3.0))
@@ -123,9 +137,18 @@ class Odometry:
 def step_covariance(
     length_m: float, sigma_length_m: float, sigma_direction_rad: float, sigma_heading_rad: float
 ) -> Array:
-    """Covariance (3, 3) of (forward, left, heading) at the end of a step.
+    """Compute the covariance (3, 3) of forward (m), left (m) and heading (rad) at the end of a step.
 
     The heading error of the step turns its displacement too: left = length * heading error.
+
+    Parameters
+    ----------
+    length_m, sigma_length_m : float
+        Length of the step and its standard deviation.
+    sigma_direction_rad : float
+        Standard deviation of the direction of the step around the heading.
+    sigma_heading_rad : float
+        Standard deviation of the heading change over the step.
     """
     least = 1e-3  # m; keeps the matrix regular for steps of no length
     turn = sigma_heading_rad**2

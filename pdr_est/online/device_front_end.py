@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from pdr_est.config import Config
-from pdr_est.front_end.heading import needs_magnetometer
 from pdr_est.front_end.odometry import Odometry
-from pdr_est.pipeline.front_end_chain import level_chain, stepping
+from pdr_est.parts import NO_PARTS, Parts
+from pdr_est.pipeline.front_end_chain import heading_needs_magnetometer, level_chain, stepping
 from pdr_est.preprocessing.quality.requirements import COARSE_SAMPLING_S
 from pdr_est.stage import Chain
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
@@ -38,12 +38,13 @@ class DeviceFrontEnd:
     nothing ever comes out.
     """
 
-    def __init__(self, device: ExpectedDevice, config: Config) -> None:
+    def __init__(self, device: ExpectedDevice, config: Config, parts: Parts = NO_PARTS) -> None:
         self._config = config
+        self._parts_given = parts
         self._expected = device
         self._levels: Chain | None = None
         self._early: list[SensorBlock] = []
-        to_steps = stepping(config).stages
+        to_steps = stepping(config, parts).stages
         heading = Chain([*to_steps[3:], Odometry(device.name, config.odometry)])
         self._parts = (Chain(to_steps[:1]), Chain(to_steps[1:3]), heading)  # about the same work each
         self._waiting: tuple[list[Any], ...] = ([], [], [])  # for each part
@@ -107,8 +108,9 @@ class DeviceFrontEnd:
 
     def _begin(self, own_attitude: bool) -> None:
         channels = (*_NEEDED, Channel.ATTITUDE) if own_attitude else _NEEDED
-        optional = (Channel.MAGNETIC_FIELD,) if needs_magnetometer(self._config.heading) else ()
-        _, self._levels = level_chain(channels, optional, own_attitude, self._config)
+        needs_field = heading_needs_magnetometer(self._config, self._parts_given)
+        optional = (Channel.MAGNETIC_FIELD,) if needs_field else ()
+        _, self._levels = level_chain(channels, optional, own_attitude, self._config, self._parts_given)
         early, self._early = self._early, []
         self._waiting[0].extend(level for block in early for level in self._levels.push(block))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.timeline import Node
-from pdr_est.frames import Array, turned, wrap_angle
+from pdr_est.frames import Array, rotate_vectors, wrap_angle
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
@@ -37,7 +37,7 @@ class Update:
     moving_from_s: float
 
 
-def track_of(updates: Iterable[Update], kind: Kind = "filtered") -> Track:
+def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str | None = None) -> Track:
     """The track that updates of a kind leave, device by device in order of their first appearance.
 
     Raises EstimationError without any.
@@ -60,7 +60,7 @@ def track_of(updates: Iterable[Update], kind: Kind = "filtered") -> Track:
         mode=np.array([row.mode for row in rows], dtype=np.int8),
         step_length_m=np.array([row.step_length_m for row in rows]),
         kind=kind,
-        estimator="ekf" if kind == "filtered" else "fixed-lag",
+        estimator=estimator or ("ekf" if kind == "filtered" else "fixed-lag"),
     )
 
 
@@ -102,4 +102,4 @@ def placed(update: Update, offset_m: tuple[float, float]) -> Update:
     """The update of a device that sits offset_m, forward and left, from the centre of the body whose pose it is."""
     if offset_m == (0.0, 0.0):
         return update
-    return replace(update, position_m=update.position_m + turned(np.array(offset_m), update.heading_rad))
+    return replace(update, position_m=update.position_m + rotate_vectors(np.array(offset_m), update.heading_rad))

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.config import Config, StartParams
-from pdr_est.estimators import EstimatorName
+from pdr_est.estimators import SPECS
 from pdr_est.frames import Array
 from pdr_est.online import Tracker
-from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Scenario, SensorParams, simulate_walk
+from pdr_est.simulate import DeviceParams, PathParams, Scenario, SensorParams, WalkerGaitParams, simulate_walk
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
 
-ESTIMATORS: tuple[EstimatorName, ...] = ("ekf", "fixed-lag")
+ESTIMATORS = tuple(name for name, spec in SPECS.items() if spec.online)
 RATE_HZ = 100.0
 _SPEED_MPS, _ROUND_M = 1.2, 40.0
 _CORNERS_M = ((0.0, 0.0), (12.0, 0.0), (12.0, 8.0), (0.0, 8.0))
@@ -28,7 +28,7 @@ def walk_in_rounds(minutes: float, rate_hz: float = RATE_HZ, seed: int = 1) -> R
     return simulate_walk(
         Scenario(
             path=PathParams(vertices_m=_CORNERS_M * rounds),
-            gait=GaitParams(lead_in_s=1.0, lead_out_s=1.0),
+            gait=WalkerGaitParams(lead_in_s=1.0, lead_out_s=1.0),
             devices=tuple(DeviceParams(name=name, sensors=SensorParams(rate_hz=rate_hz)) for name in ("a", "b")),
             seed=seed,
         )
@@ -46,7 +46,7 @@ def sample_by_sample(recording: Recording) -> list[Pushed]:
     return [(name, block) for _, name, block in sorted(samples, key=lambda sample: sample[0])]
 
 
-def tracker_for(estimator: EstimatorName) -> Tracker:
+def tracker_for(estimator: str) -> Tracker:
     """For the two phones, from a known start."""
     config = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
     return Tracker(config.with_estimator(estimator), ("a", "b"))

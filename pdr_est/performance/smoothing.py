@@ -1,4 +1,4 @@
-"""Smoothing against the bare GTSAM solution of the same graph."""
+"""CPU time of the smoother against GTSAM's own optimiser on the same graph."""
 
 import time
 from collections.abc import Sequence
@@ -6,26 +6,37 @@ from collections.abc import Sequence
 import gtsam
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import STATES, GaussianState
-from pdr_est.estimators.common.tethers import NodeTether, node_tethers_between, starts_of
-from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
+from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.factor_graph import smoother as factor_graph
+from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph
 from pdr_est.estimators.factor_graph.deep_stack import with_large_stack
-from pdr_est.estimators.factor_graph.factors import Keys, add_motion, anchors, displacement, motion_noise
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.performance.odometry import SIGMA_SCALE, START, walk_of
-from pdr_est.types.measurements import StartPose
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether
+
+_MAX_ACTIVE_SETS = 20  # solutions by bare GTSAM, each with the tethers that the last one left violated
 
 
 def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
-    """CPU seconds for a walk of so many steps, both ways from the same timelines on.
+    """Measure CPU seconds of smoothing a walk, by the estimator `factor-graph` and by bare GTSAM.
 
-    smoothing: all that `factor-graph` does, the filter that it starts from, the length scale's part, the tethers
-    between tethers and the track included; start: the filter's part of it. bare: what a user of GTSAM would write:
-    build the same graph, values to start from by composing the odometry, Levenberg and Marquardt's optimiser as it
-    comes, and the marginal covariances of all poses; tethers are range factors with a dead zone. marginals: the last
-    part of it. Where GTSAM finds the system indeterminate its covariances count as no work, in its favour. ratio:
-    smoothing over bare.
+    Parameters
+    ----------
+    steps : int
+        Steps of each device.
+    devices : int
+        Number of devices, 1 or 2.
+
+    Returns
+    -------
+    dict of str to float
+        ``poses``: number of poses. ``smoothing``: all that `factor-graph` does, from the initial values to the track.
+        ``start``: its part for the initial values. ``bare``: what a user of GTSAM would do with `build_graph`: build
+        the graph, run the Levenberg-Marquardt optimiser with its default parameters, for several devices again and
+        again with the tethers that are violated then, and compute the marginal covariances of all poses.
+        ``marginals``: its part for these covariances, 0 where GTSAM cannot compute them. ``ratio``: smoothing over
+        bare.
     """
     known, tethers = walk_of(steps, devices)
     split_times_s = sorted({tether.time_s for tether in tethers})
@@ -37,7 +48,7 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     begin = time.process_time()
     initial_states(timelines, node_tethers, starts, SIGMA_SCALE)
     start_s = time.process_time() - begin
-    bare_s, marginals_s = with_large_stack(lambda: _bare(timelines, node_tethers, starts))
+    bare_s, marginals_s = with_large_stack(lambda: _bare(known, tethers))
     return {
         "poses": float(sum(len(timeline.nodes) for timeline in timelines)),
         "smoothing": smoothing_s,
@@ -48,36 +59,31 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     }
 
 
-def _bare(
-    timelines: Sequence[Timeline], node_tethers: Sequence[NodeTether], starts: Sequence[StartPose]
-) -> tuple[float, float]:
+def _bare(known: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether]) -> tuple[float, float]:
+    """Solve the public graph by GTSAM alone; return CPU seconds of everything and of the marginal covariances."""
     begin = time.process_time()
-    keys, guesses = Keys.of(timelines), [_known_start(timeline) for timeline in timelines]
-    graph, values = anchors(timelines, keys, starts, guesses), gtsam.Values()
-    for timeline, first in zip(timelines, keys.first, strict=True):
-        add_motion(graph, timeline.nodes, first, motion_noise(timeline.nodes).models, 1.0)
-        pose = gtsam.Pose2()
-        values.insert(first, pose)
-        for i, node in enumerate(timeline.nodes[1:], first + 1):
-            pose = pose.compose(displacement(node, 1.0))
-            values.insert(i, pose)
-    for node_tether in node_tethers:
-        dead_zone = gtsam.noiseModel.mEstimator.L2WithDeadZone.Create(
-            node_tether.max_distance_m / node_tether.sigma_m
-        )
-        noise = gtsam.noiseModel.Robust.Create(dead_zone, gtsam.noiseModel.Isotropic.Sigma(1, node_tether.sigma_m))
-        graph.add(gtsam.RangeFactorPose2(*keys.of_node_tether(node_tether), 0.0, noise))
-    found = gtsam.LevenbergMarquardtOptimizer(graph, values, gtsam.LevenbergMarquardtParams()).optimize()
+    built = build_graph(known, tethers=tethers, start=START, sigma_length_scale=SIGMA_SCALE)
+    found = _optimised(built)
+    for _ in range(_MAX_ACTIVE_SETS if tethers else 0):
+        before, built = built, built.with_tethers_at(found)
+        if _tethered(built) == _tethered(before):
+            break
+        found = _optimised(built)
     optimised = time.process_time()
     try:
-        marginals = gtsam.Marginals(graph, found)
-        np.array([marginals.marginalCovariance(key) for key in range(keys.poses)])
+        marginals = gtsam.Marginals(built.graph, found)
+        np.array([marginals.marginalCovariance(key) for key in range(built.keys.poses)])
     except RuntimeError:  # long walks are too ill-conditioned for its Cholesky factorisation
         return optimised - begin, 0.0
     ended = time.process_time()
     return ended - begin, ended - optimised
 
 
-def _known_start(timeline: Timeline) -> list[GaussianState]:
-    at_start = GaussianState(np.zeros(STATES), np.zeros((STATES, STATES)))
-    return [at_start] * len(timeline.nodes)
+def _optimised(built: WalkGraph) -> gtsam.Values:
+    return gtsam.LevenbergMarquardtOptimizer(built.graph, built.values, gtsam.LevenbergMarquardtParams()).optimize()
+
+
+def _tethered(built: WalkGraph) -> set[tuple[int, ...]]:
+    """Return the keys of the range factors, which tell one active set from another."""
+    factors = map(built.graph.at, range(built.graph.size()))
+    return {tuple(factor.keys()) for factor in factors if isinstance(factor, gtsam.RangeFactorPose2)}

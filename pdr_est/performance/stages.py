@@ -12,7 +12,7 @@ from pdr_est.front_end.heading import whole_walk_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.pipeline.front_end_chain import levelling, stepping
 from pdr_est.simulate import simulate_walk
-from pdr_est.simulate.people.population import PopulationParams, population
+from pdr_est.simulate.people.population import PopulationParams, sample_population
 from pdr_est.stage import Stage
 from pdr_est.types.recording import Recording
 
@@ -26,7 +26,7 @@ def two_phones(minutes: float) -> Recording:
     walk = PopulationParams(
         number=1, people=1, duration_s=60.0 * minutes, second_phone=("POCKET",), rate_hz=RATE_HZ, magnetometer=True
     )
-    return simulate_walk(population(walk)[0].scenario).recording
+    return simulate_walk(sample_population(walk)[0].scenario).recording
 
 
 def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[str, float]:

@@ -1,15 +1,24 @@
-"""The top of the system: a recording becomes measurements, measurements become a track."""
+"""The pipeline: from a recording to measurements, and from measurements to a track."""
 
 import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from pdr_est.clock_sync import align_device_clocks
-from pdr_est.config import Config, check
+from pdr_est.config import Config
+from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.front_end_chain import analyse_device
-from pdr_est.pipeline.measurements import in_map, measured, refuse_without_heading, tethers, track_of, with_person
+from pdr_est.pipeline.inputs import refuse_no_config, refuse_unusable_fixes, refuse_unusable_recording
+from pdr_est.pipeline.measurements import (
+    chosen_estimator,
+    in_map,
+    measurements_of,
+    refuse_without_heading,
+    tethers_of,
+    track_of,
+    with_person,
+)
 from pdr_est.pipeline.warnings import mismatches, warnings_of
-from pdr_est.preprocessing.quality.requirements import require_track_sensors
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -18,51 +27,59 @@ from pdr_est.types.track import Track
 __all__ = ["DeviceWalk", "SmoothedWalk", "analyse", "estimate", "smooth"]
 
 
-def smooth(recording: Recording, config: Config, fixes: Sequence[PositionFix] = ()) -> SmoothedWalk:
-    """The track of a recorded walk, with everything a report needs.
+def smooth(
+    recording: Recording, config: Config, fixes: Sequence[PositionFix] = (), parts: Parts = NO_PARTS
+) -> SmoothedWalk:
+    """Estimate the track of a recorded walk, and keep what a report needs.
 
-    Raises ConfigError for values out of range, RecordingError if a device lacks a sensor that is needed.
+    Raises RecordingError for a recording or fixes that cannot be used, and what `analyse` and `estimate` raise.
     """
-    check(config)
-    for device in recording.devices:
-        require_track_sensors(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
+    refuse_no_config(config)
+    refuse_unusable_recording(recording)
+    refuse_unusable_fixes(fixes, recording)
+    estimator = chosen_estimator(config, parts)
     started = time.process_time()
-    devices = analyse(recording, config)
+    devices = analyse(recording, config, parts)
     analysed = time.process_time()
-    track = estimate(devices, config, fixes)
+    track = estimate(devices, config, fixes, parts)
     estimated = time.process_time()
     return SmoothedWalk(
         track=track,
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=(*warnings_of(recording, devices), *mismatches(devices, config, fixes)),
+        warnings=(*warnings_of(recording, devices), *mismatches(devices, config, estimator.spec, fixes)),
+        fixes_used=estimator.spec.uses_fixes,
     )
 
 
-def analyse(recording: Recording, config: Config) -> tuple[DeviceWalk, ...]:
-    """The front end on every device of a recording; one without gyroscope has steps without heading.
+def analyse(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
+    """Run the front end on every device of a recording; one without gyroscope has steps without heading.
 
-    Raises RecordingError if a device has no accelerometer, or samples that cannot be used, and when the devices or
-    their clocks do not belong together.
+    Raises RecordingError if a device has no accelerometer or no usable samples, or if the devices or their clocks do
+    not belong together, and ConfigError for a part that cannot be made.
     """
     walks = []
     for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
-        walk = analyse_device(device, recording.place_of(device), config)
+        walk = analyse_device(device, recording.place_of(device), config, parts)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))
     return tuple(walks)
 
 
-def estimate(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = ()) -> Track:
-    """The configured estimator on the measurements of every device, and of several devices the person's track.
+def estimate(
+    walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = (), parts: Parts = NO_PARTS
+) -> Track:
+    """Estimate the track of every device from its measurements, and of several devices the track of the person.
 
-    Raises EstimationError for a device without gyroscope, and what `estimate_walk` raises.
+    Raises EstimationError for a device without gyroscope and for measurements that give no track.
     """
     refuse_without_heading(walks)
-    devices, node_tethers = [measured(walk, config, fixes) for walk in walks], tethers(walks, config)
-    track = track_of(devices, node_tethers, config)
+    estimator = chosen_estimator(config, parts)
+    devices = [measurements_of(walk, config, fixes, estimator.spec) for walk in walks]
+    tethers = tethers_of(walks, config, estimator.spec)
+    track = track_of(devices, tethers, estimator, config)
     direction_rad = config.heading.dominant.direction_rad
     if direction_rad is not None:
         devices = [in_map(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)]
-        track = track_of(devices, node_tethers, config)
+        track = track_of(devices, tethers, estimator, config)
     return with_person(track, config) if len(walks) > 1 else track

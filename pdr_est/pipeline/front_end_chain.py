@@ -1,5 +1,10 @@
-"""The front end of one device: its stages, put together as configured, and all of them run on a recording."""
+"""The front end of one device: its stages, put together as configured, and run on a recording.
 
+The same chains run online. Each part may be one from outside the package: configured by its dotted name, or given as
+an object in `Parts`.
+"""
+
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from pdr_est.config import Config
@@ -8,9 +13,10 @@ from pdr_est.front_end.gait import gait_stage
 from pdr_est.front_end.heading import heading_stage, needs_magnetometer, whole_walk_stage
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
-from pdr_est.front_end.step_length import StepLength
+from pdr_est.front_end.step_length import step_length_stage
 from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
+from pdr_est.parts import NO_PARTS, STAGE, Parts, StagePart, given_part
 from pdr_est.preprocessing.quality.requirements import (
     explain_empty_grid,
     has_gyroscope,
@@ -25,24 +31,37 @@ from pdr_est.types.recording import DeviceRecording
 from pdr_est.types.sensors import Channel
 
 
-def analyse_device(device: DeviceRecording, place: str, config: Config) -> DeviceWalk:
-    """The front end on one device's recording; one without gyroscope has steps without heading.
+def analyse_device(device: DeviceRecording, place: str, config: Config, parts: Parts = NO_PARTS) -> DeviceWalk:
+    """Run the front end on the recording of one device; one without gyroscope has steps without heading.
 
-    place: what to call the device in messages. Raises RecordingError if it has no accelerometer, or samples that
-    cannot be used.
+    Parameters
+    ----------
+    device
+        The recording.
+    place
+        What to call the device in messages.
+    config, parts
+        Choice of the stages and their parameters.
+
+    Raises
+    ------
+    RecordingError
+        If the device has no accelerometer or no usable samples.
+    ConfigError
+        If a part cannot be made.
     """
-    resampler, to_level = levelling(device, place, config)
+    resampler, to_level = levelling(device, place, config, parts)
     level = _run(to_level, device.blocks())
     if not level:
         raise explain_empty_grid(device, place, config.resample.max_gap_s)
-    steps = _run(stepping(config), level)
+    steps = _run(stepping(config, parts), level)
     has_heading = has_gyroscope(device)
     odometry = _run(Odometry(device.name, config.odometry), steps) if has_heading else []
     whole_walk_odometry, directions = odometry, None
-    whole_walk = whole_walk_stage(config.heading) if has_heading else None
+    whole_walk = whole_walk_stage(config.heading) if has_heading and parts.heading is None else None
     if whole_walk is not None:
         whole_walk_odometry = _run(Odometry(device.name, config.odometry), _run(whole_walk, steps))
-        directions = whole_walk.found
+        directions = whole_walk.directions
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
@@ -57,47 +76,96 @@ def analyse_device(device: DeviceRecording, place: str, config: Config) -> Devic
     )
 
 
-def levelling(device: DeviceRecording, place: str, config: Config) -> tuple[Resampler, Chain]:
-    """Chain SensorBlock -> LevelBlock for a device, and its first stage, which knows the gaps.
+def levelling(
+    device: DeviceRecording, place: str, config: Config, parts: Parts = NO_PARTS
+) -> tuple[Resampler, Chain]:
+    """Make the chain SensorBlock -> LevelBlock for a device, and return its first stage, which knows the gaps, too.
 
-    The magnetic field comes with it where the heading needs it; all else is the same with it and without.
+    The magnetic field is resampled with the other channels where the heading needs it; it does not change them.
     """
     source = config.attitude.source
     own_attitude = source == "device" or (source == "auto" and prefers_recorded_attitude(device))
     channels = required_channels(device, place, with_attitude=own_attitude)
     optional: tuple[Channel, ...] = ()
-    if needs_magnetometer(config.heading):
+    if heading_needs_magnetometer(config, parts):
         require_magnetometer(device, place)
         optional = (Channel.MAGNETIC_FIELD,)
-    return level_chain(channels, optional, own_attitude, config)
+    return level_chain(channels, optional, own_attitude, config, parts)
 
 
 def level_chain(
-    channels: tuple[Channel, ...], optional: tuple[Channel, ...], own_attitude: bool, config: Config
+    channels: tuple[Channel, ...],
+    optional: tuple[Channel, ...],
+    own_attitude: bool,
+    config: Config,
+    parts: Parts = NO_PARTS,
 ) -> tuple[Resampler, Chain]:
-    """`levelling` for a device with these channels. own_attitude: whether to take the one that it recorded."""
+    """Make the chain SensorBlock -> LevelBlock for given channels, and return its first stage too.
+
+    Parameters
+    ----------
+    channels
+        Channels that every sample needs.
+    optional
+        Channels that may be absent.
+    own_attitude
+        True to use the attitude that the device recorded.
+    config, parts
+        Choice of the stages and their parameters.
+    """
     rate_hz = config.resample.rate_hz
     resampler = Resampler(channels, config.resample, optional)
     if Channel.ROTATION_RATE not in channels:
         tilt = AccelerometerTilt(rate_hz, config.attitude)
-        # Modes are told apart by rotation: without it they stay unknown unless one is given.
+        # Carrying modes are recognised by rotation: without it they stay unknown unless one is given.
         given = [mode_stage(rate_hz, config.mode)] if config.mode.method == "fixed" else []
         return resampler, Chain([resampler, tilt, *given])
     attitude: Stage = DeviceAttitude() if own_attitude else VqfAttitude(rate_hz, config.attitude)
-    return resampler, Chain([resampler, attitude, mode_stage(rate_hz, config.mode)])
+    mode = _given_or(parts.mode, "mode", rate_hz, lambda: mode_stage(rate_hz, config.mode))
+    return resampler, Chain([resampler, attitude, mode])
 
 
-def stepping(config: Config) -> Chain:
-    """Chain LevelBlock -> Step with gait, length and heading."""
-    rate_hz = config.resample.rate_hz
-    return Chain(
-        [
-            StepSegmentation(step_detector(rate_hz, config.steps), config.steps.segmentation),
-            gait_stage(config.gait),
-            StepLength(rate_hz, config.walker, config.step_length),
-            heading_stage(rate_hz, config.heading),
-        ]
+def stepping(config: Config, parts: Parts = NO_PARTS) -> Chain:
+    """Make the chain LevelBlock -> Step: step detection, gait, length and heading."""
+    rate_hz, walker = config.resample.rate_hz, config.walker
+    detector = _given_or(parts.step_detector, "step_detector", rate_hz, lambda: step_detector(rate_hz, config.steps))
+    gait = _given_or(parts.gait, "gait", rate_hz, lambda: gait_stage(rate_hz, config.gait))
+    length = _given_or(
+        parts.step_length,
+        "step_length",
+        rate_hz,
+        lambda: step_length_stage(rate_hz, walker, config.step_length),
+        {"walker": walker},
     )
+    heading = _given_or(parts.heading, "heading", rate_hz, lambda: heading_stage(rate_hz, config.heading))
+    return Chain([StepSegmentation(detector, config.steps.segmentation), gait, length, heading])
+
+
+def heading_needs_magnetometer(config: Config, parts: Parts = NO_PARTS) -> bool:
+    """Check whether the heading stage needs the magnetic field with the samples of a step.
+
+    One from outside the package needs it if it has an attribute `needs_magnetometer` that is true.
+    """
+    if parts.heading is not None:
+        return bool(getattr(parts.heading, "needs_magnetometer", False))
+    return needs_magnetometer(config.heading)
+
+
+_NOTHING: Mapping[str, Any] = {}
+
+
+def _given_or(
+    part: StagePart | None,
+    name: str,
+    rate_hz: float,
+    configured: Callable[[], Stage],
+    offered: Mapping[str, Any] = _NOTHING,
+) -> Stage:
+    """Make the stage that was given in Python, else the configured one."""
+    if part is None:
+        return configured()
+    own: Stage = given_part(part, STAGE, f"Parts: {name}", {"rate_hz": rate_hz, **offered})
+    return own
 
 
 def _run(stage: Any, items: Any) -> list[Any]:

@@ -1,17 +1,19 @@
-"""Between the front end and the estimators: the measurements of each device, and the person's track from theirs."""
+"""Measurements of each device for the estimator, and the track of the person from the tracks of the devices."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 from pdr_est.config import Config
-from pdr_est.errors import EstimationError
-from pdr_est.estimators import ONLINE, SMOOTHERS, estimate_walk
+from pdr_est.config.contradictions import unused_closure
+from pdr_est.errors import ConfigError, EstimationError
+from pdr_est.estimators import Estimator, EstimatorSpec
 from pdr_est.estimators.common.late_start import from_own_start, with_way_to_start
 from pdr_est.estimators.common.map_directions import tied_to_map
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.estimators.person.track import at_lever_arm, fuse
+from pdr_est.parts import ESTIMATOR, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.measurements import LATE_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
+from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
 from pdr_est.types.track import Track, concatenate
 
 
@@ -25,37 +27,77 @@ def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
             )
 
 
-def measured(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix]) -> DeviceMeasurements:
-    """What the configured estimator gets of a device: what the whole walk tells only if it smooths."""
-    own = walk.whole_walk_odometry if config.estimator.name in SMOOTHERS else walk.odometry
+def chosen_estimator(config: Config, parts: Parts) -> Estimator:
+    """Make the estimator that was given in Python, else the configured one.
+
+    Raises ConfigError for one that cannot be made, or that makes no use of a closed walk.
+    """
+    if parts.estimator is None:
+        return config.estimator.make()
+    estimator: Estimator = given_part(parts.estimator, ESTIMATOR, "Parts: estimator", {})
+    words = unused_closure(estimator.spec) if config.start.closed else None
+    if words is not None:
+        raise ConfigError(words)
+    return estimator
+
+
+def measurements_of(
+    walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], spec: EstimatorSpec
+) -> DeviceMeasurements:
+    """Collect the measurements of a device.
+
+    A smoother gets the headings that are known only at the end of the walk, a filter those that were known at the
+    step.
+    """
+    odometry = walk.whole_walk_odometry if spec.smooths else walk.odometry
     closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
-    return DeviceMeasurements(walk.device, walk.start_s, (*own, *closure, *fixes))
+    return DeviceMeasurements(walk.device, walk.start_s, (*odometry, *closure, *fixes))
 
 
-def tethers(walks: Sequence[DeviceWalk], config: Config) -> list[DeviceTether]:
-    """What holds the devices together, as configured."""
+def tethers_of(walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec) -> list[DeviceTether]:
+    """Make the tethers between the devices, as configured; for a smoother also one at the end of the walk."""
     if not config.devices.tethered:
         return []
-    spans_s = {walk.device: walk.stepping_s for walk in walks}
-    return tethers_between(spans_s, config.devices.tether, at_end=config.estimator.name in SMOOTHERS)
+    spans_s = {walk.device: walk.walking_span_s for walk in walks}
+    return tethers_between(spans_s, config.devices.tether, at_end=spec.smooths)
 
 
-def track_of(devices: Sequence[DeviceMeasurements], node_tethers: Sequence[DeviceTether], config: Config) -> Track:
-    """The configured estimator on the measurements of every device. Raises what `estimate_walk` raises.
+def track_of(
+    devices: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether], estimator: Estimator, config: Config
+) -> Track:
+    """Estimate the track of every device.
 
-    A device that began late is led to its start by another one; those that work online, too, know of late ones.
+    Another device leads one that began late from the start of the walk to its own start; an estimator that also works
+    online places a late device by itself.
+
+    Raises EstimationError for measurements that give no track, and for an estimator that returns no track of every
+    device.
     """
-    chosen, start = config.estimator, config.start.pose()
-    sigma_scale = config.odometry.sigma_length_scale
-    extended = devices if chosen.name in ONLINE else with_way_to_start(devices, LATE_S)
-    track = estimate_walk(
-        chosen.name, extended, start, sigma_scale, node_tethers, chosen.map_fusion, chosen.fixed_lag
-    )
+    extended = devices if estimator.spec.online else with_way_to_start(devices, LATE_START_S)
+    track = estimator.estimate(extended, tethers, config.start.pose(), config.odometry.sigma_length_scale)
+    names = tuple(one.device for one in devices)
+    if not isinstance(track, Track) or track.devices != names:
+        found = track.devices if isinstance(track, Track) else type(track).__name__
+        raise EstimationError(
+            f"the estimator {estimator.spec.name} returned {found}: it must return a Track of the devices {names}"
+        )
     return from_own_start(track, devices, extended)
 
 
 def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float) -> DeviceMeasurements:
-    """The measurements with the walk's directions tied to one that is known in the map. track: without that."""
+    """Tie the dominant directions that a walk shows to one that is known in the map.
+
+    Parameters
+    ----------
+    known
+        Measurements of the device.
+    walk
+        Its analysis, with the dominant directions.
+    track
+        Track from the same measurements without that knowledge.
+    direction_rad
+        One of the directions in the map, rad, counter-clockwise from east.
+    """
     if walk.directions is None:
         return known
     own = track.of_device(walk.device)
@@ -64,7 +106,7 @@ def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_
 
 
 def with_person(track: Track, config: Config) -> Track:
-    """The tracks of the devices, each where it sits on the body, and that of the person."""
+    """Put the track of each device where the device sits on the body, and add the track of the person."""
     placed = [
         at_lever_arm(track.of_device(name), config.devices.mounting_of(name).offset_m) for name in track.devices
     ]

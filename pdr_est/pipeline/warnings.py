@@ -1,11 +1,11 @@
-"""What makes a walk doubtful, in words."""
+"""Warnings about a walk and its settings."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from pdr_est.config import Config
-from pdr_est.estimators import RECKONERS
-from pdr_est.front_end.heading import IN_POCKETS, HeadingName
+from pdr_est.estimators import EstimatorSpec
+from pdr_est.front_end.heading import IN_POCKETS
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import PositionFix
@@ -18,7 +18,7 @@ _MOST_OUTSIDE = 0.25  # of the steps; the recogniser is seldom wrong for so many
 
 
 def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str, ...]:
-    """What makes the walks of a recording's devices doubtful, in words: what the reader saw comes first."""
+    """Collect what makes the walks of the devices doubtful; the warnings of the reader come first."""
     found = []
     for device, walk in zip(recording.devices, walks, strict=True):
         words = [*walk.warnings, *quality_warnings(device)]
@@ -30,11 +30,13 @@ def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str,
     return tuple(found)
 
 
-def mismatches(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = ()) -> tuple[str, ...]:
-    """What was chosen that does not fit the walk or what is known of it, in words."""
+def mismatches(
+    walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec, fixes: Sequence[PositionFix] = ()
+) -> tuple[str, ...]:
+    """Warn of choices that do not fit the walk or what is known of it. spec: of the estimator."""
     found = []
-    name, start = config.estimator.name, config.start.pose()
-    if fixes and name in RECKONERS:
+    name, start = spec.name, config.start.pose()
+    if fixes and not spec.uses_fixes:
         known = start.position_m is not None and start.heading_rad is not None
         use = "makes no use of the position fixes" if known else "only aligns the track with the position fixes"
         found.append(f"{name} {use}: choose the estimator factor-graph or ekf for a track that follows them")
@@ -43,8 +45,8 @@ def mismatches(walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[Posi
     return tuple(found)
 
 
-def _outside_pockets(walk: DeviceWalk, method: HeadingName) -> Iterator[str]:
-    """For a method that integrates the turns of a phone upright in a pocket."""
+def _outside_pockets(walk: DeviceWalk, method: str) -> Iterator[str]:
+    """Warn if a method for phones upright in a pocket was chosen and the phone was mostly elsewhere."""
     modes = Counter(step.event.mode for step in walk.steps)
     outside = {mode: modes[mode] for mode in _ELSEWHERE if modes[mode]}
     if sum(outside.values()) > _MOST_OUTSIDE * len(walk.steps):
@@ -57,7 +59,7 @@ def _outside_pockets(walk: DeviceWalk, method: HeadingName) -> Iterator[str]:
 
 
 def _gaps_in_words(gaps: Sequence[Gap]) -> str:
-    """Their number and length; gaps of several channels that overlap are one."""
+    """Tell number and total length of the gaps; gaps of several channels that overlap count as one."""
     ends: list[float] = []
     total_s = 0.0
     for gap in sorted(gaps, key=lambda gap: gap.start_s):

@@ -82,4 +82,4 @@ def _with_time_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRe
         return recording.devices
     later_s = recording.epoch_s - first.epoch_s
     moved = (device.with_times(lambda time_s: time_s + later_s) for device in recording.devices)
-    return tuple(replace(device, moved_s=later_s) for device in moved)
+    return tuple(replace(device, clock_shift_s=later_s) for device in moved)

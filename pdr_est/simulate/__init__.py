@@ -2,26 +2,34 @@
 
 `simulate_walk(preset("office_loop"))` is the shortest way to a recording. Every motion is an exact function of
 time, so the truth does not depend on the sampling rate.
+
+* `scenario`: all parameters of a walk. `walk`: from a scenario to a recording with its truth.
+* `walker`: path, steps and moving trunk of the walker. `carrying`: phones in the hand, in a swinging hand, in a
+  pocket.
+* `sensors`: errors of the sensors and the magnetic field. `motion`: differentiable signals that all motion is made
+  of.
+* `people`: randomly drawn walkers and populations. `presets`: named scenarios and the walks of the papers.
 """
 
-from pdr_est.simulate.carrying.held import HeldPhone
+from pdr_est.simulate.carrying.held_phone import HeldPhone
 from pdr_est.simulate.carrying.mode_changes import ModeChange
-from pdr_est.simulate.carrying.pocket import PocketPhone
-from pdr_est.simulate.carrying.swinging import SwingingPhone
-from pdr_est.simulate.people.person import Person, sample_person
-from pdr_est.simulate.presets.mmpdr import PRESETS, mmpdr_indoor, mmpdr_mode_walks, park_348, preset
-from pdr_est.simulate.presets.psp import PSP_TESTS, Trajectory, psp_path, psp_walks
+from pdr_est.simulate.carrying.pocket_phone import PocketPhone
+from pdr_est.simulate.carrying.swinging_phone import SwingingPhone
+from pdr_est.simulate.people.person import SimulatedPerson, sample_person
+from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, mmpdr_mode_walks, park_348
+from pdr_est.simulate.presets.named_scenarios import PRESETS, preset
+from pdr_est.simulate.presets.psp import PSP_TESTS, PspTrajectory, psp_path, psp_walks
 from pdr_est.simulate.presets.robust_dr import ROBUST_DR_TRIALS, robust_dr_trials, waypoint_passes
 from pdr_est.simulate.scenario import DeviceParams, Scenario
-from pdr_est.simulate.sensors.errors import PERFECT, PHONE_MAGNETOMETER, SensorErrors, SensorParams
-from pdr_est.simulate.sensors.magnetic_field import EarthField, Iron, scattered_irons
+from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole, scatter_dipoles
+from pdr_est.simulate.sensors.sensor_errors import NO_SENSOR_ERRORS, PHONE_MAGNETOMETER, SensorErrors, SensorParams
 from pdr_est.simulate.walk import SimulatedDevice, SimulatedWalk, simulate_walk
-from pdr_est.simulate.walker.path import Path, PathParams
-from pdr_est.simulate.walker.step_schedule import GaitParams, Pause, Steps
-from pdr_est.simulate.walker.trunk import BodyParams
+from pdr_est.simulate.walker.step_schedule import Pause, StepSchedule, WalkerGaitParams
+from pdr_est.simulate.walker.walking_body import BodyParams
+from pdr_est.simulate.walker.walking_path import PathParams, WalkingPath
 
 __all__ = [
-    "PERFECT",
+    "NO_SENSOR_ERRORS",
     "PHONE_MAGNETOMETER",
     "PRESETS",
     "PSP_TESTS",
@@ -29,23 +37,23 @@ __all__ = [
     "BodyParams",
     "DeviceParams",
     "EarthField",
-    "GaitParams",
     "HeldPhone",
-    "Iron",
+    "MagneticDipole",
     "ModeChange",
-    "Path",
     "PathParams",
     "Pause",
-    "Person",
     "PocketPhone",
+    "PspTrajectory",
     "Scenario",
     "SensorErrors",
     "SensorParams",
     "SimulatedDevice",
+    "SimulatedPerson",
     "SimulatedWalk",
-    "Steps",
+    "StepSchedule",
     "SwingingPhone",
-    "Trajectory",
+    "WalkerGaitParams",
+    "WalkingPath",
     "mmpdr_indoor",
     "mmpdr_mode_walks",
     "park_348",
@@ -54,7 +62,7 @@ __all__ = [
     "psp_walks",
     "robust_dr_trials",
     "sample_person",
-    "scattered_irons",
+    "scatter_dipoles",
     "simulate_walk",
     "waypoint_passes",
 ]

@@ -1,4 +1,4 @@
-"""What to simulate: a path, a walker, and the devices that the walker carries."""
+"""Scenario of a simulated walk: a path, a walker, and the devices that the walker carries."""
 
 from dataclasses import asdict
 from typing import Annotated
@@ -8,47 +8,56 @@ from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
 from pdr_est.params import params
-from pdr_est.simulate.carrying.held import HeldPhone
-from pdr_est.simulate.carrying.mode_changes import AnyPhone, ModeChange, check_changes
-from pdr_est.simulate.sensors.errors import SensorParams
-from pdr_est.simulate.sensors.magnetic_field import EarthField, Iron
-from pdr_est.simulate.walker.path import PathParams
-from pdr_est.simulate.walker.step_schedule import GaitParams
-from pdr_est.simulate.walker.trunk import BodyParams
+from pdr_est.simulate.carrying.held_phone import HeldPhone
+from pdr_est.simulate.carrying.mode_changes import CarriedPhone, ModeChange, check_mode_changes
+from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole
+from pdr_est.simulate.sensors.sensor_errors import SensorParams
+from pdr_est.simulate.walker.step_schedule import WalkerGaitParams
+from pdr_est.simulate.walker.walking_body import BodyParams
+from pdr_est.simulate.walker.walking_path import PathParams
 
 
 @params
 class DeviceParams:
-    """One device. carry: how it is carried at first; changes: to what the hand changes that, in order of time."""
+    """Parameters of one simulated device."""
 
     name: str = "device"
-    carry: AnyPhone = HeldPhone()
+    """Name of the device in the recording."""
+    carry: CarriedPhone = HeldPhone()
+    """Carrying model at the start of the walk."""
     changes: tuple[ModeChange, ...] = ()
+    """Changes of the carrying mode, in order of time."""
     sensors: SensorParams = SensorParams()
+    """Sensors and recorder of the device."""
 
 
 @params
 class Scenario:
-    """A walk to simulate. The same scenario gives the same walk, sample by sample; all randomness is from `seed`.
-
-    earth, irons: the magnetic field, for devices that have a magnetometer.
-    """
+    """Parameters of a simulated walk; the same scenario gives the same samples, bit by bit."""
 
     path: PathParams
+    """Path of the walker."""
     name: str = "simulated"
-    gait: GaitParams = GaitParams()
+    """Name of the recording."""
+    gait: WalkerGaitParams = WalkerGaitParams()
+    """Steps of the walker: cadence, length, variation, pauses."""
     body: BodyParams = BodyParams()
+    """Motion of the walker's trunk."""
     devices: tuple[DeviceParams, ...] = (DeviceParams(),)
+    """Devices that are carried, each with a name of its own."""
     earth: EarthField = EarthField()
-    irons: tuple[Iron, ...] = ()
+    """Magnetic field of the Earth, for devices that have a magnetometer."""
+    irons: tuple[MagneticDipole, ...] = ()
+    """Magnetised bodies beside the path, for devices that have a magnetometer."""
     seed: Annotated[int, Ge(0)] = 0
+    """Seed of all random numbers of the walk."""
 
 
 _ADAPTER = TypeAdapter(Scenario)
 
 
-def check(scenario: Scenario) -> None:
-    """Raise ConfigError if a value is out of its range."""
+def check_scenario(scenario: Scenario) -> None:
+    """Raise ConfigError if a value is out of its range or contradicts another one."""
     try:
         _ADAPTER.validate_python(asdict(scenario))
     except ValidationError as error:
@@ -59,7 +68,7 @@ def check(scenario: Scenario) -> None:
     if not names or len(set(names)) < len(names):
         raise ConfigError(f"scenario devices {names}: at least one, each with a name of its own")
     for device in scenario.devices:
-        check_changes(device.name, device.changes)
+        check_mode_changes(device.name, device.changes)
         for start_s, end_s in device.sensors.gaps_s:
             if not start_s < end_s:
                 raise ConfigError(f"scenario device {device.name}: gap from {start_s} s to {end_s} s: swap the times")

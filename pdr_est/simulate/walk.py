@@ -9,12 +9,18 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.simulate.carrying.mode_changes import carried_motion, true_modes
 from pdr_est.simulate.motion.rigid_body import RigidMotion
-from pdr_est.simulate.scenario import DeviceParams, Scenario, check
-from pdr_est.simulate.sensors.errors import RecordedSensor, SensorErrors, record, record_exactly, sampling_times
-from pdr_est.simulate.sensors.magnetic_field import field_ut
-from pdr_est.simulate.walker.path import Path
-from pdr_est.simulate.walker.step_schedule import Steps, plan_steps
-from pdr_est.simulate.walker.trunk import Body
+from pdr_est.simulate.scenario import DeviceParams, Scenario, check_scenario
+from pdr_est.simulate.sensors.magnetic_field import magnetic_field_ut
+from pdr_est.simulate.sensors.sensor_errors import (
+    RecordedSensor,
+    SensorErrors,
+    record_signal,
+    record_without_errors,
+    sampling_times,
+)
+from pdr_est.simulate.walker.step_schedule import StepSchedule, plan_steps
+from pdr_est.simulate.walker.walking_body import WalkingBody
+from pdr_est.simulate.walker.walking_path import WalkingPath
 from pdr_est.types.ground_truth import TrueModes, TruePositions, TrueSteps, TrueTurns, Truth
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Recording
@@ -36,7 +42,21 @@ class _Stream(IntEnum):
 
 @dataclass(frozen=True)
 class SimulatedDevice:
-    """One device: its true motion at the true sampling times, how it was carried, and its sensors as recorded."""
+    """Simulated device: true motion, carrying modes and recorded sensors.
+
+    Attributes
+    ----------
+    name : str
+        Name of the device.
+    motion : RigidMotion
+        True motion at the true sampling times.
+    modes : TrueModes
+        True carrying modes over time.
+    accelerometer, gyroscope : RecordedSensor
+        Recorded sensors with the errors that were drawn for them.
+    magnetometer : RecordedSensor or None
+        The same, or None for a device without magnetometer.
+    """
 
     name: str
     motion: RigidMotion
@@ -48,40 +68,69 @@ class SimulatedDevice:
 
 @dataclass(frozen=True)
 class SimulatedWalk:
-    """A recording and all that is true about it.
+    """Recording of a simulated walk with everything that is true about it.
 
-    steps: every step, exactly. truth_time_s: (n,) at 10 Hz; truth_position_m: (n, 2) the point on the path that
-    the trunk sways about, east and north; truth_heading_rad: (n,) walking direction, continuous.
-    devices: in the order of the recording's.
+    Attributes
+    ----------
+    scenario : Scenario
+        Parameters that the walk was made from.
+    recording : Recording
+        Recording as a reader would return it.
+    steps : StepSchedule
+        True steps.
+    truth_time_s : Array
+        Times of the true track, (n,), s, at 10 Hz.
+    truth_position_m : Array
+        Point on the path that the trunk sways about, (n, 2), m, east and north.
+    truth_heading_rad : Array
+        Walking direction, (n,), rad, continuous.
+    distance_m : float
+        Length of the path, m.
+    devices : tuple of SimulatedDevice
+        Devices in the order of the recording.
+    body : WalkingBody
+        Motion of the trunk as a function of time.
     """
 
     scenario: Scenario
     recording: Recording
-    steps: Steps
+    steps: StepSchedule
     truth_time_s: Array
     truth_position_m: Array
     truth_heading_rad: Array
     distance_m: float
     devices: tuple[SimulatedDevice, ...]
-    body: Body
+    body: WalkingBody
 
     @property
     def step_count(self) -> int:
-        """How many steps the walker took."""
+        """Return the number of steps that the walker took."""
         return len(self.steps)
 
     def position_at(self, time_s: Array) -> Array:
-        """True positions (n, 2) at any times (n,), as in `truth_position_m`."""
+        """Compute true positions (n, 2), m, at any times (n,), s, as in `truth_position_m`."""
         return self.body.on_path_at(time_s)[0]
 
     def heading_at(self, time_s: Array) -> Array:
-        """True walking directions (n,) at any times (n,), rad, continuous."""
+        """Compute true walking directions (n,), rad, continuous, at any times (n,), s."""
         return self.body.on_path_at(time_s)[1]
 
     def with_fixes(self, every_s: float, sigma_m: float, seed: int = 0) -> "SimulatedWalk":
-        """The same walk with position fixes at every_s, 2 every_s, ...; Gaussian errors of sigma_m per axis.
+        """Add position fixes at every_s, 2 every_s, ... to the recording.
 
-        Raise ConfigError if every_s or sigma_m is not positive.
+        Parameters
+        ----------
+        every_s : float
+            Interval between the fixes, s.
+        sigma_m : float
+            Standard deviation of the Gaussian errors of each axis, m.
+        seed : int
+            Seed of the errors.
+
+        Raises
+        ------
+        ConfigError
+            If every_s or sigma_m is not positive.
         """
         if not (every_s > 0.0 and sigma_m > 0.0):
             raise ConfigError(f"fixes every {every_s} s with sigma {sigma_m} m: both must be positive")
@@ -96,11 +145,17 @@ class SimulatedWalk:
 
 
 def simulate_walk(scenario: Scenario) -> SimulatedWalk:
-    """Walk a scenario. Raise ConfigError if a value is out of range or the path cannot be rounded as asked."""
-    check(scenario)
-    path = Path(scenario.path)
+    """Simulate the walk of a scenario.
+
+    Raises
+    ------
+    ConfigError
+        If a value is out of its range or the path cannot be rounded with the given radius.
+    """
+    check_scenario(scenario)
+    path = WalkingPath(scenario.path)
     steps = plan_steps(scenario.gait, path.length_m, _stream(scenario.seed, _Stream.STEPS))
-    body = Body(path, steps, scenario.gait.height_m, scenario.body)
+    body = WalkingBody(path, steps, scenario.gait.height_m, scenario.body)
     devices = tuple(
         _simulate_device(scenario, number, path, body, steps.end_s) for number in range(len(scenario.devices))
     )
@@ -127,7 +182,10 @@ def simulate_walk(scenario: Scenario) -> SimulatedWalk:
     return SimulatedWalk(scenario, recording, steps, time_s, position_m, heading_rad, path.length_m, devices, body)
 
 
-def _simulate_device(scenario: Scenario, number: int, path: Path, body: Body, end_s: float) -> SimulatedDevice:
+def _simulate_device(
+    scenario: Scenario, number: int, path: WalkingPath, body: WalkingBody, end_s: float
+) -> SimulatedDevice:
+    """Simulate the motion of a device and record its sensors."""
     device, seed = scenario.devices[number], scenario.seed
     sensors = device.sensors
     time_s = sampling_times(end_s, sensors.rate_hz)
@@ -136,11 +194,11 @@ def _simulate_device(scenario: Scenario, number: int, path: Path, body: Body, en
     motion = carried_motion(body, time_s, device.carry, device.changes, hands)
 
     def recorded(ideal: Array, errors: SensorErrors, stream: _Stream) -> RecordedSensor:
-        return record(time_s, ideal, errors, sensors, _stream(seed, stream, number))
+        return record_signal(time_s, ideal, errors, sensors, _stream(seed, stream, number))
 
     magnetometer = None
     if sensors.magnetometer is not None:
-        field = motion.in_device(field_ut(motion.position_m, scenario.earth, scenario.irons, path))
+        field = motion.in_device(magnetic_field_ut(motion.position_m, scenario.earth, scenario.irons, path))
         magnetometer = recorded(field, sensors.magnetometer, _Stream.MAGNETOMETER)
     return SimulatedDevice(
         name=device.name,
@@ -153,11 +211,12 @@ def _simulate_device(scenario: Scenario, number: int, path: Path, body: Body, en
 
 
 def _recorded(parameters: DeviceParams, device: SimulatedDevice, seed: int, number: int) -> DeviceRecording:
+    """Build the device's part of the recording."""
     sensors, motion = parameters.sensors, device.motion
     attitude = None
     if sensors.record_attitude:
         rng = _stream(seed, _Stream.ATTITUDE, number)
-        attitude = record_exactly(motion.time_s, motion.quaternion, sensors, rng)
+        attitude = record_without_errors(motion.time_s, motion.quaternion, sensors, rng)
     return DeviceRecording(
         name=device.name,
         model="simulated",
@@ -171,4 +230,5 @@ def _recorded(parameters: DeviceParams, device: SimulatedDevice, seed: int, numb
 
 
 def _stream(seed: int, purpose: _Stream, *numbers: int) -> np.random.Generator:
+    """Make the generator of one purpose; `numbers` tell devices and carrying models apart."""
     return np.random.default_rng([seed, int(purpose), *(numbers or (0,))])

@@ -1,4 +1,4 @@
-"""What the system knows of a walk: of each device what its front end found, and of all of them the track."""
+"""Results of one walk: the front-end output of each device, and the track estimated from it."""
 
 from dataclasses import dataclass, field
 
@@ -12,12 +12,31 @@ from pdr_est.types.track import Track
 
 @dataclass(frozen=True)
 class DominantDirections:
-    """What a walk tells of a building. number: of the most probable directions; log_odds: of them against none.
-    used: whether that suffices, or the number was given. spacing_rad: between them. drift_per_sqrt_s: rad per root
-    second, of the phone's headings, by the level that the walk fits best. Per piece of the straight
-    stretches: drift_rad (n,) of the heading since the first piece, sigma_rad (n,) of the heading less its drift,
-    path_heading_rad (n,) the direction it follows, with the zero of the first piece, not wrapped, and follows (n,) the
-    probability that it follows one."""
+    """Dominant directions of a building, estimated from the walk.
+
+    The straight segments of the walk are divided into n pieces; arrays have one entry for each piece.
+
+    Attributes
+    ----------
+    number
+        Most probable number of directions, at equal angles.
+    log_odds
+        Log odds of this number against no dominant direction at all.
+    used
+        True when the evidence suffices, or the number was given.
+    spacing_rad
+        Angle between neighbouring directions, rad.
+    drift_per_sqrt_s
+        Drift of the heading of the phone that fits the walk best, rad/√s.
+    drift_rad
+        (n,) rad, heading drift since the first piece.
+    sigma_rad
+        (n,) rad, standard deviation of the heading after subtracting the drift.
+    path_heading_rad
+        (n,) rad, direction that the piece follows, counted from the heading of the first piece, not wrapped.
+    follows
+        (n,) probability that the piece follows a dominant direction.
+    """
 
     number: int
     log_odds: float
@@ -32,12 +51,34 @@ class DominantDirections:
 
 @dataclass(frozen=True)
 class DeviceWalk:
-    """What the front end found in one device's recording. start_s: time of the first usable sample.
+    """Output of the front end for the recording of one device.
 
-    odometry: its motion step by step. whole_walk_odometry: the same with what only the whole walk tells, for
-    estimators that smooth. directions: the dominant directions of the building, as far as the walk shows them.
-    clock: against that of the first device, where it was estimated. warnings: of the reader and of the clock.
-    has_heading is False for a device without gyroscope: its steps have a length but no heading, and no odometry.
+    Attributes
+    ----------
+    device
+        Name of the device.
+    start_s
+        Time of the first usable sample, s.
+    level
+        Samples on the working grid with the direction of gravity.
+    steps
+        Detected steps with length and heading.
+    odometry
+        Motion step by step, as a causal front end computes it.
+    whole_walk_odometry
+        The same with corrections that need the whole walk; for estimators that smooth.
+    directions
+        Dominant directions of the building; None where none were sought.
+    has_heading
+        False for a device without gyroscope: its steps have a length but no heading, and there is no odometry.
+    clock
+        Clock model against the first device, where one was estimated.
+    warnings
+        Warnings of the reader and of the clock synchronisation.
+    gaps
+        Gaps of the recording.
+    dropped_samples
+        Number of samples left out, by reason.
     """
 
     device: str
@@ -55,21 +96,42 @@ class DeviceWalk:
 
     @property
     def span_s(self) -> tuple[float, float]:
-        """Times of the first and the last sample that the front end could use."""
+        """Times of the first and the last sample that the front end could use, s."""
         return float(self.level[0].time_s[0]), float(self.level[-1].time_s[-1])
 
     @property
-    def stepping_s(self) -> tuple[float, float]:
-        """Times of the first usable sample and of the end of the last step, or of the last sample without any."""
+    def walking_span_s(self) -> tuple[float, float]:
+        """Times of the first usable sample and of the end of the last step, s; of the last sample without steps."""
         return self.start_s, max((m.time_s for m in self.odometry[-2:]), default=self.span_s[1])
+
+    def __repr__(self) -> str:
+        start_s, end_s = self.span_s
+        return f"DeviceWalk({self.device!r}: {len(self.steps)} steps, {end_s - start_s:.1f} s)"
 
 
 @dataclass(frozen=True)
 class SmoothedWalk:
-    """A track with what led to it. timings_s: CPU seconds per part of the chain."""
+    """A track with the intermediate results that led to it.
+
+    Attributes
+    ----------
+    track
+        Tracks of all devices, and of the person where there are several devices.
+    devices
+        Front-end output of each device.
+    fixes
+        Position fixes that the estimator was given.
+    timings_s
+        CPU seconds by part of the pipeline.
+    warnings
+        Doubts about recording, walk and settings, in words.
+    fixes_used
+        False for an estimator that only aligns the track with the fixes.
+    """
 
     track: Track
     devices: tuple[DeviceWalk, ...]
     fixes: tuple[PositionFix, ...] = ()
     timings_s: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    fixes_used: bool = True

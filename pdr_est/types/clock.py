@@ -1,4 +1,4 @@
-"""Clock."""
+"""Offset and skew between the clocks of two devices."""
 
 from dataclasses import dataclass
 
@@ -9,11 +9,26 @@ from pdr_est.frames import Array
 
 @dataclass(frozen=True)
 class ClockEstimate:
-    """The other clock shows t + offset_s + skew (t - at_s) when the reference clock shows t.
+    """Linear model of one clock against a reference clock.
 
-    sigma_s, sigma_skew: standard deviations of offset and skew, independent at at_s. quality: 0 to 1, how much of
-    what could be compared agrees. method: "walk", "messages" or "given". doubts: why the estimate is poor, in
-    words; empty if it is good.
+    When the reference clock shows t, the other clock shows t + offset_s + skew (t - at_s).
+
+    Attributes
+    ----------
+    offset_s
+        Offset at `at_s`, s.
+    skew
+        Relative rate difference.
+    sigma_s, sigma_skew
+        Standard deviations of offset (s) and skew, uncorrelated at `at_s`.
+    at_s
+        Time at which the offset is defined, s on the reference clock.
+    quality
+        Fraction of the compared data that agrees with the model, 0 to 1.
+    method
+        Source of the estimate: "walk" (motion signals), "messages" or "given".
+    doubts
+        Reasons why the estimate may be wrong, in words; empty for a good estimate.
     """
 
     offset_s: float
@@ -27,24 +42,29 @@ class ClockEstimate:
 
     @property
     def poor(self) -> bool:
+        """True when there is a reason to doubt the estimate."""
         return bool(self.doubts)
 
     @property
     def used(self) -> bool:
-        """A poor estimate from the walk may be wrong by steps; poor messages are still the best that is known."""
+        """True when the clocks are corrected by this estimate.
+
+        A poor estimate from the walk may be wrong by whole steps and is not used; poor messages are still the best
+        information there is.
+        """
         return not self.poor or self.method != "walk"
 
     def offset_at(self, time_s: Array) -> Array:
-        """What the other clock is ahead at times (n,) of the reference clock."""
+        """Compute the lead (n,) of the other clock, s, at times (n,) of the reference clock."""
         ahead: Array = self.offset_s + self.skew * (time_s - self.at_s)
         return ahead
 
     def sigma_at(self, time_s: Array) -> Array:
-        """Standard deviation (n,) of `offset_at`."""
+        """Compute the standard deviation (n,) of `offset_at`, s."""
         sigma: Array = np.hypot(self.sigma_s, self.sigma_skew * (time_s - self.at_s))
         return sigma
 
     def to_reference(self, time_s: Array) -> Array:
-        """Times (n,) of the other clock, on the reference clock."""
-        there: Array = self.at_s + (time_s - self.at_s - self.offset_s) / (1.0 + self.skew)
-        return there
+        """Convert times (n,) of the other clock to the reference clock."""
+        reference: Array = self.at_s + (time_s - self.at_s - self.offset_s) / (1.0 + self.skew)
+        return reference

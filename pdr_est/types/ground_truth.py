@@ -1,4 +1,7 @@
-"""Ground truth."""
+"""Reference data of a recording: known positions, steps, strides, turns and carrying modes.
+
+Evaluation compares results with it. No estimator ever sees it.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +15,19 @@ from pdr_est.types.steps import CarryingMode
 
 @dataclass(frozen=True)
 class TruePositions:
-    """Known positions. time_s: (n,); position_m: (n, 2) east, north; sigma_m: per axis; source in words
-    ("waypoints", "surveyed points", "gps", "poses")."""
+    """Reference positions.
+
+    Attributes
+    ----------
+    time_s
+        (n,) s.
+    position_m
+        (n, 2) east and north, m.
+    sigma_m
+        Standard deviation of each coordinate, m.
+    source
+        Origin in words: "waypoints", "surveyed points", "gps", "poses".
+    """
 
     time_s: Array
     position_m: Array
@@ -23,7 +37,15 @@ class TruePositions:
 
 @dataclass(frozen=True)
 class TrueSteps:
-    """Annotated foot contacts. time_s: (n,), foot: (n,) "L" or "R"."""
+    """Annotated foot contacts.
+
+    Attributes
+    ----------
+    time_s
+        (n,) s.
+    foot
+        (n,) "L" or "R".
+    """
 
     time_s: Array
     foot: NDArray[Any]
@@ -31,7 +53,15 @@ class TrueSteps:
 
 @dataclass(frozen=True)
 class TrueStrides:
-    """Measured strides (two steps each) in order of time. start_s, end_s: (n,); length_m: (n,)."""
+    """Measured strides (two steps each) in order of time.
+
+    Attributes
+    ----------
+    start_s, end_s
+        (n,) s.
+    length_m
+        (n,) m.
+    """
 
     start_s: Array
     end_s: Array
@@ -40,7 +70,15 @@ class TrueStrides:
 
 @dataclass(frozen=True)
 class TrueTurns:
-    """Annotated turns. time_s: (n,), angle_rad: (n,) counter-clockwise positive."""
+    """Annotated turns.
+
+    Attributes
+    ----------
+    time_s
+        (n,) s.
+    angle_rad
+        (n,) rad, counter-clockwise positive.
+    """
 
     time_s: Array
     angle_rad: Array
@@ -48,14 +86,21 @@ class TrueTurns:
 
 @dataclass(frozen=True)
 class TrueModes:
-    """How the device was really carried. start_s: (n,) rising; mode: (n,) values of CarryingMode from then on
-    until the next start."""
+    """Annotated carrying modes of a device.
+
+    Attributes
+    ----------
+    start_s
+        (n,) s, increasing; a mode lasts until the next start.
+    mode
+        (n,) values of `CarryingMode`.
+    """
 
     start_s: Array
     mode: NDArray[np.int8]
 
     def at(self, time_s: Array) -> NDArray[np.int8]:
-        """The modes (k,) at some times (k,); UNKNOWN before the first start."""
+        """Look up the modes (k,) at times (k,); UNKNOWN before the first start."""
         number = np.searchsorted(self.start_s, time_s, side="right") - 1
         unknown = np.int8(CarryingMode.UNKNOWN)
         return np.where(number < 0, unknown, self.mode[np.maximum(number, 0)]).astype(np.int8)
@@ -63,9 +108,20 @@ class TrueModes:
 
 @dataclass(frozen=True)
 class Truth:
-    """What is known of the walk besides the sensors; each part None where the recording has none.
+    """All reference data of one recording; a part is None where the recording has none.
 
-    modes: of the first device.
+    Attributes
+    ----------
+    positions, steps, turns, strides
+        Reference positions, foot contacts, turns and strides.
+    step_count
+        Number of steps.
+    distance_m
+        Length of the walk, m.
+    activity
+        Label of the activity as the data set gives it.
+    modes
+        Carrying modes of the first device.
     """
 
     positions: TruePositions | None = None

@@ -1,20 +1,43 @@
-"""Measurements."""
+"""Measurements: everything that an estimator knows about a walk.
+
+The front end emits `StepOdometry` and `HeadingPrior`, the user gives `PositionFix` and `StartPose`, and
+`DeviceTether` joins several devices of one person. An estimator that understands these records works with every
+front end.
+"""
 
 from dataclasses import dataclass
 
-from pdr_est.types.sensors import Array
+from pdr_est.frames import Array
 from pdr_est.types.steps import CarryingMode
 
-LATE_S = 5.0  # ours; a device that begins to record no later than this after another begins where the walk did
+LATE_START_S = 5.0
+"""A device that starts recording at most this long after another is taken to start at the same place (our choice)."""
 
 
 @dataclass(frozen=True)
 class StepOdometry:
     """Motion of one device from the end of the previous step to the end of this one.
 
-    The walker turns by heading_change_rad and then moves length_m straight ahead, between start_s and time_s.
-    covariance: (3, 3) of (forward m, left m, heading rad) in the body frame at the end of the step.
-    observed is False for the bridge over a gap in the recording.
+    The walker turns by `heading_change_rad` and then moves `length_m` straight ahead.
+
+    Attributes
+    ----------
+    device
+        Name of the device.
+    time_s
+        End of the step, s.
+    start_s
+        Start of the movement, s.
+    length_m
+        Step length, m.
+    heading_change_rad
+        Heading change since the previous step, rad, counter-clockwise.
+    covariance
+        (3, 3) covariance of (forward m, left m, heading rad) in the body frame at the end of the step.
+    mode
+        Carrying mode of the device.
+    observed
+        False for the odometry that bridges a gap in the recording.
     """
 
     device: str
@@ -29,10 +52,23 @@ class StepOdometry:
 
 @dataclass(frozen=True)
 class HeadingPrior:
-    """The heading of a device at a time, from a heading controller or a building's dominant directions.
+    """Heading of a device at one time, from a heading controller or the dominant directions of a building.
 
-    relative: heading_rad counts from a direction that is unknown in the map and common to all relative priors of the
-    device: they tell the angles between the stretches of a walk, and nothing of north.
+    Attributes
+    ----------
+    device
+        Name of the device.
+    time_s
+        Time of the heading, s.
+    heading_rad
+        Heading, rad; in the map frame unless `relative`.
+    sigma_rad
+        Standard deviation, rad.
+    robust
+        True for a measurement that may be an outlier and is weighted by a robust kernel.
+    relative
+        True when the heading counts from a direction that is unknown in the map and common to all relative priors of
+        the device. Such priors constrain the angles between parts of a walk and carry no information about north.
     """
 
     device: str
@@ -45,7 +81,21 @@ class HeadingPrior:
 
 @dataclass(frozen=True)
 class PositionFix:
-    """An absolute position. position_m: (2,) east, north; covariance_m2: (2, 2)."""
+    """Known position in the map frame.
+
+    Attributes
+    ----------
+    time_s
+        Time of the fix, s on the clock of the recording.
+    position_m
+        (2,) east and north, m.
+    covariance_m2
+        (2, 2) covariance of the position, m².
+    source
+        Origin of the fix in words, such as "waypoint" or "gps".
+    robust
+        True for a position that may be an outlier and is weighted by a robust kernel.
+    """
 
     time_s: float
     position_m: Array
@@ -56,7 +106,24 @@ class PositionFix:
 
 @dataclass(frozen=True)
 class DeviceTether:
-    """Two devices on one body are never farther apart than max_distance_m (Robust DR: 2R)."""
+    """Upper bound on the distance between two devices on one body.
+
+    Attributes
+    ----------
+    device_a, device_b
+        Names of the devices.
+    time_s
+        Time at which the bound holds, s.
+    max_distance_m
+        Largest possible distance, m.
+    sigma_m
+        Standard deviation of the distance when the bound is active, m.
+
+    References
+    ----------
+    Jin, Soh, Motani, Wong: "A Robust Dead Reckoning Pedestrian Tracking System with Low Cost Sensors", PerCom 2011,
+    where the bound is 2R.
+    """
 
     device_a: str
     device_b: str
@@ -67,20 +134,40 @@ class DeviceTether:
 
 @dataclass(frozen=True)
 class LoopClosure:
-    """The walk of a device ends where it began, to sigma_m in each coordinate."""
+    """Statement that the walk of a device ends where it began.
+
+    Attributes
+    ----------
+    device
+        Name of the device.
+    sigma_m
+        Standard deviation of the distance between end and start, m, in each coordinate.
+    """
 
     device: str
     sigma_m: float
 
 
 Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether | LoopClosure
+"""Any one measurement."""
 
 
 @dataclass(frozen=True)
 class StartPose:
-    """Where the walk begins. A None means unknown: to be found from the fixes.
+    """Pose at which the walk begins. A value of None is unknown and is estimated from the fixes.
 
-    With neither start nor fixes the track is in its own frame: origin at the start, first step to the east.
+    With neither a start nor fixes the track is in a frame of its own: origin at the start, first step along x.
+
+    Attributes
+    ----------
+    position_m
+        East and north, m.
+    heading_rad
+        Heading, rad, counter-clockwise from east.
+    sigma_position_m
+        Standard deviation of the position, m, in each coordinate.
+    sigma_heading_rad
+        Standard deviation of the heading, rad.
     """
 
     position_m: tuple[float, float] | None = None
@@ -91,7 +178,17 @@ class StartPose:
 
 @dataclass(frozen=True)
 class DeviceMeasurements:
-    """What is known of one device's walk. start_s: time of its start pose."""
+    """All measurements of the walk of one device.
+
+    Attributes
+    ----------
+    device
+        Name of the device.
+    start_s
+        Time of its start pose, s.
+    measurements
+        The measurements; odometry in order of time.
+    """
 
     device: str
     start_s: float

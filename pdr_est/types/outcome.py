@@ -1,4 +1,4 @@
-"""What is shown of one track of one walk with one variant."""
+"""One scored track of an experiment, as the comparison report shows it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,16 +8,36 @@ from pdr_est.frames import Array
 
 @dataclass(frozen=True)
 class TrackOutcome:
-    """A scored track beside its truth.
+    """A track of one walk and one variant, scored against the truth.
 
-    labels: keys of the walk to group by -> value. mode: recognised for most of the walking time. metrics: name ->
-    value, None when it cannot be told. steps: detected; true_steps: taken, None when not known. mode_shares: of the
-    walking time. with_fixes: whether the track shown was given fixes; else it is aligned at its start.
-
-    position_m: (n, 2) poses of the track in the frame of the truth. truth_m: (k, 2) true positions, none when they
-    are not known. At (p,) true positions that the estimator was not given: way_m, the distance walked until there;
-    error_m; squared, the error in units of its stated covariance (squared Mahalanobis distance, 2 is right on
-    average), empty without fixes.
+    Attributes
+    ----------
+    walk, track, variant
+        Names of the walk, of the device (or "fused") and of the variant.
+    labels
+        Properties of the walk by which tables are grouped.
+    mode
+        Carrying mode recognised for most of the walking time.
+    metrics
+        Value of each metric; None where it cannot be computed.
+    steps
+        Number of detected steps.
+    true_steps
+        Number of steps taken; None where it is unknown.
+    mode_shares
+        Fraction of the walking time in each carrying mode.
+    with_fixes
+        True when the track was estimated with position fixes; otherwise it is aligned with the truth at its start.
+    position_m
+        (n, 2) m, track in the frame of the truth.
+    truth_m
+        (k, 2) m, true positions; empty where they are unknown.
+    way_m
+        (p,) m, distance walked until each true position that the estimator was not given.
+    error_m
+        (p,) m, position error there.
+    squared
+        (p,) squared Mahalanobis distance of the error (2 is right on average); empty without fixes.
     """
 
     walk: str

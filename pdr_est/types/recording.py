@@ -1,12 +1,14 @@
-"""What a reader returns: the signals of the devices of one walk, with truth and fixes if the recorder kept any."""
+"""Recordings: the signals of the devices of one walk, with the reference data and fixes that the recorder kept."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pdr_est.frames import Array
+from pdr_est.types.array_checks import checked_times, checked_values
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import Channel, SensorBlock
@@ -14,7 +16,15 @@ from pdr_est.types.sensors import Channel, SensorBlock
 
 @dataclass(frozen=True)
 class Signal:
-    """One sensor with its own time stamps. time_s: (n,) s on the recording's clock; values: (n, k), SI units."""
+    """Samples of one sensor with their own time stamps.
+
+    Attributes
+    ----------
+    time_s
+        (n,) s on the clock of the recording.
+    values
+        (n, k) in SI units.
+    """
 
     time_s: Array
     values: Array
@@ -28,12 +38,30 @@ _CHANNELS = ("specific_force", "rotation_rate", "magnetic_field", "attitude", "p
 
 @dataclass(frozen=True)
 class DeviceRecording:
-    """What one device recorded. Specific force m/s^2 points up at rest (Android signs), rotation rate rad/s,
-    magnetic field uT, all (n, 3) in device axes; attitude (n, 4) w first, device -> frame with z up;
-    pressure (n, 1) Pa.
+    """Signals of one device; a signal is None where the device has no such sensor.
 
-    decisions: how units and signs were found, in words. warnings: what looks wrong with the data. moved_s: what the
-    recorder's own times were moved by to start from the time zero of the recording.
+    Attributes
+    ----------
+    name
+        Name of the device, unique within the recording.
+    model, platform
+        Model and operating system as the recorder states them; empty where unknown.
+    specific_force
+        (n, 3) m/s², device axes; points up when the device lies still (Android's sign).
+    rotation_rate
+        (n, 3) rad/s, device axes.
+    magnetic_field
+        (n, 3) µT, device axes.
+    attitude
+        (n, 4) quaternions w first, device to a frame with z up.
+    pressure
+        (n, 1) Pa.
+    decisions
+        How units and signs were determined, in words.
+    warnings
+        Suspicious properties of the data, in words.
+    clock_shift_s
+        Constant added to the recorder's own time stamps so that they count from the time zero of the recording, s.
     """
 
     name: str = "device"
@@ -46,28 +74,31 @@ class DeviceRecording:
     pressure: Signal | None = None
     decisions: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    moved_s: float = 0.0
+    clock_shift_s: float = 0.0
 
     @property
     def span_s(self) -> tuple[float, float] | None:
-        """When the first and the last sample of any sensor of the front end was taken; None without any."""
+        """Times of the first and the last sample of any channel of the front end, s; None without samples."""
         times = [block.time_s[np.isfinite(block.time_s)] for block in self.blocks()]
         known = [time_s for time_s in times if len(time_s)]
         if not known:
             return None
         return min(float(time_s.min()) for time_s in known), max(float(time_s.max()) for time_s in known)
 
-    def with_times(self, moved: Callable[[Array], Array]) -> "DeviceRecording":
-        """The same with the times (n,) of every channel as `moved` gives them."""
+    def with_times(self, convert: Callable[[Array], Array]) -> "DeviceRecording":
+        """Return a copy in which `convert` has been applied to the times (n,) of every signal."""
         signals = {name: getattr(self, name) for name in _CHANNELS}
-        on_them: dict[str, Any] = {
-            name: None if signal is None else Signal(moved(signal.time_s), signal.values)
+        converted: dict[str, Any] = {
+            name: None if signal is None else Signal(convert(signal.time_s), signal.values)
             for name, signal in signals.items()
         }
-        return replace(self, **on_them)
+        return replace(self, **converted)
 
     def blocks(self) -> Iterator[SensorBlock]:
-        """The signals that the front end uses, each as one block; first those that a resampler does not wait for."""
+        """Iterate over the channels that the front end uses, each as one block.
+
+        Channels for which a resampler does not wait come first.
+        """
         for channel, signal in (
             (Channel.MAGNETIC_FIELD, self.magnetic_field),
             (Channel.SPECIFIC_FORCE, self.specific_force),
@@ -80,9 +111,21 @@ class DeviceRecording:
 
 @dataclass(frozen=True)
 class ClockMessages:
-    """Exchanges by which devices compared their clocks, (n,) each. device: who answered; t1_s, t3_s: when the first
-    device asked and got the answer, on its own clock; t2_s: when the other answered, on its own. Stamps are as
-    recorded: seconds of the device's recording or Unix time. place: the file, for messages."""
+    """Message exchanges by which two devices compared their clocks.
+
+    Time stamps are as recorded: seconds of the device's recording, or Unix time.
+
+    Attributes
+    ----------
+    place
+        File name, for error messages.
+    device
+        (n,) name of the device that answered.
+    t1_s, t3_s
+        (n,) request sent and answer received, on the clock of the first device.
+    t2_s
+        (n,) answer sent, on the clock of the device that answered.
+    """
 
     place: str
     device: tuple[str, ...]
@@ -93,7 +136,13 @@ class ClockMessages:
 
 @dataclass(frozen=True)
 class GeoOrigin:
-    """Where the map frame's origin lies on WGS 84, degrees."""
+    """Origin of the map frame on the WGS 84 ellipsoid.
+
+    Attributes
+    ----------
+    latitude_deg, longitude_deg
+        Geodetic coordinates, degrees.
+    """
 
     latitude_deg: float
     longitude_deg: float
@@ -101,9 +150,28 @@ class GeoOrigin:
 
 @dataclass(frozen=True)
 class Recording:
-    """One walk. time stamps are seconds; `epoch_s` is the Unix time of time zero, None when the recorder does
-    not tell. fixes: positions that the recorder itself kept (GPS, annotations), never the truth of a data set.
-    messages: by which its devices compared their clocks.
+    """One walk, recorded by one or several devices.
+
+    Attributes
+    ----------
+    name
+        Name of the walk, usually that of the file.
+    format
+        Recorder format in words.
+    devices
+        Signals of each device.
+    truth
+        Reference data, for evaluation only.
+    fixes
+        Positions that the recorder itself kept (GPS, annotations), never the reference data of a data set.
+    origin
+        Origin of the map frame; None where latitude and longitude are unknown.
+    epoch_s
+        Unix time of time zero, s; None where the recorder does not state it.
+    notes
+        Remarks of the reader.
+    messages
+        Message exchanges by which the devices compared their clocks.
     """
 
     name: str
@@ -116,6 +184,70 @@ class Recording:
     notes: tuple[str, ...] = ()
     messages: tuple[ClockMessages, ...] = ()
 
+    @classmethod
+    def from_arrays(
+        cls,
+        time_s: ArrayLike,
+        specific_force_mps2: ArrayLike,
+        rotation_rate_radps: ArrayLike | None = None,
+        *,
+        magnetic_field_ut: ArrayLike | None = None,
+        attitude: ArrayLike | None = None,
+        device: str = "phone",
+        name: str = "arrays",
+    ) -> "Recording":
+        """Make a recording of one device from numpy arrays.
+
+        All sensors share the time stamps. For sensors with time stamps of their own, build
+        `DeviceRecording(specific_force=Signal(...), ...)` instead.
+
+        Parameters
+        ----------
+        time_s
+            (n,) s, strictly increasing.
+        specific_force_mps2
+            (n, 3) accelerometer including gravity, m/s², device axes, pointing up when the device lies still.
+        rotation_rate_radps
+            (n, 3) gyroscope, rad/s, device axes. Without it there are steps but no track.
+        magnetic_field_ut
+            (n, 3) magnetometer, µT, device axes.
+        attitude
+            (n, 4) quaternions w first, device to a frame with z up.
+        device, name
+            Names of the device and of the recording.
+
+        Raises
+        ------
+        RecordingError
+            If a shape is wrong, a number is not finite, times do not increase, or values cannot be in the stated
+            unit.
+        """
+        times = checked_times(time_s)
+        force = checked_values("specific_force_mps2", specific_force_mps2, len(times))
+        optional = {
+            signal: None if values is None else Signal(times, checked_values(argument, values, len(times)))
+            for signal, argument, values in (
+                ("rotation_rate", "rotation_rate_radps", rotation_rate_radps),
+                ("magnetic_field", "magnetic_field_ut", magnetic_field_ut),
+                ("attitude", "attitude", attitude),
+            )
+        }
+        recorded = DeviceRecording(
+            name=device,
+            specific_force=Signal(times, force),
+            rotation_rate=optional["rotation_rate"],
+            magnetic_field=optional["magnetic_field"],
+            attitude=optional["attitude"],
+            decisions=("units and signs as the caller states them",),
+        )
+        return cls(name=name, format="arrays", devices=(recorded,))
+
     def place_of(self, device: DeviceRecording) -> str:
-        """What to call a device of this recording in messages."""
+        """Name a device of this recording for error messages."""
         return f"{self.name} ({device.name})"
+
+    def __repr__(self) -> str:
+        names = ", ".join(repr(device.name) for device in self.devices)
+        spans = [device.span_s for device in self.devices]
+        length_s = max((span[1] - span[0] for span in spans if span is not None), default=0.0)
+        return f"Recording({self.name!r}: {self.format}, devices {names}, {length_s:.1f} s)"

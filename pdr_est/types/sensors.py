@@ -1,4 +1,4 @@
-"""Sensors."""
+"""Blocks of sensor samples: raw, on the uniform working grid, and with the direction of gravity resolved."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -6,23 +6,37 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pdr_est.frames import Array
 
 
 class Channel(StrEnum):
-    """The sensor signals that the front end uses."""
+    """Sensor channels that the front end uses."""
 
-    SPECIFIC_FORCE = "specific_force"  # m/s^2, device axes, points up when the device lies still
-    ROTATION_RATE = "rotation_rate"  # rad/s, device axes
-    MAGNETIC_FIELD = "magnetic_field"  # uT, device axes
-    ATTITUDE = "attitude"  # quaternion w x y z, device -> level frame with z up
+    SPECIFIC_FORCE = "specific_force"
+    """Accelerometer including gravity, (n, 3) m/s², device axes; points up when the device lies still."""
+
+    ROTATION_RATE = "rotation_rate"
+    """Gyroscope, (n, 3) rad/s, device axes, right-handed."""
+
+    MAGNETIC_FIELD = "magnetic_field"
+    """Magnetometer, (n, 3) µT, device axes."""
+
+    ATTITUDE = "attitude"
+    """Attitude computed by the device, (n, 4) quaternion w x y z, device to level frame with z up."""
 
 
 @dataclass(frozen=True)
 class SensorBlock:
-    """Consecutive raw samples of one channel, with the recorder's own time stamps.
+    """Consecutive raw samples of one channel, with the time stamps of the recorder.
 
-    time_s: (n,), on the device's clock; values: (n, 3), or (n, 4) for quaternions.
+    Attributes
+    ----------
+    channel
+        The sensor, which decides unit and shape of `values`.
+    time_s
+        (n,) s on the clock of the device.
+    values
+        (n, 3), or (n, 4) for quaternions.
     """
 
     channel: Channel
@@ -32,7 +46,17 @@ class SensorBlock:
 
 @dataclass(frozen=True)
 class Gap:
-    """A stretch that a sensor did not record, or a jump of its clock, with the reason in words."""
+    """A time span that a sensor did not record, or a jump of its clock.
+
+    Attributes
+    ----------
+    channel
+        Name of the channel.
+    start_s, end_s
+        Last sample before and first sample after the gap, s.
+    reason
+        The cause, in words.
+    """
 
     channel: str
     start_s: float
@@ -44,10 +68,22 @@ class Gap:
 class ImuBlock:
     """Consecutive samples on the uniform working grid, all of one segment (no gap inside).
 
-    first_index counts grid points since the start of the recording, time_s: (n,).
-    specific_force_mps2, rotation_rate_radps: (n, 3), device axes; the latter None for a device without gyroscope.
-    attitude: (n, 4) w first or None. magnetic_field_ut: (n, 3), NaN where it was not recorded, None where it is not
-    needed.
+    Attributes
+    ----------
+    first_index
+        Index of the first sample, counted in grid points from the start of the recording.
+    segment
+        Number of the segment; it increases after each gap.
+    time_s
+        (n,) s.
+    specific_force_mps2
+        (n, 3) m/s², device axes.
+    rotation_rate_radps
+        (n, 3) rad/s, device axes; None for a device without gyroscope.
+    attitude
+        (n, 4) quaternions w first, device to level; None where the device's own attitude is not used.
+    magnetic_field_ut
+        (n, 3) µT, NaN where it was not recorded; None where no stage needs it.
     """
 
     first_index: int
@@ -61,14 +97,32 @@ class ImuBlock:
 
 @dataclass(frozen=True)
 class LevelBlock:
-    """Samples with the direction of gravity known.
+    """Consecutive samples whose direction of gravity is known.
 
-    up: (n, 3) unit vector up in device axes. acceleration_mps2: (n, 3) without gravity, device axes.
-    vertical_mps2: (n,) acceleration upwards. yaw_rad: (n,) rotation about the vertical, wrapped, arbitrary zero.
-    rotation_rate_radps: (n, 3) device axes, turn_rate_radps: (n,) about the vertical, less the bias that
-    the attitude filter knows.
-    mode: (n,) values of CarryingMode, mode_probability: (n,) how sure it is.
-    magnetic_field_ut: (n, 3) device axes, NaN where it was not recorded; None for a device without magnetometer.
+    Attributes
+    ----------
+    first_index, segment
+        As in `ImuBlock`.
+    time_s
+        (n,) s.
+    up
+        (n, 3) upward unit vectors in device axes.
+    acceleration_mps2
+        (n, 3) m/s² without gravity, device axes.
+    vertical_mps2
+        (n,) m/s², upward component of the acceleration.
+    yaw_rad
+        (n,) rad, rotation about the vertical, wrapped, with an arbitrary zero in each segment.
+    rotation_rate_radps
+        (n, 3) rad/s, device axes, corrected by the gyroscope bias that the attitude filter estimates.
+    turn_rate_radps
+        (n,) rad/s about the vertical, corrected in the same way.
+    mode
+        (n,) values of `CarryingMode`.
+    mode_probability
+        (n,) probability of that mode.
+    magnetic_field_ut
+        (n, 3) µT, device axes, NaN where it was not recorded; None for a device without magnetometer.
     """
 
     first_index: int

@@ -1,4 +1,4 @@
-"""Steps."""
+"""Carrying modes, gaits, and the steps that the front end detects."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -7,18 +7,29 @@ from pdr_est.types.sensors import LevelBlock
 
 
 class CarryingMode(IntEnum):
-    """How the phone is carried (MMPDR section III-A; OTHER is bag, belt, ear, armband)."""
+    """The way a phone is carried (MMPDR section III-A)."""
 
     UNKNOWN = 0
+    """Not recognised."""
+
     HOLDING = 1
+    """Held in front of the body."""
+
     SWING = 2
+    """In the hand of a swinging arm."""
+
     POCKET = 3
+    """In a trouser pocket."""
+
     OTHER = 4
+    """In a bag, on a belt, at the ear, on an armband."""
+
     TRANS = 5
+    """Moving from one placement to another."""
 
 
 class Gait(IntEnum):
-    """How the walker moves on foot."""
+    """The way a person moves on foot."""
 
     UNKNOWN = 0
     WALKING = 1
@@ -28,10 +39,24 @@ class Gait(IntEnum):
 
 @dataclass(frozen=True)
 class StepEvent:
-    """A detected step: when the detector's feature happened, not when it was recognised.
+    """A detected step, stamped with the time of the signal feature that marks it.
 
-    mode_probability: how sure the recogniser was of the mode at the step. compensated: nobody saw the step; its time
-    is made up from the rhythm before it.
+    Attributes
+    ----------
+    index
+        Sample of the feature on the working grid.
+    time_s
+        Time of the feature, s; not the time at which it was recognised.
+    segment
+        Segment of the recording.
+    mode
+        Carrying mode at the step.
+    confidence
+        Confidence of the detector, 0 to 1.
+    mode_probability
+        Probability of `mode`.
+    compensated
+        True for a step that was not observed and is inserted at the rhythm of the steps before it.
     """
 
     index: int
@@ -45,18 +70,40 @@ class StepEvent:
 
 @dataclass(frozen=True)
 class Step:
-    """A step on its way through the front end; length and heading are NaN until their stage has run.
+    """A step on its way through the front end; length and heading are NaN until their stages have run.
 
-    start_s: when the movement of this step began. frequency_hz: reciprocal of the time since the previous
-    step, 0 for the first step after a standstill (MMPDR section III-C). samples: from start to the event.
-    heading_rad: direction of the step as the heading stage found it, arbitrary zero per segment. sigma_turn_rad: of
-    the change of heading since the step before, beyond what every step has. follows_phone: whether the heading stage
-    tells with it where the phone was turned against the body; else a change of the mode may have. recorded_share: of
-    the movement, less than 1 for a step that had begun before the segment. path_heading_rad,
-    sigma_path_heading_rad: heading of the straight path that the step lies on, with the same zero, and its standard
-    deviation; NaN where no such path is known.
-    gait_probability: of walking, jogging and running; NaN where gait is UNKNOWN. sigma_length_m: of the length,
-    independent from step to step.
+    Attributes
+    ----------
+    event
+        Time, mode and confidence of the detection.
+    start_s
+        Start of the movement, s.
+    frequency_hz
+        Reciprocal of the time since the previous step; 0 for the first step after a standstill (MMPDR section
+        III-C).
+    samples
+        Samples from the start of the movement to the event.
+    length_m
+        Step length, m.
+    heading_rad
+        Heading of the step, rad, with an arbitrary zero in each segment.
+    sigma_turn_rad
+        Standard deviation of the heading change since the previous step, rad, in addition to the noise that every
+        step has.
+    placement_tracked
+        True when the heading stage itself accounts for rotations of the phone against the body; otherwise a change
+        of the carrying mode adds to the uncertainty of the heading.
+    path_heading_rad, sigma_path_heading_rad
+        Heading of the straight path that the step lies on, with the same zero, and its standard deviation, rad; NaN
+        where no such path is known.
+    gait
+        Recognised gait.
+    gait_probability
+        Probabilities of walking, jogging and running; NaN while `gait` is UNKNOWN.
+    sigma_length_m
+        Standard deviation of the length, m, independent from step to step.
+    recorded_share
+        Recorded fraction of the movement; less than 1 for a step that began before its segment.
     """
 
     event: StepEvent
@@ -66,7 +113,7 @@ class Step:
     length_m: float = float("nan")
     heading_rad: float = float("nan")
     sigma_turn_rad: float = 0.0
-    follows_phone: bool = False
+    placement_tracked: bool = False
     path_heading_rad: float = float("nan")
     sigma_path_heading_rad: float = float("nan")
     gait: Gait = Gait.UNKNOWN
@@ -74,7 +121,17 @@ class Step:
     sigma_length_m: float = float("nan")
     recorded_share: float = 1.0
 
+    @property
+    def time_s(self) -> float:
+        """Time of the detected signal feature, s."""
+        return self.event.time_s
+
+    @property
+    def mode(self) -> CarryingMode:
+        """Carrying mode at the step."""
+        return self.event.mode
+
 
 def begins_walk(step: Step, previous: Step | None) -> bool:
-    """Whether a step says nothing about the one before: after a standstill, a gap, or at the very beginning."""
+    """Tell whether a step starts a new sequence: no step before it, a standstill before it, or a new segment."""
     return previous is None or step.frequency_hz == 0.0 or step.event.segment != previous.event.segment

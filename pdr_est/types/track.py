@@ -1,33 +1,24 @@
-"""The track of a walk: what every estimator returns, with its canonical table."""
+"""The track of a walk: the output of every estimator."""
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from pdr_est.frames import Array, wrap_angle
-from pdr_est.types.steps import CarryingMode
+from pdr_est.frames import Array
+from pdr_est.types import track_table
 
-COLUMNS = (
-    "time_s",
-    "device",
-    "x_m",
-    "y_m",
-    "heading_rad",
-    "cov_xx_m2",
-    "cov_xy_m2",
-    "cov_yy_m2",
-    "sigma_heading_rad",
-    "mode",
-    "step_length_m",
-)
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    from matplotlib.axes import Axes
 
+    from pdr_est.types.measurements import PositionFix
 
-_ROW_FIELDS = (
+_POSE_FIELDS = (
     "time_s",
     "moving_from_s",
     "device",
@@ -42,15 +33,35 @@ _ROW_FIELDS = (
 
 @dataclass(frozen=True)
 class Track:
-    """Poses at the ends of the steps, the start first, device by device.
+    """Poses at the ends of the steps with their covariance; the start comes first, device by device.
 
-    time_s: (n,) s on the recording's clock; moving_from_s: (n,) when the movement towards this pose began (the
-    walker stands still before it); device: (n,) names; position_m: (n, 2) east and north;
-    covariance_m2: (n, 2, 2) in the map frame; heading_rad: (n,) counter-clockwise from east;
-    sigma_heading_rad, step_length_m: (n,); mode: (n,) values of CarryingMode.
-    kind: "filtered" (each pose from the past only), "smoothed" (from the whole walk) or "delayed" (from the past and
-    a fixed time after it). length_scale: the walker's estimated step
-    length over the model's, with its standard deviation.
+    Attributes
+    ----------
+    time_s
+        (n,) s on the clock of the recording.
+    moving_from_s
+        (n,) s, start of the movement towards each pose; the walker stands still before it.
+    device
+        (n,) name of the device, or "fused" for the person.
+    position_m
+        (n, 2) east and north, m, map frame.
+    heading_rad
+        (n,) rad, counter-clockwise from east.
+    covariance_m2
+        (n, 2, 2) m², covariance of the position, map frame.
+    sigma_heading_rad
+        (n,) rad, standard deviation of the heading.
+    mode
+        (n,) values of `CarryingMode`.
+    step_length_m
+        (n,) m, length of the step that leads to the pose.
+    kind
+        "filtered" (each pose estimated from the past only), "smoothed" (from the whole walk) or "delayed" (from the
+        past and a fixed time after it).
+    estimator
+        Name of the estimator.
+    length_scale, sigma_length_scale
+        Estimated ratio of the walker's step length to that of the step-length model, and its standard deviation.
     """
 
     time_s: Array
@@ -70,34 +81,63 @@ class Track:
     def __len__(self) -> int:
         return len(self.time_s)
 
+    def __repr__(self) -> str:
+        span_s = float(self.time_s.max() - self.time_s.min()) if len(self) else 0.0
+        names = ", ".join(self.devices)
+        return f"Track({self.estimator}, {self.kind}: {len(self)} poses of {names}, {span_s:.1f} s)"
+
+    def _repr_html_(self) -> str:
+        """Show a table and a drawing in notebooks."""
+        from pdr_est.types.track_drawing import track_html
+
+        return track_html(self)
+
     @property
     def devices(self) -> tuple[str, ...]:
-        """Device names in order of first appearance."""
+        """Names of the devices in order of first appearance."""
         return tuple(dict.fromkeys(str(name) for name in self.device))
 
     @property
     def distance_m(self) -> float:
-        """Length of the polyline through the poses, summed over devices."""
+        """Length of the polyline through the poses, m, summed over the devices."""
         legs = np.linalg.norm(np.diff(self.position_m, axis=0), axis=1)
         return float(legs[self.device[1:] == self.device[:-1]].sum())
 
     def of_device(self, device: str) -> "Track":
-        """The poses of one device."""
+        """Select the poses of one device."""
         return self.rows_where(self.device == device)
 
     def rows_where(self, keep: NDArray[np.bool_]) -> "Track":
-        """The poses where keep (n,) is true."""
-        return replace(self, **{name: getattr(self, name)[keep] for name in _ROW_FIELDS})
+        """Select the poses for which `keep` (n,) is true."""
+        return replace(self, **{name: getattr(self, name)[keep] for name in _POSE_FIELDS})
 
-    def at(self, time_s: Array) -> tuple[Array, Array]:
-        """Positions (k, 2) and covariances (k, 2, 2) at some times, linear between poses.
+    def at(self, time_s: ArrayLike) -> tuple[Array, Array]:
+        """Interpolate the track of one device linearly between its poses.
 
-        One device only. Between two steps the walker stands until the next step begins. Times outside the
-        track take its first or last pose.
+        Between two steps the walker stands until the next step begins. Times outside the track take its first or
+        last pose.
+
+        Parameters
+        ----------
+        time_s
+            (k,) s, in any order; a single number counts as one time.
+
+        Returns
+        -------
+        position_m : Array
+            (k, 2) east and north, m.
+        covariance_m2 : Array
+            (k, 2, 2) m².
+
+        Raises
+        ------
+        ValueError
+            If the track has several devices.
         """
         if len(self.devices) > 1:
             raise ValueError(f"the track has several devices {self.devices}: choose one with of_device()")
-        before, after, share = legs_at(self.time_s, self.moving_from_s, np.asarray(time_s, dtype=np.float64))
+        wanted = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
+        before, after, share = bracketing_poses(self.time_s, self.moving_from_s, wanted)
         position = self.position_m[before] + share[:, None] * (self.position_m[after] - self.position_m[before])
         covariance = self.covariance_m2[before] + share[:, None, None] * (
             self.covariance_m2[after] - self.covariance_m2[before]
@@ -105,38 +145,85 @@ class Track:
         return position, covariance
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the track table, one row a pose, columns `COLUMNS`."""
-        with Path(path).open("w", newline="", encoding="utf-8") as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            for row in self.rows():
-                writer.writerow(row)
+        """Write the track table `track.csv`, one row for each pose, numbers rounded to 0.1 mm or finer."""
+        track_table.write_csv(self, path)
 
-    def rows(self) -> list[tuple[str | float, ...]]:
-        """The rows of the track table, numbers rounded to a tenth of a millimetre or finer."""
-        return [
-            (
-                f"{self.time_s[i]:.6f}",
-                str(self.device[i]),
-                f"{self.position_m[i, 0]:.4f}",
-                f"{self.position_m[i, 1]:.4f}",
-                f"{float(wrap_angle(self.heading_rad[i])):.6f}",
-                f"{self.covariance_m2[i, 0, 0]:.9g}",
-                f"{self.covariance_m2[i, 0, 1]:.9g}",
-                f"{self.covariance_m2[i, 1, 1]:.9g}",
-                f"{self.sigma_heading_rad[i]:.6g}",
-                CarryingMode(int(self.mode[i])).name,
-                f"{self.step_length_m[i]:.4f}",
-            )
-            for i in range(len(self))
-        ]
+    @classmethod
+    def from_csv(cls, path: str | Path, *, kind: str = "unknown", estimator: str = "unknown") -> "Track":
+        """Read a track table that `to_csv` wrote.
+
+        Parameters
+        ----------
+        path
+            The file, usually `track.csv`.
+        kind, estimator
+            Properties that the table does not hold. Nor does it hold `moving_from_s`: the walker counts as moving
+            all the time between two poses.
+
+        Raises
+        ------
+        RecordingError
+            If the file is no such table.
+        """
+        return cls(**track_table.read_csv(path), kind=kind, estimator=estimator)
+
+    def to_polars(self) -> "polars.DataFrame":
+        """Return the track table as a polars data frame, numbers not rounded."""
+        return track_table.to_polars(self)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the track table as a pandas data frame, numbers not rounded.
+
+        Raises
+        ------
+        OutputError
+            If pandas is not installed.
+        """
+        return track_table.to_pandas(self)
+
+    def plot(
+        self, ax: "Axes | None" = None, *, fixes: "Sequence[PositionFix]" = (), truth_m: Array | None = None
+    ) -> "Axes":
+        """Draw the track of every device with 95 % ellipses.
+
+        Parameters
+        ----------
+        ax
+            Matplotlib axes to draw into; new ones by default.
+        fixes
+            Position fixes, drawn as diamonds.
+        truth_m
+            (k, 2) true positions in the frame of the track, m, drawn as a dashed line.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, with equal scales.
+        """
+        from pdr_est.types.track_drawing import plot_track_on
+
+        return plot_track_on(ax, self, fixes, truth_m)
 
 
-def legs_at(time_s: Array, moving_from_s: Array, at_s: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-    """Which rows a walker is between at times at_s (k,), and the share of the way, each (k,).
+def bracketing_poses(
+    time_s: Array, moving_from_s: Array, at_s: Array
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """Find the poses before and after each time, and the fraction of the way between them.
 
-    time_s, moving_from_s: (n,) of the rows of one device. The walker stands until the next movement begins, before
-    the first row and after the last one.
+    Parameters
+    ----------
+    time_s, moving_from_s
+        (n,) s, of the poses of one device. The walker stands until the next movement begins, before the first pose
+        and after the last one.
+    at_s
+        (k,) s, times to look up.
+
+    Returns
+    -------
+    before, after : NDArray[np.int64]
+        (k,) indices of poses.
+    share : Array
+        (k,) fraction of the way from `before` to `after`, 0 to 1.
     """
     after = np.clip(np.searchsorted(time_s, at_s, side="right"), 1, max(len(time_s) - 1, 1))
     if len(time_s) == 1:
@@ -148,8 +235,8 @@ def legs_at(time_s: Array, moving_from_s: Array, at_s: Array) -> tuple[NDArray[n
 
 
 def concatenate(tracks: Sequence[Track]) -> Track:
-    """The tracks of several devices as one; kind, estimator and length scale are those of the first."""
+    """Join the tracks of several devices; kind, estimator and length scale are those of the first."""
     columns: dict[str, Any] = {
-        name: np.concatenate([getattr(track, name) for track in tracks]) for name in _ROW_FIELDS
+        name: np.concatenate([getattr(track, name) for track in tracks]) for name in _POSE_FIELDS
     }
     return replace(tracks[0], **columns)

@@ -32,8 +32,8 @@ def outs(tmp_path: Path) -> Path:
         (("--height", "nan"), r"--height: walker\.height_m = nan: Input should be a finite number"),
         (("--height", "1,75"), r"'--height': '1,75' is not a valid float; see pdr-est smooth --help"),
         (("--gender", "robot"), r"'--gender': 'robot' is not one of 'male', 'female'"),
-        (("--heading", "nan"), r"'--heading': nan is no direction: give degrees, -360 to 360"),
-        (("--corridors", "nan"), r"'--corridors': nan is no direction: give degrees, -360 to 360"),
+        (("--heading", "nan"), r"'--heading': nan is not a direction: give degrees from -360 to 360"),
+        (("--corridors", "nan"), r"'--corridors': nan is not a direction: give degrees from -360 to 360"),
         (
             ("--corridors", "30", "--heading-method", "step-yaw"),
             r"\(--corridors 30\): .* heading\.method = step-yaw \(--heading-method\) .* makes no use: choose",

@@ -11,8 +11,8 @@ import pytest
 from cli_runs import refused, run
 
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
-from pdr_est.simulate import DeviceParams, GaitParams, HeldPhone, PocketPhone, Scenario, simulate_walk
-from pdr_est.simulate.walker.path import PathParams
+from pdr_est.simulate import DeviceParams, HeldPhone, PocketPhone, Scenario, WalkerGaitParams, simulate_walk
+from pdr_est.simulate.walker.walking_path import PathParams
 from pdr_est.types.recording import DeviceRecording, Recording
 
 pytestmark = pytest.mark.usefixtures("without_report")
@@ -26,7 +26,7 @@ def walked(seed: int, cadence_hz: float) -> Recording:
     """A phone in the hand and one in the pocket, on one route."""
     scenario = Scenario(
         path=PathParams(vertices_m=((0.0, 0.0), (35.0, 0.0), (35.0, 15.0))),
-        gait=GaitParams(cadence_hz=cadence_hz),
+        gait=WalkerGaitParams(cadence_hz=cadence_hz),
         devices=(DeviceParams(name="hand", carry=HeldPhone()), DeviceParams(name="pocket", carry=PocketPhone())),
         seed=seed,
     )
@@ -112,7 +112,7 @@ def test_a_clock_may_be_given_in_the_settings(phones: tuple[Path, Path], tmp_pat
         (("--clock", "given"), "no clock is given: set devices.clocks (--clock-offset) for one of the devices hand"),
         (("--clock", "messages"), "the recording has no clock messages: give them with --messages FILE.csv"),
         (("--clock-offset", "left", "1"), "the recording has no device 'left'; its devices are hand, pocket"),
-        (("--clock", "none", "--clock-offset", "pocket", "1"), "--clock none: makes no use of --clock-offset"),
+        (("--clock", "none", "--clock-offset", "pocket", "1"), "--clock none: does not use --clock-offset"),
         (("--clock-offset", "pocket", "nan"), "--clock-offset: devices.clocks.0.offset_s = nan"),
         (("--clock-offset", "pocket", "1e11"), "--clock-offset: devices.clocks.0.offset_s = 100000000000.0"),
     ],
@@ -125,7 +125,7 @@ def test_clocks_that_cannot_be(
 
 def test_messages_that_cannot_be(phones: tuple[Path, Path], messages: Path, tmp_path: Path) -> None:
     line = two_refused(phones, tmp_path / "outs", "--messages", messages, "--clock-offset", "pocket", "1")
-    assert line == "--messages and --clock-offset both tell the clocks: give one of them"
+    assert line == "--messages and --clock-offset both set the clocks: give one of them"
     bad = tmp_path / "bad.csv"
     bad.write_text(f"{HEADER}\nleft,1.0,2.0,1.1\n")
     line = two_refused(phones, tmp_path / "outs", "--messages", bad)

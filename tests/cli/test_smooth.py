@@ -16,7 +16,7 @@ from cli_runs import PROGRAM, RESULT_FILES, interrupt, refused, run, smoothed
 from pdr_est.front_end.gait import shipped_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.front_end.step_length.equations import MMPDR_K
-from pdr_est.types.track import COLUMNS
+from pdr_est.types.track_table import TRACK_COLUMNS
 
 SUMMARY_KEYS = {"inputs", "config", "versions", "counts", "distance_m", "gaps", "timings_s", "warnings", "estimator"}
 
@@ -24,7 +24,7 @@ SUMMARY_KEYS = {"inputs", "config", "versions", "counts", "distance_m", "gaps", 
 def table(out: Path) -> list[dict[str, str]]:
     with (out / "track.csv").open(newline="", encoding="utf-8") as stream:
         reader = csv.DictReader(stream)
-        assert tuple(reader.fieldnames or ()) == COLUMNS
+        assert tuple(reader.fieldnames or ()) == TRACK_COLUMNS
         return list(reader)
 
 
@@ -308,5 +308,6 @@ def test_the_program_answers_before_its_libraries_are_loaded() -> None:
 
 
 def test_result_files_are_those_documented() -> None:
-    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    assert all(f"`{name}`" in readme for name in RESULT_FILES)
+    root = Path(__file__).parents[2]
+    for page in (root / "README.md", root / "docs" / "own-recording.md"):
+        assert [name for name in RESULT_FILES if f"`{name}`" not in page.read_text(encoding="utf-8")] == [], page

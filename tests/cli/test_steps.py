@@ -40,7 +40,7 @@ def test_one_line_a_device(good: Path, accelerometer_only: Path) -> None:
     (one,) = documents(good)
     assert held == (
         f"{good}: device: {one['steps']} steps in {one['duration_s']:.1f} s, "
-        f"{one['cadence_per_min']:.1f} a minute, HOLDING 100 %"
+        f"{one['cadence_per_min']:.1f} steps per minute, HOLDING 100 %"
     )
     assert bare.startswith(f"{accelerometer_only}: device: ")
     assert bare.endswith("UNKNOWN 100 %")
@@ -104,7 +104,8 @@ def test_smooth_refuses_what_has_steps_only_and_points_here(accelerometer_only: 
 def test_refusals(good: Path, walk: Walk, tmp_path: Path) -> None:
     table = tmp_path / "steps.csv"
     assert refused("steps", good, good, "-o", table) == (
-        "-o takes the steps of one RECORDING, not of 2: run once for each; see pdr-est steps --help"
+        "-o takes the steps of one RECORDING, but 2 are given: run the command once for each; "
+        "see pdr-est steps --help"
     )
     assert refused("steps", good, tmp_path / "nowhere.csv").startswith(str(tmp_path / "nowhere.csv"))
     assert "'magic' is not one of 'auto', 'mmpdr'" in refused("steps", good, "--detector", "magic")

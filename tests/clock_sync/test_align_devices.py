@@ -9,7 +9,15 @@ import pytest
 from pdr_est.clock_sync import ClockMethod, GivenClock, align_device_clocks
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.preprocessing.merge import merge_recordings
-from pdr_est.simulate import DeviceParams, GaitParams, HeldPhone, PathParams, PocketPhone, Scenario, simulate_walk
+from pdr_est.simulate import (
+    DeviceParams,
+    HeldPhone,
+    PathParams,
+    PocketPhone,
+    Scenario,
+    WalkerGaitParams,
+    simulate_walk,
+)
 from pdr_est.types.recording import ClockMessages, DeviceRecording, Recording, Signal
 
 TIMES_S = np.linspace(0.0, 100.0, 11)
@@ -148,7 +156,7 @@ def test_without_a_method_times_stay_as_they_are() -> None:
 def walked(seed: int, cadence_hz: float) -> tuple[DeviceRecording, DeviceRecording]:
     scenario = Scenario(
         path=PathParams(vertices_m=((0.0, 0.0), (40.0, 0.0), (40.0, 20.0))),
-        gait=GaitParams(cadence_hz=cadence_hz),
+        gait=WalkerGaitParams(cadence_hz=cadence_hz),
         devices=(DeviceParams(name="hand", carry=HeldPhone()), DeviceParams(name="pocket", carry=PocketPhone())),
         seed=seed,
     )

@@ -13,7 +13,7 @@ from estimator_walks import STEP_S, fix, run, simulate, step, straight, usual_co
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import ESTIMATORS, EstimatorName, estimate_track
-from pdr_est.estimators.factor_graph import smoother as factor_graph
+from pdr_est.estimators.factor_graph.deep_stack import LARGE_STACK_POSES
 from pdr_est.types.measurements import Measurement, StartPose, StepOdometry
 from pdr_est.types.track import Track
 
@@ -126,7 +126,7 @@ def test_an_unknown_estimator_is_named() -> None:
         estimate_track("kalman", "phone", 0.0, [], StartPose(), 0.1)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("steps", [10, factor_graph._LARGE_STACK_NODES + 1], ids=["short", "long"])
+@pytest.mark.parametrize("steps", [10, LARGE_STACK_POSES + 1], ids=["short", "long"])
 def test_a_graph_that_cannot_be_solved_is_an_estimation_error(steps: int, monkeypatch: pytest.MonkeyPatch) -> None:
     def indeterminate(*_: object) -> None:
         raise RuntimeError("\nIndeterminate linear system detected\nwhile working near variable 7")
@@ -165,7 +165,7 @@ def largest_error_with_an_8_mb_stack(count: int) -> float:
 
 @pytest.mark.slow
 def test_walks_around_the_size_where_the_stack_is_enlarged() -> None:
-    assert largest_error_with_an_8_mb_stack(factor_graph._LARGE_STACK_NODES - 100) < 3.0
+    assert largest_error_with_an_8_mb_stack(LARGE_STACK_POSES - 100) < 3.0
 
 
 @pytest.mark.slow

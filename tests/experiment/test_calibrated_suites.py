@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from small_sets import N_STEPS, bouncing, crests_s, plain_table, write
 
-from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, Observation
+from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, ScaleObservation
 from pdr_est.config import Config
 from pdr_est.experiment import compare, run_benchmark
 from pdr_est.experiment.results.score_rows import SkippedWalk, WalkRow
@@ -176,8 +176,8 @@ class Case:
     scale: float
 
     @property
-    def observation(self) -> Observation:
-        return Observation(math.log(self.scale), 0.0, 0.6)
+    def observation(self) -> ScaleObservation:
+        return ScaleObservation(math.log(self.scale), 0.0, 0.6)
 
     def errors(self, calibration: Calibration) -> dict[str, float]:
         return {"scale": float(calibration.mean[0])}

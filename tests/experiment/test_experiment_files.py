@@ -11,7 +11,7 @@ from pdr_est.experiment import Experiment, load_experiment, run_experiment
 from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.walks import Walk
 from pdr_est.simulate import Scenario
-from pdr_est.simulate.walker.path import PathParams
+from pdr_est.simulate.walker.walking_path import PathParams
 
 FILES = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
 CONTENTS = {path.stem: yaml.safe_load(path.read_text(encoding="utf-8")) for path in FILES}

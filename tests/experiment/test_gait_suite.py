@@ -14,7 +14,7 @@ from pdr_est.experiment import compare, print_table, run_benchmark
 from pdr_est.experiment.suites import gait
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.gait.folds import GaitFolds
-from pdr_est.front_end.gait.model import GaitModel, Machine, save_model
+from pdr_est.front_end.gait.model import GaitModel, SupportVectorMachine, save_model
 from pdr_est.io import read
 from pdr_est.training.gait_files import labelled_files
 from pdr_est.types.steps import Gait
@@ -24,7 +24,7 @@ def always(label):
     """A model that gives this label to every step."""
 
     def machine(upper):
-        return Machine(
+        return SupportVectorMachine(
             columns=(0,),
             mean=(0.0,),
             scale=(1.0,),

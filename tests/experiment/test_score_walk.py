@@ -12,7 +12,8 @@ from pdr_est.experiment.runners import score_walk as runner
 from pdr_est.experiment.suite import AnalysedWalk, Scores
 from pdr_est.experiment.suites import ilc20, ipin2023
 from pdr_est.experiment.variants.axes import Comparison, Variant
-from pdr_est.front_end.gait import GaitParams
+from pdr_est.front_end.gait import GaitParams, shipped_model
+from pdr_est.front_end.gait.model import save_model
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
 from pdr_est.types.measurements import PositionFix
@@ -234,8 +235,10 @@ def test_a_metric_that_does_not_apply_needs_no_reason():
 
 
 def test_settings_that_no_walk_can_use_end_the_run(data, tmp_path):
-    # As when the file vanishes after the configuration was read.
-    gone = replace(HELD.with_estimator("ekf"), gait=GaitParams(model=str(tmp_path / "gone.json")))
+    path = tmp_path / "gone.json"
+    save_model(shipped_model("auto"), path)
+    gone = replace(HELD.with_estimator("ekf"), gait=GaitParams(model=str(path)))
+    path.unlink()  # the file vanishes after the configuration was read
     variant = Variant("ekf", gone)
     with pytest.raises(ConfigError, match=r"gone\.json"):
         run_benchmark("ilc20", data, Comparison("estimator", (variant,), variant))

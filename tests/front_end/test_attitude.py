@@ -11,7 +11,7 @@ from pdr_est.config import Config
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, wrap_angle
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
-from pdr_est.simulate import PERFECT, SensorParams, SimulatedWalk
+from pdr_est.simulate import NO_SENSOR_ERRORS, SensorParams, SimulatedWalk
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode
 
@@ -173,7 +173,7 @@ def both_ways(walk: SimulatedWalk) -> tuple[list[LevelBlock], list[LevelBlock]]:
 @pytest.mark.parametrize("rate_hz", [25.0, 50.0, 100.0, 500.0])
 def test_both_sources_agree_on_a_walk_at_any_rate_of_input(rate_hz: float) -> None:
     """The simulated attitude of the device is exact, so this bounds the error of VQF: 2.5 deg of tilt, 1.5 of yaw."""
-    sensors = replace(STEADY_CLOCK, rate_hz=rate_hz, accelerometer=PERFECT, gyroscope=PERFECT)
+    sensors = replace(STEADY_CLOCK, rate_hz=rate_hz, accelerometer=NO_SENSOR_ERRORS, gyroscope=NO_SENSOR_ERRORS)
     by_vqf, by_device = both_ways(corner_walk(sensors=sensors))
     tilt = angle_between(joined(by_vqf, "up"), joined(by_device, "up"))
     assert np.rad2deg(tilt.max()) < 2.5

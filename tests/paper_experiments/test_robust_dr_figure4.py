@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from test_mmpdr_tables import experiment
 
-from pdr_est.simulate import Path as WalkedPath
-from pdr_est.simulate import robust_dr_trials, simulate_walk, waypoint_passes
+from pdr_est.simulate import WalkingPath, robust_dr_trials, simulate_walk, waypoint_passes
 
 RESULTS = Path(__file__).resolve().parents[2] / "experiments" / "results"
 
@@ -18,7 +17,7 @@ def test_the_trials_are_those_of_the_paper() -> None:
     scenario, other = robust_dr_trials(seed=3, trials=2)
     assert robust_dr_trials(seed=3, trials=1) == (scenario,)
     assert scenario != other
-    path = WalkedPath(scenario.path)
+    path = WalkingPath(scenario.path)
     assert path.length_m == pytest.approx(90.0, abs=0.2)
     assert path.turn_rad.min() < -1.5
     assert path.turn_rad.max() > 1.5

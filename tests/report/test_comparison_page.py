@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from pdr_est.evaluate.paired_comparison import paired
-from pdr_est.report.comparison.page import Content, render_comparison
+from pdr_est.report.comparison.page import ComparisonContent, render_comparison
 from pdr_est.report.comparison.plots import plot_distribution, plot_growth
-from pdr_est.report.comparison.tables import averages, groups, modes, steps
+from pdr_est.report.comparison.tables import averages_table, groups_table, modes_table, steps_table
 from pdr_est.types.outcome import TrackOutcome
 
 METRICS = ("error_heldout_m", "coverage95")
@@ -45,14 +45,14 @@ def outcome(number: int, variant: str, error_m: float) -> TrackOutcome:
 
 
 @pytest.fixture
-def content() -> Content:
+def content() -> ComparisonContent:
     """Six walks; `far` is off by the number of the walk, `near` by a tenth of it."""
     far = [outcome(number, "far", float(number)) for number in range(1, 7)]
     near = [outcome(number, "near", 0.1 * number) for number in range(1, 7)]
     values = [{one.walk: one.metrics["error_heldout_m"] or 0.0 for one in rows} for rows in (far, near)]
     pair = paired("error_heldout_m", "far", "near", *values)
     assert pair is not None
-    return Content(
+    return ComparisonContent(
         title="Far & <near>",
         variants=("far", "near"),
         metrics=METRICS,
@@ -99,7 +99,7 @@ class Page(HTMLParser):
             self.words.append(data)
 
 
-def test_the_page_stands_alone_and_is_well_formed(content: Content) -> None:
+def test_the_page_stands_alone_and_is_well_formed(content: ComparisonContent) -> None:
     text = render_comparison(content)
     assert "http:" not in text
     assert "https:" not in text
@@ -111,13 +111,13 @@ def test_the_page_stands_alone_and_is_well_formed(content: Content) -> None:
     assert {reference[1:] for reference in page.references if reference.startswith("#")} <= page.ids
 
 
-def test_every_part_is_there(content: Content) -> None:
+def test_every_part_is_there(content: ComparisonContent) -> None:
     assert Page(render_comparison(content)).words == [
         "Far & <near>",
         "All walks",
         "Distribution of the errors",
         "Error against distance",
-        "Honesty of the covariance",
+        "Consistency of the covariance",
         "Worst walk by error_heldout_m: walk6",
         "Median walk by error_heldout_m: walk3",
         "Best walk by error_heldout_m: walk1",
@@ -125,32 +125,32 @@ def test_every_part_is_there(content: Content) -> None:
         "Means by group",
         "Steps",
         "Carrying modes",
-        "What could not be told",
+        "Failures",
         "Definitions",
-        "How it was made",
+        "Provenance",
     ]
 
 
-def without_truth(content: Content) -> Iterator[TrackOutcome]:
+def without_truth(content: ComparisonContent) -> Iterator[TrackOutcome]:
     nothing = np.empty(0)
     for one in content.outcomes:
         bare = {"truth_m": np.empty((0, 2)), "way_m": nothing, "error_m": nothing, "squared": nothing}
         yield replace(one, **bare, with_fixes=False, metrics={**one.metrics, "coverage95": None})
 
 
-def test_walks_without_true_positions_have_a_page_without_plots_of_errors(content: Content) -> None:
+def test_walks_without_true_positions_have_a_page_without_plots_of_errors(content: ComparisonContent) -> None:
     words = Page(render_comparison(replace(content, outcomes=tuple(without_truth(content)), failures=()))).words
     assert "Distribution of the errors" not in words
-    assert "Honesty of the covariance" not in words
+    assert "Consistency of the covariance" not in words
     assert "Best walk by error_heldout_m: walk1" in words
 
 
-def test_an_experiment_without_any_outcome_has_a_page(content: Content) -> None:
+def test_an_experiment_without_any_outcome_has_a_page(content: ComparisonContent) -> None:
     words = Page(render_comparison(replace(content, outcomes=(), pairs=()))).words
-    assert "What could not be told" in words
+    assert "Failures" in words
 
 
-def test_more_variants_than_colours_are_told_apart_by_dashes(content: Content) -> None:
+def test_more_variants_than_colours_are_told_apart_by_dashes(content: ComparisonContent) -> None:
     names = tuple(f"v{number}" for number in range(9))
     outcomes = tuple(outcome(walk, name, 1.0 + i) for walk in (1, 2) for i, name in enumerate(names))
     text = render_comparison(replace(content, variants=names, outcomes=outcomes, pairs=()))
@@ -158,26 +158,26 @@ def test_more_variants_than_colours_are_told_apart_by_dashes(content: Content) -
     assert Page(text).open == []
 
 
-def test_the_tables_hold_the_numbers(content: Content) -> None:
-    table = averages(content.outcomes, content.variants, METRICS)
+def test_the_tables_hold_the_numbers(content: ComparisonContent) -> None:
+    table = averages_table(content.outcomes, content.variants, METRICS)
     assert [cell.text for cell in table.rows[0]] == ["error_heldout_m (m)", "far", "3.500", "3.500", "5.500", "6"]
     assert [row[2].strong for row in table.rows] == [False, True, False, False]  # equal means: none is best
-    rows = groups(content.outcomes, content.variants, METRICS, "group").rows
+    rows = groups_table(content.outcomes, content.variants, METRICS, "group").rows
     assert [cell.text for cell in rows[0]] == ["error_heldout_m (m)", "a", "3", "4.000", "0.400"]
-    counted = steps(content.outcomes, content.variants).rows[0]
+    counted = steps_table(content.outcomes, content.variants).rows[0]
     assert [cell.text for cell in counted] == ["HOLDING", "all variants", "6", "420", "432", "2.8 %"]
     other = replace(content.outcomes[0], steps=71)
-    rows = steps((other, *content.outcomes[1:]), content.variants).rows
+    rows = steps_table((other, *content.outcomes[1:]), content.variants).rows
     assert [[cell.text for cell in row[1:4]] for row in rows] == [["far", "6", "421"], ["near", "6", "420"]]
-    shares = modes(content.outcomes, content.variants)
+    shares = modes_table(content.outcomes, content.variants)
     assert [cell.text for cell in shares.headings] == ["variant", "HOLDING", "SWING"]
     assert [[cell.text for cell in row] for row in shares.rows] == [["all variants", "75.0 %", "25.0 %"]]
 
 
-def test_many_variants_stand_below_each_other(content: Content) -> None:
+def test_many_variants_stand_below_each_other(content: ComparisonContent) -> None:
     names = tuple(f"v{number}" for number in range(7))
     outcomes = tuple(outcome(walk, name, 1.0 + i) for walk in (1, 2, 4) for i, name in enumerate(names))
-    table = groups(outcomes, names, METRICS, "group")
+    table = groups_table(outcomes, names, METRICS, "group")
     assert [cell.text for cell in table.headings] == ["metric", "variant", "a", "b"]
     assert [cell.text for cell in table.rows[1]] == ["error_heldout_m (m)", "v1", "2.000", "2.000"]
     assert [cell.strong for cell in table.rows[0]] == [False, False, True, True]
@@ -185,7 +185,7 @@ def test_many_variants_stand_below_each_other(content: Content) -> None:
 
 
 @pytest.mark.parametrize("points", [1, 3, 10])
-def test_few_errors_are_drawn_one_by_one(content: Content, points: int) -> None:
+def test_few_errors_are_drawn_one_by_one(content: ComparisonContent, points: int) -> None:
     """Where no median can be told yet, the plot is not empty."""
     short = [replace(one, way_m=one.way_m[:points], error_m=one.error_m[:points]) for one in content.outcomes[:2]]
     axes = plot_growth(short, content.variants).axes[0]
@@ -195,7 +195,7 @@ def test_few_errors_are_drawn_one_by_one(content: Content, points: int) -> None:
     assert all(line.get_marker() != "." for line in plot_growth(many, content.variants).axes[0].lines)
 
 
-def test_a_variant_with_a_few_great_errors_does_not_press_the_others_together(content: Content) -> None:
+def test_a_variant_with_a_few_great_errors_does_not_press_the_others_together(content: ComparisonContent) -> None:
     near, far = content.outcomes[1], content.outcomes[0]
     outlying = replace(far, error_m=np.concatenate([np.full(8, 0.3), [20.0, 30.0]]))
     near = replace(near, error_m=np.full(10, 0.3))

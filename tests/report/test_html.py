@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pdr_est.estimators.person.track import fuse
-from pdr_est.report.walk.page import metric, number, render_report, seconds
+from pdr_est.report.walk.page import format_duration, format_metric_with_unit, format_number, render_report
 from pdr_est.report.walk.summary import package_versions, summarise
 from pdr_est.types.measurements import StartPose
 from pdr_est.types.sensors import Gap
@@ -147,10 +147,10 @@ def test_walk_without_a_step_has_a_page(make_walk) -> None:
 def test_truth_is_laid_onto_a_track_in_a_frame_of_its_own(make_walk) -> None:
     walk, recording = make_walk(steps=100)
     free = replace(walk, fixes=())
-    assert "truth was turned and shifted" in Page(render(free, recording)).text
+    assert "truth was rotated and shifted" in Page(render(free, recording)).text
     tied = Page(render(free, recording, start=StartPose((0.0, 0.0), 0.0))).text
     assert "truth (waypoints)" in tied
-    assert "turned and shifted" not in tied
+    assert "rotated and shifted" not in tied
 
 
 def test_very_long_walk_stays_small(make_walk) -> None:
@@ -179,13 +179,13 @@ def test_many_gaps_are_cut_with_a_word_about_it(make_walk) -> None:
     ],
 )
 def test_durations_read_well(value: float | None, text: str) -> None:
-    assert seconds(value) == text
+    assert format_duration(value) == text
 
 
 def test_numbers_carry_the_unit_of_their_name() -> None:
-    assert number(-12345.678, 1) == "−12\u202f345.7"
-    assert metric(0.834, "ate_rigid_m") == "0.83 m"
-    assert metric(2.5, "phone · turn_error_deg") == "2.50 °"
-    assert metric(0.9444, "coverage95") == "0.944"
-    assert metric(3, "n") == "3"
-    assert metric(None, "ate_rigid_m") == "–"
+    assert format_number(-12345.678, 1) == "−12\u202f345.7"
+    assert format_metric_with_unit(0.834, "ate_rigid_m") == "0.83 m"
+    assert format_metric_with_unit(2.5, "phone · turn_error_deg") == "2.50 °"
+    assert format_metric_with_unit(0.9444, "coverage95") == "0.944"
+    assert format_metric_with_unit(3, "n") == "3"
+    assert format_metric_with_unit(None, "ate_rigid_m") == "–"

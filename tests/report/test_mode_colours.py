@@ -19,8 +19,8 @@ from pdr_est.report.plots.gait import plot_gait
 from pdr_est.report.plots.mode_style import ModeRun, draw_strip, mode_runs
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import plot_track
-from pdr_est.report.plots.track_line import mode_legs
-from pdr_est.report.walk.mode_shares import mode_use
+from pdr_est.report.plots.track_line import mode_polylines
+from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.report.walk.page import render_report
 from pdr_est.report.walk.panels import time_panels, track_panel
 from pdr_est.report.walk.summary import summarise
@@ -57,7 +57,7 @@ def changing(make_walk) -> tuple:
 
 def strip(axes: Axes) -> list[tuple[CarryingMode, float, float, float]]:
     """Mode, begin, end and bottom of every box of the strips above the axes."""
-    by_colour = {colour: mode for mode, colour in svg.MODE.items()}
+    by_colour = {colour: mode for mode, colour in svg.MODE_COLOURS.items()}
     boxes = []
     for shape in axes.patches:
         mode = by_colour.get(to_hex(shape.get_facecolor()))
@@ -89,7 +89,7 @@ def test_runs_follow_each_other_and_stop_before_a_gap(changing) -> None:
 
 def test_a_leg_has_the_mode_of_the_step_that_ends_it(changing) -> None:
     track = changing[0].track
-    legs = mode_legs(track)
+    legs = mode_polylines(track)
     assert list(legs) == [HOLDING, SWING, POCKET]
     for mode, points in legs.items():
         ends = np.flatnonzero(track.mode[1:] == mode) + 1
@@ -98,7 +98,7 @@ def test_a_leg_has_the_mode_of_the_step_that_ends_it(changing) -> None:
 
 def test_a_mode_that_comes_back_is_not_joined_across_the_other(make_walk) -> None:
     walk, _ = make_walk(steps=40)
-    legs = mode_legs(carried(walk, (10.0, 16.0), (HOLDING, SWING, HOLDING)).track)
+    legs = mode_polylines(carried(walk, (10.0, 16.0), (HOLDING, SWING, HOLDING)).track)
     assert np.isnan(legs[HOLDING]).all(axis=1).sum() == 1
     assert not np.isnan(legs[SWING]).any()
 
@@ -106,20 +106,22 @@ def test_a_mode_that_comes_back_is_not_joined_across_the_other(make_walk) -> Non
 def test_every_leg_of_a_single_device_is_drawn_once_in_the_colour_of_its_mode(changing) -> None:
     track = changing[0].track
     every = plot_track(track).axes[0].lines
-    lines = {line.get_color(): line for line in every if line.get_color() in svg.MODE.values()}
-    assert set(lines) == {svg.MODE[mode] for mode in (HOLDING, SWING, POCKET)}
+    lines = {line.get_color(): line for line in every if line.get_color() in svg.MODE_COLOURS.values()}
+    assert set(lines) == {svg.MODE_COLOURS[mode] for mode in (HOLDING, SWING, POCKET)}
     assert sum(len(line.get_xdata()) - 1 for line in lines.values()) == len(track) - 1
-    assert not lines[svg.MODE[HOLDING]].is_dashed()
-    assert lines[svg.MODE[SWING]].is_dashed(), "colour is the only sign of the mode"
+    assert not lines[svg.MODE_COLOURS[HOLDING]].is_dashed()
+    assert lines[svg.MODE_COLOURS[SWING]].is_dashed(), "colour is the only sign of the mode"
 
 
 def test_several_devices_keep_their_colours_above_bands_of_the_modes(make_walk) -> None:
     walk, _ = make_walk(steps=40, devices=("1L", "2R"))
     walk = carried(walk, (10.0,), (HOLDING, POCKET))
     lines = list(plot_track(walk.track).axes[0].lines)
-    bands = [i for i, line in enumerate(lines) if line.get_color() in svg.MODE.values()]
-    devices = [i for i, line in enumerate(lines) if line.get_color() in svg.SERIES and len(line.get_xdata()) == 41]
-    assert [lines[i].get_color() for i in devices] == [svg.series_colour(0), svg.series_colour(1)]
+    bands = [i for i, line in enumerate(lines) if line.get_color() in svg.MODE_COLOURS.values()]
+    devices = [
+        i for i, line in enumerate(lines) if line.get_color() in svg.DEVICE_COLOURS and len(line.get_xdata()) == 41
+    ]
+    assert [lines[i].get_color() for i in devices] == [svg.device_colour(0), svg.device_colour(1)]
     assert len(bands) == 4
     assert max(bands) < min(devices)
     assert min(lines[i].get_linewidth() for i in bands) > 3 * max(lines[i].get_linewidth() for i in devices)
@@ -127,7 +129,7 @@ def test_several_devices_keep_their_colours_above_bands_of_the_modes(make_walk) 
 
 def test_strips_stand_above_both_parts_of_the_acceleration(changing) -> None:
     walk, _ = changing
-    detail, whole = plot_acceleration(only_device(walk), time_axis(walk), svg.SERIES[0]).axes
+    detail, whole = plot_acceleration(only_device(walk), time_axis(walk), svg.DEVICE_COLOURS[0]).axes
     runs = mode_runs(only_device(walk))
     assert [mode for mode, *_ in strip(whole)] == [run.mode for run in runs]
     for (_, begin, end, bottom), run in zip(strip(whole), runs, strict=True):
@@ -147,7 +149,7 @@ def test_every_device_has_a_strip_of_its_own_above_the_gait(make_walk) -> None:
     assert (first, second) == (POCKET, SWING)
     assert first_bottom > second_bottom > 1.0
     dots = [line.get_color() for line in heading.lines if len(line.get_xdata()) == 1]
-    assert dots == [svg.series_colour(0), svg.series_colour(1)]
+    assert dots == [svg.device_colour(0), svg.device_colour(1)]
 
 
 def test_thousands_of_changes_stay_small(make_walk) -> None:
@@ -176,13 +178,13 @@ def test_legends_name_the_modes_that_occur_and_no_other(changing) -> None:
 
 def test_shares_are_of_the_walking_time_and_probabilities_of_the_steps(changing) -> None:
     device = only_device(changing[0])
-    uses = {use.mode: use for use in mode_use(device)}
+    uses = {use.mode: use for use in mode_statistics(device)}
     assert sum(use.steps for use in uses.values()) == 40
     assert sum(use.walking_time_share for use in uses.values()) == pytest.approx(1.0)
     assert uses[SWING].steps == sum(10.0 <= step.event.time_s < 16.0 for step in device.steps)
     assert uses[SWING].mean_probability == pytest.approx(0.5)
     slow = replace(device.steps[0], start_s=device.steps[0].event.time_s - 100.0)
-    slowed = {use.mode: use for use in mode_use(replace(device, steps=(slow, *device.steps[1:])))}
+    slowed = {use.mode: use for use in mode_statistics(replace(device, steps=(slow, *device.steps[1:])))}
     assert slowed[HOLDING].steps == uses[HOLDING].steps
     assert slowed[HOLDING].walking_time_share > 0.8 > uses[HOLDING].walking_time_share
 
@@ -205,16 +207,16 @@ def test_summary_and_page_list_the_modes_of_every_device(make_walk) -> None:
 
 def test_no_step_means_no_modes(make_walk) -> None:
     walk, _ = make_walk(steps=0)
-    assert mode_use(only_device(walk)) == []
-    assert mode_legs(walk.track) == {}
+    assert mode_statistics(only_device(walk)) == []
+    assert mode_polylines(walk.track) == {}
 
 
 def test_every_colour_has_a_value_in_both_themes() -> None:
     template = (files("pdr_est") / "report" / "style.html.j2").read_text(encoding="utf-8")
     dark = template.index("prefers-color-scheme: dark")
-    for colour in (*svg.MODE.values(), *svg.SERIES, svg.FIX, svg.INK, svg.MUTED):
+    for colour in (*svg.MODE_COLOURS.values(), *svg.DEVICE_COLOURS, svg.FIX, svg.INK, svg.MUTED):
         definition = f"--{svg.css_name(colour)}: #"
         assert template.count(definition) == 2, definition
         assert template.index(definition) < dark < template.rindex(definition)
         assert f"--{svg.css_name(colour)}: {colour};" in template
-    assert len({*svg.MODE.values(), *svg.SERIES}) == len(svg.MODE) + len(svg.SERIES)
+    assert len({*svg.MODE_COLOURS.values(), *svg.DEVICE_COLOURS}) == len(svg.MODE_COLOURS) + len(svg.DEVICE_COLOURS)

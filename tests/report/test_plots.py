@@ -12,7 +12,7 @@ from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
 from pdr_est.report.plots.gait import plot_gait
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
-from pdr_est.report.plots.track import ELLIPSES, plot_track, thin_ellipses
+from pdr_est.report.plots.track import ELLIPSES, plot_track, select_ellipses
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import Gap
 
@@ -54,7 +54,7 @@ def test_ellipse_is_the_95_percent_region(make_walk) -> None:
 @pytest.mark.parametrize("steps", [1, 250, 20_000])
 def test_ellipses_are_thinned_and_the_last_pose_keeps_its_own(make_walk, steps: int) -> None:
     walk, _ = make_walk(steps=steps)
-    chosen = thin_ellipses(walk.track, ELLIPSES)
+    chosen = select_ellipses(walk.track, ELLIPSES)
     assert chosen[-1] == steps
     assert chosen == sorted(set(chosen))
     assert len(chosen) <= ELLIPSES + 1
@@ -83,7 +83,9 @@ def test_acceleration_has_every_step_and_does_not_bridge_a_gap(make_walk) -> Non
     early = replace(level, **{name: value[:400] for name, value in arrays.items()})
     late = replace(level, segment=1, **{name: value[600:] for name, value in arrays.items()})
     gap = Gap("specific_force", 8.0, 12.0, "gap")
-    figure = plot_acceleration(replace(device, level=(early, late), gaps=(gap,)), time_axis(walk), svg.SERIES[0])
+    figure = plot_acceleration(
+        replace(device, level=(early, late), gaps=(gap,)), time_axis(walk), svg.DEVICE_COLOURS[0]
+    )
     detail, whole = figure.axes
     *lines, dots = whole.lines
     assert len(lines) == 2
@@ -95,7 +97,7 @@ def test_acceleration_has_every_step_and_does_not_bridge_a_gap(make_walk) -> Non
 
 def test_short_recording_is_shown_once(make_walk) -> None:
     walk, _ = make_walk(steps=10)
-    assert len(plot_acceleration(walk.devices[0], time_axis(walk), svg.SERIES[0]).axes) == 1
+    assert len(plot_acceleration(walk.devices[0], time_axis(walk), svg.DEVICE_COLOURS[0]).axes) == 1
 
 
 def test_gait_plot_leaves_out_the_start_and_the_first_cadence(make_walk) -> None:
@@ -120,12 +122,12 @@ def test_envelope_keeps_extremes_and_forgets_nothing() -> None:
     time = np.linspace(0.0, 100.0, 50_001)
     values = np.sin(time)
     values[[123, 40_000]] = [9.0, -9.0]
-    short_time, short = svg.envelope(time, values, 500)
+    short_time, short = svg.min_max_envelope(time, values, 500)
     assert len(short) <= 1000
     assert short.max() == 9.0
     assert short.min() == -9.0
     assert short_time[0] == 0.0
-    same_time, same = svg.envelope(time[:50], values[:50], 500)
+    same_time, same = svg.min_max_envelope(time[:50], values[:50], 500)
     assert same_time is not None
     np.testing.assert_array_equal(same, values[:50])
 

@@ -10,8 +10,8 @@ import pytest
 
 from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.consistency import radius95_m
+from pdr_est.report.walk.descriptions import describe_length_scale
 from pdr_est.report.walk.summary import package_versions, summarise, to_json
-from pdr_est.report.walk.wording import scale_in_words
 from pdr_est.types.measurements import StartPose
 from pdr_est.types.sensors import Gap
 from pdr_est.types.steps import CarryingMode
@@ -123,16 +123,22 @@ def test_versions_name_the_libraries_that_shape_the_numbers() -> None:
 @pytest.mark.parametrize(
     ("scale", "sigma", "with_fixes", "with_profile", "words"),
     [
-        (1.034, 0.012, True, False, "estimated from the fixes: steps 3.4 % longer than the length model's, ± 1.2 %"),
-        (0.95, 0.02, True, True, "estimated from the fixes: steps 5.0 % shorter than the profile's, ± 2.0 %"),
-        (1.0, 0.11, False, False, "not estimated, there being no fixes: the length model's steps, ± 11.0 %"),
-        (1.0, 0.06, False, True, "not estimated, there being no fixes: the profile's steps, ± 6.0 %"),
-        (1.0, math.nan, False, False, "not estimated, there being no fixes: the length model's steps, ± unknown"),
+        (
+            1.034,
+            0.012,
+            True,
+            False,
+            "estimated from the fixes: steps 3.4 % longer than those of the length model, ± 1.2 %",
+        ),
+        (0.95, 0.02, True, True, "estimated from the fixes: steps 5.0 % shorter than those of the profile, ± 2.0 %"),
+        (1.0, 0.11, False, False, "not estimated without fixes: steps of the length model, ± 11.0 %"),
+        (1.0, 0.06, False, True, "not estimated without fixes: steps of the profile, ± 6.0 %"),
+        (1.0, math.nan, False, False, "not estimated without fixes: steps of the length model, ± unknown"),
     ],
 )
 def test_the_scale_in_words(make_walk, scale, sigma, with_fixes, with_profile, words) -> None:
     track = replace(make_walk()[0].track, length_scale=scale, sigma_length_scale=sigma)
-    assert scale_in_words(track, with_fixes, with_profile) == words
+    assert describe_length_scale(track, with_fixes, with_profile) == words
 
 
 @pytest.mark.parametrize(
@@ -140,6 +146,6 @@ def test_the_scale_in_words(make_walk, scale, sigma, with_fixes, with_profile, w
 )
 def test_reckoned_tracks_are_aligned_with_fixes_and_do_not_use_them(make_walk, start, aligned_with) -> None:
     walk, recording = make_walk(steps=10)
-    reckoned = replace(walk, track=replace(walk.track, estimator="map-general"))
+    reckoned = replace(walk, track=replace(walk.track, estimator="map-general"), fixes_used=False)
     fixes = strict(summarise(reckoned, recording, CONFIG, {}, {}, start=start))["fixes"]
     assert fixes == {"given": 4, "used": 0, "aligned_with": aligned_with, "sources": {"waypoint": 4}}

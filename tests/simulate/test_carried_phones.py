@@ -18,7 +18,7 @@ from carried import (
 
 from pdr_est.frames import Array, twist_about_vertical
 from pdr_est.simulate import DeviceParams, HeldPhone, PathParams, PocketPhone, SwingingPhone
-from pdr_est.simulate.walker.trunk import Side
+from pdr_est.simulate.walker.walking_body import Side
 
 PHONES = [
     SwingingPhone(),

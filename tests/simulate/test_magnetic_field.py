@@ -6,26 +6,26 @@ import numpy as np
 import pytest
 
 from pdr_est.simulate import (
-    PERFECT,
+    NO_SENSOR_ERRORS,
     PHONE_MAGNETOMETER,
     DeviceParams,
     EarthField,
-    Iron,
-    Path,
+    MagneticDipole,
     PathParams,
     PocketPhone,
     Scenario,
     SensorErrors,
     SensorParams,
     SimulatedWalk,
+    WalkingPath,
     simulate_walk,
 )
-from pdr_est.simulate.sensors.magnetic_field import field_ut
+from pdr_est.simulate.sensors.magnetic_field import magnetic_field_ut
 
 LINE = PathParams(vertices_m=((0.0, 0.0), (20.0, 0.0)))
 
 
-def walked(magnetometer: SensorErrors, *irons: Iron) -> SimulatedWalk:
+def walked(magnetometer: SensorErrors, *irons: MagneticDipole) -> SimulatedWalk:
     sensors = SensorParams(magnetometer=magnetometer, time_jitter_s=0.0)
     return simulate_walk(
         Scenario(path=LINE, devices=(DeviceParams(carry=PocketPhone(), sensors=sensors),), irons=irons)
@@ -40,7 +40,7 @@ def test_the_field_of_the_earth_has_its_strength_dip_and_declination() -> None:
 
 
 def test_a_perfect_magnetometer_sees_the_earth_in_device_axes() -> None:
-    walk = walked(PERFECT)
+    walk = walked(NO_SENSOR_ERRORS)
     recorded = walk.recording.devices[0].magnetic_field
     assert recorded is not None
     np.testing.assert_allclose(np.linalg.norm(recorded.values, axis=1), 49.0)
@@ -57,7 +57,7 @@ def test_hard_iron_is_the_bias_of_the_magnetometer() -> None:
 
 
 def test_iron_disturbs_the_field_beside_it_only() -> None:
-    walk = walked(PERFECT, Iron(at_m=10.0, left_m=1.0))
+    walk = walked(NO_SENSOR_ERRORS, MagneticDipole(at_m=10.0, left_m=1.0))
     recorded = walk.recording.devices[0].magnetic_field
     assert recorded is not None
     strength = np.linalg.norm(recorded.values, axis=1)
@@ -67,10 +67,10 @@ def test_iron_disturbs_the_field_beside_it_only() -> None:
 
 
 def test_the_field_of_iron_has_neither_sources_nor_curl() -> None:
-    iron, h = Iron(at_m=3.0, moment_am2=(50.0, -20.0, 100.0)), 1e-4
+    iron, h = MagneticDipole(at_m=3.0, moment_am2=(50.0, -20.0, 100.0)), 1e-4
     point = np.array([4.0, 0.3, 0.2])
     steps = np.concatenate([point + h * np.eye(3), point - h * np.eye(3)])
-    field = field_ut(steps, EarthField(), (iron,), Path(LINE))
+    field = magnetic_field_ut(steps, EarthField(), (iron,), WalkingPath(LINE))
     slope = (field[:3] - field[3:]) / (2.0 * h)  # [direction, component]
     assert np.trace(slope) == pytest.approx(0.0, abs=1e-5)
     np.testing.assert_allclose(slope, slope.T, atol=1e-5)

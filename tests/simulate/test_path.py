@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from pdr_est.errors import ConfigError
-from pdr_est.simulate import Path, PathParams
+from pdr_est.simulate import PathParams, WalkingPath
 
 ZIGZAG = PathParams(
     vertices_m=((1.0, -2.0), (9.0, -2.0), (9.0, 7.0), (3.0, 12.0), (12.0, 12.0), (12.0, 20.0)), corner_radius_m=0.6
@@ -13,7 +13,7 @@ ZIGZAG = PathParams(
 
 
 def test_a_straight_path_is_the_segment() -> None:
-    path = Path(PathParams(vertices_m=((1.0, 2.0), (4.0, 6.0))))
+    path = WalkingPath(PathParams(vertices_m=((1.0, 2.0), (4.0, 6.0))))
     points = path.at(np.array([0.0, 2.5, 5.0]))
     assert path.length_m == pytest.approx(5.0, abs=1e-12)
     np.testing.assert_allclose(points.position_m, [[1.0, 2.0], [2.5, 4.0], [4.0, 6.0]], atol=1e-12)
@@ -22,14 +22,14 @@ def test_a_straight_path_is_the_segment() -> None:
 
 
 def test_the_path_meets_its_last_vertex_in_the_last_direction() -> None:
-    path = Path(ZIGZAG)
+    path = WalkingPath(ZIGZAG)
     end = path.at(np.array([path.length_m]))
     np.testing.assert_allclose(end.position_m[0], ZIGZAG.vertices_m[-1], atol=1e-11)
     assert end.heading_rad[0] == pytest.approx(np.pi / 2.0, abs=1e-12)
 
 
 def test_the_parameter_is_arc_length_and_the_heading_is_the_tangent() -> None:
-    path = Path(ZIGZAG)
+    path = WalkingPath(ZIGZAG)
     arc = np.linspace(0.01, path.length_m - 0.01, 4001)
     h = 1e-4
     difference = (path.at(arc + h).position_m - path.at(arc - h).position_m) / (2.0 * h)
@@ -38,7 +38,7 @@ def test_the_parameter_is_arc_length_and_the_heading_is_the_tangent() -> None:
 
 
 def test_curvature_is_the_slope_of_the_heading_and_continuous_at_the_corners() -> None:
-    path = Path(ZIGZAG)
+    path = WalkingPath(ZIGZAG)
     arc = np.linspace(0.0, path.length_m, 20_001)
     points = path.at(arc)
     np.testing.assert_allclose(np.gradient(points.heading_rad, arc), points.curvature_pm, atol=2e-3)
@@ -48,7 +48,7 @@ def test_curvature_is_the_slope_of_the_heading_and_continuous_at_the_corners() -
 
 
 def test_a_corner_has_the_asked_radius_and_turn() -> None:
-    path = Path(ZIGZAG)
+    path = WalkingPath(ZIGZAG)
     curvature = path.at(path.corner_m).curvature_pm
     np.testing.assert_allclose(np.abs(curvature), 1.0 / ZIGZAG.corner_radius_m, rtol=1e-12)
     np.testing.assert_array_equal(np.sign(curvature), np.sign(path.turn_rad))
@@ -59,7 +59,7 @@ def test_a_corner_has_the_asked_radius_and_turn() -> None:
 
 def test_rounding_shortens_a_corner_and_stays_near_it() -> None:
     right_angle = PathParams(vertices_m=((0.0, 0.0), (10.0, 0.0), (10.0, 10.0)), corner_radius_m=1.0)
-    path = Path(right_angle)
+    path = WalkingPath(right_angle)
     middle = path.at(path.corner_m).position_m[0]
     assert 19.0 < path.length_m < 20.0
     assert middle[0] == pytest.approx(10.0 - middle[1])  # on the bisector
@@ -67,7 +67,7 @@ def test_rounding_shortens_a_corner_and_stays_near_it() -> None:
 
 
 def test_beyond_the_ends_the_path_goes_straight_on() -> None:
-    path = Path(ZIGZAG)
+    path = WalkingPath(ZIGZAG)
     points = path.at(np.array([-1.0, path.length_m + 2.0]))
     np.testing.assert_allclose(points.position_m, [[0.0, -2.0], [12.0, 22.0]], atol=1e-11)
 
@@ -83,15 +83,15 @@ def test_beyond_the_ends_the_path_goes_straight_on() -> None:
 )
 def test_impossible_paths_are_refused(vertices_m: tuple[tuple[float, float], ...], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
-        Path(PathParams(vertices_m=vertices_m))
+        WalkingPath(PathParams(vertices_m=vertices_m))
 
 
 def test_each_corner_may_have_a_radius_of_its_own() -> None:
     corners = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (20.0, 10.0))
-    path = Path(PathParams(vertices_m=corners, corner_radii_m=(0.5, 2.0)))
+    path = WalkingPath(PathParams(vertices_m=corners, corner_radii_m=(0.5, 2.0)))
     curvature = np.abs(path.at(np.linspace(0.0, path.length_m, 20001)).curvature_pm)
     half = len(curvature) // 2
     assert curvature[:half].max() == pytest.approx(2.0, rel=1e-3)
     assert curvature[half:].max() == pytest.approx(0.5, rel=1e-3)
     with pytest.raises(ConfigError, match=r"corner_radii_m: 1 radii for 2 corners"):
-        Path(PathParams(vertices_m=corners, corner_radii_m=(0.5,)))
+        WalkingPath(PathParams(vertices_m=corners, corner_radii_m=(0.5,)))

@@ -8,8 +8,8 @@ import pytest
 from pdr_est.errors import ConfigError
 from pdr_est.simulate import (
     DeviceParams,
-    GaitParams,
     Scenario,
+    WalkerGaitParams,
     mmpdr_indoor,
     mmpdr_mode_walks,
     park_348,
@@ -17,7 +17,7 @@ from pdr_est.simulate import (
     sample_person,
     simulate_walk,
 )
-from pdr_est.simulate.walker.step_schedule import plan_steps, usual_speed_mps
+from pdr_est.simulate.walker.step_schedule import mean_speed_mps, plan_steps
 from pdr_est.types.steps import CarryingMode
 
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
@@ -29,7 +29,7 @@ def test_people_are_as_different_as_people() -> None:
         heights = [p.gait.height_m for p in people if p.gait.gender == gender]
         assert np.mean(heights) == pytest.approx(mean_m, abs=0.02)
         assert np.std(heights) == pytest.approx(0.065, abs=0.015)
-    speeds = [usual_speed_mps(p.gait) for p in people]
+    speeds = [mean_speed_mps(p.gait) for p in people]
     assert 0.9 < min(speeds) < 1.15
     assert 1.5 < max(speeds) < 2.0
     assert {p.swing.hand for p in people} == {p.pocket.side for p in people} == {"left", "right"}
@@ -57,13 +57,13 @@ def test_everybody_can_walk_in_every_mode(seed: int) -> None:
 def test_cadence_and_length_drift_slowly() -> None:
     steady = {"cadence_variation": 0.0, "length_variation": 0.0, "step_length_m": 0.7}
     rng = np.random.default_rng
-    steps = plan_steps(GaitParams(**steady, cadence_drift=0.05), 3000.0, rng(1))  # type: ignore[arg-type]
+    steps = plan_steps(WalkerGaitParams(**steady, cadence_drift=0.05), 3000.0, rng(1))  # type: ignore[arg-type]
     period = np.diff(steps.time_s)
     assert period.std() / period.mean() == pytest.approx(0.05, rel=0.3)
     assert np.abs(np.diff(period)).max() / period.mean() < 0.012  # nothing sudden from step to step
-    longer = plan_steps(GaitParams(**steady, length_drift=0.05), 3000.0, rng(1))  # type: ignore[arg-type]
+    longer = plan_steps(WalkerGaitParams(**steady, length_drift=0.05), 3000.0, rng(1))  # type: ignore[arg-type]
     assert longer.length_m[1:-1].std() / 0.7 == pytest.approx(0.05, rel=0.3)
-    habit = plan_steps(GaitParams(**steady, length_habit=1.1), 3000.0, rng(1))  # type: ignore[arg-type]
+    habit = plan_steps(WalkerGaitParams(**steady, length_habit=1.1), 3000.0, rng(1))  # type: ignore[arg-type]
     assert habit.length_m[1:-1].mean() == pytest.approx(0.77, rel=0.005)
 
 

@@ -12,17 +12,17 @@ from scipy.spatial.transform import Rotation
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, twist_about_vertical, up_in_device, wrap_angle
 from pdr_est.simulate import (
     DeviceParams,
-    GaitParams,
     HeldPhone,
     PathParams,
     Pause,
     Scenario,
     SensorParams,
     SimulatedWalk,
+    WalkerGaitParams,
     preset,
     simulate_walk,
 )
-from pdr_est.simulate.motion.differentiable_signal import Jet
+from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal
 from pdr_est.simulate.motion.rigid_body import RigidMotion
 
 RATE_HZ = 500.0
@@ -34,7 +34,7 @@ def walk() -> SimulatedWalk:
     return simulate_walk(
         Scenario(
             path=TURNS,
-            gait=GaitParams(pauses=(Pause(at_m=10.0, duration_s=2.0),)),
+            gait=WalkerGaitParams(pauses=(Pause(at_m=10.0, duration_s=2.0),)),
             devices=(DeviceParams(sensors=SensorParams(rate_hz=RATE_HZ)),),
             seed=5,
         )
@@ -67,22 +67,22 @@ def test_integrating_the_specific_force_twice_gives_the_position(motion: RigidMo
     np.testing.assert_allclose(position, motion.position_m, atol=2e-4)
 
 
-@pytest.mark.parametrize("name", ["east", "north", "up", "turning.w", "turning.x", "turning.y", "turning.z"])
+@pytest.mark.parametrize("name", ["east", "north", "up", "attitude.w", "attitude.x", "attitude.y", "attitude.z"])
 def test_rates_and_accelerations_are_derivatives(motion: RigidMotion, name: str) -> None:
-    jet: Jet = attrgetter(name)(motion)
+    signal: DifferentiableSignal = attrgetter(name)(motion)
     inner = slice(2, -2)
-    rate = np.gradient(jet.value, 1.0 / RATE_HZ)
-    acceleration = np.gradient(jet.rate, 1.0 / RATE_HZ)
-    np.testing.assert_allclose(rate[inner], jet.rate[inner], atol=1e-3 * np.abs(jet.rate).max() + 1e-9)
+    rate = np.gradient(signal.value, 1.0 / RATE_HZ)
+    acceleration = np.gradient(signal.rate, 1.0 / RATE_HZ)
+    np.testing.assert_allclose(rate[inner], signal.rate[inner], atol=1e-3 * np.abs(signal.rate).max() + 1e-9)
     # the jerk jumps where two quintics meet, which spoils a difference over that point
     np.testing.assert_allclose(
-        acceleration[inner], jet.acceleration[inner], atol=0.015 * np.abs(jet.acceleration).max()
+        acceleration[inner], signal.acceleration[inner], atol=0.015 * np.abs(signal.acceleration).max()
     )
 
 
 def test_the_acceleration_never_jumps(motion: RigidMotion) -> None:
-    for jet in (motion.east, motion.north, motion.up):
-        assert np.abs(np.diff(jet.acceleration)).max() < 0.5  # m/s^2 within 2 ms
+    for signal in (motion.east, motion.north, motion.up):
+        assert np.abs(np.diff(signal.acceleration)).max() < 0.5  # m/s^2 within 2 ms
 
 
 def test_standing_the_phone_feels_gravity_only(walk: SimulatedWalk, motion: RigidMotion) -> None:
@@ -168,7 +168,7 @@ def test_every_step_has_one_upward_push_softer_at_starts_and_stops(seed: int) ->
 
 @pytest.mark.parametrize("cadence_hz", [1.5, 1.8, 2.2])
 def test_vertical_acceleration_beats_at_the_cadence_with_the_size_of_real_walking(cadence_hz: float) -> None:
-    gait = GaitParams(cadence_hz=cadence_hz)
+    gait = WalkerGaitParams(cadence_hz=cadence_hz)
     walk = simulate_walk(Scenario(path=PathParams(vertices_m=((0.0, 0.0), (120.0, 0.0))), gait=gait))
     motion, steps = walk.devices[0].motion, walk.steps
     walking = (motion.time_s > steps.time_s[1]) & (motion.time_s < steps.time_s[-2])

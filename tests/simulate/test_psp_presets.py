@@ -11,18 +11,18 @@ from pdr_est.simulate import (
     PSP_TESTS,
     DeviceParams,
     HeldPhone,
-    Path,
     PathParams,
     PocketPhone,
+    PspTrajectory,
     Scenario,
     SimulatedWalk,
-    Trajectory,
+    WalkingPath,
     psp_path,
     psp_walks,
-    scattered_irons,
+    scatter_dipoles,
     simulate_walk,
 )
-from pdr_est.simulate.sensors.magnetic_field import field_ut
+from pdr_est.simulate.sensors.magnetic_field import magnetic_field_ut
 
 TURNING, STRAIGHT = psp_path("II", clockwise=False), PathParams(vertices_m=((0.0, 0.0), (290.0, 0.0)))
 STANDING_UPRIGHT = HeldPhone(
@@ -75,9 +75,9 @@ def test_a_leg_that_swings_less_turns_less_too_little() -> None:
 @pytest.mark.parametrize(("trajectory", "length_m", "turns"), [("I", 204.0, 1), ("II", 290.0, 6)])
 @pytest.mark.parametrize("clockwise", [False, True])
 def test_the_paths_are_closed_of_the_papers_lengths_and_begin_to_the_east(
-    trajectory: Trajectory, length_m: float, turns: int, clockwise: bool
+    trajectory: PspTrajectory, length_m: float, turns: int, clockwise: bool
 ) -> None:
-    path = Path(psp_path(trajectory, clockwise))
+    path = WalkingPath(psp_path(trajectory, clockwise))
     ends = path.at(np.array([0.0, path.length_m]))
     assert path.length_m == pytest.approx(length_m, abs=1e-9)
     np.testing.assert_allclose(ends.position_m, 0.0, atol=1e-9)
@@ -86,7 +86,7 @@ def test_the_paths_are_closed_of_the_papers_lengths_and_begin_to_the_east(
 
 
 def test_the_circle_is_a_circle_walked_five_times() -> None:
-    path = Path(psp_path("II", clockwise=False))
+    path = WalkingPath(psp_path("II", clockwise=False))
     points = path.at(np.linspace(0.0, path.length_m, 20001))
     from_centre_m = np.linalg.norm(points.position_m - [0.0, 21.0], axis=1)
     on_circle = np.abs(from_centre_m - 5.0) < 0.01
@@ -126,16 +126,16 @@ def test_the_phone_stands_nearly_straight_and_has_a_magnetometer() -> None:
 
 
 def test_scattered_irons_disturb_a_compass_as_in_a_building() -> None:
-    path, earth = Path(TURNING), psp_walks("II", 1)[0].earth
+    path, earth = WalkingPath(TURNING), psp_walks("II", 1)[0].earth
     places = np.column_stack([path.at(np.linspace(0.0, path.length_m, 2000)).position_m, np.zeros(2000)])
     rms_deg = []
     for seed in range(8):
-        irons = scattered_irons(path, 5.0, seed)
+        irons = scatter_dipoles(path, 5.0, seed)
         assert len(irons) == 58
-        field, quiet = field_ut(places, earth, irons, path), earth.vector_ut
+        field, quiet = magnetic_field_ut(places, earth, irons, path), earth.vector_ut
         off = wrap_angle(np.arctan2(field[:, 1], field[:, 0]) - np.arctan2(quiet[1], quiet[0]))
         rms_deg.append(float(np.rad2deg(np.sqrt(np.mean(off**2)))))
     assert 5.0 < np.median(rms_deg) < 30.0
-    assert scattered_irons(path, 5.0, 3) == scattered_irons(path, 5.0, 3) != scattered_irons(path, 5.0, 4)
+    assert scatter_dipoles(path, 5.0, 3) == scatter_dipoles(path, 5.0, 3) != scatter_dipoles(path, 5.0, 4)
     with pytest.raises(ConfigError, match=r"irons every 0.0 m"):
-        scattered_irons(path, 0.0, 1)
+        scatter_dipoles(path, 0.0, 1)

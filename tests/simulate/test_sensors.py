@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pdr_est.simulate import PERFECT, SensorErrors, SensorParams
-from pdr_est.simulate.sensors.errors import record, sampling_times
+from pdr_est.simulate import NO_SENSOR_ERRORS, SensorErrors, SensorParams
+from pdr_est.simulate.sensors.sensor_errors import record_signal, sampling_times
 
 RATE_HZ = 200.0
 TIME_S = sampling_times(100.0, RATE_HZ)
 ZERO = np.zeros((len(TIME_S), 3))
-CLEAN = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.0, accelerometer=PERFECT, gyroscope=PERFECT)
+CLEAN = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.0, accelerometer=NO_SENSOR_ERRORS, gyroscope=NO_SENSOR_ERRORS)
 
 
 def rng(seed: int = 1) -> np.random.Generator:
@@ -20,13 +20,13 @@ def rng(seed: int = 1) -> np.random.Generator:
 
 def test_a_perfect_sensor_records_the_signal() -> None:
     ideal = np.random.default_rng(0).normal(size=ZERO.shape)
-    recorded = record(TIME_S, ideal, PERFECT, CLEAN, rng())
+    recorded = record_signal(TIME_S, ideal, NO_SENSOR_ERRORS, CLEAN, rng())
     np.testing.assert_array_equal(recorded.signal.values, ideal)
     np.testing.assert_array_equal(recorded.signal.time_s, TIME_S)
 
 
 def test_white_noise_has_its_size_and_no_memory() -> None:
-    noise = record(TIME_S, ZERO, SensorErrors(noise_std=0.3), CLEAN, rng()).signal.values
+    noise = record_signal(TIME_S, ZERO, SensorErrors(noise_std=0.3), CLEAN, rng()).signal.values
     np.testing.assert_allclose(noise.std(axis=0), 0.3, rtol=0.03)
     np.testing.assert_allclose((noise[1:] * noise[:-1]).mean(axis=0) / 0.09, 0.0, atol=0.03)
     np.testing.assert_allclose(noise.mean(axis=0), 0.0, atol=0.01)
@@ -35,7 +35,7 @@ def test_white_noise_has_its_size_and_no_memory() -> None:
 def test_bias_and_scale_are_those_reported_and_have_their_size() -> None:
     errors = SensorErrors(bias_std=0.2, scale_std=0.01)
     ideal = np.tile([1.0, -2.0, 3.0], (50, 1))
-    recorded = [record(TIME_S[:50], ideal, errors, CLEAN, rng(seed)) for seed in range(400)]
+    recorded = [record_signal(TIME_S[:50], ideal, errors, CLEAN, rng(seed)) for seed in range(400)]
     np.testing.assert_allclose(recorded[0].signal.values, recorded[0].scale * ideal + recorded[0].bias)
     assert np.std([r.bias for r in recorded]) == pytest.approx(0.2, rel=0.1)
     assert np.std([r.scale for r in recorded]) == pytest.approx(0.01, rel=0.1)
@@ -47,7 +47,7 @@ def test_the_bias_walk_grows_with_the_square_root_of_time_at_any_rate() -> None:
         time_s = sampling_times(25.0, rate_hz)
         sensors = SensorParams(rate_hz=rate_hz)
         ends = [
-            record(time_s, np.zeros((len(time_s), 3)), errors, sensors, rng(seed)).signal.values[-1]
+            record_signal(time_s, np.zeros((len(time_s), 3)), errors, sensors, rng(seed)).signal.values[-1]
             for seed in range(300)
         ]
         assert np.std(ends) == pytest.approx(0.1 * 5.0, rel=0.08)
@@ -55,25 +55,25 @@ def test_the_bias_walk_grows_with_the_square_root_of_time_at_any_rate() -> None:
 
 def test_time_stamps_jitter_and_never_run_back() -> None:
     small = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.0004)
-    stamps = record(TIME_S, ZERO, PERFECT, small, rng()).signal.time_s
+    stamps = record_signal(TIME_S, ZERO, NO_SENSOR_ERRORS, small, rng()).signal.time_s
     assert (stamps - TIME_S).std() == pytest.approx(0.0004, rel=0.05)
     large = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.05)
-    assert (np.diff(record(TIME_S, ZERO, PERFECT, large, rng()).signal.time_s) > 0.0).all()
+    assert (np.diff(record_signal(TIME_S, ZERO, NO_SENSOR_ERRORS, large, rng()).signal.time_s) > 0.0).all()
 
 
 def test_a_device_clock_is_ahead_and_runs_faster() -> None:
     sensors = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.0, clock_offset_s=-2.5, clock_skew=1e-3)
     gap = replace(sensors, gaps_s=((50.0, 60.0),))
-    stamps = record(TIME_S, ZERO, PERFECT, sensors, rng()).signal.time_s
+    stamps = record_signal(TIME_S, ZERO, NO_SENSOR_ERRORS, sensors, rng()).signal.time_s
     np.testing.assert_allclose(stamps[[0, -1]], [-2.5, 100.0 * 1.001 - 2.5], atol=1e-9)
-    missing = np.setdiff1d(stamps, record(TIME_S, ZERO, PERFECT, gap, rng()).signal.time_s)
+    missing = np.setdiff1d(stamps, record_signal(TIME_S, ZERO, NO_SENSOR_ERRORS, gap, rng()).signal.time_s)
     np.testing.assert_allclose(missing[[0, -1]], [50.05 - 2.5, 59.995 * 1.001 - 2.5], atol=1e-9)
 
 
 def test_lost_samples_and_gaps() -> None:
     sensors = SensorParams(rate_hz=RATE_HZ, time_jitter_s=0.0, lost_fraction=0.1, gaps_s=((10.0, 12.0), (50.0, 50.5)))
     ideal = np.tile(TIME_S[:, None], (1, 3))
-    signal = record(TIME_S, ideal, PERFECT, sensors, rng()).signal
+    signal = record_signal(TIME_S, ideal, NO_SENSOR_ERRORS, sensors, rng()).signal
     assert len(signal) / (0.975 * len(TIME_S)) == pytest.approx(0.9, abs=0.01)
     assert not ((signal.time_s >= 10.0) & (signal.time_s < 12.0)).any()
     assert not ((signal.time_s >= 50.0) & (signal.time_s < 50.5)).any()

@@ -1,5 +1,6 @@
 """Whole simulated walks: presets, truth, determinism, fixes, refusals."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -7,15 +8,15 @@ import pytest
 
 from pdr_est.errors import ConfigError
 from pdr_est.simulate import (
-    PERFECT,
+    NO_SENSOR_ERRORS,
     PRESETS,
     DeviceParams,
-    GaitParams,
     HeldPhone,
     PathParams,
     Pause,
     Scenario,
     SensorParams,
+    WalkerGaitParams,
     preset,
     simulate_walk,
 )
@@ -84,7 +85,7 @@ def test_the_same_seed_repeats_and_another_differs() -> None:
 
 def test_truth_does_not_depend_on_rate_or_sensors() -> None:
     slow = simulate_walk(with_sensors(preset("l_shape"), rate_hz=25.0, lost_fraction=0.2))
-    fast = simulate_walk(with_sensors(preset("l_shape"), rate_hz=500.0, accelerometer=PERFECT))
+    fast = simulate_walk(with_sensors(preset("l_shape"), rate_hz=500.0, accelerometer=NO_SENSOR_ERRORS))
     np.testing.assert_array_equal(slow.steps.time_s, fast.steps.time_s)
     np.testing.assert_array_equal(slow.truth_position_m, fast.truth_position_m)
     few, many = slow.devices[0].motion, fast.devices[0].motion
@@ -149,23 +150,23 @@ LINE = PathParams(vertices_m=((0.0, 0.0), (20.0, 0.0)))
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
-        (with_sensors(Scenario(path=LINE), rate_hz=10.0), "rate_hz"),
-        (with_sensors(Scenario(path=LINE), gaps_s=((5.0, 4.0),)), "swap the times"),
-        (Scenario(path=LINE, gait=GaitParams(cadence_hz=-1.0)), "cadence_hz"),
-        (Scenario(path=LINE, gait=GaitParams(height_m=float("nan"))), "height_m"),
-        (Scenario(path=LINE, gait=GaitParams(pauses=(Pause(at_m=5.0, duration_s=0.1),))), "duration_s"),
-        (Scenario(path=LINE, devices=(DeviceParams(), DeviceParams())), "a name of its own"),
-        (Scenario(path=LINE, seed=-1), "seed"),
+        (lambda: with_sensors(Scenario(path=LINE), rate_hz=10.0), "rate_hz"),
+        (lambda: with_sensors(Scenario(path=LINE), gaps_s=((5.0, 4.0),)), "swap the times"),
+        (lambda: Scenario(path=LINE, gait=WalkerGaitParams(cadence_hz=-1.0)), "cadence_hz"),
+        (lambda: Scenario(path=LINE, gait=WalkerGaitParams(height_m=float("nan"))), "height_m"),
+        (lambda: Scenario(path=LINE, gait=WalkerGaitParams(pauses=(Pause(at_m=5.0, duration_s=0.1),))), "duration_s"),
+        (lambda: Scenario(path=LINE, devices=(DeviceParams(), DeviceParams())), "a name of its own"),
+        (lambda: Scenario(path=LINE, seed=-1), "seed"),
     ],
 )
-def test_values_out_of_range_are_refused(scenario: Scenario, message: str) -> None:
+def test_values_out_of_range_are_refused(scenario: Callable[[], Scenario], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
-        simulate_walk(scenario)
+        simulate_walk(scenario())
 
 
 def test_a_walk_of_one_short_step_without_standing() -> None:
     scenario = Scenario(
-        path=PathParams(vertices_m=((0.0, 0.0), (0.0, 0.4))), gait=GaitParams(lead_in_s=0.0, lead_out_s=0.0)
+        path=PathParams(vertices_m=((0.0, 0.0), (0.0, 0.4))), gait=WalkerGaitParams(lead_in_s=0.0, lead_out_s=0.0)
     )
     walk = simulate_walk(scenario)
     assert walk.step_count == 1

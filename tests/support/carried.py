@@ -6,7 +6,7 @@ from scipy.signal import welch
 from scipy.spatial.transform import Rotation
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, SimulatedWalk
+from pdr_est.simulate import DeviceParams, PathParams, Pause, Scenario, SensorParams, SimulatedWalk, WalkerGaitParams
 from pdr_est.simulate import simulate_walk as _simulate
 from pdr_est.simulate.motion.rigid_body import RigidMotion
 
@@ -17,7 +17,9 @@ TURNS = PathParams(vertices_m=((0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (14.0, 9.0)))
 
 def walk_with(device: DeviceParams, path: PathParams = STRAIGHT, **gait: object) -> SimulatedWalk:
     """A walk with one device, at the usual cadence."""
-    return _simulate(Scenario(path=path, gait=GaitParams(cadence_hz=CADENCE_HZ, **gait), devices=(device,), seed=5))  # type: ignore[arg-type]
+    return _simulate(
+        Scenario(path=path, gait=WalkerGaitParams(cadence_hz=CADENCE_HZ, **gait), devices=(device,), seed=5)
+    )  # type: ignore[arg-type]
 
 
 def finely_walked(device: DeviceParams) -> RigidMotion:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.simulate import DeviceParams, Scenario, SensorParams, simulate_walk
-from pdr_est.simulate.walker.path import PathParams
+from pdr_est.simulate.walker.walking_path import PathParams
 
 TIME = ("time_s",)
 ACC = ("acc_x_mps2", "acc_y_mps2", "acc_z_mps2")

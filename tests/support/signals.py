@@ -13,13 +13,13 @@ from pdr_est.pipeline.front_end_chain import levelling
 from pdr_est.preprocessing.resampling import ResampleParams
 from pdr_est.simulate import (
     DeviceParams,
-    GaitParams,
     HeldPhone,
     PathParams,
     Pause,
     Scenario,
     SensorParams,
     SimulatedWalk,
+    WalkerGaitParams,
     simulate_walk,
 )
 from pdr_est.types.sensors import ImuBlock, LevelBlock
@@ -32,13 +32,13 @@ PAUSE = (Pause(at_m=10.0, duration_s=4.0),)
 
 @cache
 def corner_walk(
-    gait: GaitParams | None = None,
+    gait: WalkerGaitParams | None = None,
     carry: HeldPhone | None = None,
     sensors: SensorParams | None = None,
     seed: int = 0,
 ) -> SimulatedWalk:
     """27 m around one corner to the left, with a pause before it."""
-    gait = gait or GaitParams()
+    gait = gait or WalkerGaitParams()
     device = DeviceParams(carry=carry or HeldPhone(), sensors=sensors or SensorParams(record_attitude=True))
     return simulate_walk(
         Scenario(

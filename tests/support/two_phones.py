@@ -11,7 +11,7 @@ from pdr_est.config import Config, DevicesParams, StartParams
 from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.frames import Array
 from pdr_est.online import ExpectedDevice, Tracker, Update
-from pdr_est.simulate import DeviceParams, GaitParams, PathParams, Pause, Scenario, SensorParams, simulate_walk
+from pdr_est.simulate import DeviceParams, PathParams, Pause, Scenario, SensorParams, WalkerGaitParams, simulate_walk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import SensorBlock
@@ -27,7 +27,7 @@ def recorded(devices: int = 2, gap: bool = False) -> Recording:
     names = ("left", "right", "back")[:devices]
     scenario = Scenario(
         path=PathParams(vertices_m=((0.0, 0.0), (14.0, 0.0), (14.0, 9.0), (4.0, 9.0))),
-        gait=GaitParams(lead_in_s=1.0, lead_out_s=1.0, pauses=(Pause(at_m=9.0, duration_s=6.0),)),
+        gait=WalkerGaitParams(lead_in_s=1.0, lead_out_s=1.0, pauses=(Pause(at_m=9.0, duration_s=6.0),)),
         devices=tuple(
             DeviceParams(name=name, sensors=SensorParams(gaps_s=((20.0, 21.5),) if gap and i == 1 else ()))
             for i, name in enumerate(names)

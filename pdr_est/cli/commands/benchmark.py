@@ -7,8 +7,8 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from pdr_est.cli.error_context import naming
-from pdr_est.cli.options import PATH, Command, config_option, given, resolve_config
+from pdr_est.cli.error_context import prefix_errors
+from pdr_est.cli.options import PATH, Command, config_option, given_paths, resolve_config
 from pdr_est.cli.progress import progress_bar
 from pdr_est.config import Config
 from pdr_est.errors import OutputError, RecordingError
@@ -59,12 +59,12 @@ def benchmark(
         raise click.MissingParameter(param_type="option", param_hint="'--data'")
     choices = {name.replace("_", "-"): value for name, value in options_of_axes.items()}
     config = resolve_config(config_file)
-    with nullcontext() if config_file is None else naming(config_file):
+    with nullcontext() if config_file is None else prefix_errors(config_file):
         comparison = comparison_of_choices(config, choices)
     with ExitStack() as stack:
         document = None if json_file is None else stack.enter_context(_staged_result(json_file, data, config_file))
         bar = stack.enter_context(progress_bar(suite, total=None, quiet=quiet))
-        result = run_benchmark(suite, data, comparison, jobs, limit, on_progress=bar.at)
+        result = run_benchmark(suite, data, comparison, jobs, limit, on_progress=bar.set_progress)
         _refuse_empty(result, data)
         if document is not None:
             document.write_text(json.dumps(result.to_dict(), indent=2) + "\n", encoding="utf-8")
@@ -79,7 +79,7 @@ def _speed(
     with ExitStack() as stack:
         document = None if json_file is None else stack.enter_context(_staged_result(json_file, data, config_file))
         bar = stack.enter_context(progress_bar(SPEED, total=None, quiet=quiet))
-        result = run_speed(config, LENGTHS_MIN[:limit], on_progress=bar.at)
+        result = run_speed(config, LENGTHS_MIN[:limit], on_progress=bar.set_progress)
         if document is not None:
             document.write_text(json.dumps(result.to_dict(), indent=2) + "\n", encoding="utf-8")
     print_speed(result, Console())
@@ -89,7 +89,7 @@ def _staged_result(json_file: Path, data: Path | None, config_file: Path | None)
     """The place of the JSON document, which may replace an earlier one. Raises OutputError for any other file."""
     if json_file.is_file() and not _is_result(json_file):
         raise OutputError(f"{json_file}: is no result of an earlier benchmark: name another file")
-    return staged_file(json_file, overwrite=True, inputs=given(data, config_file))
+    return staged_file(json_file, overwrite=True, inputs=given_paths(data, config_file))
 
 
 def _is_result(path: Path) -> bool:

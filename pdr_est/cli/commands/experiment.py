@@ -38,7 +38,7 @@ def experiment(
 
     loaded = load_experiment(config, data, limit)
     with progress_bar(loaded.title, total=len(loaded.walks), quiet=quiet) as bar:
-        finished = run_experiment(loaded, output, workers, cluster, overwrite, on_progress=bar.at)
+        finished = run_experiment(loaded, output, workers, cluster, overwrite, on_progress=bar.set_progress)
     if finished.failed == len(finished.parts):
         failures = [failure for part in finished.parts for failure in part.failures]
         reasons = "; ".join(f"{failure.walk}: {failure.reason}" for failure in failures[:_REASONS])

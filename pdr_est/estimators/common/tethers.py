@@ -12,7 +12,7 @@ from annotated_types import Ge, Le
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.timeline import SAME_S, Timeline
 from pdr_est.params import Positive, params
-from pdr_est.types.measurements import LATE_S, DeviceTether, StartPose
+from pdr_est.types.measurements import LATE_START_S, DeviceTether, StartPose
 
 # Of the first direction of one device against another's, where nothing but these directions defines the frame.
 SIGMA_SET_OFF_RAD = 0.2
@@ -88,7 +88,7 @@ def node_tethers_between(timelines: Sequence[Timeline], tethers: Sequence[Device
 def donor_of(number: int, time_s: float, begun_s: float, present: Collection[int]) -> int | None:
     """The device beside which another one joins a filter, with its node of that number, because the walk is under way
     since begun_s; None for a device that joins by itself. present: those that have joined."""
-    late = number == 0 and time_s - begun_s > LATE_S
+    late = number == 0 and time_s - begun_s > LATE_START_S
     return min(present, default=None) if late else None
 
 

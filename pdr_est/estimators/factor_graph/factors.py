@@ -1,7 +1,8 @@
-"""The factors of a walk: what ties poses to each other and to the map, with its noise.
+"""The measurements of one device as factors of GTSAM.
 
-Poses are Pose2 variables, all nodes of one device after those of the other; the reference directions of relative
-heading priors, one a device that has some, come last. Every factor is one of GTSAM's own.
+Poses are Pose2 variables (`keys`). All factors made here are built into GTSAM: PriorFactorPose2 (start),
+BetweenFactorPose2 (steps, closed walks, relative heading priors), PoseTranslationPrior2D (fixes) and
+PoseRotationPrior2D (heading priors). `tether_factors` makes those between devices.
 """
 
 from collections.abc import Sequence
@@ -14,90 +15,70 @@ import numpy as np
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD, start_prior
 from pdr_est.estimators.common.motion_model import GaussianState
-from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Node, Timeline
+from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose
 
-LEAST_SIGMA = 1e-4  # m or rad; smaller ones make the elimination fail
-_ANYWHERE_M = 1e6  # sigma of a translation that a factor says nothing of
-_ANY_TURN_RAD = 1e3  # likewise of a rotation
-_CAUCHY = 1.0
+MIN_SIGMA = 1e-4  # m or rad; with smaller standard deviations the elimination fails
+FREE_HEADING_RAD = 1e3  # standard deviation of a heading that a factor does not constrain
+_FREE_POSITION_M = 1e6  # likewise of a position
+_CAUCHY = 1.0  # standard deviations
 
 
-@dataclass(frozen=True)
-class Keys:
-    """The variables of a graph by number. first: of each device; references: of the devices, None without one."""
-
-    first: tuple[int, ...]
-    references: tuple[int | None, ...]
-    poses: int
-
-    @classmethod
-    def of(cls, timelines: Sequence[Timeline]) -> "Keys":
-        counts = [len(timeline.nodes) for timeline in timelines]
-        first = tuple(int(n) for n in np.cumsum([0, *counts[:-1]]))
-        references: list[int | None] = []
-        next_key = sum(counts)
-        for timeline in timelines:
-            relative = any(prior.relative for prior in timeline.priors)
-            references.append(next_key if relative else None)
-            next_key += relative
-        return cls(first, tuple(references), sum(counts))
-
-    def of_node_tether(self, node_tether: NodeTether) -> tuple[int, int]:
-        """The two poses that a tie is between."""
-        return self.first[node_tether.device_a] + node_tether.node_a, self.first[
-            node_tether.device_b
-        ] + node_tether.node_b
-
-    @property
-    def present_references(self) -> list[int]:
-        return [key for key in self.references if key is not None]
-
-
-def anchors(
+def add_anchors(
+    graph: gtsam.NonlinearFactorGraph,
     timelines: Sequence[Timeline],
-    keys: Keys,
+    keys: GraphKeys,
     starts: Sequence[StartPose],
-    guesses: Sequence[Sequence[GaussianState]],
-) -> gtsam.NonlinearFactorGraph:
-    """What ties the walk to the map: start, fixes and heading priors, and the end of a closed walk to its start.
+    initial: Sequence[Sequence[GaussianState]],
+) -> None:
+    """Add start poses, position fixes, heading priors and loop closures, which tie the walk to the map.
 
-    starts, guesses: start of each device, and states at its nodes; the first one's heading is used where that of the
-    start is open.
+    Parameters
+    ----------
+    graph : gtsam.NonlinearFactorGraph
+        Graph to add to.
+    timelines, starts : sequences
+        Measurements and start pose of each device.
+    keys : GraphKeys
+        Keys of the poses.
+    initial : sequence of sequences of GaussianState
+        Initial states at the nodes of each device. The first heading of a device is used where its start heading is
+        unknown, the last one for the turn between start and end of a closed walk.
     """
-    graph = gtsam.NonlinearFactorGraph()
-    for timeline, first, reference, start, guess in zip(
-        timelines, keys.first, keys.references, starts, guesses, strict=True
+    for timeline, first, reference, start, states in zip(
+        timelines, keys.first, keys.references, starts, initial, strict=True
     ):
         prior = start_prior(timeline, start, 0.0)
         mean = prior.moments.mean[:3].copy()
         if prior.heading_open:
-            mean[2] = guess[0].mean[2]
-        sigmas = np.maximum(np.sqrt(np.diag(prior.moments.covariance)[:3]), LEAST_SIGMA)
+            mean[2] = states[0].mean[2]
+        sigmas = np.maximum(np.sqrt(np.diag(prior.moments.covariance)[:3]), MIN_SIGMA)
         graph.add(gtsam.PriorFactorPose2(first, gtsam.Pose2(*mean), gtsam.noiseModel.Diagonal.Sigmas(sigmas)))
         if reference is not None:
             vague = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, VAGUE_SIGMA_RAD]))
-            graph.add(gtsam.PriorFactorPose2(reference, reference_guess(guess), vague))
+            graph.add(gtsam.PriorFactorPose2(reference, initial_reference(states), vague))
         for i, node in enumerate(timeline.nodes, first):
             add_measurements(graph, node, i, reference)
         if timeline.closure_sigma_m is not None:
             last = first + len(timeline.nodes) - 1
-            graph.add(_closure_factor(first, last, timeline.closure_sigma_m, guess))
-    return graph
+            graph.add(_closure_factor(first, last, timeline.closure_sigma_m, states))
 
 
-def reference_guess(guess: Sequence[GaussianState]) -> gtsam.Pose2:
-    """The reference of a walk's relative priors to start from. It lies where the walk begins: from far away, nothing
-    that factors say of its position would be weak enough."""
-    east_m, north_m = guess[0].mean[:2]
-    pose: gtsam.Pose2 = gtsam.Pose2(east_m, north_m, guess[-1].mean[4])
+def initial_reference(states: Sequence[GaussianState]) -> gtsam.Pose2:
+    """Return the initial reference of relative heading priors, a pose at the start of the walk.
+
+    Its position has no meaning, but must not be far away: the weak information that factors have on it would then
+    count.
+    """
+    east_m, north_m = states[0].mean[:2]
+    pose: gtsam.Pose2 = gtsam.Pose2(east_m, north_m, states[-1].mean[4])
     return pose
 
 
 def add_measurements(graph: gtsam.NonlinearFactorGraph, node: Node, key: int, reference: int | None) -> None:
-    """Add the fixes and heading priors of a node. reference: variable that relative priors count from."""
+    """Add the position fixes and heading priors of a node; `reference` is the key that relative ones count from."""
     for fix in node.fixes:
         graph.add(gtsam.PoseTranslationPrior2D(key, np.asarray(fix.position_m), _fix_noise(fix)))
     for heading in node.priors:
@@ -106,18 +87,25 @@ def add_measurements(graph: gtsam.NonlinearFactorGraph, node: Node, key: int, re
 
 @dataclass(frozen=True)
 class MotionNoise:
-    """Of the motion to every node but the first, in no direction below the least sigma. information_ahead: (n,) about
-    the length of each step if it turned and moved aside as measured, 1/m^2."""
+    """Noise of the motion to every node of a device but the first, n in number.
+
+    Attributes
+    ----------
+    models : list of gtsam.noiseModel.Base
+        One for each motion, with no standard deviation below `MIN_SIGMA`.
+    information_ahead : (n,) array
+        Information on the length of each step for given turn and lateral motion, 1/m².
+    """
 
     models: list[gtsam.noiseModel.Base]
     information_ahead: Array
 
 
 def motion_noise(nodes: Sequence[Node]) -> MotionNoise:
-    """From the covariances of the nodes."""
+    """Make the noise models of the motions from the covariances of the nodes."""
     covariance = np.array([node.covariance for node in nodes[1:]]).reshape(-1, 3, 3)
     variance, axes = np.linalg.eigh(covariance)
-    variance = np.maximum(variance, LEAST_SIGMA**2)
+    variance = np.maximum(variance, MIN_SIGMA**2)
     regular = (axes * variance[:, None, :]) @ axes.transpose(0, 2, 1)
     ahead = np.sum(axes[:, 0, :] ** 2 / variance, axis=1)
     return MotionNoise([gtsam.noiseModel.Gaussian.Covariance(one) for one in regular], ahead)
@@ -130,32 +118,36 @@ def add_motion(
     noise: Sequence[gtsam.noiseModel.Base],
     length_scale: float,
 ) -> None:
-    """Add the steps of one device, whose first node has the key `first`, at a length scale."""
+    """Add the steps of one device, whose first node has the key `first`, with lengths times `length_scale`."""
     for i, node in enumerate(nodes[1:]):
         graph.add(gtsam.BetweenFactorPose2(first + i, first + i + 1, displacement(node, length_scale), noise[i]))
 
 
 def displacement(node: Node, length_scale: float) -> gtsam.Pose2:
+    """Return the motion that leads to a node, seen from the pose before it."""
     turn, length = node.heading_change_rad, length_scale * node.length_m
     return gtsam.Pose2(length * cos(turn), length * sin(turn), turn)
 
 
-def _closure_factor(first: int, last: int, sigma_m: float, guess: Sequence[GaussianState]) -> gtsam.NonlinearFactor:
-    """The last pose is where the first one is, turned by anything. The turn is expected where it is guessed, for
-    GTSAM's error of a pose, its logarithm, is that of the position only if the turn is about right."""
-    sigma = max(sigma_m, LEAST_SIGMA)
-    noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma, sigma, _ANY_TURN_RAD]))
-    turned = gtsam.Pose2(0.0, 0.0, guess[-1].mean[2] - guess[0].mean[2])
+def _closure_factor(first: int, last: int, sigma_m: float, states: Sequence[GaussianState]) -> gtsam.NonlinearFactor:
+    """Make the factor of a closed walk: the last position is the first one, at any heading.
+
+    GTSAM's error of a pose is its logarithm, whose first two components are the position error only if the turn is
+    about right. The expected turn is therefore that of the initial states.
+    """
+    sigma = max(sigma_m, MIN_SIGMA)
+    noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma, sigma, FREE_HEADING_RAD]))
+    turned = gtsam.Pose2(0.0, 0.0, states[-1].mean[2] - states[0].mean[2])
     return gtsam.BetweenFactorPose2(first, last, turned, noise)
 
 
 def _heading_factor(key: int, reference: int | None, prior: HeadingPrior) -> gtsam.NonlinearFactor:
-    """A heading in the map, or relative to the reference, whose pose is of no meaning but for its rotation."""
-    sigma = max(prior.sigma_rad, LEAST_SIGMA)
+    """Make the factor of a heading in the map, or relative to the heading of the reference."""
+    sigma = max(prior.sigma_rad, MIN_SIGMA)
     if not prior.relative or reference is None:
         of_heading = _robust(gtsam.noiseModel.Isotropic.Sigma(1, sigma), prior.robust)
         return gtsam.PoseRotationPrior2D(key, gtsam.Rot2(prior.heading_rad), of_heading)
-    only_turned = gtsam.noiseModel.Diagonal.Sigmas(np.array([_ANYWHERE_M, _ANYWHERE_M, sigma]))
+    only_turned = gtsam.noiseModel.Diagonal.Sigmas(np.array([_FREE_POSITION_M, _FREE_POSITION_M, sigma]))
     pose = gtsam.Pose2(0.0, 0.0, prior.heading_rad)
     return gtsam.BetweenFactorPose2(reference, key, pose, _robust(only_turned, prior.robust))
 

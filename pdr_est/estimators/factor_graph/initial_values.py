@@ -1,4 +1,4 @@
-"""Where the factor graph starts from."""
+"""Initial values of the factor graph."""
 
 from collections.abc import Sequence
 
@@ -17,8 +17,10 @@ def initial_states(
     starts: Sequence[StartPose],
     sigma_length_scale: float,
 ) -> list[list[GaussianState]]:
-    """States at all nodes of each device to start from: those of the smoothed filter, which are those of dead
-    reckoning where nothing is measured on the way. Only their means count."""
+    """Return initial states at all nodes of each device, of which only the means count.
+
+    They are those of the Kalman smoother, or dead reckoning where nothing is measured on the way.
+    """
     if node_tethers:
         return smoothed_states(timelines, node_tethers, starts, sigma_length_scale)
     states = []
@@ -28,10 +30,6 @@ def initial_states(
         if measured or prior.position_open or prior.heading_open:
             states.append(alone_smoothed(run_filter(timeline, start, sigma_length_scale)))
         else:
-            states.append(
-                [
-                    GaussianState(mean, prior.moments.covariance)
-                    for mean in reckoned(timeline.nodes, prior.moments.mean)
-                ]
-            )
+            means = reckoned(timeline.nodes, prior.moments.mean)
+            states.append([GaussianState(mean, prior.moments.covariance) for mean in means])
     return states

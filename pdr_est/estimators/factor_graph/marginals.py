@@ -1,8 +1,8 @@
-"""Elimination of a walk's graph from its end to its start, and the covariances that follow from it.
+"""Elimination of a walk's linear system from the end of the walk to its start, and the marginal covariances.
 
-Sigmas reach from a tenth of a millimetre to the reach of a gap of hours. Their squares are further apart than a
-number has digits, so systems are eliminated by QR and not by Cholesky, and from the end of the walk to its start,
-where there always is a prior: no elimination then depends on what rounding left of nothing.
+Standard deviations range from a tenth of a millimetre to the reach of a gap of hours. The ratio of their squares
+exceeds the precision of floating-point numbers. Systems are therefore eliminated by QR and not by Cholesky, and from
+the end of the walk to its start, where there always is a prior, so that no elimination depends on rounding errors.
 """
 
 from collections import defaultdict
@@ -15,33 +15,50 @@ from pdr_est.frames import Array
 
 
 def ordering_of(keys: Sequence[int]) -> gtsam.Ordering:
-    """The order in which variables are eliminated."""
+    """Make the elimination ordering that eliminates the given keys one after the other."""
     ordering = gtsam.Ordering()
     for key in keys:
         ordering.push_back(key)
     return ordering
 
 
-def marginal_covariances(linear: gtsam.GaussianFactorGraph, order: Sequence[int]) -> Array:
-    """Covariances (n, 3, 3) of the variables 0 … n - 1 of a linear system, all of them Pose2, each in its own frame.
+def marginal_covariances(
+    linear: gtsam.GaussianFactorGraph, order: Sequence[int], first: Sequence[int] = ()
+) -> dict[int, Array]:
+    """Compute the marginal covariances of a linear system's variables.
 
-    Eliminated in `order`, a variable is R^-1 (white noise - S (those eliminated after it that it is tied to)). Read
-    backwards, each covariance follows from those before by sums alone; only the variables that later ones are still
-    tied to are kept, one a device and the references, so that a long walk costs its length.
+    Eliminated in `order`, a variable is R⁻¹ (white noise - S parents), its parents the variables that it is connected
+    to and that are eliminated later. In reverse order each covariance follows from those before by sums alone, and
+    only the joint covariance of variables that are still parents is kept, so that the cost is linear in the length of
+    a walk.
+
+    Parameters
+    ----------
+    linear : gtsam.GaussianFactorGraph
+        Linear system.
+    order : sequence of int
+        Keys in the order of elimination.
+    first : sequence of int
+        Keys that are eliminated before, and whose covariances are not wanted.
+
+    Returns
+    -------
+    dict of int to (k, k) arrays
+        Covariance of each variable of `order` in its own frame.
     """
-    eliminated = linear.eliminateSequential(ordering_of(order), gtsam.EliminateQR)
-    # Of devices that nothing ties GTSAM eliminates the one after the other, whatever the order.
-    of_key = {conditional.keys()[0]: conditional for conditional in map(eliminated.at, range(len(order)))}
+    eliminated = linear.eliminateSequential(ordering_of((*first, *order)), gtsam.EliminateQR)
+    # GTSAM eliminates disconnected parts of a graph one after the other, whatever the ordering.
+    of_key = {conditional.keys()[0]: conditional for conditional in map(eliminated.at, range(eliminated.size()))}
     keys = list(reversed(order))
     conditionals = [of_key[key] for key in keys]
+    roots = [conditional.R() for conditional in conditionals]
     parents = [list(conditional.keys())[1:] for conditional in conditionals]
-    inverse = np.linalg.inv(np.array([conditional.R() for conditional in conditionals]))
-    own = inverse @ inverse.transpose(0, 2, 1)
-    covariance = np.empty((len(order), 3, 3))
-    joint = np.zeros((0, 0))  # covariance of the variables in their places
-    for k, place, known, size in _places(keys, parents):
-        if len(joint) < 3 * size:
-            joint = np.pad(joint, (0, 3 * size - len(joint)))
+    inverse, own = _inverses(roots)
+    covariance: dict[int, Array] = {}
+    joint = np.zeros((0, 0))  # covariance of the variables that are kept, in their places
+    for k, place, known, size in _places(keys, parents, [len(root) for root in roots]):
+        if len(joint) < size:
+            joint = np.pad(joint, (0, size - len(joint)))
         if parents[k]:
             carried = -inverse[k] @ conditionals[k].S()
             across = carried @ (
@@ -56,36 +73,56 @@ def marginal_covariances(linear: gtsam.GaussianFactorGraph, order: Sequence[int]
     return covariance
 
 
-def _places(keys: Sequence[int], parents: Sequence[Sequence[int]]) -> Iterator[tuple[int, slice, list[slice], int]]:
-    """For each variable its number, the rows in which it is kept, those of its parents, and how many variables are
-    kept. A place is used again once nothing later is tied to who had it; what stands there until then is not read."""
-    last_use = {key: k for k, tied in enumerate(parents) for key in tied}
+def _inverses(roots: Sequence[Array]) -> tuple[list[Array], list[Array]]:
+    """Return the inverse R⁻¹ of every matrix, and R⁻¹ R⁻ᵀ; matrices of one size are inverted together."""
+    inverse: list[Array] = [np.zeros(0)] * len(roots)
+    own: list[Array] = [np.zeros(0)] * len(roots)
+    rows_of_size: dict[int, list[int]] = defaultdict(list)
+    for k, root in enumerate(roots):
+        rows_of_size[len(root)].append(k)
+    for rows in rows_of_size.values():
+        inverses = np.linalg.inv(np.array([roots[k] for k in rows]))
+        for k, one, product in zip(rows, inverses, inverses @ inverses.transpose(0, 2, 1), strict=True):
+            inverse[k], own[k] = one, product
+    return inverse, own
+
+
+def _places(
+    keys: Sequence[int], parents: Sequence[Sequence[int]], sizes: Sequence[int]
+) -> Iterator[tuple[int, slice, list[slice], int]]:
+    """Assign rows of the joint covariance to the variables.
+
+    Yields for each variable its number, its rows, those of its parents, and the number of rows in use. Rows are used
+    again once no later variable has the variable that had them for a parent; what is in them by then is not read.
+    """
+    last_use = {key: k for k, connected in enumerate(parents) for key in connected}
     ends: dict[int, list[int]] = defaultdict(list)
     for key, k in last_use.items():
         ends[k].append(key)
     rows: dict[int, slice] = {}
-    free: list[slice] = []
-    size = 0
-    for k, key in enumerate(keys):
-        if not free:
-            free.append(slice(3 * size, 3 * size + 3))
-            size += 1
-        rows[key] = free.pop()
-        yield k, rows[key], [rows[parent] for parent in parents[k]], size
-        free += [rows[gone] for gone in ends.pop(k, ())]
+    free: dict[int, list[slice]] = defaultdict(list)  # by number of rows
+    in_use = 0
+    for k, (key, size) in enumerate(zip(keys, sizes, strict=True)):
+        if not free[size]:
+            free[size].append(slice(in_use, in_use + size))
+            in_use += size
+        rows[key] = free[size].pop()
+        yield k, rows[key], [rows[parent] for parent in parents[k]], in_use
+        for gone in ends.pop(k, ()):
+            free[rows[gone].stop - rows[gone].start].append(rows[gone])
         if key not in last_use:
-            free.append(rows[key])
+            free[size].append(rows[key])
 
 
 def in_map(change: gtsam.VectorValues, heading_rad: Array) -> Array:
-    """Changes (n, 3) of the variables 0 … n - 1, turned from their own frames into the map frame."""
+    """Turn the changes (n, 3) of the variables 0 … n - 1 from their own frames into the map frame."""
     body = change.vector().reshape(-1, 3)[: len(heading_rad)]
     turned: Array = np.einsum("nij,nj->ni", to_map(heading_rad), body)
     return turned
 
 
 def to_map(heading_rad: Array) -> Array:
-    """Rotations (n, 3, 3) of (forward, left, heading) into (east, north, heading)."""
+    """Return the rotations (n, 3, 3) of (forward, left, heading) into (east, north, heading)."""
     c, s = np.cos(heading_rad), np.sin(heading_rad)
     rotation = np.zeros((len(heading_rad), 3, 3))
     rotation[:, 0, 0], rotation[:, 0, 1], rotation[:, 1, 0], rotation[:, 1, 1] = c, -s, s, c

@@ -1,11 +1,12 @@
-"""Newton's method for a walk's graph with tethers.
+"""Newton's method for a walk's factor graph with tethers as inequality constraints.
 
-A tether costs nothing within its length and the square of the excess beyond, so that Newton's method has to find out
-which of them are taut. Each step solves the linear system until those that it leaves exceeded are those that it was
-solved with; only then does it look at the error, and is shortened only for what is not linear in the walk. For that
-stiff tethers allow little: they are soft at first, with the optimum of one strictness the start of the next. And the
-steps of several devices are walked again from step to step (`rewalking`): their number then hardly grows with the
-length of a walk.
+An active-set method: a tether costs nothing while it holds, so each step must identify the active set, the tethers
+that are violated at the optimum. Each step solves the linear system of the graph with the factors of the active
+tethers (`tether_factors`) until the tethers that the solution leaves violated are those it was solved with. Only then
+is the error evaluated, and the step is shortened only because the walk is not linear in its poses. As stiff tethers
+allow short steps only, their standard deviations are larger at first, and the optimum of one factor is the start of
+the next one (continuation). For several devices each step is also composed anew from pose to pose
+(`chained_retraction`), which keeps the number of steps from growing with the length of the walk.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,79 +18,148 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.chained_retraction import ChainedRetraction
-from pdr_est.estimators.factor_graph.factors import Keys
+from pdr_est.estimators.factor_graph.keys import GraphKeys, pose_array
 from pdr_est.estimators.factor_graph.marginals import ordering_of
-from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
+from pdr_est.estimators.factor_graph.tether_constraints import LinearTethers, TetherConstraints
+from pdr_est.estimators.factor_graph.tether_factors import tether_factors
 from pdr_est.frames import Array
 
-_MOST_STEPS = 200
-# Promised falls of the error, half a chi square, behind which no step follows; with tethers the last digits are slow.
+# Predicted decreases of the error, which is half a chi square, below which a step is the last one. With tethers the
+# last digits converge slowly.
 EXACTLY, EXACTLY_TETHERED, ROUGHLY = 1e-6, 1e-4, 1e-3
-SOFTLY = 1.0  # while tethers are softer than they should be
-_HALVINGS = 20
-_ENOUGH = 1e-4  # share of the fall that the slope promises (Armijo)
-_SWITCHES = 8  # most solutions of one linear system, with one set of taut tethers after the other
-_WORTHWHILE = 0.1  # of the step's promise, that another solution must have added for yet another one
-CONTINUATION_FACTORS = (64.0, 8.0, 1.0)  # of the tethers' sigmas, one after the other
+SOFTLY = 1.0  # while the standard deviations of tethers are enlarged
+CONTINUATION_FACTORS = (64.0, 8.0, 1.0)  # of the tethers' standard deviations, one after the other
+_MAX_STEPS = 200
+_MAX_HALVINGS = 20
+_ARMIJO = 1e-4  # share of the decrease that the slope predicts
+_MAX_ACTIVE_SETS = 8  # solutions of one linear system with different active sets
+_WORTHWHILE = 0.1  # share of the predicted decrease by which another active set must improve it to go on
 
 
 @dataclass(frozen=True)
 class Variables:
-    """poses: how many variables, the first ones, are poses of devices; order: of elimination, all of them; rewalking:
-    None to move every pose by itself."""
+    """Variables of a walk's graph and their elimination ordering.
+
+    Attributes
+    ----------
+    poses : int
+        Number of poses; they have the keys 0 … poses - 1.
+    order : tuple of int
+        Keys of poses and references in the order of elimination: poses from the last to the first, then references.
+    ordering : gtsam.Ordering
+        The same for GTSAM.
+    retraction : ChainedRetraction or None
+        How changes are composed along the walk; None to move every pose by itself.
+    """
 
     poses: int
     order: tuple[int, ...]
     ordering: gtsam.Ordering
-    rewalking: ChainedRetraction | None
+    retraction: ChainedRetraction | None
 
     @classmethod
-    def of(cls, timelines: Sequence[Timeline], keys: Keys) -> "Variables":
-        """Eliminated are poses from the last to the first, then the references."""
-        times = np.concatenate([[node.time_s for node in timeline.nodes] for timeline in timelines])
+    def of_timelines(cls, timelines: Sequence[Timeline], keys: GraphKeys) -> "Variables":
+        """Order the variables of all devices."""
+        times = np.concatenate(keys.times_s)
         latest_first = np.lexsort((np.arange(len(times)), times))[::-1]
         order = (*latest_first.tolist(), *keys.present_references)
-        return cls(
-            keys.poses, order, ordering_of(order), ChainedRetraction.of(timelines) if len(timelines) > 1 else None
-        )
+        retraction = ChainedRetraction.of_timelines(timelines) if len(timelines) > 1 else None
+        return cls(keys.poses, order, ordering_of(order), retraction)
 
     def pose(self, values: gtsam.Values) -> Array:
-        """Poses (poses, 3)."""
-        return np.asarray(gtsam.utilities.extractPose2(values)[: self.poses])
+        """Return the poses (poses, 3)."""
+        return pose_array(values, self.poses)
 
-    def of_poses(self, change: gtsam.VectorValues) -> Array:
-        """Changes (poses, 3) of the poses, along their own axes."""
+    def pose_changes(self, change: gtsam.VectorValues) -> Array:
+        """Return the changes (poses, 3) of the poses along their own axes."""
         return np.asarray(change.vector().reshape(-1, 3)[: self.poses])
 
-    def moved(self, values: gtsam.Values, change: gtsam.VectorValues) -> list[gtsam.Values]:
-        """Where a change may lead to: the same to first order."""
+    def retracted(self, values: gtsam.Values, change: gtsam.VectorValues) -> list[gtsam.Values]:
+        """Return the values that a change leads to, in each of the ways that agree to first order."""
         each = values.retract(change)
-        if self.rewalking is None:
+        if self.retraction is None:
             return [each]
-        together = gtsam.Values()
-        walked = self.rewalking.walked(self.pose(values), self.of_poses(change))
-        for key, (east_m, north_m, heading_rad) in enumerate(walked.tolist()):
-            together.insert(key, gtsam.Pose2(east_m, north_m, heading_rad))
+        chained = gtsam.Values()
+        moved = self.retraction.moved(self.pose(values), self.pose_changes(change))
+        for key, (east_m, north_m, heading_rad) in enumerate(moved.tolist()):
+            chained.insert(key, gtsam.Pose2(east_m, north_m, heading_rad))
         for key in self.order[self.poses :]:
-            together.insert(key, each.atPose2(key))
-        return [together, each]
+            chained.insert(key, each.atPose2(key))
+        return [chained, each]
 
 
-def linearised(
+@dataclass(frozen=True)
+class LinearSystem:
+    """Linear system of the graph with active tethers.
+
+    Attributes
+    ----------
+    factors : gtsam.GaussianFactorGraph
+        The linear factors.
+    auxiliary : tuple of int
+        Keys of the auxiliary variables of the tethers, which are eliminated first.
+    """
+
+    factors: gtsam.GaussianFactorGraph
+    auxiliary: tuple[int, ...]
+
+    def solution(self, variables: Variables) -> gtsam.VectorValues:
+        """Return the changes of least error, of poses, references and auxiliary variables."""
+        ordering = ordering_of((*self.auxiliary, *variables.order)) if self.auxiliary else variables.ordering
+        return self.factors.eliminateSequential(ordering, gtsam.EliminateQR).optimize()
+
+
+def linear_system(
     graph: gtsam.NonlinearFactorGraph,
     tethers: TetherConstraints,
     values: gtsam.Values,
     variables: Variables,
-    resisting: bool,
-) -> gtsam.GaussianFactorGraph:
-    """The linear system at some values, with the taut tethers; resisting: of Newton's method, not Gauss and his."""
+    with_stiffness: bool,
+) -> LinearSystem:
+    """Linearise a graph together with the tethers that are violated at some values.
+
+    Parameters
+    ----------
+    graph : gtsam.NonlinearFactorGraph
+        All factors but the tethers.
+    tethers : TetherConstraints
+        All tethers.
+    values : gtsam.Values
+        Values of poses and references.
+    variables : Variables
+        Their ordering.
+    with_stiffness : bool
+        Whether active tethers also resist displacements across them, as for Newton's method; otherwise the system is
+        that of Gauss-Newton.
+    """
     linear = graph.linearize(values)
-    if len(tethers):
-        near = tethers.near(variables.pose(values))
-        linear.push_back(
-            near.factors(near.violation_m > 0.0, near.violation_m if resisting else 0.0 * near.violation_m)
-        )
-    return linear
+    if not len(tethers):
+        return LinearSystem(linear, ())
+    pose = variables.pose(values)
+    near = tethers.linearised(pose)
+    violation_m = near.violation_m if with_stiffness else 0.0 * near.violation_m
+    return _with_tethers(linear, near, near.violation_m > 0.0, violation_m, values, pose)
+
+
+def _with_tethers(
+    linear: gtsam.GaussianFactorGraph,
+    near: LinearTethers,
+    active: NDArray[np.bool_],
+    expected_violation_m: Array,
+    values: gtsam.Values,
+    pose: Array,
+) -> LinearSystem:
+    """Add the linearised factors of the active tethers, and their stiffness, to a copy of a linear system."""
+    made = tether_factors(near.tethers, active, pose)
+    at = values
+    if made.auxiliary.size():
+        at = gtsam.Values(values)
+        at.insert(made.auxiliary)
+    system = gtsam.GaussianFactorGraph()
+    system.push_back(linear)
+    system.push_back(made.graph.linearize(at))
+    system.push_back(near.stiffness_factors(active, expected_violation_m))
+    return LinearSystem(system, tuple(made.auxiliary.keys()))
 
 
 def minimised(
@@ -97,68 +167,93 @@ def minimised(
     tethers: TetherConstraints,
     values: gtsam.Values,
     variables: Variables,
-    least_promise: float,
+    tolerance: float,
 ) -> gtsam.Values:
-    """The values of least error, from values near them. least_promise: fall of the error below which the step that
-    promises it is the last."""
+    """Minimise the error of a graph and its tethers.
+
+    Parameters
+    ----------
+    graph, tethers, variables
+        As for `linear_system`.
+    values : gtsam.Values
+        Initial values.
+    tolerance : float
+        Predicted decrease of the error below which a step is the last one.
+    """
 
     def error(at: gtsam.Values) -> float:
         return float(graph.error(at)) + (tethers.error(variables.pose(at)) if len(tethers) else 0.0)
 
     here, active = error(values), None
-    for _ in range(_MOST_STEPS):
-        step = _step(graph.linearize(values), tethers, values, variables, active)
-        if step.predicted_decrease < least_promise:
+    for _ in range(_MAX_STEPS):
+        step = newton_step(graph.linearize(values), tethers, values, variables, active)
+        if step.predicted_decrease < tolerance:
             there = values.retract(step.change)
             return there if error(there) <= here else values
         found = line_search(step, values, variables, error, here)
-        if found is None:  # rounding leaves no better values
+        if found is None:  # no decrease beyond rounding
             return values
         (values, here), active = found, step.active
     return values
 
 
 @dataclass(frozen=True)
-class _Step:
-    """change: of all variables; promise: by how much the linear system's error falls; taut: (m,) tethers that the
-    change leaves exceeded."""
+class NewtonStep:
+    """One step of Newton's method.
+
+    Attributes
+    ----------
+    change : gtsam.VectorValues
+        Changes of the variables.
+    predicted_decrease : float
+        Decrease of the error of the linear system.
+    active : (m,) array of bool
+        Tethers that are violated after the change.
+    """
 
     change: gtsam.VectorValues
     predicted_decrease: float
     active: NDArray[np.bool_]
 
 
-def _step(
+def newton_step(
     linear: gtsam.GaussianFactorGraph,
     tethers: TetherConstraints,
     values: gtsam.Values,
     variables: Variables,
     active: NDArray[np.bool_] | None,
-) -> _Step:
-    """The step of least error in the linear system with those tethers that it leaves exceeded. taut: where the last
-    step left them so."""
+) -> NewtonStep:
+    """Find the step of least error whose active set is the one that it was computed with.
+
+    Parameters
+    ----------
+    linear : gtsam.GaussianFactorGraph
+        Graph without tethers, linearised at `values`.
+    tethers, values, variables
+        As for `linear_system`.
+    active : (m,) array of bool or None
+        Active set to begin with, that of the last step; None for the tethers that are violated at `values`.
+    """
     if not len(tethers):
-        change = _solution(linear, variables)
+        change = LinearSystem(linear, ()).solution(variables)
         predicted_decrease = linear.error(values.zeroVectors()) - linear.error(change)
-        return _Step(change, predicted_decrease, np.zeros(0, dtype=np.bool_))
-    near = tethers.near(variables.pose(values))
-    # Not the graph's own error: a robust factor is linear with its weight, and the square then is not its cost.
-    here = linear.error(values.zeroVectors()) + tethers.error(variables.pose(values))
+        return NewtonStep(change, predicted_decrease, np.zeros(0, dtype=np.bool_))
+    pose = variables.pose(values)
+    near = tethers.linearised(pose)
+    # Not the graph's own error: a robust factor is linearised with its weight, and the square is not its cost.
+    here = linear.error(values.zeroVectors()) + tethers.error(pose)
     expected_violation_m, before = near.violation_m, np.inf
     active = expected_violation_m > 0.0 if active is None else active
-    best, tried = _Step(gtsam.VectorValues(), -np.inf, active), set[bytes]()
-    for _ in range(_SWITCHES):
-        system = gtsam.GaussianFactorGraph()
-        system.push_back(linear)
-        system.push_back(near.factors(active, expected_violation_m))
-        change = _solution(system, variables)
-        moves = variables.of_poses(change)
+    best, tried = NewtonStep(gtsam.VectorValues(), -np.inf, active), set[bytes]()
+    for _ in range(_MAX_ACTIVE_SETS):
+        change = _with_tethers(linear, near, active, expected_violation_m, values, pose).solution(variables)
+        moves = variables.pose_changes(change)
         left = linear.error(change) + near.error(moves, expected_violation_m)
-        expected_violation_m = near.violation_m + near.moved(moves)[0]
+        expected_violation_m = near.violation_m + near.displacements(moves)[0]
         tried.add(active.tobytes())
         active = expected_violation_m > 0.0
         if here - left > best.predicted_decrease:
-            best = _Step(change, here - left, active)
+            best = NewtonStep(change, here - left, active)
         enough = best.predicted_decrease > 0.0 and before - left < _WORTHWHILE * best.predicted_decrease
         if enough or active.tobytes() in tried:
             break
@@ -166,23 +261,36 @@ def _step(
     return best
 
 
-def _solution(linear: gtsam.GaussianFactorGraph, variables: Variables) -> gtsam.VectorValues:
-    return linear.eliminateSequential(variables.ordering, gtsam.EliminateQR).optimize()
-
-
 def line_search(
-    step: _Step,
+    step: NewtonStep,
     values: gtsam.Values,
     variables: Variables,
     error: Callable[[gtsam.Values], float],
     here: float,
 ) -> tuple[gtsam.Values, float] | None:
-    """The first values with a lower error, and that, along a step that is halved until there are some."""
-    for halving in range(_HALVINGS):
+    """Halve a step until the error decreases enough (Armijo's condition).
+
+    Parameters
+    ----------
+    step : NewtonStep
+        Step to shorten.
+    values, variables
+        Values that the step begins at.
+    error : callable
+        Error of the graph and its tethers at some values.
+    here : float
+        Error at `values`.
+
+    Returns
+    -------
+    values, error : gtsam.Values and float, or None
+        Values with a lower error; None if there are none along the step.
+    """
+    for halving in range(_MAX_HALVINGS):
         share = 0.5**halving
         change = step.change.scale(share) if halving else step.change
-        reached = [(there, error(there)) for there in variables.moved(values, change)]
+        reached = [(there, error(there)) for there in variables.retracted(values, change)]
         there, error_there = min(reached, key=lambda one: one[1])
-        if error_there <= here - 2.0 * _ENOUGH * share * step.predicted_decrease:
+        if error_there <= here - 2.0 * _ARMIJO * share * step.predicted_decrease:
             return there, error_there
     return None

@@ -1,98 +1,145 @@
-"""Batch smoothing of a whole walk, of one device or several, in a GTSAM factor graph.
+"""Batch smoothing of a whole walk, of one device or several, in a GTSAM factor graph: estimator `factor-graph`.
 
-Poses are Pose2 variables; steps are BetweenFactorPose2, fixes PoseTranslationPrior2D, heading priors
-PoseRotationPrior2D, or BetweenFactorPose2 from the direction that relative ones count from, as is the end of a closed
-walk from its start; robust ones are under a Huber or Cauchy kernel. Two devices of one body are tied by factors that
-cost nothing within the distances that a body allows (`gtsam_tethers`).
-
-The walker's length scale would tie one variable to every step and make the system dense, so it stays outside, one a
-device: the graph is solved at one scale, linear systems at neighbouring scales tell where the best scale is, its
-sigma, and how each pose moves with it, and the scale's share is added to the marginals. For a linear walk that is the
-same as a variable in the graph.
+The graph holds every measurement: steps, start, position fixes, heading priors and loop closures (`factors`), and the
+tethers that are active at the optimum (`tether_factors`). Its optimum is found by Newton's method with an active set
+(`newton`), the marginal covariances by `marginals`, and the walker's length scale beside the graph (`length_scale`);
+the share of the scale is added to the marginals. `build` hands out the graph.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
+import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.factor_graph.deep_stack import with_large_stack
+from pdr_est.estimators.factor_graph.deep_stack import LARGE_STACK_POSES, with_large_stack
 from pdr_est.estimators.factor_graph.initial_values import initial_states
-from pdr_est.estimators.factor_graph.length_scale import _at_scale
+from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
+from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTLY
-from pdr_est.estimators.factor_graph.walk_graph import _Scale, _WalkGraph
+from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
 
 NAME = "factor-graph"
-_LARGE_STACK_NODES = 5_000  # GTSAM's elimination recurses
-_ROUNDS, _SOFT_ROUNDS = 30, 2  # of finding the scales, with tethers as they are and while they are soft
-_HOLD_ROUNDS = 6  # of adding tethers where tracks part in between
+_SCALE_ROUNDS, _SOFT_SCALE_ROUNDS = 30, 2  # Newton steps on the scales, with tethers as they are and softened
+_CUTTING_ROUNDS = 6  # rounds of adding tethers between the given ones
+
+T = TypeVar("T")
 
 
 def estimate(
     timelines: Sequence[Timeline], tethers: Sequence[DeviceTether], start: StartPose, sigma_length_scale: float
 ) -> Track:
-    """Smoothed tracks of all devices with marginal covariances in the map frame.
+    """Smooth the walk of all devices.
 
-    Raises EstimationError if GTSAM finds the graph indeterminate, or tethers do not fit the devices.
+    Parameters
+    ----------
+    timelines : sequence of Timeline
+        Measurements of each device.
+    tethers : sequence of DeviceTether
+        Largest distances between devices.
+    start : StartPose
+        Start of the walk.
+    sigma_length_scale : float
+        Standard deviation of the walker's length scale.
+
+    Returns
+    -------
+    Track
+        Smoothed track with marginal covariances in the map frame.
+
+    Raises
+    ------
+    EstimationError
+        If the graph has no unique solution, or tethers do not fit the devices.
     """
     starts = starts_of(timelines, start)
     node_tethers = node_tethers_between(timelines, tethers)
-    guesses = initial_states(timelines, node_tethers, starts, sigma_length_scale)
+    initial = initial_states(timelines, node_tethers, starts, sigma_length_scale)
+    problem = SmoothingProblem(timelines, node_tethers, starts, initial)
 
-    graph = _WalkGraph(timelines, node_tethers, starts, guesses)
+    def work() -> tuple[LengthScales, Array, Array]:
+        scales, values = solve(problem, initial, sigma_length_scale)
+        pose, covariance = pose_marginals(problem, *problem.complete(values, scales.value))
+        return scales, pose, covariance
 
-    def work() -> _Solution:
-        return _solve(graph, guesses, sigma_length_scale)
+    scales, pose, covariance = run_gtsam(work, problem.keys.poses)
+    return track_of(problem, pose, covariance + scales.pose_covariance, scales)
 
+
+def solve(
+    problem: SmoothingProblem, initial: Sequence[Sequence[GaussianState]], sigma_length_scale: float
+) -> tuple[LengthScales, gtsam.Values]:
+    """Find the optimal length scales and values of poses and references, from initial states of each device."""
+    expected = [states[-1].mean[3] if problem.scale_is_observable else 1.0 for states in initial]
+    scales = LengthScales.known(np.array(expected), problem.keys.poses)
+    values, tethered = problem.initial_values(initial), len(problem.tethers) > 0
+    for softening in CONTINUATION_FACTORS[:-1] if tethered else ():
+        problem.softening = softening
+        scales, values = optimise_with_scales(problem, values, scales, sigma_length_scale, SOFTLY, _SOFT_SCALE_ROUNDS)
+        problem.add_violated_tethers(values)
+    problem.softening = 1.0
+    for _ in range(_CUTTING_ROUNDS if tethered or problem.scale_is_observable else 0):
+        scales, values = optimise_with_scales(problem, values, scales, sigma_length_scale, ROUGHLY, _SCALE_ROUNDS)
+        if not problem.add_violated_tethers(values):
+            break
+    values = problem.optimised(values, scales.value, EXACTLY_TETHERED if tethered else EXACTLY)
+    if sigma_length_scale > 0.0 and not problem.scale_is_observable:
+        scales = problem.prior_scales(values, scales.value, sigma_length_scale)
+    return scales, values
+
+
+def pose_marginals(
+    problem: SmoothingProblem, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values
+) -> tuple[Array, Array]:
+    """Compute the poses and their marginal covariances, for given length scales.
+
+    Parameters
+    ----------
+    problem : SmoothingProblem
+        The walk.
+    graph, values
+        Its complete graph and values; both may have further variables.
+
+    Returns
+    -------
+    pose : (n, 3) array
+        East m, north m, heading rad of all devices.
+    covariance : (n, 3, 3) array
+        Covariances in the map frame.
+    """
+    pose, count = problem.poses(values), problem.keys.poses
+    rotation = to_map(pose[:, 2])
+    auxiliary, others = problem.further_variables(values)
+    order = (*problem.variables.order, *others)
+    covariance = marginal_covariances(graph.linearize(values), order, auxiliary)
+    own = np.array([covariance[key] for key in range(count)])
+    return pose, rotation @ own @ rotation.transpose(0, 2, 1)
+
+
+def track_of(problem: SmoothingProblem, pose: Array, covariance: Array, scales: LengthScales) -> Track:
+    """Make the track of all devices from poses (n, 3) and their covariances (n, 3, 3) in the map frame."""
+    tracks = []
+    for d, (timeline, first) in enumerate(zip(problem.timelines, problem.keys.first, strict=True)):
+        own = slice(first, first + len(timeline.nodes))
+        scale = (float(scales.value[d]), float(np.sqrt(scales.covariance[d, d])))
+        position_m, heading_rad = pose[own, :2], pose[own, 2]
+        tracks.append(track_from_nodes(timeline, position_m, heading_rad, covariance[own], "smoothed", NAME, scale))
+    return concatenate(tracks)
+
+
+def run_gtsam(work: Callable[[], T], poses: int) -> T:
+    """Run `work`, with a large stack for a walk of many poses, and raise EstimationError where GTSAM fails."""
     try:
-        found = with_large_stack(work) if graph.keys.poses > _LARGE_STACK_NODES else work()
+        return with_large_stack(work) if poses > LARGE_STACK_POSES else work()
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[0] if str(error).strip() else "no reason given"
         raise EstimationError(
             f"the factor graph has no unique solution ({reason}): give a start pose, more fixes, or use the ekf"
         ) from error
-    tracks = []
-    for d, (timeline, first) in enumerate(zip(timelines, graph.keys.first, strict=True)):
-        own = slice(first, first + len(timeline.nodes))
-        pose, covariance = found.pose[own], found.covariance[own]
-        scale = (float(found.scale.value[d]), float(np.sqrt(found.scale.covariance[d, d])))
-        tracks.append(track_from_nodes(timeline, pose[:, :2], pose[:, 2], covariance, "smoothed", NAME, scale))
-    return concatenate(tracks)
-
-
-def _solve(graph: "_WalkGraph", guesses: Sequence[list[GaussianState]], sigma_length_scale: float) -> "_Solution":
-    """The optimum over poses and length scales, and its covariances."""
-    expected = [guess[-1].mean[3] if graph.tells_scale else 1.0 for guess in guesses]
-    scale = _Scale.without_effect(np.array(expected), graph.keys.poses)
-    values = graph.initial_values(guesses)
-    for softening in CONTINUATION_FACTORS[:-1] if len(graph.tethers) else ():
-        graph.softening = softening
-        scale, values = _at_scale(graph, values, scale, sigma_length_scale, SOFTLY, _SOFT_ROUNDS)
-        graph.held(values)
-    graph.softening = 1.0
-    for _ in range(_HOLD_ROUNDS if len(graph.tethers) or graph.tells_scale else 0):
-        scale, values = _at_scale(graph, values, scale, sigma_length_scale, ROUGHLY, _ROUNDS)
-        if not graph.held(values):
-            break
-    values = graph.optimised(values, scale.value, EXACTLY_TETHERED if len(graph.tethers) else EXACTLY)
-    if sigma_length_scale > 0.0 and not graph.tells_scale:
-        scale = graph.untold_scale(values, scale.value, sigma_length_scale)
-    pose, covariance = graph.marginals(values, scale.value)
-    share = scale.pose_per_scale @ scale.covariance @ scale.pose_per_scale.transpose(0, 2, 1)
-    return _Solution(pose, covariance + share, scale)
-
-
-@dataclass(frozen=True)
-class _Solution:
-    """Poses (n, 3) of all devices, their covariances (n, 3, 3) in the map frame, and the length scales."""
-
-    pose: Array
-    covariance: Array
-    scale: _Scale

@@ -1,11 +1,14 @@
-"""Tethers between the devices of a walk: what they cost, and their linear factors for Newton's method.
+"""Tethers between the devices of a walk: their violation at given poses, their cost, and their linearisation.
 
-A tether costs nothing within its length and the square of the excess beyond. Gauss and Newton's method leaves out
-that a taut line also resists to be turned: the further its ends move across it, the longer it gets. The force in the
-line over its length is the missing stiffness. But a line that turns along with the walkers who hold it is not
-stretched: what the line resists on its own is taken back by the legs, which it pulls at, and only a turn relative to
-the poses at its ends costs. Counting all of it, which is right for a single line, makes long walks far too stiff to
-be bent as a whole, and Newton's method slower the longer they are.
+A tether costs nothing while its ends are within its length, and half the square of the violation in standard
+deviations beyond. Where it is violated it is active, and has the same cost as a range measurement of its length
+(`tether_factors`).
+
+Gauss-Newton neglects that a tether under tension also resists displacements across its direction; the missing
+stiffness is tension over length. But a tether that turns together with the poses at its ends is not stretched, so only
+displacements across it relative to the headings of these poses count. With the full stiffness, which is right for a
+tether between two free points, bending a long walk as a whole would appear far too expensive, and the number of Newton
+steps would grow with the length of the walk.
 """
 
 from collections.abc import Sequence
@@ -16,19 +19,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.tethers import NodeTether
-from pdr_est.estimators.factor_graph.factors import LEAST_SIGMA, Keys
+from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
+from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
 
-_LEAST_DISTANCE_M = 1e-9
+_MIN_DISTANCE_M = 1e-9
+_UNIT = gtsam.noiseModel.Unit.Create(1)
 
 
 @dataclass(frozen=True)
 class TetherConstraints:
-    """Distances between pairs of places that cost beyond max_distance_m (m,) by sigma_m (m,).
+    """Upper bounds of the distances between m pairs of places.
 
-    The two places of each are on the straight lines between two poses: earlier, later (m, 2) by key, at a share
-    (m, 2) of the way. A place at a pose has that pose for both; one of the two always is.
+    The two places of a tether lie on straight lines from one pose to another pose of the same device. A place at a
+    pose has that pose for both; at least one of the two places is at a pose.
+
+    Attributes
+    ----------
+    earlier, later : (m, 2) arrays of int
+        Keys of the poses that the lines lead from and to.
+    share : (m, 2) array
+        Share of the way from the earlier to the later pose, 0 … 1; 1 for a place at a pose.
+    max_distance_m : (m,) array
+        Lengths of the tethers, m.
+    sigma_m : (m,) array
+        Standard deviation with which the length is exceeded, m.
     """
 
     earlier: NDArray[np.int64]
@@ -38,18 +54,14 @@ class TetherConstraints:
     sigma_m: Array
 
     @classmethod
-    def of(cls, node_tethers: Sequence[NodeTether], keys: Keys) -> "TetherConstraints":
-        """Of ties between nodes."""
-        ends = np.array([keys.of_node_tether(node_tether) for node_tether in node_tethers], dtype=np.int64).reshape(
-            -1, 2
-        )
-        limits = np.array(
-            [[node_tether.max_distance_m, node_tether.sigma_m] for node_tether in node_tethers]
-        ).reshape(-1, 2)
-        return cls.between(ends, ends, np.ones(ends.shape), limits[:, 0], limits[:, 1])
+    def between_nodes(cls, node_tethers: Sequence[NodeTether], keys: GraphKeys) -> "TetherConstraints":
+        """Make the constraints of tethers whose two places are at poses."""
+        ends = np.array([keys.of_node_tether(one) for one in node_tethers], dtype=np.int64).reshape(-1, 2)
+        limits = np.array([[one.max_distance_m, one.sigma_m] for one in node_tethers]).reshape(-1, 2)
+        return cls.between_places(ends, ends, np.ones(ends.shape), limits[:, 0], limits[:, 1])
 
     @classmethod
-    def between(
+    def between_places(
         cls,
         earlier: NDArray[np.int64],
         later: NDArray[np.int64],
@@ -57,19 +69,21 @@ class TetherConstraints:
         max_distance_m: Array,
         sigma_m: Array,
     ) -> "TetherConstraints":
-        """With sigmas that do not make the elimination fail."""
+        """Make constraints with shares and standard deviations that the elimination can work with."""
         at_pose = np.where(earlier == later, 1.0, share)
-        return cls(earlier, later, at_pose, max_distance_m, np.maximum(sigma_m, LEAST_SIGMA))
+        return cls(earlier, later, at_pose, max_distance_m, np.maximum(sigma_m, MIN_SIGMA))
 
     def __len__(self) -> int:
+        """Return the number of tethers."""
         return len(self.max_distance_m)
 
     @property
     def ends(self) -> Array:
-        """What tells their places (m, 6); two tethers with the same ones are one."""
+        """Poses and shares (m, 6) that define the places; equal rows are the same tether."""
         return np.concatenate([self.earlier, self.later, self.share], axis=1)
 
     def __add__(self, others: "TetherConstraints") -> "TetherConstraints":
+        """Append other tethers."""
         return TetherConstraints(
             np.concatenate([self.earlier, others.earlier]),
             np.concatenate([self.later, others.later]),
@@ -79,7 +93,7 @@ class TetherConstraints:
         )
 
     def only(self, chosen: NDArray[np.int64]) -> "TetherConstraints":
-        """Some of them, by number."""
+        """Select some tethers by number."""
         return TetherConstraints(
             self.earlier[chosen],
             self.later[chosen],
@@ -89,31 +103,43 @@ class TetherConstraints:
         )
 
     def softened(self, factor: float) -> "TetherConstraints":
+        """Multiply the standard deviations by a factor."""
         return replace(self, sigma_m=factor * self.sigma_m)
 
     def error(self, pose: Array) -> float:
-        """Half the sum of squares of what poses (n, 3) exceed, in sigmas."""
-        apart = self._between(pose[:, :2])
+        """Return the cost of all tethers at poses (n, 3): half the sum of the squared violations in sigmas."""
+        apart = self.separation(pose[:, :2])
         violation_m = np.maximum(np.hypot(apart[:, 0], apart[:, 1]) - self.max_distance_m, 0.0)
         return 0.5 * float(np.sum((violation_m / self.sigma_m) ** 2))
 
-    def near(self, pose: Array) -> "LinearTethers":
-        """The tethers near poses (n, 3)."""
-        apart = self._between(pose[:, :2])
-        distance_m = np.maximum(np.hypot(apart[:, 0], apart[:, 1]), _LEAST_DISTANCE_M)
+    def linearised(self, pose: Array) -> "LinearTethers":
+        """Linearise the distances at poses (n, 3)."""
+        apart = self.separation(pose[:, :2])
+        distance_m = np.maximum(np.hypot(apart[:, 0], apart[:, 1]), _MIN_DISTANCE_M)
         return LinearTethers(self, apart / distance_m[:, None], distance_m, to_map(pose[:, 2])[:, :2, :2])
 
-    def _between(self, place: Array) -> Array:
-        """From the second place to the first (m, 2), or of any other vectors of the poses (n, 2)."""
-        ends = place[self.earlier] + self.share[..., None] * (place[self.later] - place[self.earlier])
+    def separation(self, position: Array) -> Array:
+        """Return the vectors (m, 2) from the second to the first place, for positions (n, 2) of the poses."""
+        ends = position[self.earlier] + self.share[..., None] * (position[self.later] - position[self.earlier])
         between: Array = ends[:, 0] - ends[:, 1]
         return between
 
 
 @dataclass(frozen=True)
 class LinearTethers:
-    """Tethers near some poses. along (m, 2): direction from the second place to the first, in the map; distance_m
-    (m,); to_map: (n, 2, 2) from a pose's own axes."""
+    """Tethers linearised at n poses.
+
+    Attributes
+    ----------
+    tethers : TetherConstraints
+        The m tethers.
+    along : (m, 2) array
+        Unit vectors from the second to the first place, in the map frame.
+    distance_m : (m,) array
+        Distances of the places, m.
+    to_map : (n, 2, 2) array
+        Rotations of the poses, from their own frames into the map frame.
+    """
 
     tethers: TetherConstraints
     along: Array
@@ -122,37 +148,54 @@ class LinearTethers:
 
     @property
     def violation_m(self) -> Array:
-        """(m,), negative for slack ones."""
-        excess: Array = self.distance_m - self.tethers.max_distance_m
-        return excess
+        """Distance minus length of each tether (m,), m; negative for tethers that hold."""
+        violation: Array = self.distance_m - self.tethers.max_distance_m
+        return violation
 
-    def moved(self, change: Array) -> tuple[Array, Array]:
-        """By changes (n, 3) of the poses along their own axes: how much longer each tether gets (m,), and how far its
-        ends move across it beyond what their own turns explain (m,), both in m."""
-        apart = self.tethers._between(np.einsum("nij,nj->ni", self.to_map, change[:, :2]))
+    def displacements(self, change: Array) -> tuple[Array, Array]:
+        """Return by how much the tethers get longer, and how far their ends move across them.
+
+        Parameters
+        ----------
+        change : (n, 3) array
+            Changes of the poses along their own axes: forward m, left m, heading rad.
+
+        Returns
+        -------
+        along_m, across_m : (m,) arrays
+            Change of the distance, and displacement across the tether relative to the headings at its ends, m.
+        """
+        apart = self.tethers.separation(np.einsum("nij,nj->ni", self.to_map, change[:, :2]))
         across = self.along[:, 0] * apart[:, 1] - self.along[:, 1] * apart[:, 0]
         turned = 0.5 * change[self.tethers.earlier, 2].sum(axis=1)
         return np.sum(self.along * apart, axis=1), across - self.distance_m * turned
 
     def error(self, change: Array, expected_violation_m: Array) -> float:
-        """What the tethers that are exceeded after a change cost then, with the stiffness of `factors`."""
-        longer, across = self.moved(change)
+        """Return the cost after changes (n, 3) of the poses, with the stiffness across the tethers included."""
+        longer, across = self.displacements(change)
         violation_m = np.maximum(self.violation_m + longer, 0.0)
         resisting = self._stiffness(expected_violation_m) * across
         return 0.5 * float(np.sum((violation_m / self.tethers.sigma_m) ** 2 + resisting**2))
 
-    def factors(self, active: NDArray[np.bool_], expected_violation_m: Array) -> gtsam.GaussianFactorGraph:
-        """Linear factors of the taut tethers (m,). pull_m: (m,) what they are expected to be exceeded by in the end,
-        which is their force; 0 for Gauss and Newton's factors."""
-        graph, chosen = gtsam.GaussianFactorGraph(), np.flatnonzero(active)
+    def stiffness_factors(self, active: NDArray[np.bool_], expected_violation_m: Array) -> gtsam.GaussianFactorGraph:
+        """Return linear factors of the stiffness of active tethers across their direction.
+
+        Parameters
+        ----------
+        active : (m,) array of bool
+            Tethers that are violated.
+        expected_violation_m : (m,) array
+            Violation that is expected at the optimum, m, which gives the tension.
+        """
+        graph = gtsam.GaussianFactorGraph()
+        stiffness = self._stiffness(expected_violation_m)
+        chosen = np.flatnonzero(active & (stiffness > 0.0))
         if not len(chosen):
             return graph
-        sigma_m, stiff = self.tethers.sigma_m[chosen], self._stiffness(expected_violation_m)[chosen]
+        stiffness = stiffness[chosen]
         x, y = self.along[chosen].T
-        rows = np.array([[x, y] / sigma_m, [-y, x] * stiff]).transpose(2, 0, 1)  # (chosen, 2, 2)
-        turned = np.zeros((len(chosen), 2, 1))
-        turned[:, 1, 0] = -0.5 * stiff * self.distance_m[chosen]
-        short = np.stack([-self.violation_m[chosen] / sigma_m, np.zeros(len(chosen))], axis=1)
+        rows = (np.array([-y, x]) * stiffness).T[:, None, :]  # (chosen, 1, 2)
+        turned = (-0.5 * stiffness * self.distance_m[chosen])[:, None, None]
         earlier, later = self.tethers.earlier[chosen], self.tethers.later[chosen]
         share = self.tethers.share[chosen]
         blocks = []
@@ -162,28 +205,22 @@ class LinearTethers:
             blocks.append(np.concatenate([of_earlier, turned], axis=2))
             blocks.append(np.concatenate([of_later, np.zeros_like(turned)], axis=2))
         keys = np.stack([earlier[:, 0], later[:, 0], earlier[:, 1], later[:, 1]], axis=1).tolist()
-        for own_keys, own_short, kept, *own in zip(
-            keys, short, np.where(stiff > 0.0, 2, 1).tolist(), *blocks, strict=True
-        ):
-            graph.add(_factor(own_keys, [block[:kept] for block in own], own_short[:kept], _UNIT[kept]))
+        for own_keys, *own in zip(keys, *blocks, strict=True):
+            graph.add(_factor_of_four(own_keys, own))
         return graph
 
     def _stiffness(self, expected_violation_m: Array) -> Array:
-        """Root of the force over the length (m,), 1/m."""
+        """Return the square root of tension over length (m,), 1/m."""
         stiffness: Array = np.sqrt(np.maximum(expected_violation_m, 0.0) / self.distance_m) / self.tethers.sigma_m
         return stiffness
 
 
-_UNIT = {rows: gtsam.noiseModel.Unit.Create(rows) for rows in (1, 2)}
-
-
-def _factor(
-    keys: Sequence[int], blocks: Sequence[Array], short: Array, noise: gtsam.noiseModel.Unit
-) -> gtsam.JacobianFactor:
-    """Of the four keys of two places, of which those of one place at least are the same."""
+def _factor_of_four(keys: Sequence[int], blocks: Sequence[Array]) -> gtsam.JacobianFactor:
+    """Make a factor of the four keys of two places; the keys of at least one place are equal."""
     i, j, k, m = keys
+    zero = np.zeros(1)
     if i == j and k == m:
-        return gtsam.JacobianFactor(i, blocks[0] + blocks[1], k, blocks[2] + blocks[3], short, noise)
+        return gtsam.JacobianFactor(i, blocks[0] + blocks[1], k, blocks[2] + blocks[3], zero, _UNIT)
     if i == j:
-        return gtsam.JacobianFactor(i, blocks[0] + blocks[1], k, blocks[2], m, blocks[3], short, noise)
-    return gtsam.JacobianFactor(i, blocks[0], j, blocks[1], k, blocks[2] + blocks[3], short, noise)
+        return gtsam.JacobianFactor(i, blocks[0] + blocks[1], k, blocks[2], m, blocks[3], zero, _UNIT)
+    return gtsam.JacobianFactor(i, blocks[0], j, blocks[1], k, blocks[2] + blocks[3], zero, _UNIT)

@@ -11,7 +11,7 @@ import numpy as np
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
 from pdr_est.estimators.common.timeline import Node
-from pdr_est.estimators.factor_graph.factors import LEAST_SIGMA, add_measurements, displacement, motion_noise
+from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, add_measurements, displacement, motion_noise
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window_prior import (
@@ -236,7 +236,7 @@ class _Graph:
                 continue
             between = self._smoother.calculateEstimatePose2(a).between(self._smoother.calculateEstimatePose2(b))
             if np.hypot(between.x(), between.y()) > limit.max_distance_m:
-                noise = gtsam.noiseModel.Isotropic.Sigma(1, max(limit.sigma_m, LEAST_SIGMA))
+                noise = gtsam.noiseModel.Isotropic.Sigma(1, max(limit.sigma_m, MIN_SIGMA))
                 graph = gtsam.NonlinearFactorGraph()
                 graph.add(gtsam.RangeFactorPose2(a, b, limit.max_distance_m, noise))
                 self._update(graph, gtsam.Values())

@@ -8,7 +8,7 @@ import gtsam
 import numpy as np
 
 from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
-from pdr_est.estimators.factor_graph.factors import LEAST_SIGMA
+from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
 
@@ -82,7 +82,7 @@ def prior_factors(
 
 def _in_own_frames(known: ConditionalPrior) -> Array:
     """The covariance with positions in the poses' own frames, in which GTSAM counts."""
-    covariance = known.covariance + LEAST_SIGMA**2 * np.eye(len(known.mean))
+    covariance = known.covariance + MIN_SIGMA**2 * np.eye(len(known.mean))
     turn = np.eye(len(known.mean))
     for first in range(0, len(known.mean), _PARTS):
         turn[first : first + 3, first : first + 3] = to_map(known.mean[first + 2 : first + 3])[0].T
@@ -95,7 +95,7 @@ def _conditional(covariance: Array, keys: Sequence[int], rows: Sequence[Any]) ->
     gain = np.linalg.solve(covariance[np.ix_(others, others)], covariance[np.ix_(others, own)]).T
     spread = covariance[np.ix_(own, own)] - gain @ covariance[np.ix_(others, own)]
     variance, axes = np.linalg.eigh(0.5 * (spread + spread.T))
-    whiten = (axes / np.sqrt(np.maximum(variance, LEAST_SIGMA**2))).T
+    whiten = (axes / np.sqrt(np.maximum(variance, MIN_SIGMA**2))).T
     blocks = [whiten, *np.split(-whiten @ gain, len(rows) - 1, axis=1)] if len(rows) > 1 else [whiten]
     if len(own) == 1:
         blocks[0] = np.concatenate([np.zeros((1, 2)), blocks[0]], axis=1)

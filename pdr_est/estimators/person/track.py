@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pdr_est.estimators.common.timeline import SAME_S
 from pdr_est.estimators.person.heading import LEAST_VARIANCE, heading_of_person
 from pdr_est.estimators.person.steps import SAME_STEP_S, present_at, steps_of_person
-from pdr_est.frames import Array, turned, wrap_angle
+from pdr_est.frames import Array, rotate_vectors, wrap_angle
 from pdr_est.types.track import Track
 
 NAME = "fused"
@@ -60,7 +60,7 @@ def at_lever_arm(track: Track, offset_m: tuple[float, float]) -> Track:
     """The track of a device that sits offset_m, forward and left, from the centre of the body whose track it is."""
     if offset_m == (0.0, 0.0):
         return track
-    return replace(track, position_m=track.position_m + turned(np.array(offset_m), track.heading_rad))
+    return replace(track, position_m=track.position_m + rotate_vectors(np.array(offset_m), track.heading_rad))
 
 
 def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pdr_est.config.messages import nearest
 from pdr_est.config.yaml_lines import load_yaml
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.evaluate.metric_definitions import unit_of
@@ -17,6 +16,7 @@ from pdr_est.evaluate.paired_comparison import Paired, paired
 from pdr_est.experiment.results.result_folder import CONFIG, PROVENANCE, RESULTS
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
 from pdr_est.io.writers.parquet import read_parquet
+from pdr_est.params.validation_messages import nearest
 
 Values = Mapping[str, Mapping[str, Mapping[str, float]]]
 """metric -> variant -> walk -> value, the mean over the tracks of the walk."""

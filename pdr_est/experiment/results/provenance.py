@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pdr_est import __version__
+from pdr_est.config import external_files
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.suite import WalkFile
 from pdr_est.front_end.gait import gait_model
@@ -26,6 +27,7 @@ def provenance(experiment: Experiment) -> Json:
     code = file_hashes(root, sorted(root.rglob("*.py")))
     models = [gait_model(variant.config.gait) for variant in experiment.variants]
     model_sums = sorted({model_digest(model) for model in models if model is not None})
+    own_code = [file_hashes(folder, files) for folder, files in _own_code(experiment)]
     data = data_hashes(experiment)
     packages = package_versions()
     config = experiment.resolved()
@@ -36,7 +38,7 @@ def provenance(experiment: Experiment) -> Json:
         "fingerprint": {
             "config": digest(config),
             "data": digest(data),
-            "code": digest([code, model_sums]),
+            "code": digest([code, model_sums, *([own_code] if own_code else [])]),
             "packages": digest(packages),
         },
         "version": __version__,
@@ -49,6 +51,12 @@ def provenance(experiment: Experiment) -> Json:
         "data": data,
         "gait_models": model_sums,
     }
+
+
+def _own_code(experiment: Experiment) -> list[tuple[Path, list[Path]]]:
+    """List the files of the modules from outside the package that the variants name, each with its folder."""
+    files = {file for variant in experiment.variants for file in external_files(variant.config)}
+    return [(file.parent, [file]) for file in sorted(files)]
 
 
 def data_hashes(experiment: Experiment) -> dict[str, str]:

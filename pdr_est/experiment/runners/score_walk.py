@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 
 from pdr_est import __version__, pipeline
-from pdr_est.config import Config
+from pdr_est.config import Config, import_folders
 from pdr_est.errors import ConfigError, EstimationError, PdrError, RecordingError
 from pdr_est.experiment.recording_files import in_words, suite_folder
 from pdr_est.experiment.results.score_rows import BenchmarkResult, SkippedWalk, WalkRow
@@ -24,6 +24,7 @@ from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.variants.axes import Comparison, Variant, same_front_end
 from pdr_est.experiment.walks import with_truth
 from pdr_est.io import read
+from pdr_est.parts import importable
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.recording import Recording
 
@@ -57,11 +58,13 @@ def run_benchmark(
         raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {wanted}")
     outcomes: list[Outcome] = []
     work = partial(run_walk, suite, variants=comparison.variants)
-    with_graph = any(variant.config.estimator.name == "factor-graph" for variant in comparison.variants)
-    for outcome in _map(work, walks, min(jobs, len(walks)), with_graph):
-        outcomes.append(outcome)
-        if on_progress is not None:
-            on_progress(len(outcomes), len(walks))
+    with_graph = any(variant.config.estimator.make().spec.needs_gtsam for variant in comparison.variants)
+    folders = [folder for variant in comparison.variants for folder in import_folders(variant.config)]
+    with importable(folders):  # also in the processes, which start with this path
+        for outcome in _map(work, walks, min(jobs, len(walks)), with_graph):
+            outcomes.append(outcome)
+            if on_progress is not None:
+                on_progress(len(outcomes), len(walks))
     rows, too_few = with_calibrated(
         [row for outcome in outcomes for row in outcome.rows],
         [case for outcome in outcomes for case in outcome.cases],

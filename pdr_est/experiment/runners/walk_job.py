@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from threadpoolctl import threadpool_limits
 
+from pdr_est.config import import_folders
 from pdr_est.errors import PdrError
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.runners.score_walk import score_variants, warm_up
@@ -16,30 +17,35 @@ from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.variants.axes import Variant, same_front_end
 from pdr_est.experiment.walks import Walk
+from pdr_est.parts import importable
 from pdr_est.types.outcome import TrackOutcome
 
 
 @dataclass(frozen=True)
 class Work:
     """What has to be done with every walk; goes to other processes and machines. Variants that share a front end
-    stand in a row."""
+    stand in a row. import_folders: of the modules that the variants name for parts from outside the package."""
 
     suite: str | None
     judge: HeldOutProtocol
     variants: tuple[Variant, ...]
     metrics: tuple[str, ...]
+    import_folders: tuple[str, ...] = ()
 
 
 def work_of(experiment: Experiment) -> Work:
     """The work of an experiment."""
     config = experiment.config
     variants = _front_ends_in_a_row(experiment.variants)
-    return Work(config.data.suite, HeldOutProtocol(config.fixes, config.seed), variants, experiment.metrics)
+    folders = dict.fromkeys(folder for variant in variants for folder in import_folders(variant.config))
+    judge = HeldOutProtocol(config.fixes, config.seed)
+    return Work(config.data.suite, judge, variants, experiment.metrics, tuple(folders))
 
 
 def prepare(work: Work) -> None:
     """Load what is loaded at first use, so that the first walk's time does not hold it."""
-    warm_up(any(variant.config.estimator.name == "factor-graph" for variant in work.variants))
+    with importable(work.import_folders):
+        warm_up(any(variant.config.estimator.make().spec.needs_gtsam for variant in work.variants))
 
 
 def do(work: Work, walk: Walk) -> bytes:
@@ -47,7 +53,7 @@ def do(work: Work, walk: Walk) -> bytes:
 
     One thread only: parallel sums would round differently from machine to machine, and the processes share the cores.
     """
-    with threadpool_limits(1):
+    with threadpool_limits(1), importable(work.import_folders):
         started = time.process_time()
         try:
             part = _part(work, walk)

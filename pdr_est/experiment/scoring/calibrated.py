@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pdr_est.calibration.step_length_fit import Calibration, Observation, fit
+from pdr_est.calibration.step_length_fit import Calibration, ScaleObservation, fit_calibration
 from pdr_est.experiment.results.score_rows import SkippedWalk, WalkRow
 
 
@@ -15,7 +15,7 @@ class CalibrationCase(Protocol):
     """A scored walk as it takes part in calibrations; goes between processes."""
 
     @property
-    def observation(self) -> Observation:
+    def observation(self) -> ScaleObservation:
         """What the walk tells about its walker, for the calibration of others."""
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
@@ -52,5 +52,8 @@ def calibrated_metrics(case: CalibrationCase, others: Sequence[CalibrationCase],
 
     Nothing of the walk itself is seen by a calibration, and no choice is preferred.
     """
-    errors = [case.errors(fit([other.observation for other in chosen])) for chosen in combinations(others, number)]
+    errors = [
+        case.errors(fit_calibration([other.observation for other in chosen]))
+        for chosen in combinations(others, number)
+    ]
     return {name: float(np.mean([found[name] for found in errors])) for name in errors[0]}

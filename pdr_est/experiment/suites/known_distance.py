@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pdr_est.calibration.step_length_fit import Calibration, Observation, PacedSteps, observation
+from pdr_est.calibration.step_length_fit import Calibration, CalibrationSteps, ScaleObservation, observe_scale
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import distance_error, within_sigma
 from pdr_est.evaluate.step_detection import count_error
@@ -32,19 +32,19 @@ _CALIBRATED = ("distance_error_calibrated", "scale_coverage68_calibrated")
 class DistanceCase:
     """The steps of a walk of known length; at least one."""
 
-    steps: PacedSteps
+    steps: CalibrationSteps
     distance_m: float
 
     @property
-    def observation(self) -> Observation:
-        return observation([self.steps], self.distance_m / float(self.steps.length_m.sum()))
+    def observation(self) -> ScaleObservation:
+        return observe_scale([self.steps], self.distance_m / float(self.steps.length_m.sum()))
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
-        steps = self.steps.personal(calibration.walker(WalkerParams()))
+        steps = self.steps.with_personal_constants(calibration.walker(WalkerParams()))
         return dict(zip(_CALIBRATED, _distance_metrics(steps, self.distance_m, calibration.sigma_next), strict=True))
 
 
-def _distance_metrics(steps: PacedSteps, distance_m: float, sigma_log: float) -> tuple[float, float]:
+def _distance_metrics(steps: CalibrationSteps, distance_m: float, sigma_log: float) -> tuple[float, float]:
     """How far the length is off, and whether that is within its sigma."""
     length_m = float(steps.length_m.sum())
     return distance_error(length_m, distance_m), within_sigma(length_m, distance_m, sigma_log)
@@ -80,7 +80,7 @@ def _scores(walk: AnalysedWalk, device: DeviceWalk) -> Scores:
         raise RecordingError(
             f"{walk.recording.name}: not in {_TRUTH}.csv: no distance and step count to compare with"
         )
-    steps = PacedSteps.of(device.steps)
+    steps = CalibrationSteps.from_steps(device.steps)
     error, covered = _distance_metrics(steps, truth.distance_m, walk.config.odometry.sigma_length_scale)
     part = MetricPart(
         {

@@ -21,7 +21,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pdr_est.calibration.step_length_fit import Calibration, Observation, PacedSteps, observation
+from pdr_est.calibration.step_length_fit import Calibration, CalibrationSteps, ScaleObservation, observe_scale
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import distance_error, within_sigma
 from pdr_est.evaluate.stride_lengths import (
@@ -48,7 +48,7 @@ _CALIBRATED = tuple(f"{name}_calibrated" for name in _METRICS)
 class StrideCase:
     """The steps of a walk beside its strides. steps: all of the recording; strides: those scored."""
 
-    steps: PacedSteps
+    steps: CalibrationSteps
     strides: TrueStrides
 
     @property
@@ -57,19 +57,19 @@ class StrideCase:
         return round(float(self._shares().sum()))
 
     @property
-    def observation(self) -> Observation:
+    def observation(self) -> ScaleObservation:
         within = self.steps.weighted(self._shares().sum(axis=0))
-        return observation([within], float(self.strides.length_m.sum() / within.length_m.sum()))
+        return observe_scale([within], float(self.strides.length_m.sum() / within.length_m.sum()))
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
-        steps = self.steps.personal(calibration.walker(WalkerParams()))
+        steps = self.steps.with_personal_constants(calibration.walker(WalkerParams()))
         return dict(zip(_CALIBRATED, self._errors(steps, calibration.sigma_next), strict=True))
 
     def errors_uncalibrated(self, sigma_length_scale: float) -> Mapping[str, float]:
         """Of the lengths as the front end gave them, with the sigma that is stated for their scale."""
         return dict(zip(_METRICS, self._errors(self.steps, sigma_length_scale), strict=True))
 
-    def _errors(self, steps: PacedSteps, sigma_log: float) -> tuple[float, float, float, float]:
+    def _errors(self, steps: CalibrationSteps, sigma_log: float) -> tuple[float, float, float, float]:
         share, true_m = self._shares(), self.strides.length_m
         by_time_m = lengths_by_time(share, steps.length_m)
         way_m, true_way_m = float(by_time_m.sum()), float(true_m.sum())
@@ -105,7 +105,7 @@ def _scores(walk: AnalysedWalk, device: DeviceWalk) -> Scores:
             f"{walk.recording.name}: no stride to compare with: {len(truth.length_m)} measured from beginning to "
             f"end, left out {too_long} above {LONGEST_STRIDE_M:g} m and the last"
         )
-    case = StrideCase(PacedSteps.of(device.steps), strides)
+    case = StrideCase(CalibrationSteps.from_steps(device.steps), strides)
     counts = {"true_strides": len(strides.length_m), "detected_steps": case.steps_within}
     part = MetricPart(case.errors_uncalibrated(walk.config.odometry.sigma_length_scale), counts)
     if case.steps_within:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from pdr_est.config import Config, EstimatorParams, config_from_dict, config_to_dict
+from pdr_est.config import Config, EstimatorParams, config_to_dict, config_with
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import HEADINGS
@@ -29,9 +29,7 @@ class Axis:
 
     def chosen(self, config: Config, name: str) -> Config:
         """The configuration with this value. Raises ConfigError for a value that is unknown or contradicts others."""
-        settings = config_to_dict(config)
-        settings[self.section][self.key] = name
-        return config_from_dict(settings, f"--{self.word}")
+        return config_with(config, {f"{self.section}.{self.key}": name}, f"--{self.word}")
 
 
 AXES: tuple[Axis, ...] = (

@@ -9,36 +9,55 @@ from pdr_est.errors import ConfigError, OutputError
 
 Json = dict[str, Any]
 
-_SEAL = "sha256"
+_CHECKSUM_KEY = "sha256"
 
 
-def digest(content: Json) -> str:
-    """SHA-256 of the canonical text of a document: keys in order, no blanks."""
+def content_sha256(content: Json) -> str:
+    """Compute the SHA-256 of the canonical text of a document: keys in order, no blanks."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def write_sealed(path: Path, content: Json) -> str:
-    """Write a document with its digest, one top key a line, and return the digest; same content, same bytes.
+def write_checksummed(path: Path, content: Json) -> str:
+    """Write a document with its checksum, one top-level key a line; the same content gives the same bytes.
 
-    Raises OutputError when the file cannot be written.
+    Returns
+    -------
+    str
+        The checksum.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
     """
-    seal = digest(content)
-    lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in {**content, _SEAL: seal}.items()]
+    checksum = content_sha256(content)
+    lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in {**content, _CHECKSUM_KEY: checksum}.items()]
     try:
         path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8", newline="\n")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error.strerror}): choose another folder") from error
-    return seal
+    return checksum
 
 
-def read_sealed(path: Path, kind: str, version: int, remedy: str) -> Json:
-    """The document in a file, less its digest.
+def read_checksummed(path: Path, kind: str, version: int, remedy: str) -> Json:
+    """Read the document in a file, without its checksum.
 
-    kind, version: what the document's `format` and `version` must say. remedy: how to get a good file, for messages.
-    Raises ConfigError for a file that cannot be read, is damaged, of another kind or version, or was changed.
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind, version : str, int
+        Values that the document's keys `format` and `version` must have.
+    remedy : str
+        Advice on how to get a good file, for messages.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, is damaged, is of another kind or version, or was changed.
     """
-    content = _parsed(path, remedy)
+    content = _parse(path, remedy)
     if not isinstance(content, dict) or content.get("format") != kind:
         raise ConfigError(f"{path}: is no file of format {kind!r}: {remedy}")
     found = content.get("version")
@@ -46,21 +65,23 @@ def read_sealed(path: Path, kind: str, version: int, remedy: str) -> Json:
         raise ConfigError(
             f"{path}: version {found!r} of {kind}, this program reads {version}: update it, or {remedy}"
         )
-    told = content.pop(_SEAL, None)
-    if told != _digest_or_none(content):
-        raise ConfigError(f"{path}: its content does not match its {_SEAL} {told!r}, it was changed: {remedy}")
+    stored = content.pop(_CHECKSUM_KEY, None)
+    if stored != _sha256_or_none(content):
+        raise ConfigError(
+            f"{path}: its content does not match its {_CHECKSUM_KEY} {stored!r}, it was changed: {remedy}"
+        )
     return content
 
 
-def _digest_or_none(content: Json) -> str | None:
-    """The digest, None for what no digest can be made of: NaN, infinity, halves of characters."""
+def _sha256_or_none(content: Json) -> str | None:
+    """Compute the checksum; None for content that has none: NaN, infinity, halves of characters."""
     try:
-        return digest(content)
+        return content_sha256(content)
     except ValueError:
         return None
 
 
-def _parsed(path: Path, remedy: str) -> Any:
+def _parse(path: Path, remedy: str) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:

@@ -1,20 +1,30 @@
-"""The stage that tells walking, jogging and running."""
+"""The stages that fill in the gait of each step."""
 
 from dataclasses import replace
 
 from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import GaitModel
-from pdr_est.front_end.gait.svm_scorer import GaitScorer, changes_gait, gait_of
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, decide_gait, is_gait_change
 from pdr_est.types.steps import Step, begins_walk
 
 
 class GaitClassifier:
-    """Stage Step -> Step that fills in the gait and the probability of each.
+    """Stage Step -> Step that fills in the gait and the probability of each gait.
 
-    The scores of a step are averaged with those of the step before, except at the beginning of a walk and when it
-    clearly contradicts that step (`changes_gait`). So a step is emitted at once. A stride that joins two gaits has a
-    score of neither, so most changes between walking and faster are seen at their second step, and about one in a
-    hundred later: experiments/gait_changes.py measures it.
+    The scores of a step are averaged with those of the step before, except at the beginning of a walk and where a
+    step clearly contradicts the one before (`is_gait_change`). So a step is emitted at once. A stride that joins two
+    gaits has the score of neither, so most changes between walking and faster gaits are seen at their second step,
+    and about one in a hundred later: experiments/gait_changes.py measures it.
+
+    Parameters
+    ----------
+    model : GaitModel
+        Trained classifier.
+
+    References
+    ----------
+    UPTIME: Alzantot and Youssef, WCNC 2012, section III-B and Figure 5, for the two levels of the classifier.
+    Averaging over steps is ours.
     """
 
     latency_s = 0.0
@@ -26,16 +36,18 @@ class GaitClassifier:
         self._scores = (0.0, 0.0)  # of the previous step
 
     def push(self, item: Step, /) -> list[Step]:
+        """Classify a step."""
         scores = self._scorer.scores(self._features.push(item))
-        if begins_walk(item, self._previous) or changes_gait(scores[0], self._scores[0]):
+        if begins_walk(item, self._previous) or is_gait_change(scores[0], self._scores[0]):
             pooled = scores
         else:
             pooled = 0.5 * (scores[0] + self._scores[0]), 0.5 * (scores[1] + self._scores[1])
         self._previous, self._scores = item, scores
         probabilities = self._scorer.probabilities(pooled)
-        return [replace(item, gait=gait_of(probabilities), gait_probability=probabilities)]
+        return [replace(item, gait=decide_gait(probabilities), gait_probability=probabilities)]
 
     def flush(self) -> list[Step]:
+        """Return nothing: no step is held back."""
         return []
 
 
@@ -45,7 +57,9 @@ class UnknownGait:
     latency_s = 0.0
 
     def push(self, item: Step, /) -> list[Step]:
+        """Return the step as it is."""
         return [item]
 
     def flush(self) -> list[Step]:
+        """Return nothing: no step is held back."""
         return []

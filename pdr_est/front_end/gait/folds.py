@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.errors import ConfigError
-from pdr_est.front_end.gait.checksummed_json import read_sealed, write_sealed
+from pdr_est.front_end.gait.checksummed_json import read_checksummed, write_checksummed
 from pdr_est.front_end.gait.model import REMEDY, GaitModel, model_from_dict
 from pdr_est.params import params
 
@@ -16,13 +16,18 @@ FORMAT, VERSION = "pdr_est-gait-folds", 1
 
 @params
 class GaitFolds:
-    """models: one a fold, trained without the people of the fold. fold_of: person -> number of the fold."""
+    """The models of all folds, and the fold of each person."""
 
     models: tuple[GaitModel, ...]
+    """Models, one for each fold, trained without the people of the fold."""
     fold_of: dict[str, int]
+    """Number of the fold of each person."""
 
     def model_for(self, person: str) -> GaitModel | None:
-        """The model that never saw this person; None for somebody outside the training data, whom no model saw."""
+        """Return the model that never saw this person.
+
+        It is None for a person outside the training data, whom no model saw.
+        """
         fold = self.fold_of.get(person)
         return None if fold is None else self.models[fold]
 
@@ -31,16 +36,30 @@ _FOLD_OF = TypeAdapter(dict[str, int])
 
 
 def save_folds(folds: GaitFolds, path: Path) -> str:
-    """Write the folds; the same folds give the same bytes. Returns their digest. Raises OutputError."""
-    return write_sealed(path, {"format": FORMAT, "version": VERSION, **asdict(folds)})
+    """Write the folds to a file; the same folds give the same bytes.
+
+    Returns
+    -------
+    str
+        Their checksum.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    return write_checksummed(path, {"format": FORMAT, "version": VERSION, **asdict(folds)})
 
 
 def load_folds(path: Path) -> GaitFolds:
-    """The folds in a file that `save_folds` wrote.
+    """Read the folds from a file that `save_folds` wrote.
 
-    Raises ConfigError for a file that is missing, damaged, changed, foreign or of another version.
+    Raises
+    ------
+    ConfigError
+        If the file is missing, damaged, changed, foreign or of another version.
     """
-    content = read_sealed(path, FORMAT, VERSION, REMEDY)
+    content = read_checksummed(path, FORMAT, VERSION, REMEDY)
     documents: Any = content.get("models")
     if not isinstance(documents, list):
         raise ConfigError(f"{path}: models: is no list: {REMEDY}")

@@ -1,4 +1,4 @@
-"""The arithmetic of a gait model on the features of one step."""
+"""Arithmetic of a gait model on the features of one step."""
 
 from collections.abc import Sequence
 from math import tanh
@@ -6,11 +6,11 @@ from math import tanh
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.gait.model import GaitModel, Machine
+from pdr_est.front_end.gait.model import GaitModel, SupportVectorMachine
 from pdr_est.types.steps import Gait
 
 SCORE_LIMIT = 2.0
-"""Scores are cut at this size before steps are averaged: one very sure step must not outvote the next."""
+"""Scores are clipped to this magnitude before steps are averaged: one very sure step must not outvote the next."""
 
 CLEAR_SCORE = 0.5
 """A first-level score beyond this, on the other side than the step before's, is a change of gait and no mistake.
@@ -23,22 +23,22 @@ Probabilities = tuple[float, float, float]
 
 
 class LinearScorer:
-    """The decision function of a machine with the linear kernel: one product, the scaling worked in."""
+    """Decision function of a machine with the linear kernel: one scalar product, with the scaling worked in."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: SupportVectorMachine) -> None:
         slope = np.array(machine.dual) @ np.array(machine.support) / np.array(machine.scale)
         self._intercept = machine.intercept - float(slope @ np.array(machine.mean))
         self._terms = tuple(zip(machine.columns, slope.tolist(), strict=True))
 
     def __call__(self, features: Sequence[float]) -> float:
-        """Score of one step's features (all of the set): above zero for the faster side."""
+        """Compute the score of one step's features (all of the set): above zero for the faster side."""
         return sum([slope * features[column] for column, slope in self._terms], self._intercept)
 
 
 class RbfScorer:
-    """The decision function of a machine with the radial kernel; what all steps share is worked out beforehand."""
+    """Decision function of a machine with the radial kernel; terms common to all steps are computed beforehand."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: SupportVectorMachine) -> None:
         self._columns, self._mean, self._scale = machine.columns, machine.mean, machine.scale
         self._intercept, self._dual = machine.intercept, np.array(machine.dual)
         support = np.array(machine.support)
@@ -47,54 +47,63 @@ class RbfScorer:
         self._weights = -machine.gamma * np.column_stack([-2.0 * support, squares, np.ones_like(squares)])
 
     def __call__(self, features: Sequence[float]) -> float:
-        """Score of one step's features (all of the set): above zero for the faster side."""
-        # Plain numbers: an array operation costs more than these few.
+        """Compute the score of one step's features (all of the set): above zero for the faster side."""
+        # Plain numbers, because an array operation costs more for so few.
         z = [(features[c] - m) / s for c, m, s in zip(self._columns, self._mean, self._scale, strict=True)]
         square = sum([number * number for number in z])
         kernel = np.exp(self._weights @ np.array((*z, 1.0, square)))
         return float(self._dual @ kernel) + self._intercept
 
 
-def scorer(machine: Machine) -> LinearScorer | RbfScorer:
-    """The decision function of a machine."""
+def scorer(machine: SupportVectorMachine) -> LinearScorer | RbfScorer:
+    """Make the decision function of a machine."""
     return LinearScorer(machine) if machine.kernel == "linear" else RbfScorer(machine)
 
 
 class GaitScorer:
-    """The two levels of a model. Scores and probabilities are of the faster side: not walking, and then running."""
+    """Both levels of a model; scores and probabilities are of the faster side: not walking, and then running.
+
+    Parameters
+    ----------
+    model : GaitModel
+        Trained classifier.
+    """
 
     def __init__(self, model: GaitModel) -> None:
         self._faster, self._running = scorer(model.faster), scorer(model.running)
         self._sigmoids = model.faster.sigmoid, model.running.sigmoid
 
     def scores(self, features: Array) -> tuple[float, float]:
-        """Scores of both levels, cut at the limit."""
+        """Compute the scores of both levels, clipped at `SCORE_LIMIT`."""
         numbers = features.tolist()
-        return _cut(self._faster(numbers)), _cut(self._running(numbers))
+        return _clip(self._faster(numbers)), _clip(self._running(numbers))
 
     def probabilities(self, scores: tuple[float, float]) -> Probabilities:
-        """Of walking, jogging and running."""
-        faster, running = _platt(scores[0], self._sigmoids[0]), _platt(scores[1], self._sigmoids[1])
+        """Compute the probabilities of walking, jogging and running from pooled scores."""
+        faster, running = (
+            _platt_probability(scores[0], self._sigmoids[0]),
+            _platt_probability(scores[1], self._sigmoids[1]),
+        )
         return 1.0 - faster, faster * (1.0 - running), faster * running
 
 
-def changes_gait(score: float, before: float) -> bool:
-    """Whether the first level's score of a step clearly contradicts that of the step before."""
+def is_gait_change(score: float, before: float) -> bool:
+    """Return True if the first level's score of a step clearly contradicts that of the step before."""
     return score * before < 0.0 and abs(score) > CLEAR_SCORE
 
 
-def gait_of(probabilities: Probabilities) -> Gait:
-    """The gait at the end of the path through the two levels, at each of which the likelier side is taken."""
+def decide_gait(probabilities: Probabilities) -> Gait:
+    """Return the gait at the end of the path through the two levels, with the more likely side at each."""
     walking, jogging, running = probabilities
     if walking >= 0.5:
         return Gait.WALKING
     return Gait.RUNNING if running > jogging else Gait.JOGGING
 
 
-def _cut(score: float) -> float:
+def _clip(score: float) -> float:
     return min(max(score, -SCORE_LIMIT), SCORE_LIMIT)
 
 
-def _platt(score: float, sigmoid: tuple[float, float]) -> float:
+def _platt_probability(score: float, sigmoid: tuple[float, float]) -> float:
     # The logistic function as a hyperbolic tangent, which cannot overflow.
     return 0.5 + 0.5 * tanh(0.5 * (sigmoid[0] * score + sigmoid[1]))

@@ -1,4 +1,4 @@
-"""Steps whose gait is known, as the tables that training and evaluation work on."""
+"""Steps of known gait, as the tables that training and evaluation work on."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -9,20 +9,29 @@ from numpy.typing import NDArray
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.front_end.gait.features import FeatureSet, step_features
-from pdr_est.front_end.gait.model import DataSet
-from pdr_est.front_end.gait.svm_scorer import SCORE_LIMIT, changes_gait
+from pdr_est.front_end.gait.model import TrainingDataSet
+from pdr_est.front_end.gait.svm_scorer import SCORE_LIMIT, is_gait_change
 from pdr_est.types.steps import Gait, Step, begins_walk
 
 KNOWN_GAITS = (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)
 
-_DECIMALS = 6  # of a feature; finer differences are noise of the arithmetic and not of the walker
+_DECIMALS = 6  # of a feature; finer differences come from the arithmetic and not from the walker
 
 
 @dataclass(frozen=True)
 class LabelledSteps:
-    """The steps of one recording, all of one gait.
+    """Steps of one recording, all of one gait.
 
-    features: (n, k); begins: (n,) whether a step begins a walk.
+    Attributes
+    ----------
+    person, data_set : str
+        Names.
+    gait : Gait
+        Gait of all steps.
+    features : ndarray, shape (n, k)
+        Features of the steps.
+    begins : ndarray of bool, shape (n,)
+        True for a step that begins a walk.
     """
 
     person: str
@@ -34,9 +43,22 @@ class LabelledSteps:
 
 @dataclass(frozen=True)
 class StepTable:
-    """Steps of many recordings in order. features: (n, k); begins, gait, person, data_set, recording: (n,).
+    """Steps of many recordings in order.
 
-    recording: number of the recording; told_apart: (n,) whether the person was recorded jogging and running.
+    Attributes
+    ----------
+    features : ndarray, shape (n, k)
+        Features of the steps.
+    begins : ndarray of bool, shape (n,)
+        True for a step that begins a walk.
+    gait : ndarray of int8, shape (n,)
+        Values of `Gait`.
+    person, data_set : ndarray of str, shape (n,)
+        Names.
+    recording : ndarray of int, shape (n,)
+        Number of the recording.
+    has_both_gaits : ndarray of bool, shape (n,)
+        True if the person was recorded both jogging and running.
     """
 
     features: Array
@@ -45,30 +67,36 @@ class StepTable:
     person: NDArray[np.str_]
     data_set: NDArray[np.str_]
     recording: NDArray[np.int64]
-    told_apart: NDArray[np.bool_]
+    has_both_gaits: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.gait)
 
     @property
     def faster(self) -> NDArray[np.bool_]:
-        """(n,) whether a step is not walked."""
+        """Return (n,) True for the steps that are not walked."""
         faster: NDArray[np.bool_] = self.gait != Gait.WALKING
         return faster
 
     def pooled(self, scores: Array) -> Array:
-        """Scores (n, 2) cut at the limit and averaged with those of the step before, as the classifier does."""
+        """Clip scores (n, 2) at the limit and average them with those of the step before, as the classifier does."""
         cut = np.clip(scores, -SCORE_LIMIT, SCORE_LIMIT)
         before = np.concatenate([cut[:1], cut[:-1]])
         level = zip(cut[:, 0].tolist(), before[:, 0].tolist(), strict=True)
-        alone = self.begins | np.array([changes_gait(score, earlier) for score, earlier in level], dtype=bool)
+        alone = self.begins | np.array([is_gait_change(score, earlier) for score, earlier in level], dtype=bool)
         return np.where(alone[:, None], cut, 0.5 * (cut + before))
 
 
 def labelled_steps(
     steps: Iterable[Step], features: FeatureSet, *, person: str, data_set: str, gait: Gait
 ) -> LabelledSteps:
-    """The features of one recording's steps, in time order. Raises ConfigError when there is none."""
+    """Compute the features of one recording's steps, given in time order.
+
+    Raises
+    ------
+    ConfigError
+        If there is no step.
+    """
     extractor = step_features(features)
     rows, begins = [], []
     previous: Step | None = None
@@ -83,7 +111,13 @@ def labelled_steps(
 
 
 def step_table(walks: Sequence[LabelledSteps]) -> StepTable:
-    """The steps of all recordings, by data set and person. Raises ConfigError when there is no recording."""
+    """Join the steps of all recordings, ordered by data set and person.
+
+    Raises
+    ------
+    ConfigError
+        If there is no recording.
+    """
     if not walks:
         raise ConfigError("no labelled recording: there is nothing to train on")
     ordered = sorted(walks, key=lambda walk: (walk.data_set, walk.person))
@@ -99,18 +133,18 @@ def step_table(walks: Sequence[LabelledSteps]) -> StepTable:
         person=np.repeat([walk.person for walk in ordered], counts),
         data_set=np.repeat([walk.data_set for walk in ordered], counts),
         recording=np.repeat(np.arange(len(ordered)), counts),
-        told_apart=np.repeat([both <= gaits[walk.person] for walk in ordered], counts),
+        has_both_gaits=np.repeat([both <= gaits[walk.person] for walk in ordered], counts),
     )
 
 
-def data_sets(table: StepTable, chosen: NDArray[np.bool_]) -> tuple[DataSet, ...]:
-    """What the chosen steps (n,) of a table come from."""
+def data_sets(table: StepTable, chosen: NDArray[np.bool_]) -> tuple[TrainingDataSet, ...]:
+    """Summarise the data sets that the chosen steps (n,) of a table come from."""
     found = []
     for name in np.unique(table.data_set[chosen]).tolist():
         here = chosen & (table.data_set == name)
         walking, jogging, running = (int(np.sum(table.gait[here] == gait)) for gait in KNOWN_GAITS)
         found.append(
-            DataSet(
+            TrainingDataSet(
                 name=name,
                 people=len(np.unique(table.person[here])),
                 recordings=len(np.unique(table.recording[here])),

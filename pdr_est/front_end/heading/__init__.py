@@ -1,6 +1,18 @@
-"""Heading of each step: one file a method, chosen by name."""
+"""Find the heading of each step; one file for each method, chosen by name.
 
-from typing import Literal, assert_never, get_args
+* `posture_aware_yaw`: the default; `phone_posture` has its geometry.
+* `step_yaw`: the mean yaw of the phone over the step (MMPDR Table IV).
+* `mmpdr_aoc`: MMPDR's adaptive offset compensation.
+* `psp`: the y axis of a phone in a pocket, with `hde_controller` and `tie_controller` (PSP).
+* `acceleration_integration`: the integrated acceleration (Robust DR).
+* `principal_axis`: the principal axis of the horizontal acceleration.
+* `magnetometer`: the compass.
+* `level_frame`, `stride_pairing`: geometry and pairing of steps that several methods share.
+* `whole_walk/`: corrections that need the whole walk: the dominant directions of the building.
+"""
+
+from dataclasses import field
+from typing import Annotated, Any, Literal, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
 from pdr_est.front_end.heading.hde_controller import HdeParams
@@ -12,8 +24,9 @@ from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
-from pdr_est.front_end.heading.whole_walk.stage import WholeWalkHeading
+from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
 from pdr_est.params import params
+from pdr_est.parts import STAGE, PartName, is_external, loaded, named_part
 from pdr_est.stage import Stage
 
 HeadingName = Literal[
@@ -27,29 +40,58 @@ HeadingUse = Literal["increments", "priors"]
 
 @params
 class HeadingParams:
-    """method: which one. use: what becomes of the directions of straight paths that a method finds: "increments"
-    corrects the headings of the steps by them, "priors" leaves the headings as they were and hands the directions to
-    the estimator as heading priors, which it weighs. The parameters of each method lie under its own name; `psp` has
-    those of its controllers, `hde` and `tie`, and `auto` also those of the dominant directions, `dominant`."""
+    """Choose the heading method.
 
-    method: HeadingName = "auto"
+    The parameters of each method lie under its own name. The method "psp" has those of its controllers, `hde` and
+    `tie`; "auto" has those of `principal_axis` and of the dominant directions, too.
+    """
+
+    method: Annotated[str, PartName(HEADINGS)] = "auto"
+    """Name of the heading method."""
+    parameters: dict[str, Any] = field(default_factory=dict, hash=False)
+    """Arguments of a heading stage of your own, which `method` names as module:attribute."""
     use: HeadingUse = "priors"
+    """Use of the directions of straight paths that a method finds: "increments" corrects the headings of the steps by
+    them, "priors" leaves the headings as they were and hands the directions to the estimator as heading priors, which
+    it weighs.
+    """
     auto: AutoHeadingParams = AutoHeadingParams()
+    """Parameters of the method "auto"."""
     dominant: DominantParams = DominantParams()
+    """Parameters of the dominant directions, for the method "auto"."""
     mmpdr: MmpdrHeadingParams = MmpdrHeadingParams()
+    """Parameters of the method "mmpdr"."""
     hde: HdeParams = HdeParams()
+    """Parameters of the HDE controller, for the methods "hde" and "psp"."""
     tie: TieParams = TieParams()
+    """Parameters of the TIE controller, for the method "psp"."""
     acceleration_integration: AccelerationIntegrationParams = AccelerationIntegrationParams()
+    """Parameters of the method "acceleration-integration"."""
     principal_axis: PrincipalAxisParams = PrincipalAxisParams()
+    """Parameters of the method "principal-axis", which "auto" uses as well."""
 
 
 def needs_magnetometer(parameters: HeadingParams) -> bool:
-    """Whether the method wants the magnetic field with the samples of a step."""
+    """Return True if the method needs the magnetic field with the samples of a step.
+
+    A stage from outside the package needs it if its class or factory has an attribute `needs_magnetometer` that is
+    true.
+    """
+    if is_external(parameters.method):
+        return bool(getattr(loaded(parameters.method, "heading.method"), "needs_magnetometer", False))
     return parameters.method == "magnetometer"
 
 
 def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
-    """Stage Step -> Step that fills in heading_rad, sigma_turn_rad and, on straight paths, path_heading_rad."""
+    """Make the configured stage Step -> Step that fills in the heading.
+
+    It fills in `heading_rad`, `sigma_turn_rad` and, on straight paths, `path_heading_rad`.
+
+    Raises
+    ------
+    PartError
+        If a stage from outside the package cannot be made.
+    """
     priors = parameters.use == "priors"
     match parameters.method:
         case "auto":
@@ -70,11 +112,12 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
             return PrincipalAxis(parameters.principal_axis)
         case "magnetometer":
             return MagnetometerHeading()
-    assert_never(parameters.method)
+    own: Stage = named_part(parameters.method, parameters.parameters, STAGE, "heading.method", {"rate_hz": rate_hz})
+    return own
 
 
 def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:
-    """Stage Step -> Step that sets headings right at the end of the walk; None for a method that has none."""
+    """Make the stage Step -> Step that corrects headings at the end of the walk; None for a method that has none."""
     if parameters.method != "auto" or not parameters.dominant.enabled:
         return None
     return WholeWalkHeading(parameters.dominant, as_priors=parameters.use == "priors")

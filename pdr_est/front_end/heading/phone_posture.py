@@ -1,7 +1,7 @@
-"""How a phone sits on the body: which way is up in it, and its yaw, whatever its posture.
+"""Posture of the phone on the body: which way is up in it, and its yaw in any posture.
 
-The twist of an attitude about the vertical is undefined for a phone upside down. Counted from how the phone usually
-sits, its yaw is well defined for anything less than half a turn away from that.
+The twist of an attitude about the vertical is undefined for a phone upside down. Counted from the phone's usual
+posture, its yaw is well defined for anything less than half a turn away from that.
 """
 
 import numpy as np
@@ -12,16 +12,28 @@ from pdr_est.types.sensors import LevelBlock
 
 
 def mean_up(samples: LevelBlock) -> Array:
-    """Unit vector (3,) up in device axes, mean over some samples."""
+    """Compute the mean unit vector (3,) upwards in device axes over some samples."""
     total = samples.up.sum(axis=0)
     return np.asarray(total / max(float(np.linalg.norm(total)), 1e-9))
 
 
 def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
-    """Yaw, rad in (-pi, pi], mean over some samples, of a phone that usually sits with `reference_up` (3,) up.
+    """Compute the mean yaw over some samples of a phone in a known posture.
 
-    Two axes of the phone that are level when it sits so are turned into the level frame, where the one is a quarter
-    turn ahead of the other. The zero of the yaw belongs to the reference.
+    Two axes of the phone that are level in that posture are turned into the level frame, where the one is a quarter
+    turn ahead of the other.
+
+    Parameters
+    ----------
+    samples : LevelBlock
+        Samples.
+    reference_up : ndarray, shape (3,)
+        Unit vector upwards in device axes in the usual posture, to which the zero of the yaw belongs.
+
+    Returns
+    -------
+    float
+        Yaw, rad in (-pi, pi].
     """
     first, second = level_axes(reference_up)
     ahead = to_level(np.broadcast_to(first, samples.up.shape), samples.up, samples.yaw_rad)
@@ -32,7 +44,7 @@ def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
 
 
 def level_axes(up: Array) -> tuple[Array, Array]:
-    """Two unit vectors (3,) in device axes that make a right-handed frame with `up`, the first near a device axis."""
+    """Return two unit vectors (3,) that make a right-handed frame with `up`; the first is near a device axis."""
     axis = np.eye(3)[int(np.argmin(np.abs(up)))]
     first = axis - (axis @ up) * up
     first = first / np.linalg.norm(first)
@@ -40,5 +52,5 @@ def level_axes(up: Array) -> tuple[Array, Array]:
 
 
 def angle_between(a: Array, b: Array) -> float:
-    """Angle, rad, between two unit vectors (3,)."""
+    """Compute the angle, rad, between two unit vectors (3,)."""
     return float(np.arccos(np.clip(a @ b, -1.0, 1.0)))

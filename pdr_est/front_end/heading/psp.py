@@ -1,4 +1,4 @@
-"""Headings from the y axis of a phone in a trouser pocket (PSP, Hong et al. 2013, section II-B).
+"""Headings from the y axis of a phone in a trouser pocket, after PSP.
 
 The gyroscope's y axis is integrated over each stride. `gyro` adds up these increments and nothing else, `hde` adds
 the compensation of the HDE controller, `psp` that of HDE and TIE controller, each as a feedback system:
@@ -13,13 +13,16 @@ more than the gyroscope's bias, while the yaw of the attitude does not. This is 
 
 Readings of the paper. (1) A stride is two steps: the y axis of a phone at a leg turns to and fro with each step, by
 15 to 18 degrees in OxIOD, more than the threshold of a turn, and comes back after two. Both steps get the heading of
-the stride. (2) Whether
-priors or increments come of it is not the paper's question: as priors, the headings are those of the gyroscope alone,
-and straight strides (T = 0) have the dominant direction nearest to the compensated heading.
+the stride. (2) Whether priors or increments come of it is not the paper's question: as priors, the headings are those
+of the gyroscope alone, and straight strides (T = 0) have the dominant direction nearest to the compensated heading.
 
 Deviations. (1) The paper's phones stand with their upper edge up; turns of phones that stand on their head are
 counted with the other sign, by the mean direction of gravity of each stride. (2) The rotation rate is less the bias
 that the attitude filter knows.
+
+References
+----------
+PSP: Hong et al. 2013, section II-B.
 """
 
 from collections.abc import Sequence
@@ -29,7 +32,7 @@ import numpy as np
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.hde_controller import HdeController, HdeParams
-from pdr_est.front_end.heading.stride_averaging import STRIDE_LATENCY_S, Strides
+from pdr_est.front_end.heading.stride_pairing import STRIDE_LATENCY_S, StridePairing
 from pdr_est.front_end.heading.tie_controller import TieController, TieParams
 from pdr_est.types.steps import Step
 
@@ -37,7 +40,18 @@ from pdr_est.types.steps import Step
 class PspHeading:
     """Stage Step -> Step that fills in the heading and, with `priors`, the directions of straight paths.
 
-    hde: None for the gyroscope alone; tie: None for HDE alone. The headings begin at 0 in each segment.
+    The headings begin at 0 in each segment.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate of the level samples.
+    hde : HdeParams or None
+        Parameters of the HDE controller; None for the gyroscope alone.
+    tie : TieParams or None
+        Parameters of the TIE controller; None for HDE alone.
+    priors : bool
+        True to give straight strides a `path_heading_rad` instead of correcting their headings.
     """
 
     latency_s = STRIDE_LATENCY_S
@@ -46,14 +60,16 @@ class PspHeading:
         self._rate_hz = rate_hz
         self._hde_parameters, self._tie_parameters = hde, tie
         self._priors = priors
-        self._strides = Strides()
+        self._strides = StridePairing()
         self._begin(None)
 
     def push(self, item: Step, /) -> list[Step]:
+        """Take the next step and return those of a complete stride with their heading."""
         return [step for steps in self._strides.add(item) for step in self._stride(steps)]
 
     def flush(self) -> list[Step]:
-        return [step for steps in self._strides.rest() for step in self._stride(steps)]
+        """Return the step that waits for the second of its stride."""
+        return [step for steps in self._strides.flush() for step in self._stride(steps)]
 
     def _begin(self, segment: int | None) -> None:
         self._segment = segment
@@ -86,17 +102,17 @@ class PspHeading:
         ]
 
     def _compensation(self, duration_s: float) -> tuple[int, float]:
-        """T and P of the next stride."""
+        """Compute T and P of the next stride."""
         if self._hde is None:
             return 0, 0.0
-        turn, compensation_rad = self._hde.at(self._latest_rad, self._before_rad, duration_s)
+        turn, compensation_rad = self._hde.update(self._latest_rad, self._before_rad, duration_s)
         if self._tie is not None:
-            return turn, self._tie.at(turn, compensation_rad)
+            return turn, self._tie.update(turn, compensation_rad)
         return turn, compensation_rad if turn == 0 else 0.0
 
 
 def y_turn_rad(steps: Sequence[Step], rate_hz: float) -> float:
-    """Turn to the left over some steps by the y axis alone, rad; each sample lasts 1 / rate_hz."""
+    """Compute the turn to the left over some steps by the y axis alone, rad; each sample lasts 1 / rate_hz."""
     rate_radps = np.concatenate([step.samples.rotation_rate_radps[:, 1] for step in steps])
     upright = np.concatenate([step.samples.up[:, 1] for step in steps])
     sign = -1.0 if np.mean(upright) < 0.0 else 1.0

@@ -1,4 +1,4 @@
-"""TIE controller of PSP (Hong et al. 2013), eq. 5: compensation of the Turn Insufficient Effect.
+"""TIE controller of PSP: compensation of the Turn Insufficient Effect.
 
 A phone that swings in a pocket has its y axis out of the vertical, so that its gyroscope shows too little of every
 turn (eq. 1). What HDE has to add on straight paths is taken for a measure of the swing, and its average is added in
@@ -9,6 +9,10 @@ balances the drift of the gyroscope and has the opposite sign, so that T * mean(
 one side, and add the drift once more. The effect is a shortfall of every turn, and what increases every turn is a
 positive mean: that of the magnitudes, zeros of eq. 4 included. `average` = "signed" gives the literal one. Drift and
 swing remain one number in it, as the paper has it: a larger drift makes it compensate for more than there is.
+
+References
+----------
+PSP: Hong et al. 2013, eqs. 1 and 5.
 """
 
 from typing import Literal
@@ -18,21 +22,28 @@ from pdr_est.params import params
 
 @params
 class TieParams:
-    """average: of the compensations that HDE made on straight paths; "magnitude" of |I|, "signed" of I."""
+    """Parameters of PSP's TIE controller."""
 
     average: Literal["magnitude", "signed"] = "magnitude"
+    """Average of the compensations that HDE made on straight paths: "magnitude" of |I|, "signed" of I."""
 
 
 class TieController:
-    """Records HDE's compensation on straight paths and puts its mean in its place in turns."""
+    """Record HDE's compensation on straight paths and put its mean in its place in turns.
+
+    Parameters
+    ----------
+    parameters : TieParams
+        Kind of average.
+    """
 
     def __init__(self, parameters: TieParams) -> None:
         self._signed = parameters.average == "signed"
         self._sum_rad = 0.0
         self._count = 0
 
-    def at(self, turn: int, compensation_rad: float) -> float:
-        """P (eq. 5) from T and I_i; 0 in turns before the first straight stride."""
+    def update(self, turn: int, compensation_rad: float) -> float:
+        """Compute P (eq. 5) from T and I_i; 0 in turns before the first straight stride."""
         if turn != 0:
             return turn * self._sum_rad / self._count if self._count else 0.0
         self._sum_rad += compensation_rad if self._signed else abs(compensation_rad)

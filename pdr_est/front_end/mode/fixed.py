@@ -9,7 +9,13 @@ from pdr_est.types.steps import CarryingMode
 
 
 class FixedMode:
-    """Stage LevelBlock -> LevelBlock that labels every sample with the same mode."""
+    """Stage LevelBlock -> LevelBlock that labels every sample with the same mode.
+
+    Parameters
+    ----------
+    mode : CarryingMode
+        The mode, whose probability is set to 1.
+    """
 
     latency_s = 0.0
 
@@ -17,8 +23,10 @@ class FixedMode:
         self._mode = mode
 
     def push(self, item: LevelBlock, /) -> list[LevelBlock]:
+        """Label the samples of a block."""
         mode = np.full(len(item), self._mode, dtype=np.int8)
         return [replace(item, mode=mode, mode_probability=np.ones(len(item)))]
 
     def flush(self) -> list[LevelBlock]:
+        """Return nothing: no sample is held back."""
         return []

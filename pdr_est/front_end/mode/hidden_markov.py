@@ -1,7 +1,8 @@
-"""A hidden Markov chain whose states are equally likely to follow each other: forward pass, and a look ahead.
+"""Hidden Markov model with states that follow each other with equal probability: filter, and backward pass.
 
-From one row to the next the state changes with a probability that is given with the row, to each other state alike.
-It is below (states - 1) / states: even the likeliest change leaves the old state a chance. Arrays are (states, n).
+From one row to the next the state changes with a probability that is given with the row, and to each other state
+alike. That probability is below (states - 1) / states, so that even the most likely change leaves the old state a
+chance. Arrays are (states, n).
 """
 
 import numpy as np
@@ -10,46 +11,78 @@ from pdr_est.frames import Array
 
 
 class ModeBelief:
-    """The belief in each of some states, carried from row to row."""
+    """Filtered probabilities of the states, carried from row to row.
+
+    Parameters
+    ----------
+    states : int
+        Number of states, all of which are equally likely at the beginning.
+    """
 
     def __init__(self, states: int) -> None:
         self._belief = [1.0 / states] * states
 
-    def fade(self, keep: float) -> None:
-        """Mix the belief with ignorance; keep: the share of it that stays."""
-        even = (1.0 - keep) / len(self._belief)
-        self._belief = [keep * b + even for b in self._belief]
+    def relax(self, kept_share: float) -> None:
+        """Mix the belief with the uniform one; `kept_share` is the weight of the belief."""
+        uniform = (1.0 - kept_share) / len(self._belief)
+        self._belief = [kept_share * b + uniform for b in self._belief]
 
     def forward(self, change: Array, likelihood: Array) -> Array:
-        """Belief (states, n) at each row from all rows up to it. change: (n,) probability to have changed the
-        state since the row before; likelihood: (states, n) of what the row shows."""
+        """Filter further rows: compute the probabilities of the states at each row given all rows up to it.
+
+        Parameters
+        ----------
+        change : ndarray, shape (n,)
+            Probability that the state changed since the row before.
+        likelihood : ndarray, shape (states, n)
+            Likelihood of each row under each state, up to a factor.
+
+        Returns
+        -------
+        ndarray, shape (states, n)
+            The filtered probabilities.
+        """
         beliefs = []
         belief = self._belief
-        moved = _moved(change, len(belief)).tolist()
-        for m, row in zip(moved, likelihood.T.tolist(), strict=True):
-            seen = [(b + m) * x for b, x in zip(belief, row, strict=True)]
-            scale = 1.0 / sum(seen)
-            belief = [scale * b for b in seen]
+        ratio = _switch_ratio(change, len(belief)).tolist()
+        for m, row in zip(ratio, likelihood.T.tolist(), strict=True):
+            posterior = [(b + m) * x for b, x in zip(belief, row, strict=True)]
+            scale = 1.0 / sum(posterior)
+            belief = [scale * b for b in posterior]
             beliefs.append(belief)
         self._belief = belief
         return np.array(beliefs).reshape(-1, len(belief)).T
 
 
-def look_ahead(change: Array, likelihood: Array, count: int, rows: int) -> Array:
-    """What the `rows` rows after each of the first `count` say about it, (states, count), up to a factor.
+def backward_likelihood(change: Array, likelihood: Array, count: int, rows: int) -> Array:
+    """Compute the likelihood of the next `rows` rows given the state at each of the first `count` rows.
 
-    change: (n,), likelihood: (states, n), with n >= count + rows.
+    Parameters
+    ----------
+    change : ndarray, shape (n,)
+        Probability that the state changed since the row before; n is at least count + rows.
+    likelihood : ndarray, shape (states, n)
+        Likelihood of each row under each state, up to a factor.
+    count : int
+        Number of rows for which the result is computed.
+    rows : int
+        Number of later rows that are looked at.
+
+    Returns
+    -------
+    ndarray, shape (states, count)
+        The likelihood up to a factor.
     """
     ahead = np.ones((len(likelihood), count))
-    moved = _moved(change, len(likelihood))
+    ratio = _switch_ratio(change, len(likelihood))
     for step in range(rows, 0, -1):
         ahead *= likelihood[:, step : step + count]
-        ahead += moved[step : step + count] * np.add.reduce(ahead)
+        ahead += ratio[step : step + count] * np.add.reduce(ahead)
     return ahead
 
 
-def _moved(change: Array, states: int) -> Array:
-    """Of the step belief -> stay * belief + leave * sum(belief), leave over stay: only the ratio matters."""
+def _switch_ratio(change: Array, states: int) -> Array:
+    """Compute leave / stay of the prediction belief -> stay * belief + leave * sum(belief); the ratio is enough."""
     leave = change / (states - 1)
     ratio: Array = leave / (1.0 - change - leave)
     return ratio

@@ -1,0 +1,8 @@
+"""Signal processing that the stages share, bit-identical however the signal is cut into blocks.
+
+* `blocks`: join and cut blocks of samples.
+* `filters`: causal Butterworth filters.
+* `moving_average`: mean over a sliding window.
+* `event_detection`: local extrema, Schmitt trigger and refractory period.
+* `vectors`: products of rows of vectors; specific force and its magnitude.
+"""

@@ -1,4 +1,4 @@
-"""Joining and cutting blocks of level samples."""
+"""Join and cut blocks of level samples."""
 
 from collections.abc import Sequence
 from dataclasses import fields
@@ -15,7 +15,13 @@ _columns_of = attrgetter(*_COLUMNS)
 
 
 def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
-    """Consecutive blocks of one segment as one block."""
+    """Join consecutive blocks of one segment into one block.
+
+    Parameters
+    ----------
+    blocks : Sequence[LevelBlock]
+        At least one block; the samples of each follow those of the block before.
+    """
     if len(blocks) == 1:
         return blocks[0]
     columns = map(_joined, zip(*map(_columns_of, blocks), strict=True))
@@ -23,13 +29,21 @@ def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
 
 
 def _joined(columns: Sequence[NDArray[Any] | None]) -> Any:
-    """The columns one after the other; a column that the device does not record is None in all blocks."""
+    """Concatenate the same column of all blocks; a column that the device does not record is None in all of them."""
     present = [column for column in columns if column is not None]
     return np.concatenate(present) if present else None
 
 
 def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
-    """Take the first `count` samples, at least one, off a list of consecutive blocks of one segment."""
+    """Remove the first `count` samples, at least one, from a list of consecutive blocks, and return them.
+
+    Parameters
+    ----------
+    blocks : list[LevelBlock]
+        Blocks of one segment with at least `count` samples; changed in place.
+    count : int
+        Number of samples.
+    """
     taken: list[LevelBlock] = []
     while count > 0:
         block = blocks.pop(0)
@@ -42,7 +56,10 @@ def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
 
 
 def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
-    """Samples start to stop (exclusive) of a block: views, as nobody changes arrays in place."""
+    """Return samples `start` to `stop` (exclusive) of a block.
+
+    The columns are views, because nobody changes arrays in place.
+    """
     whole = zip(_COLUMNS, _columns_of(block), strict=True)
     columns: dict[str, Any] = {name: None if column is None else column[start:stop] for name, column in whole}
     return LevelBlock(first_index=block.first_index + start, segment=block.segment, **columns)

@@ -6,15 +6,26 @@ from scipy.signal import butter, sosfilt, sosfilt_zi, sosfreqz
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 
-CADENCE_HZ = 1.8  # steps a second of a common walk
-_LEAST_CUTOFF_HZ = 1e-3  # far below lies a low-pass that rounding spoils
+CADENCE_HZ = 1.8  # steps per second of a common walk
+_LEAST_CUTOFF_HZ = 1e-3  # rounding spoils a low-pass far below it
 
 
 class CausalFilter:
-    """Second-order sections with their state carried from block to block.
+    """Causal filter of second-order sections whose state is carried from block to block.
 
-    It starts in the steady state of its first sample. delay_s is the phase delay at a common cadence: by this much
-    the time of a crest found in the output of a walk lies too late.
+    It starts in the steady state of its first sample.
+
+    Parameters
+    ----------
+    sos : ndarray, shape (sections, 6)
+        Second-order sections as scipy writes them.
+    rate_hz : float
+        Sampling rate.
+
+    Attributes
+    ----------
+    delay_s : float
+        Phase delay at a common cadence: a peak found in the output of a walk is late by this much.
     """
 
     def __init__(self, sos: Array, rate_hz: float) -> None:
@@ -27,7 +38,7 @@ class CausalFilter:
         self._zi = None
 
     def push(self, samples: Array) -> Array:
-        """Filter (n,) samples, or (n, k) samples column by column."""
+        """Filter samples of shape (n,), or (n, k) column by column."""
         if not len(samples):
             return samples
         if self._zi is None:
@@ -38,7 +49,13 @@ class CausalFilter:
 
 
 class CausalLowPass(CausalFilter):
-    """Butterworth low-pass of second order. Raises ConfigError for a cutoff that cannot be had at this rate."""
+    """Causal Butterworth low-pass filter of second order.
+
+    Raises
+    ------
+    ConfigError
+        If the cutoff is not below half of the sampling rate, or too low to be computed accurately.
+    """
 
     def __init__(self, cutoff_hz: float, rate_hz: float) -> None:
         _check_cutoff("cutoff_hz", cutoff_hz, rate_hz)
@@ -46,8 +63,13 @@ class CausalLowPass(CausalFilter):
 
 
 class CausalBandPass(CausalFilter):
-    """First-order high-pass and third-order low-pass (Butterworth). Raises ConfigError for cutoffs in the wrong order
-    or that cannot be had at this rate."""
+    """Causal band-pass filter: a first-order high-pass and a third-order low-pass (Butterworth).
+
+    Raises
+    ------
+    ConfigError
+        If the cutoffs are not in rising order, not below half of the sampling rate, or too low.
+    """
 
     def __init__(self, low_hz: float, high_hz: float, rate_hz: float) -> None:
         _check_cutoff("low_hz", low_hz, rate_hz)
@@ -63,11 +85,14 @@ def _check_cutoff(name: str, cutoff_hz: float, rate_hz: float) -> None:
     if cutoff_hz >= 0.5 * rate_hz:
         raise ConfigError(f"{name} = {cutoff_hz:g} is not below half of resample.rate_hz = {rate_hz:g}: lower it")
     if cutoff_hz < _LEAST_CUTOFF_HZ:
-        raise ConfigError(f"{name} = {cutoff_hz:g} is below {_LEAST_CUTOFF_HZ:g}: no movement is so slow, raise it")
+        raise ConfigError(f"{name} = {cutoff_hz:g} is below {_LEAST_CUTOFF_HZ:g}: no movement is so slow: raise it")
 
 
 def phase_delay_s(sos: Array, rate_hz: float, signal_hz: float) -> float:
-    """By how much second-order sections delay a sine of `signal_hz`. The phase is followed from zero frequency."""
+    """Compute the delay, s, of a sine of `signal_hz` in second-order sections.
+
+    The phase is followed from zero frequency, so that delays of more than a period are not wrapped.
+    """
     frequencies = np.linspace(0.0, signal_hz, 257)[1:]
     _, response = sosfreqz(sos, worN=frequencies, fs=rate_hz)
     return float(-np.unwrap(np.angle(response))[-1] / (2.0 * np.pi * signal_hz))

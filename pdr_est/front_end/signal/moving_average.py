@@ -1,4 +1,4 @@
-"""Mean over a sliding window, the same to the last bit however the signal is cut into blocks."""
+"""Mean over a sliding window, bit-identical however the signal is cut into blocks."""
 
 import numpy as np
 
@@ -6,9 +6,21 @@ from pdr_est.frames import Array
 
 
 class MovingAverage:
-    """Mean of the latest `window_s` of a signal, its state carried from block to block.
+    """Mean of the latest `window_s` of a signal, with a state that is carried from block to block.
 
-    It starts as if the first sample had lasted for ever. delay_s is its delay at every frequency.
+    It starts as if the first sample had lasted for ever.
+
+    Parameters
+    ----------
+    window_s : float
+        Length of the window, s; at least one sample is averaged.
+    rate_hz : float
+        Sampling rate.
+
+    Attributes
+    ----------
+    delay_s : float
+        Group delay, s, the same at every frequency.
     """
 
     def __init__(self, window_s: float, rate_hz: float) -> None:
@@ -21,7 +33,7 @@ class MovingAverage:
         self._sums = None
 
     def push(self, samples: Array) -> Array:
-        """Average (n,) samples, or (n, k) samples column by column."""
+        """Average samples of shape (n,), or (n, k) column by column."""
         if not len(samples):
             return samples
         if self._sums is None:

@@ -1,27 +1,37 @@
-"""A step each time that a signal falls below one level after it was above another one."""
+"""Detect a step each time that a signal falls below one level after it was above another one."""
 
 from pdr_est.frames import Array
-from pdr_est.front_end.signal.trigger import Refractory, Trigger
+from pdr_est.front_end.signal.event_detection import RefractoryPeriod, SchmittTrigger
 from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import StepEvent
 
 
-class TriggeredSteps:
-    """What UPTIME's baselines share: the trigger, a pause after each step, and where the steps belong.
+class HysteresisDetector:
+    """Common part of UPTIME's baselines: a Schmitt trigger, a pause after each step, and the time of the steps.
 
-    delay_s: how long before its sign in the signal a step happened. above: the signal must have been higher; below:
-    the step is where it gets lower. min_interval_s: between steps.
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate.
+    delay_s : float
+        Delay of the signal behind the movement, which is taken off the time of a step.
+    above : float
+        Level that arms the trigger: the signal must have been higher.
+    below : float
+        Level that fires it: the step is where the signal gets lower.
+    min_interval_s : float
+        Least time between two steps.
     """
 
     def __init__(self, rate_hz: float, delay_s: float, *, above: float, below: float, min_interval_s: float) -> None:
         self._above, self._below = above, below
         self._samples = SampleBuffer(rate_hz, delay_s)
-        self._trigger = Trigger()
-        self._refractory = Refractory(min_interval_s)
+        self._trigger = SchmittTrigger()
+        self._refractory = RefractoryPeriod(min_interval_s)
 
-    def begins(self, block: LevelBlock) -> bool:
-        """Whether a new segment begins with this block; if so the old one is forgotten."""
+    def begin_if_new_segment(self, block: LevelBlock) -> bool:
+        """Return True if a new segment begins with this block, and forget the old one then."""
         if block.segment == self._samples.segment:
             return False
         self._samples.begin(block)
@@ -29,7 +39,7 @@ class TriggeredSteps:
         return True
 
     def push(self, block: LevelBlock, signal: Array) -> list[StepEvent]:
-        """The steps of a block, whose signal is (n,)."""
+        """Return the steps of a block, whose signal has shape (n,)."""
         self._samples.append(block, signal)
         falls = self._trigger.push(signal > self._above, signal < self._below)
         events = [

@@ -1,15 +1,19 @@
-"""Step detection by local variance, UPTIME's baseline (Alzantot and Youssef 2012, section II-B 1, reference [10]).
+"""Detect steps by local variance, a baseline of UPTIME.
 
 The magnitude of the acceleration is filtered and its variance over a sliding window is compared with thresholds. In
-[10] (Jimenez et al. 2009, a sensor on the foot) the standard deviation tells the swing of the foot, above 2 m/s^2,
-from its stance, below 1 m/s^2, and a step is a swing that ends in a stance.
+[10] (a sensor on the foot) the standard deviation tells the swing of the foot, above 2 m/s^2, from its stance, below
+1 m/s^2, and a step is a swing that ends in a stance.
 
 UPTIME names neither filter nor window nor thresholds. Ours: a Butterworth low-pass of second order. Deviations from
 [10]: (1) The window ends at the current sample, and its delay is taken off the time of a step. (2) The variance is
 about the window's own mean. (3) The step is where the stance begins; [10] puts it at the end of the swing and wants
-the stance to begin soon after. (4) The defaults are tuned on phones; the values of [10] miss most of their steps.
-(5) A stance soon after a step is not a step: the variance of the smooth wave that a phone away from the foot feels
-has two crests a step.
+the stance to begin soon after. (4) The defaults are tuned on phones; the values of [10] miss most of their steps. (5)
+A stance soon after a step is not a step: the variance of the smooth wave that a phone away from the foot feels has
+two peaks per step.
+
+References
+----------
+UPTIME: Alzantot and Youssef, WCNC 2012, section II-B 1. [10] there is Jimenez et al. 2009.
 """
 
 import numpy as np
@@ -19,7 +23,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.moving_average import MovingAverage
 from pdr_est.front_end.signal.vectors import excess_magnitude
-from pdr_est.front_end.steps.hysteresis_detector import TriggeredSteps
+from pdr_est.front_end.steps.hysteresis_detector import HysteresisDetector
 from pdr_est.params import NonNegative, Positive, Window, params
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import StepEvent
@@ -27,18 +31,35 @@ from pdr_est.types.steps import StepEvent
 
 @params
 class LocalVarianceParams:
-    """cutoff_hz: low-pass. window_s: of the variance. swing_mps2: standard deviation above which the foot swings;
-    stance_mps2: below which it stands, at most as large. min_interval_s: between steps."""
+    """Parameters of the step detector "local-variance"; all values are ours, tuned on phones."""
 
     cutoff_hz: Positive = 3.0
+    """Cutoff of the low-pass, Hz."""
     window_s: Window = 0.12
+    """Length of the window of the variance, s."""
     swing_mps2: NonNegative = 0.6
+    """Standard deviation above which the foot swings, m/s^2."""
     stance_mps2: NonNegative = 0.6
+    """Standard deviation below which the foot stands, m/s^2; at most as large as swing_mps2."""
     min_interval_s: NonNegative = 0.35
+    """Least time between two steps, s."""
 
 
 class LocalVariance:
-    """Stage LevelBlock -> StepEvent. Raises ConfigError if a stance may vary more than a swing."""
+    """Stage LevelBlock -> StepEvent by the local variance of the acceleration's magnitude.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate of the level samples.
+    parameters : LocalVarianceParams
+        Filter, window and thresholds.
+
+    Raises
+    ------
+    ConfigError
+        If the threshold of the stance is above that of the swing.
+    """
 
     def __init__(self, rate_hz: float, parameters: LocalVarianceParams) -> None:
         if parameters.stance_mps2 > parameters.swing_mps2:
@@ -47,9 +68,9 @@ class LocalVariance:
                 "give it the same value or a smaller one"
             )
         self._low_pass = CausalLowPass(parameters.cutoff_hz, rate_hz)
-        self._moments = MovingAverage(parameters.window_s, rate_hz)
-        self.latency_s = self._low_pass.delay_s + self._moments.delay_s
-        self._stances = TriggeredSteps(
+        self._averages = MovingAverage(parameters.window_s, rate_hz)
+        self.latency_s = self._low_pass.delay_s + self._averages.delay_s
+        self._hysteresis = HysteresisDetector(
             rate_hz,
             self.latency_s,
             above=parameters.swing_mps2**2,
@@ -58,19 +79,21 @@ class LocalVariance:
         )
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
+        """Take level samples and return the steps in them."""
         if not len(item):
             return []
-        if self._stances.begins(item):
+        if self._hysteresis.begin_if_new_segment(item):
             self._low_pass.reset()
-            self._moments.reset()
+            self._averages.reset()
         smooth = self._low_pass.push(excess_magnitude(item.up, item.acceleration_mps2))
-        return self._stances.push(item, self._variance(smooth))
+        return self._hysteresis.push(item, self._variance(smooth))
 
     def flush(self) -> list[StepEvent]:
+        """Return nothing: no event is held back."""
         return []
 
     def _variance(self, samples: Array) -> Array:
-        """Variance (n,) of the window that ends at each of the samples (n,)."""
-        mean, mean_square = self._moments.push(np.stack([samples, samples * samples], axis=1)).T
+        """Compute the variance (n,) of the window that ends at each of the samples (n,)."""
+        mean, mean_square = self._averages.push(np.stack([samples, samples * samples], axis=1)).T
         variance: Array = mean_square - mean * mean
         return variance

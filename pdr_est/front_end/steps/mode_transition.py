@@ -1,4 +1,4 @@
-"""Steps that are taken while the phone changes its place, counted by their rhythm (MMPDR section III-C, eq. 8)."""
+"""Make up the steps taken while the phone changes its carrying mode (MMPDR section III-C, eq. 8)."""
 
 from dataclasses import replace
 
@@ -9,8 +9,10 @@ from pdr_est.types.steps import StepEvent
 
 
 class StepFrequency:
-    """How many steps a second the walker takes: the reciprocal of the time between the last two steps, 0 for one
-    who has taken no step for standstill_s or only one since."""
+    """Step frequency of the walker: the reciprocal of the time between the last two steps.
+
+    It is 0 for a walker who has taken no step for `standstill_s`, or only one since then.
+    """
 
     def __init__(self, standstill_s: float) -> None:
         self._standstill_s = standstill_s
@@ -19,24 +21,37 @@ class StepFrequency:
         self._bridged = False
 
     def at(self, time_s: float) -> float:
-        """The frequency, Hz, at a time after the latest step."""
+        """Return the frequency, Hz, at a time after the latest step."""
         return self._frequency_hz if time_s - self._last_s <= self._standstill_s else 0.0
 
     def step(self, time_s: float) -> None:
-        """Take in a detected step. The time since a compensated one says nothing."""
+        """Take in the time of a detected step.
+
+        The time since a compensated step says nothing, so the first step after one leaves the frequency as it is.
+        """
         if not (self._bridged and self.at(time_s)):
             elapsed_s = time_s - self._last_s
             self._frequency_hz = 1.0 / elapsed_s if elapsed_s <= self._standstill_s else 0.0
         self._last_s, self._bridged = time_s, False
 
     def bridge(self, time_s: float) -> None:
-        """The walker went on in the same rhythm until this time."""
+        """Take it that the walker went on with the same frequency until this time."""
         self._last_s, self._bridged = time_s, True
 
 
-class Transition:
-    """Compensation of one transition after another. longest_s: a longer one is compensated in parts of this length,
-    so that nobody has to wait for its end."""
+class TransitionCompensation:
+    """Compensation of the steps of one transition after another.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate.
+    longest_s : float
+        Longest transition that is compensated at once; a longer one is compensated in parts of this length, so that
+        nobody has to wait for its end.
+    frequency : StepFrequency
+        Step frequency of the walker, shared with the detector.
+    """
 
     def __init__(self, rate_hz: float, longest_s: float, frequency: StepFrequency) -> None:
         self._rate_hz = rate_hz
@@ -46,20 +61,20 @@ class Transition:
         self._count = 0
 
     def extend(self, samples: SampleBuffer, start: int, stop: int) -> list[StepEvent]:
-        """Samples start to stop (exclusive) lie in the transition; return the steps of its complete parts."""
+        """Add samples `start` to `stop` (exclusive) to the transition, and return the steps of its complete parts."""
         events: list[StepEvent] = []
         while start < stop:
             if self._first is None:
                 self._first = samples.event(start)
-            taken = min(stop - start, self._longest - self._count)
-            self._count += taken
-            start += taken
+            added = min(stop - start, self._longest - self._count)
+            self._count += added
+            start += added
             if self._count == self._longest:
                 events += self.end()
         return events
 
     def end(self) -> list[StepEvent]:
-        """The transition is over: its steps, none if there was no transition."""
+        """End the transition and return its steps; none if there was no transition."""
         if self._first is None:
             return []
         events = compensated_steps(self._first, self._count, self._rate_hz, self._frequency.at(self._first.time_s))
@@ -70,13 +85,28 @@ class Transition:
 
 
 def compensated_steps(first: StepEvent, count: int, rate_hz: float, frequency_hz: float) -> list[StepEvent]:
-    """Eq. 8: round(duration * frequency) steps, evenly spread over a transition of `count` samples.
+    """Spread round(duration * frequency) steps evenly over a transition.
 
-    first: a step at its first sample. The steps lie on samples, each in the middle of its share of the transition.
+    The steps lie on samples, each in the middle of its share of the transition.
+
+    Parameters
+    ----------
+    first : StepEvent
+        A step at the first sample of the transition, of which the others are copies.
+    count : int
+        Number of samples of the transition.
+    rate_hz : float
+        Sampling rate.
+    frequency_hz : float
+        Step frequency before the transition.
+
+    References
+    ----------
+    MMPDR, eq. 8.
     """
-    number = min(int(count / rate_hz * frequency_hz + 0.5), count)
-    places = [(2 * k + 1) * count // (2 * number) for k in range(number)]
+    steps = min(int(count / rate_hz * frequency_hz + 0.5), count)
+    offsets = [(2 * k + 1) * count // (2 * steps) for k in range(steps)]
     return [
-        replace(first, index=first.index + place, time_s=first.time_s + place / rate_hz, compensated=True)
-        for place in places
+        replace(first, index=first.index + offset, time_s=first.time_s + offset / rate_hz, compensated=True)
+        for offset in offsets
     ]

@@ -1,4 +1,4 @@
-"""The samples that a step detector may still need: a filtered signal with its times, indices and modes."""
+"""Keep the samples that a step detector may still need: a filtered signal with its times, indices and modes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,26 @@ from pdr_est.types.steps import CarryingMode, StepEvent
 
 
 class SampleBuffer:
-    """A growing and shrinking window of one segment. delay_s: how long before its sign in
-    the filtered signal a step happened. columns: of the signal, which is (n,) without and (n, columns) with them."""
+    """Window of the latest samples of one segment, which grows by blocks and is cut at the front.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate.
+    delay_s : float
+        Delay of the filtered signal behind the movement; taken off the time and the index of a step.
+    columns : int, optional
+        Number of columns of the signal, which is (n, columns) with it and (n,) without.
+
+    Attributes
+    ----------
+    segment : int or None
+        Segment of the samples; None before the first one.
+    signal : ndarray, shape (n,) or (n, columns)
+        Filtered signal.
+    mode : ndarray of int8, shape (n,)
+        Carrying mode.
+    """
 
     def __init__(self, rate_hz: float, delay_s: float, columns: int | None = None) -> None:
         self._delay_s = delay_s
@@ -45,11 +63,11 @@ class SampleBuffer:
         self._time_s, self._mode_probability = self._time_s[count:], self._mode_probability[count:]
 
     def time_s(self, i: int) -> float:
-        """When the feature at position i happened: the sample's time less the delay."""
+        """Return the time of the movement at position i: the sample's time less the delay."""
         return float(self._time_s[i]) - self._delay_s
 
     def event(self, i: int, confidence: float = 1.0) -> StepEvent:
-        """The step at position i of the window."""
+        """Make the step event at position i of the window."""
         return StepEvent(
             index=self._first_index + i - self._delay,
             time_s=self.time_s(i),

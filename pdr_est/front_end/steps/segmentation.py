@@ -1,6 +1,6 @@
-"""From step events to steps: each event with the samples of its movement.
+"""Turn step events into steps: each event with the samples of its movement.
 
-Nobody saw when compensated steps were, so they and the first one after them keep the last frequency (MMPDR section
+Compensated steps were not observed, so they and the first one after them keep the last frequency (MMPDR section
 III-D).
 """
 
@@ -16,15 +16,24 @@ from pdr_est.types.steps import Step, StepEvent
 
 @params
 class SegmentationParams:
-    """standstill_s: without a step for this long the walker stands (MMPDR section III-C: 2 s).
-    initial_step_s: how long the first step after a standstill takes, or one that a segment begins in."""
+    """Parameters of the cut of the samples into steps."""
 
     standstill_s: Positive = 2.0
+    """Time without a step, s, after which the walker stands (MMPDR section III-C: 2 s)."""
     initial_step_s: Positive = 0.6
+    """Duration, s, of the first step after a standstill, or of one that a segment begins in; ours."""
 
 
 class StepSegmentation:
-    """Stage LevelBlock -> Step around a step detector, a stage LevelBlock -> StepEvent."""
+    """Stage LevelBlock -> Step around a step detector.
+
+    Parameters
+    ----------
+    detector : Stage
+        Stage LevelBlock -> StepEvent.
+    parameters : SegmentationParams
+        Standstill, and the duration of a first step.
+    """
 
     def __init__(self, detector: Stage, parameters: SegmentationParams) -> None:
         self._detector = detector
@@ -35,9 +44,11 @@ class StepSegmentation:
 
     @property
     def latency_s(self) -> float:
+        """Return the latency of the detector, s: a step is emitted with its event."""
         return self._detector.latency_s
 
     def push(self, item: LevelBlock, /) -> list[Step]:
+        """Take level samples and return the steps that end in them."""
         if not len(item):
             return []
         events: list[StepEvent] = self._detector.push(item)
@@ -51,6 +62,7 @@ class StepSegmentation:
         return steps
 
     def flush(self) -> list[Step]:
+        """Return the steps that the detector held back."""
         return [self._step(event) for event in self._detector.flush()]
 
     def _step(self, event: StepEvent) -> Step:
@@ -74,7 +86,7 @@ class StepSegmentation:
         )
 
     def _frequency_at(self, event: StepEvent) -> float:
-        """Steps a second, Hz, with this event; 0 for the first one after a standstill."""
+        """Return the step frequency, Hz, with this event; 0 for the first one after a standstill."""
         if event.compensated and self._frequency.at(event.time_s):
             self._frequency.bridge(event.time_s)
         else:

@@ -1,7 +1,7 @@
-"""How long a stride takes, from how well the recent signal agrees with itself.
+"""Estimate the period of a stride from the autocorrelation of the recent signal.
 
-A leg's phone feels its own strike and the other foot's differently, so that its signal repeats after a stride, two
-steps, and only roughly after one. Not from a paper; all numbers are ours.
+A phone at a leg feels its own foot's strike and the other foot's differently, so that its signal repeats after a
+stride, two steps, and only roughly after one. Not from a paper; all values are ours.
 """
 
 import numpy as np
@@ -13,22 +13,39 @@ from pdr_est.params import Fraction, Positive, params
 
 @params
 class StridePeriodParams:
-    """memory_s: of the signal that is compared with itself, and least_s, of which there must be so much. shortest_s,
-    longest_s: strides that are looked for. least_agreement: correlation at the stride; first_share: the first peak
-    with this share of the highest one's correlation is the stride, the later ones are several. The times rise from
-    shortest_s over longest_s and least_s to memory_s."""
+    """Parameters of the search; the times rise from shortest_s over longest_s and least_s to memory_s."""
 
     memory_s: Positive = 6.0
+    """Length of the signal that is correlated with itself, s."""
     least_s: Positive = 3.5
+    """Least length of the signal, s, for an estimate."""
     shortest_s: Positive = 0.65
+    """Shortest stride that is looked for, s."""
     longest_s: Positive = 2.4
+    """Longest stride that is looked for, s."""
     least_agreement: Fraction = 0.4
+    """Least correlation at the period of the stride."""
     first_share: Fraction = 0.8
+    """Share of the highest peak's correlation: the first peak that has it is the stride, later ones are several
+    strides.
+    """
 
 
 class StridePeriod:
-    """The recent samples of one segment, and the stride in them. Raises ConfigError if the times are in another
-    order."""
+    """Recent samples of one segment, and the period of the strides in them.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate.
+    parameters : StridePeriodParams
+        Lengths and thresholds.
+
+    Raises
+    ------
+    ConfigError
+        If the times of the parameters are not in rising order.
+    """
 
     def __init__(self, rate_hz: float, parameters: StridePeriodParams) -> None:
         p = parameters
@@ -42,33 +59,47 @@ class StridePeriod:
         self._signal: Array = np.empty(0)
 
     def clear(self) -> None:
+        """Forget all samples, for a new segment."""
         self._signal = np.empty(0)
 
-    def append(self, signal: Array, undecided: int) -> None:
-        """Add samples (n,). undecided: how many of the latest ones, these included, may still be asked about."""
-        kept = round(self._parameters.memory_s * self._rate_hz) + undecided
+    def append(self, signal: Array, pending: int) -> None:
+        """Add samples.
+
+        Parameters
+        ----------
+        signal : ndarray, shape (n,)
+            Signal with one peak per step.
+        pending : int
+            Number of the latest samples, these included, at which `ending_at` may still be called.
+        """
+        kept = round(self._parameters.memory_s * self._rate_hz) + pending
         self._signal = np.concatenate([self._signal, signal])[-kept:]
 
-    def before(self, later: int) -> float:
-        """Seconds that a stride takes by the samples up to the one that has so many later ones; infinite if they do
-        not tell."""
-        p, end = self._parameters, len(self._signal) - later
+    def ending_at(self, samples_after: int) -> float:
+        """Estimate the period of the strides, s, from the samples up to the one that has so many samples after it.
+
+        Returns
+        -------
+        float
+            The period; infinite if the samples do not tell it.
+        """
+        p, end = self._parameters, len(self._signal) - samples_after
         recent = self._signal[max(end - round(p.memory_s * self._rate_hz), 0) : end]
         if len(recent) < p.least_s * self._rate_hz:
             return np.inf
-        agreement = _autocorrelation(recent)
+        correlation = _autocorrelation(recent)
         longest = min(round(p.longest_s * self._rate_hz), len(recent) - 1)
         lags = np.arange(round(p.shortest_s * self._rate_hz), longest)
-        here = agreement[lags]
-        peaks = lags[(here > agreement[lags - 1]) & (here >= agreement[lags + 1])]
-        if not len(peaks) or float(agreement[peaks].max()) < p.least_agreement:
+        at_lags = correlation[lags]
+        peaks = lags[(at_lags > correlation[lags - 1]) & (at_lags >= correlation[lags + 1])]
+        if not len(peaks) or float(correlation[peaks].max()) < p.least_agreement:
             return np.inf
-        first = peaks[agreement[peaks] >= p.first_share * agreement[peaks].max()][0]
+        first = peaks[correlation[peaks] >= p.first_share * correlation[peaks].max()][0]
         return float(first) / self._rate_hz
 
 
 def _autocorrelation(signal: Array) -> Array:
-    """Correlation (n,) of a signal (n,) with itself, later by as many samples; 1 at none."""
+    """Compute the unbiased autocorrelation (n,) of a signal (n,) at lags 0 to n - 1; 1 at lag 0."""
     centred = signal - signal.mean()
     spectrum = np.fft.rfft(centred, 2 * len(centred))
     products = np.fft.irfft(spectrum * np.conj(spectrum))[: len(centred)]

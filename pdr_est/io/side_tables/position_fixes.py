@@ -74,6 +74,22 @@ def read_position_fixes(path: str | Path, recording: Recording) -> tuple[Positio
     )
 
 
+def require_fix_inside(time_s: float, place: str, recording: Recording) -> None:
+    """Check that the time of a fix, s, lies inside the recording, up to `TIME_MARGIN_S`.
+
+    Raises
+    ------
+    RecordingError
+        When it does not; `place` names the fix in the message.
+    """
+    start_s, end_s = _time_span_s(recording)
+    if not start_s - TIME_MARGIN_S <= time_s <= end_s + TIME_MARGIN_S:
+        raise RecordingError(
+            f"{place}: time {time_s:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s): "
+            "use the recording's clock"
+        )
+
+
 @dataclass(frozen=True)
 class _Rows:
     """Columns of the table, one entry a fix."""
@@ -168,7 +184,6 @@ def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
 
 def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:
     """Refuse impossible values and times outside the recording, row by row."""
-    start_s, end_s = _time_span_s(recording)
     fixes = zip(rows.time_s, rows.position_m, rows.sigma_m, rows.robust, strict=True)
     for line, (t, p, s, r) in enumerate(fixes, start=_FIRST_LINE):
         where = f"{place}, line {line}"
@@ -183,8 +198,4 @@ def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:
             )
         if r not in (0.0, 1.0):
             raise RecordingError(f"{where}: robust = {r:g}: give 1 for a fix that may be an outlier, else 0")
-        if not start_s - TIME_MARGIN_S <= t <= end_s + TIME_MARGIN_S:
-            raise RecordingError(
-                f"{where}: time {t:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s): "
-                "use the recording's clock"
-            )
+        require_fix_inside(t, where, recording)

@@ -1,1 +1,4 @@
-"""The page of an experiment: how variants compare over many walks."""
+"""The report of an experiment, which compares variants over many walks.
+
+* `page`: the HTML page. `tables`, `plots`: its parts.
+"""

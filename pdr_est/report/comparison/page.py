@@ -1,4 +1,4 @@
-"""The page of an experiment: one HTML file that needs nothing but a browser."""
+"""The report of an experiment: one HTML file that needs nothing but a browser."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,23 +11,41 @@ from matplotlib.figure import Figure
 from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
 from pdr_est.evaluate.paired_comparison import Paired
 from pdr_est.report.comparison import tables
-from pdr_est.report.comparison.plots import looks, plot_coverage, plot_distribution, plot_growth, plot_tracks
+from pdr_est.report.comparison.plots import plot_coverage, plot_distribution, plot_growth, plot_tracks, variant_styles
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
-from pdr_est.report.walk.page import environment
+from pdr_est.report.walk.page import template_environment
 from pdr_est.report.walk.panels import Panel
 from pdr_est.types.outcome import TrackOutcome
 
 _TRUTH = LegendEntry("truth", "muted", "true positions")
-_RIGHT = LegendEntry("line", "muted", "right", (1.6, 1.0))
+_IDEAL = LegendEntry("line", "muted", "ideal", (1.6, 1.0))
 _MOST_FAILURES = 100  # shown
 
 
 @dataclass(frozen=True)
-class Content:
-    """What the page shows. pairs: variants compared walk by walk. failed: number of walks of which nothing could be
-    told. failures: walk, and what could not be told and why. config: the resolved configuration as text. provenance:
-    what is needed to repeat it."""
+class ComparisonContent:
+    """Content of the page.
+
+    Attributes
+    ----------
+    title : str
+        Title of the experiment.
+    variants, metrics, group_by : tuple of str
+        Names of the variants, of the metrics, and of the keys that walks are grouped by.
+    outcomes : tuple of TrackOutcome
+        Results of each track and variant.
+    pairs : tuple of Paired
+        Variants compared walk by walk.
+    failed : int
+        Number of walks without any result.
+    failures : tuple of (str, str)
+        Walk, and what failed and why.
+    config : str
+        Resolved configuration.
+    provenance : mapping
+        Information that is needed to repeat the experiment.
+    """
 
     title: str
     variants: tuple[str, ...]
@@ -41,16 +59,16 @@ class Content:
     provenance: Mapping[str, Any]
 
 
-def render_comparison(content: Content) -> str:
-    """The page as text."""
+def render_comparison(content: ComparisonContent) -> str:
+    """Render the page as text."""
     shown = [metric for metric in content.metrics if any(one.metrics[metric] is not None for one in content.outcomes)]
     return (
-        environment()
+        template_environment()
         .get_template("comparison.html.j2")
         .render(
             content=content,
             tiles=_tiles(content),
-            averages=tables.averages(content.outcomes, content.variants, shown),
+            averages=tables.averages_table(content.outcomes, content.variants, shown),
             tables=_tables(content, shown),
             panels=_panels(content),
             gallery=_gallery(content, shown),
@@ -61,7 +79,7 @@ def render_comparison(content: Content) -> str:
     )
 
 
-def _tiles(content: Content) -> list[tuple[str, str]]:
+def _tiles(content: ComparisonContent) -> list[tuple[str, str]]:
     walks = {one.walk for one in content.outcomes}
     tracks = {(one.walk, one.track) for one in content.outcomes}
     return [
@@ -72,38 +90,47 @@ def _tiles(content: Content) -> list[tuple[str, str]]:
     ]
 
 
-def _tables(content: Content, metrics: Sequence[str]) -> list[tables.Table]:
+def _tables(content: ComparisonContent, metrics: Sequence[str]) -> list[tables.ReportTable]:
     compared = {pair.first for pair in content.pairs}
-    first_only = "The first variant is compared with the others; pdr-est compare has all pairs."
+    first_only = "Here the first variant is compared with the others; `pdr-est compare` compares all pairs."
     note = first_only if len(content.variants) > 2 and len(compared) == 1 else ""
-    made = [tables.pairs(content.pairs, note)] if any(pair.ties < pair.n for pair in content.pairs) else []
-    made += [tables.groups(content.outcomes, content.variants, metrics, key) for key in content.group_by]
-    made += [tables.steps(content.outcomes, content.variants), tables.modes(content.outcomes, content.variants)]
+    made = [tables.pairs_table(content.pairs, note)] if any(pair.ties < pair.n for pair in content.pairs) else []
+    made += [tables.groups_table(content.outcomes, content.variants, metrics, key) for key in content.group_by]
+    made += [
+        tables.steps_table(content.outcomes, content.variants),
+        tables.modes_table(content.outcomes, content.variants),
+    ]
     return made
 
 
-def _panels(content: Content) -> list[Panel]:
-    """The plots that the data allow: errors need true positions, coverage needs fixes."""
-    legend = tuple(looks(content.variants).values())
+def _panels(content: ComparisonContent) -> list[Panel]:
+    """Make the plots that the data allow: errors need true positions, coverage needs fixes."""
+    legend = tuple(variant_styles(content.variants).values())
     outcomes, variants = content.outcomes, content.variants
     panels = []
     if any(len(one.error_m) for one in outcomes):
-        where = "at true positions that the estimator was not given" if _fixed(outcomes) else "aligned at the start"
+        where = (
+            "at true positions that the estimator was not given"
+            if _fixed(outcomes)
+            else "after alignment at the start"
+        )
         figure = plot_distribution(outcomes, variants)
-        caption = f"Errors {where}, of all walks together. The least and the largest 2 % may lie outside."
+        caption = f"Errors of all walks together, {where}. The smallest and the largest 2 % may lie outside the plot."
         panels.append(_panel("Distribution of the errors", "cdf", figure, legend, caption))
-        caption = f"Errors {where}. Thick: median, thin: 90th percentile; dots: the positions, where they are few."
+        caption = (
+            f"Errors {where}. Thick: median; thin: 90th percentile; dots: single positions, where there are few."
+        )
         figure = plot_growth(outcomes, variants)
         panels.append(_panel("Error against distance", "growth", figure, legend, caption))
     if any(len(one.squared) for one in outcomes):
-        caption = "Below the broken line: the tracks claim to be surer than they are. Above: less sure."
+        caption = "Below the dashed line the covariance is too small (overconfident), above it too large."
         figure = plot_coverage(outcomes, variants)
-        panels.append(_panel("Honesty of the covariance", "coverage", figure, (*legend, _RIGHT), caption))
+        panels.append(_panel("Consistency of the covariance", "coverage", figure, (*legend, _IDEAL), caption))
     return panels
 
 
-def _gallery(content: Content, metrics: Sequence[str]) -> list[Panel]:
-    """The worst, the median and the best walk by the first metric of the tracks shown, mean over the variants."""
+def _gallery(content: ComparisonContent, metrics: Sequence[str]) -> list[Panel]:
+    """Draw the worst, the median and the best walk by the first metric of the tracks, mean over the variants."""
     if not metrics:
         return []
     held_out = "error_heldout_m"
@@ -129,8 +156,8 @@ def _gallery(content: Content, metrics: Sequence[str]) -> list[Panel]:
     for place, word in chosen.items():
         (walk, track), rows = scored[place][1], by_track[scored[place][1]]
         name = walk if track == "device" else f"{walk}, {track}"
-        values = "; ".join(f"{one.variant} {tables.value(one.metrics[metric])}" for one in rows)
-        legend = (*looks(content.variants).values(), *([_TRUTH] if len(rows[0].truth_m) else []))
+        values = "; ".join(f"{one.variant} {tables.format_metric(one.metrics[metric])}" for one in rows)
+        legend = (*variant_styles(content.variants).values(), *([_TRUTH] if len(rows[0].truth_m) else []))
         figure = plot_tracks(rows, content.variants)
         panels.append(
             _panel(

@@ -1,4 +1,4 @@
-"""The plots of the page: distribution and growth of the errors, honesty of the covariance, tracks."""
+"""Plots of the comparison: distribution and growth of the errors, consistency of the covariance, tracks."""
 
 from collections.abc import Sequence
 from itertools import chain
@@ -24,13 +24,13 @@ _FEW = 100  # errors of a variant, which are drawn one by one
 _WIDE_M = 6.0
 
 
-def looks(variants: Sequence[str]) -> dict[str, LegendEntry]:
-    """Colour and dashes of each variant's line: four colours, then the same ones broken."""
-    colours = len(svg.SERIES)
+def variant_styles(variants: Sequence[str]) -> dict[str, LegendEntry]:
+    """Choose colour and dashes of each variant's line: four colours, then the same ones with dashes."""
+    colours = len(svg.DEVICE_COLOURS)
     return {
         name: LegendEntry(
             "line",
-            svg.css_name(svg.series_colour(number)),
+            svg.css_name(svg.device_colour(number)),
             name,
             _DASHES[number // colours % len(_DASHES)],
         )
@@ -39,7 +39,7 @@ def looks(variants: Sequence[str]) -> dict[str, LegendEntry]:
 
 
 def plot_distribution(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
-    """Share of the true positions with an error below each value."""
+    """Draw the cumulative distribution of the position errors of each variant."""
     figure, axes = _figure()
     pools = [_pooled(outcomes, name, "error_m") for name in variants]
     for number, pool in enumerate(pools):
@@ -64,7 +64,10 @@ def plot_distribution(outcomes: Sequence[TrackOutcome], variants: Sequence[str])
 
 
 def plot_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
-    """Median (thick) and 90th percentile (thin) of the error against the distance walked; few errors also as dots."""
+    """Draw median (thick) and 90th percentile (thin) of the error against the distance walked.
+
+    Few errors also as dots.
+    """
     figure, axes = _figure()
     farthest = max((float(one.way_m.max()) for one in outcomes if len(one.way_m)), default=1.0)
     pools = [_pooled(outcomes, name, "error_m") for name in variants]
@@ -76,7 +79,7 @@ def plot_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
     for number, (name, error_m) in enumerate(zip(variants, pools, strict=True)):
         way_m = _pooled(outcomes, name, "way_m")
         if most < _FEW:
-            axes.plot(way_m, error_m, ".", color=svg.series_colour(number), markersize=4.0)
+            axes.plot(way_m, error_m, ".", color=svg.device_colour(number), markersize=4.0)
             drawn.append(error_m[error_m > 0.0])
         place = np.clip(np.searchsorted(edges, way_m, side="right") - 1, 0, bins - 1)
         within = [error_m[place == i] for i in range(bins)]
@@ -97,7 +100,7 @@ def plot_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
 
 
 def plot_coverage(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
-    """Share of the true positions inside the region of each nominal probability."""
+    """Draw the fraction of true positions inside the confidence region of each nominal probability."""
     figure, axes = _figure()
     nominal = np.linspace(0.0, 1.0, 101)
     limits = chi2.ppf(nominal, 2)
@@ -114,7 +117,7 @@ def plot_coverage(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> 
 
 
 def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
-    """The tracks of one walk, a line for each variant, on the true positions."""
+    """Draw the tracks of one walk, one line for each variant, over the true positions."""
     clouds = [one.position_m for one in outcomes] + [one.truth_m for one in outcomes]
     cloud = np.concatenate([points for points in clouds if len(points)])
     low, high = cloud.min(axis=0), cloud.max(axis=0)
@@ -143,7 +146,7 @@ def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
 
 
 def _differ_widely(pools: Sequence[Array]) -> bool:
-    """Whether the medians, or the large ones, of some errors are of different orders."""
+    """Check whether the medians, or the large errors, of some variants are of different orders of magnitude."""
     known = [pool for pool in pools if len(pool)]
     for share, widest in _WIDE_RANGE if known else ():
         high = [float(np.quantile(pool, share)) for pool in known]
@@ -153,7 +156,7 @@ def _differ_widely(pools: Sequence[Array]) -> bool:
 
 
 def _plain_logarithmic(axis: Axis) -> None:
-    """Plain numbers at 1, 2 and 5 times the powers of ten of a logarithmic axis."""
+    """Write plain numbers at 1, 2 and 5 times the powers of ten of a logarithmic axis."""
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _place: f"{value:g}"))
     axis.set_minor_locator(NullLocator())
@@ -165,9 +168,9 @@ def _figure() -> tuple[Figure, Axes]:
 
 
 def _line(axes: Axes, x: Array, y: Array, number: int, linewidth: float = 1.8, stairs: bool = False) -> None:
-    (line,) = axes.plot(x, y, color=svg.series_colour(number), linewidth=linewidth)
+    (line,) = axes.plot(x, y, color=svg.device_colour(number), linewidth=linewidth)
     line.set_drawstyle("steps-post" if stairs else "default")
-    dashes = _DASHES[number // len(svg.SERIES) % len(_DASHES)]
+    dashes = _DASHES[number // len(svg.DEVICE_COLOURS) % len(_DASHES)]
     if dashes:
         line.set_dashes(dashes)
 

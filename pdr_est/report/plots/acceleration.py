@@ -1,4 +1,4 @@
-"""Vertical acceleration with the detected steps."""
+"""Figure of the vertical acceleration with the detected steps."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,14 +15,27 @@ DETAIL_S = 12.0
 OVERVIEW_BINS = 1500  # about two a pixel of the page
 BOTTOM_IN, DETAIL_IN, BETWEEN_IN, OVERVIEW_IN = 0.5, 1.75, 0.52, 1.15
 
-Line = tuple[Array, Array]  # times and values
+TimeSeries = tuple[Array, Array]  # times and values
 
 
 def plot_acceleration(device: DeviceWalk, axis: TimeAxis, colour: str) -> Figure:
-    """Figure of the whole walk, and of some seconds of it large enough to judge the detected steps.
+    """Draw the whole walk, and some seconds of it large enough to judge the detected steps.
 
-    A strip above each has the colours of the carrying modes. colour: of the dots.
-    A recording of a few seconds is shown once.
+    A strip above each axes shows the carrying modes. A recording of a few seconds is drawn once.
+
+    Parameters
+    ----------
+    device : DeviceWalk
+        Front-end result of one device.
+    axis : TimeAxis
+        Time axis of the walk.
+    colour : str
+        Colour of the dots that mark steps.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
     """
     segments = _segments(device)
     steps = _steps(device, segments)
@@ -49,8 +62,8 @@ def plot_acceleration(device: DeviceWalk, axis: TimeAxis, colour: str) -> Figure
     return figure
 
 
-def _segments(device: DeviceWalk) -> list[Line]:
-    """Time and vertical acceleration of each stretch without a gap."""
+def _segments(device: DeviceWalk) -> list[TimeSeries]:
+    """Collect time and vertical acceleration of each segment without a gap."""
     blocks = [block for block in device.level if len(block)]
     numbers = np.array([block.segment for block in blocks])
     parts = np.split(np.arange(len(blocks)), np.flatnonzero(np.diff(numbers)) + 1) if blocks else []
@@ -60,8 +73,8 @@ def _segments(device: DeviceWalk) -> list[Line]:
     ]
 
 
-def _steps(device: DeviceWalk, segments: list[Line]) -> Line:
-    """Times of the steps and the vertical acceleration then."""
+def _steps(device: DeviceWalk, segments: list[TimeSeries]) -> TimeSeries:
+    """Collect the times of the steps and the vertical acceleration at them."""
     steps_s = np.array([step.event.time_s for step in device.steps])
     if not segments:
         return steps_s, np.full(len(steps_s), np.nan)
@@ -70,27 +83,27 @@ def _steps(device: DeviceWalk, segments: list[Line]) -> Line:
 
 
 def _detail(steps_s: Array, axis: TimeAxis) -> TimeAxis:
-    """The stretch that is enlarged: around the middle step, inside the recording."""
+    """Choose the part of the axis that is enlarged: around the middle step, inside the recording."""
     middle = float(steps_s[len(steps_s) // 2]) if len(steps_s) else (axis.begin_s + axis.end_s) / 2.0
     begin_s = max(min(middle - DETAIL_S / 2.0, axis.end_s - DETAIL_S), axis.begin_s)
-    return axis.stretch(begin_s, begin_s + DETAIL_S)
+    return axis.section(begin_s, begin_s + DETAIL_S)
 
 
-def _draw(axes: Axes, segments: list[Line], steps: Line, axis: TimeAxis, colour: str) -> None:
-    """The part of the signal and of the steps that the axis shows."""
+def _draw(axes: Axes, segments: list[TimeSeries], steps: TimeSeries, axis: TimeAxis, colour: str) -> None:
+    """Draw the part of the signal and of the steps that the axis shows."""
     parts = [_within(segment, axis) for segment in segments]
     total = sum(len(time_s) for time_s, _ in parts)
     width = 1.1 if total < 2 * OVERVIEW_BINS else 0.6
     for time_s, vertical in parts:
         if len(time_s):
-            line_s, line = svg.envelope(time_s, vertical, max(2, OVERVIEW_BINS * len(time_s) // total))
+            line_s, line = svg.min_max_envelope(time_s, vertical, max(2, OVERVIEW_BINS * len(time_s) // total))
             axes.plot(axis(line_s), line, color=svg.MUTED, linewidth=width)
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     shown_s, heights = _within(steps, axis)
     draw_dots(axes, axis(shown_s), heights, colour)
 
 
-def _within(line: Line, axis: TimeAxis) -> Line:
+def _within(line: TimeSeries, axis: TimeAxis) -> TimeSeries:
     time_s, values = line
     shown = (time_s >= axis.begin_s) & (time_s <= axis.end_s)
     return time_s[shown], values[shown]

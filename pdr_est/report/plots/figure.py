@@ -1,7 +1,7 @@
-"""Figures for the page: one look for all plots, and SVG that stands inside an HTML document.
+"""Look of all figures, and SVG that stands inside an HTML document.
 
-Figures carry no words from the recording (names, messages): those stand in the HTML around them, where they
-are escaped, and where no font has to be measured.
+Figures carry no text from the recording (names, messages): that stands in the HTML around them, where it is escaped
+and where no font has to be measured.
 """
 
 import io
@@ -27,9 +27,9 @@ GRID = "#e3e6ea"
 PAPER = "#fffffe"
 FIX = "#c2188b"
 # Devices. Red, blue, green and grey belong to the modes.
-SERIES = ("#7446a8", "#b08a00", "#00869b", "#8a5a3c")
+DEVICE_COLOURS = ("#7446a8", "#b08a00", "#00869b", "#8a5a3c")
 # Red, blue and green as in MMPDR, the green bluish: at least 21 (CIE 1976) apart in every kind of colour-blindness.
-MODE = MappingProxyType(
+MODE_COLOURS = MappingProxyType(
     {
         CarryingMode.UNKNOWN: "#949da9",
         CarryingMode.HOLDING: "#d4342c",
@@ -41,32 +41,32 @@ MODE = MappingProxyType(
 )
 _CSS_NAMES = (
     {INK: "ink", MUTED: "muted", GRID: "grid", PAPER: "paper", FIX: "fix"}
-    | {colour: f"series-{number}" for number, colour in enumerate(SERIES, start=1)}
-    | {colour: f"mode-{mode.name.lower()}" for mode, colour in MODE.items()}
+    | {colour: f"series-{number}" for number, colour in enumerate(DEVICE_COLOURS, start=1)}
+    | {colour: f"mode-{mode.name.lower()}" for mode, colour in MODE_COLOURS.items()}
 )
 
 RASTER_DPI = 200  # of the dense layers that are drawn as an image
 
 
-def series_colour(number: int) -> str:
-    """The colour of the device with this number, counted from 0."""
-    return SERIES[number % len(SERIES)]
+def device_colour(number: int) -> str:
+    """Return the colour of the device with this number, counted from 0."""
+    return DEVICE_COLOURS[number % len(DEVICE_COLOURS)]
 
 
 def css_name(colour: str) -> str:
-    """The CSS variable, without its dashes, that a drawn colour becomes in the page."""
+    """Return the CSS variable, without its dashes, that a drawn colour becomes in the page."""
     return _CSS_NAMES[colour]
 
 
 def new_figure(height_in: float) -> Figure:
-    """An empty figure of the page's width, independent of pyplot."""
+    """Make an empty figure of the page's width, independent of pyplot."""
     figure = Figure(figsize=(WIDTH_IN, height_in))
     figure.patch.set_visible(False)
     return figure
 
 
 def add_axes(figure: Figure, bottom_in: float, height_in: float, share_x: Axes | None = None) -> Axes:
-    """Axes over the full width of the page at a height counted in inches from below."""
+    """Add axes over the full width of the page, at a height counted in inches from below."""
     total_in = float(figure.get_size_inches()[1])
     box = (LEFT_IN / WIDTH_IN, bottom_in / total_in, 1.0 - (LEFT_IN + RIGHT_IN) / WIDTH_IN, height_in / total_in)
     axes = figure.add_axes(box, sharex=share_x)
@@ -80,16 +80,23 @@ def add_axes(figure: Figure, bottom_in: float, height_in: float, share_x: Axes |
 
 
 def label_axes(axes: Axes, x: str = "", y: str = "") -> None:
-    """Quantity and unit on the axes; y labels of stacked axes are aligned."""
+    """Label the axes with quantity and unit; the y labels of stacked axes are aligned."""
     axes.set_xlabel(x, color=INK, labelpad=5, fontsize=9.0)
     axes.set_ylabel(y, color=INK, fontsize=9.0)
     axes.yaxis.set_label_coords(-(LEFT_IN - 0.2) / (WIDTH_IN - LEFT_IN - RIGHT_IN), 0.5)
 
 
 def to_svg(figure: Figure, name: str, description: str) -> str:
-    """The figure as an <svg> element without references to the outside.
+    """Convert the figure to an <svg> element without references to other files.
 
-    name: prefix of all ids, unique on the page. description: what a screen reader says, plain ASCII without markup.
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        Figure to convert.
+    name : str
+        Prefix of all ids, unique on the page.
+    description : str
+        Text for screen readers, plain ASCII without markup.
     """
     stream = io.StringIO()
     no_metadata = dict.fromkeys(("Date", "Creator", "Format", "Type"))
@@ -108,16 +115,28 @@ def to_svg(figure: Figure, name: str, description: str) -> str:
 
 
 def nice_step(span: float, count: int) -> float:
-    """The round number 1, 2 or 5 times a power of ten that divides `span` into at most `count` parts."""
+    """Find the number 1, 2 or 5 times a power of ten that divides `span` into at most `count` parts."""
     rough = span / count
     power = 10.0 ** np.floor(np.log10(rough))
     return float(next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= rough * (1 - 1e-9)))
 
 
-def envelope(time_s: Array, values: Array, bins: int) -> tuple[Array, Array]:
-    """A line of at most 2 * bins points that fills the same area as the full one: least and greatest value a bin.
+def min_max_envelope(time_s: Array, values: Array, bins: int) -> tuple[Array, Array]:
+    """Reduce a line to the least and greatest value of each bin, so that at most 2 * bins points fill the same area.
 
-    Short lines come back as they are. time_s: (n,) ascending; a bin without samples is left out.
+    Parameters
+    ----------
+    time_s : Array
+        Ascending times, (n,), s.
+    values : Array
+        Values, (n,).
+    bins : int
+        Number of bins; one without samples is left out.
+
+    Returns
+    -------
+    tuple of Array
+        Times and values; those of a short line are returned unchanged.
     """
     if len(time_s) <= 2 * bins:
         return time_s, values

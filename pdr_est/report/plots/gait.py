@@ -1,4 +1,4 @@
-"""Heading, step length and cadence over time."""
+"""Figure of heading, step length and cadence over time."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,9 +17,9 @@ BOTTOM_IN, GAP_IN = 0.5, 0.28
 
 
 def plot_gait(walk: SmoothedWalk, axis: TimeAxis) -> Figure:
-    """Heading with its 95 % interval, step length and cadence of every step of every device.
+    """Draw heading with its 95 % interval, step length and cadence of every step of every device.
 
-    A strip a device above them has the colours of the carrying modes, the first device's on top.
+    One strip for each device above them shows the carrying modes, the first device's on top.
     """
     heights_in = (1.5, 1.05, 1.05)
     figure = svg.new_figure(BOTTOM_IN + sum(heights_in) + 2 * GAP_IN + strips_height_in(len(walk.devices)))
@@ -27,7 +27,7 @@ def plot_gait(walk: SmoothedWalk, axis: TimeAxis) -> Figure:
     length = svg.add_axes(figure, BOTTOM_IN + heights_in[2] + GAP_IN, heights_in[1], cadence)
     heading = svg.add_axes(figure, BOTTOM_IN + sum(heights_in[1:]) + 2 * GAP_IN, heights_in[0], cadence)
     for place, device in enumerate(walk.devices):
-        colour = svg.series_colour(place)
+        colour = svg.device_colour(place)
         track = walk.track.of_device(device.device)
         _headings(heading, track, axis, colour)
         draw_dots(length, axis(track.time_s[1:]), track.step_length_m[1:], colour)
@@ -50,7 +50,7 @@ def _draw_strips(axes: Axes, walk: SmoothedWalk, axis: TimeAxis) -> None:
     several = len(walk.devices) > 1
     for place, device in enumerate(walk.devices):
         row = len(walk.devices) - 1 - place
-        draw_strip(axes, mode_runs(device), axis, row, svg.series_colour(place) if several else "")
+        draw_strip(axes, mode_runs(device), axis, row, svg.device_colour(place) if several else "")
 
 
 def _set_scales(heading: Axes, length: Axes, cadence: Axes) -> None:
@@ -64,7 +64,7 @@ def _set_scales(heading: Axes, length: Axes, cadence: Axes) -> None:
 
 
 def _headings(axes: Axes, track: Track, axis: TimeAxis, colour: str) -> None:
-    """Headings wrapped to half a turn either way; an interval across the seam continues on the other side."""
+    """Draw headings wrapped to half a turn either way; an interval across the seam continues on the other side."""
     time, heading = axis(track.time_s), np.degrees(wrap_angle(track.heading_rad))
     half = np.minimum(np.degrees(SIGMA_95 * track.sigma_heading_rad), 180.0)
     dense = len(track) > RASTER_FROM

@@ -5,13 +5,21 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LegendEntry:
-    """A sign of a plot and what it means.
+    """Symbol of a plot and its meaning.
 
-    sign: one that the template can draw; colour: CSS variable, no dashes. dashes: on and off of a broken line, in
-    line widths.
+    Attributes
+    ----------
+    symbol : str
+        Name of a symbol that the template can draw.
+    colour : str
+        CSS variable of its colour, without dashes.
+    label : str
+        Meaning.
+    dashes : tuple of float
+        Lengths of dashes and gaps of a broken line, in line widths.
     """
 
-    sign: str
+    symbol: str
     colour: str
     label: str
     dashes: tuple[float, ...] = ()

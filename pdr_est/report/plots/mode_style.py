@@ -1,6 +1,6 @@
-"""What the carrying modes look like: their colours (MMPDR Fig. 15), line styles and words, and a strip over time.
+"""Appearance of the carrying modes: colours (MMPDR Fig. 15), line styles, names, and a strip over time.
 
-Colours are never the only sign: lines differ in their dashes too, and strips have words.
+Colour is never the only distinction: lines also differ in their dashes, and strips carry names.
 """
 
 from collections.abc import Iterable
@@ -17,13 +17,13 @@ from pdr_est.pipeline import DeviceWalk
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.time_axis import TimeAxis
-from pdr_est.run_lengths import runs
+from pdr_est.run_lengths import label_runs
 from pdr_est.types.steps import CarryingMode
 
 STRIP_IN, STRIP_GAP_IN = 0.16, 0.05  # height of a strip, and the room below it
 _LETTER_IN = 0.085  # a generous width of a letter in a strip
 
-DASHES = MappingProxyType(
+MODE_DASHES = MappingProxyType(
     {
         CarryingMode.SWING: (4.0, 1.2),
         CarryingMode.POCKET: (1.4, 0.9),
@@ -31,13 +31,13 @@ DASHES = MappingProxyType(
         CarryingMode.UNKNOWN: (0.8, 1.4),
     }
 )  # on and off in line widths; the other modes have full lines
-_WORDS = MappingProxyType(
+_DESCRIPTIONS = MappingProxyType(
     {
-        CarryingMode.HOLDING: "held still",
+        CarryingMode.HOLDING: "held in the hand",
         CarryingMode.SWING: "in a swinging hand",
         CarryingMode.POCKET: "in a pocket",
-        CarryingMode.OTHER: "elsewhere",
-        CarryingMode.TRANS: "on the way between two",
+        CarryingMode.OTHER: "carried elsewhere",
+        CarryingMode.TRANS: "changing between two modes",
         CarryingMode.UNKNOWN: "not recognised",
     }
 )
@@ -45,7 +45,15 @@ _WORDS = MappingProxyType(
 
 @dataclass(frozen=True)
 class ModeRun:
-    """A stretch of time in one carrying mode, without a gap."""
+    """Interval in one carrying mode without a gap.
+
+    Attributes
+    ----------
+    begin_s, end_s : float
+        Start and end, s.
+    mode : CarryingMode
+        Recognised mode.
+    """
 
     begin_s: float
     end_s: float
@@ -53,7 +61,7 @@ class ModeRun:
 
 
 def mode_runs(device: DeviceWalk) -> list[ModeRun]:
-    """The recognised modes of a device from its first to its last sample, standing included."""
+    """Find the recognised modes of a device from its first to its last sample, standing included."""
     blocks = [block for block in device.level if len(block)]
     if not blocks:
         return []
@@ -61,36 +69,47 @@ def mode_runs(device: DeviceWalk) -> list[ModeRun]:
     mode = np.concatenate([block.mode for block in blocks])
     segment = np.repeat([block.segment for block in blocks], [len(block) for block in blocks])
     found = []
-    for start, stop in runs(mode, segment):
+    for start, stop in label_runs(mode, segment):
         # A run lasts until the next begins; before a gap and at the end it lasts until its own last sample.
         last = stop if stop < len(time_s) and segment[stop] == segment[stop - 1] else stop - 1
         found.append(ModeRun(float(time_s[start]), float(time_s[last]), CarryingMode(int(mode[start]))))
     return found
 
 
-def mode_legend(sign: str, modes: Iterable[CarryingMode]) -> list[LegendEntry]:
-    """Entries of the modes that occur, each once, in the order of their numbers. sign: as of `mode_entry`."""
-    return [mode_entry(sign, mode) for mode in sorted(set(modes))]
+def mode_legend(symbol: str, modes: Iterable[CarryingMode]) -> list[LegendEntry]:
+    """Make one legend entry for each mode that occurs, in the order of their numbers; `symbol` as in `mode_entry`."""
+    return [mode_entry(symbol, mode) for mode in sorted(set(modes))]
 
 
-def mode_entry(sign: str, mode: CarryingMode) -> LegendEntry:
-    """The mode as a "line", a "band" or a "strip" with its name in words."""
-    label = f"{mode.name}: {_WORDS[mode]}"
-    colour = svg.css_name(svg.MODE[mode])
-    if sign == "line":
-        return LegendEntry(sign, colour, label, DASHES.get(mode, ()))
-    return LegendEntry("hollow" if sign == "strip" and mode is CarryingMode.UNKNOWN else sign, colour, label)
+def mode_entry(symbol: str, mode: CarryingMode) -> LegendEntry:
+    """Make the legend entry of a mode as a "line", a "band" or a "strip" with its name."""
+    label = f"{mode.name}: {_DESCRIPTIONS[mode]}"
+    colour = svg.css_name(svg.MODE_COLOURS[mode])
+    if symbol == "line":
+        return LegendEntry(symbol, colour, label, MODE_DASHES.get(mode, ()))
+    return LegendEntry("hollow" if symbol == "strip" and mode is CarryingMode.UNKNOWN else symbol, colour, label)
 
 
 def strips_height_in(count: int) -> float:
-    """Room above axes for some strips, in inches."""
+    """Return the room above axes that some strips need, in inches."""
     return count * (STRIP_IN + STRIP_GAP_IN)
 
 
 def draw_strip(axes: Axes, runs: Iterable[ModeRun], axis: TimeAxis, row: int = 0, device_colour: str = "") -> None:
-    """A strip of mode colours above the axes; words stand where they fit.
+    """Draw a strip of mode colours above the axes; names stand where they fit.
 
-    row: which strip, from 0 below. device_colour: of a dot to the left of the strip that tells whose it is.
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Axes below the strip.
+    runs : iterable of ModeRun
+        Modes over time.
+    axis : TimeAxis
+        Time axis of the axes.
+    row : int
+        Number of the strip, from 0 at the bottom.
+    device_colour : str
+        Colour of a dot to the left of the strip that tells its device; none for an empty string.
     """
     width_in, height_in = axes.bbox.transformed(axes.figure.dpi_scale_trans.inverted()).size
     bottom, height = 1.0 + (strips_height_in(row) + STRIP_GAP_IN) / height_in, STRIP_IN / height_in
@@ -113,14 +132,14 @@ def _clipped(run: ModeRun, axis: TimeAxis) -> ModeRun:
 
 
 def _fill(axes: Axes, mode: CarryingMode, spans: list[Array], bottom: float, height: float) -> None:
-    """Boxes of one mode, as a single shape however many they are; what is not recognised stays empty."""
+    """Fill the boxes of one mode as a single shape, however many they are; what is not recognised stays empty."""
     empty, top = mode is CarryingMode.UNKNOWN, bottom + height
     corners = [[(a, bottom), (a, top), (b, top), (b, bottom), (a, bottom)] for a, b in spans]
     box = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
     shape = PathPatch(
         Path(np.concatenate(corners), box * len(spans)),
-        facecolor=svg.PAPER if empty else svg.MODE[mode],
-        edgecolor=svg.MODE[mode] if empty else "none",
+        facecolor=svg.PAPER if empty else svg.MODE_COLOURS[mode],
+        edgecolor=svg.MODE_COLOURS[mode] if empty else "none",
         linewidth=0.8,
         transform=axes.get_xaxis_transform(),
         clip_on=False,

@@ -17,7 +17,15 @@ RASTER_FROM = 2500  # marks; more are drawn as an image
 
 @dataclass(frozen=True)
 class TimeAxis:
-    """A stretch of time in a unit that suits its length. zero_s: where the axis begins to count."""
+    """Time interval in a unit that suits its length.
+
+    Attributes
+    ----------
+    zero_s : float
+        Time at which the axis begins to count, s.
+    begin_s, end_s : float
+        Interval that is shown, s.
+    """
 
     zero_s: float
     begin_s: float
@@ -25,7 +33,7 @@ class TimeAxis:
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Seconds in the unit, and its sign."""
+        """Return the number of seconds in the unit, and its symbol."""
         duration_s = self.end_s - self.begin_s
         if duration_s < 200.0:
             return 1.0, "s"
@@ -33,14 +41,15 @@ class TimeAxis:
 
     @property
     def label(self) -> str:
+        """Return the label of the axis."""
         return f"time since the start of the recording ({self.unit[1]})"
 
     def __call__(self, time_s: Array | float) -> Array:
-        """Times of the recording as this axis shows them."""
+        """Convert times of the recording, s, to values on this axis."""
         return (np.asarray(time_s, dtype=np.float64) - self.zero_s) / self.unit[0]
 
-    def stretch(self, begin_s: float, end_s: float) -> "TimeAxis":
-        """A part of this axis."""
+    def section(self, begin_s: float, end_s: float) -> "TimeAxis":
+        """Return a part of this axis."""
         return TimeAxis(self.zero_s, begin_s, end_s)
 
     def apply(self, axes: Axes, gaps: Sequence[Gap]) -> None:
@@ -54,7 +63,7 @@ class TimeAxis:
 
 
 def time_axis(walk: SmoothedWalk) -> TimeAxis:
-    """From the first to the last sample or pose of any device, at least a second."""
+    """Make the axis from the first to the last sample or pose of any device, at least one second long."""
     times = [walk.track.time_s, *(block.time_s for device in walk.devices for block in device.level)]
     ends = np.array([time_s[end] for time_s in times if len(time_s) for end in (0, -1)] or [0.0])
     begin_s = float(ends.min())
@@ -62,7 +71,7 @@ def time_axis(walk: SmoothedWalk) -> TimeAxis:
 
 
 def draw_dots(axes: Axes, x: Array, y: Array, colour: str) -> None:
-    """A dot a step: smaller the more there are; very many become an image in which density shows."""
+    """Draw one dot for each step: smaller the more there are; very many become an image in which density shows."""
     few, dense = len(x) < 60, len(x) > RASTER_FROM
     axes.plot(
         x,

@@ -1,4 +1,4 @@
-"""The track on equal axes, with its uncertainty, fixes and truth."""
+"""Figure of the track on equal axes, with its uncertainty, fixes and truth."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from matplotlib.ticker import MultipleLocator
 from pdr_est.evaluate.consistency import CHI2_95_2D, radius95_m
 from pdr_est.frames import Array
 from pdr_est.report.plots import figure as svg
-from pdr_est.report.plots.track_line import draw_device, draw_mode_bands, draw_modes
+from pdr_est.report.plots.track_line import draw_device_line, draw_mode_bands, draw_mode_line
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.track import Track
 
@@ -22,8 +22,16 @@ SMALLEST_SPAN_M = 4.0
 
 
 @dataclass(frozen=True)
-class Window:
-    """The part of the map that is drawn, and the height of the axes in inches."""
+class MapWindow:
+    """Part of the map that is drawn.
+
+    Attributes
+    ----------
+    west, east, south, north : float
+        Edges in the frame of the track, m.
+    height_in : float
+        Height of the axes, inches.
+    """
 
     west: float
     east: float
@@ -33,26 +41,38 @@ class Window:
 
     @property
     def width(self) -> float:
+        """Return the width of the map, m."""
         return self.east - self.west
 
 
 def plot_track(
     track: Track, fixes: tuple[PositionFix, ...] = (), truth_m: Array | None = None, in_map_frame: bool = True
 ) -> Figure:
-    """Figure of the track of every device. truth_m: (k, 2) in the same frame as the track, or None.
+    """Draw the track of every device.
 
-    The line of a single device has the colours of the carrying modes. Several devices have a colour each, and
-    the modes are bands under their lines.
+    The line of a single device has the colours of the carrying modes. Several devices have a colour each, and the
+    modes are bands under their lines.
+
+    Parameters
+    ----------
+    track : Track
+        Track of one device or several.
+    fixes : tuple of PositionFix
+        Fixes to mark.
+    truth_m : Array or None
+        True positions (k, 2), m, in the same frame as the track.
+    in_map_frame : bool
+        Label the axes east and north; otherwise x and y.
     """
     tracks = [track.of_device(name) for name in track.devices]
-    shown = [thin_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
+    shown = [select_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
     window = _window(tracks, shown, fixes, truth_m)
     figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
     axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
     _set_window(axes, window)
     alone = len(tracks) == 1
     for number, (one, chosen) in enumerate(zip(tracks, shown, strict=True)):
-        colour = svg.MUTED if alone else svg.series_colour(number)
+        colour = svg.MUTED if alone else svg.device_colour(number)
         for i in chosen:
             _ellipse(axes, one.position_m[i], one.covariance_m2[i], colour)
     if truth_m is not None and len(truth_m):
@@ -60,16 +80,17 @@ def plot_track(
     _lines(axes, tracks, 0.022 * window.width)
     _fixes(axes, fixes)
     for number, one in enumerate(tracks):
-        _ends(axes, one, svg.INK if alone else svg.series_colour(number))
+        _ends(axes, one, svg.INK if alone else svg.device_colour(number))
     svg.label_axes(axes, *(("east (m)", "north (m)") if in_map_frame else ("x (m)", "y (m)")))
     _scale_bar(axes, window)
     return figure
 
 
-def thin_ellipses(track: Track, count: int) -> list[int]:
-    """Poses of one device whose ellipses are drawn: at most about `count`, wider apart where they are large.
+def select_ellipses(track: Track, count: int) -> list[int]:
+    """Choose the poses of one device whose ellipses are drawn.
 
-    The last pose is always among them; poses without a finite, visible covariance never are.
+    They are at most about `count`, wider apart where they are large. The last pose is always among them; poses
+    without a finite, visible covariance never are.
     """
     radius = radius95_m(track.covariance_m2)
     legs = np.linalg.norm(np.diff(track.position_m, axis=0), axis=1)
@@ -89,8 +110,11 @@ def thin_ellipses(track: Track, count: int) -> list[int]:
 
 def _window(
     tracks: list[Track], shown: list[list[int]], fixes: tuple[PositionFix, ...], truth_m: Array | None
-) -> Window:
-    """Room for everything; ellipses may widen the view by half at most, so that the track stays readable."""
+) -> MapWindow:
+    """Find the part of the map that holds everything.
+
+    Ellipses may widen the view by half at most, so that the track stays readable.
+    """
     points = [track.position_m for track in tracks] + [fix.position_m[None] for fix in fixes]
     if truth_m is not None:
         points.append(truth_m)
@@ -112,10 +136,10 @@ def _window(
     metres_per_inch = max(span[0] / width_in, span[1] / height_in)
     half = 0.5 * metres_per_inch * np.array([width_in, height_in])
     (west, south), (east, north) = middle - half, middle + half
-    return Window(float(west), float(east), float(south), float(north), height_in)
+    return MapWindow(float(west), float(east), float(south), float(north), height_in)
 
 
-def _set_window(axes: Axes, window: Window) -> None:
+def _set_window(axes: Axes, window: MapWindow) -> None:
     axes.set_xlim(window.west, window.east)
     axes.set_ylim(window.south, window.north)
     axes.set_aspect("equal")
@@ -125,7 +149,7 @@ def _set_window(axes: Axes, window: Window) -> None:
 
 
 def _ellipse(axes: Axes, centre: Array, covariance: Array, colour: str) -> None:
-    """The 95 % region of a 2-D normal distribution."""
+    """Draw the 95 % region of a 2-D normal distribution."""
     variances, directions = np.linalg.eigh(covariance)
     short, long = 2.0 * np.sqrt(CHI2_95_2D * np.maximum(variances, 0.0))
     angle = np.degrees(np.arctan2(directions[1, 1], directions[0, 1]))
@@ -142,12 +166,12 @@ def _truth(axes: Axes, truth_m: Array) -> None:
 
 def _lines(axes: Axes, tracks: list[Track], arrow_m: float) -> None:
     if len(tracks) == 1:
-        draw_modes(axes, tracks[0], arrow_m)
+        draw_mode_line(axes, tracks[0], arrow_m)
         return
     for one in tracks:
         draw_mode_bands(axes, one)
     for number, one in enumerate(tracks):
-        draw_device(axes, one, svg.series_colour(number), arrow_m)
+        draw_device_line(axes, one, svg.device_colour(number), arrow_m)
 
 
 def _fixes(axes: Axes, fixes: tuple[PositionFix, ...]) -> None:
@@ -159,15 +183,15 @@ def _fixes(axes: Axes, fixes: tuple[PositionFix, ...]) -> None:
 
 
 def _ends(axes: Axes, track: Track, colour: str) -> None:
-    """A large open circle at the start, a small full square at the end: both show when they coincide."""
+    """Mark the start by a large open circle and the end by a small full square: both show when they coincide."""
     start, end = track.position_m[0], track.position_m[-1]
     axes.plot(*start, "o", color=svg.PAPER, markeredgecolor=colour, markersize=10.0, markeredgewidth=2.0, zorder=4)
     if len(track) > 1:
         axes.plot(*end, "s", color=colour, markeredgecolor=svg.PAPER, markersize=6.0, markeredgewidth=0.8, zorder=5)
 
 
-def _scale_bar(axes: Axes, window: Window) -> None:
-    """A bar of round length below the axes, where it cannot hide anything."""
+def _scale_bar(axes: Axes, window: MapWindow) -> None:
+    """Draw a bar of round length below the axes, where it cannot hide anything."""
     length = svg.nice_step(window.width, 9)
     below = -0.44 / window.height_in
     frame = axes.get_xaxis_transform()

@@ -1,1 +1,6 @@
-"""Walk."""
+"""The report and the result files of one walk.
+
+* `result_files`: writes track, steps, summary and report into a folder.
+* `summary`: the numbers of a walk as a JSON document. `mode_statistics`, `descriptions`: parts of it.
+* `page`: the HTML report. `panels`: its plots with titles, legends and captions.
+"""

@@ -17,9 +17,19 @@ NO_VALUE = "–"
 
 
 def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> str:
-    """The page as text. summary: what `summarise` returned for the same walk and recording."""
+    """Render the page as text.
+
+    Parameters
+    ----------
+    walk : SmoothedWalk
+        Finished walk.
+    recording : Recording
+        Recording that it was made from.
+    summary : dict
+        Summary by `summarise` of the same walk and recording.
+    """
     return (
-        environment()
+        template_environment()
         .get_template("report.html.j2")
         .render(
             summary=summary,
@@ -29,14 +39,14 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
             track=track_panel(walk, recording, summary["frame"] == "map"),
             panels=time_panels(walk),
             models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
-            mode_signs={mode.name: mode_entry("strip", mode) for mode in CarryingMode},
+            mode_symbols={mode.name: mode_entry("strip", mode) for mode in CarryingMode},
             config_text=yaml.safe_dump(summary["config"], allow_unicode=True, sort_keys=False, width=100),
         )
     )
 
 
-def environment() -> Environment:
-    """Where the templates of pages come from, and how they write numbers."""
+def template_environment() -> Environment:
+    """Make the environment that loads the templates of pages and formats their numbers."""
     made = Environment(
         loader=PackageLoader("pdr_est", "report"),
         autoescape=True,
@@ -44,22 +54,24 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters.update(number=number, percent=percent, seconds=seconds, metric=metric)
+    made.filters.update(
+        number=format_number, percent=format_percent, seconds=format_duration, metric=format_metric_with_unit
+    )
     return made
 
 
-def number(value: float | None, digits: int = 2) -> str:
-    """A number for reading; a dash for None."""
+def format_number(value: float | None, digits: int = 2) -> str:
+    """Format a number for reading; None becomes a dash."""
     return NO_VALUE if value is None else f"{value:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
 
 
-def percent(value: float | None) -> str:
-    """A share of 1 in percent."""
-    return NO_VALUE if value is None else f"{number(100.0 * value, 1)} %"
+def format_percent(value: float | None) -> str:
+    """Format a fraction in percent."""
+    return NO_VALUE if value is None else f"{format_number(100.0 * value, 1)} %"
 
 
-def seconds(value: float | None) -> str:
-    """A duration: 8.4 s, 3 min 05 s, 2 h 07 min."""
+def format_duration(value: float | None) -> str:
+    """Format a duration: 8.4 s, 3 min 05 s, 2 h 07 min."""
     if value is None:
         return NO_VALUE
     if round(value, 1) < 60.0:
@@ -68,31 +80,31 @@ def seconds(value: float | None) -> str:
     return f"{minutes} min {rest:02d} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"
 
 
-def metric(value: Any, name: str) -> str:
-    """A metric with the unit that its name ends on."""
+def format_metric_with_unit(value: Any, name: str) -> str:
+    """Format a metric with the unit that its name ends in."""
     if not isinstance(value, int | float) or isinstance(value, bool):
         return NO_VALUE if value is None else str(value)
     if isinstance(value, int):
-        return number(value, 0)
+        return format_number(value, 0)
     unit = next((sign for suffix, sign in (("_m", "m"), ("_deg", "°"), ("_s", "s")) if name.endswith(suffix)), "")
-    return f"{number(value, 2 if unit else 3)} {unit}".strip()
+    return f"{format_number(value, 2 if unit else 3)} {unit}".strip()
 
 
 def _tiles(summary: Json) -> list[tuple[str, str]]:
-    """The few numbers that one looks for first."""
+    """Choose the few numbers that a reader looks for first."""
     steps = list(summary["counts"]["steps"].values())
     radii = [device["end_radius95_m"] for device in summary["devices"]]
     known = [radius for radius in radii if radius is not None]
     return [
-        ("distance", f"{number(summary['distance_m'], 1)} m"),
-        ("duration", seconds(summary["duration_s"])),
-        ("steps", " + ".join(number(count, 0) for count in steps) or NO_VALUE),
-        ("95 % radius at the end", f"{number(max(known), 1) if known else NO_VALUE} m"),
+        ("distance", f"{format_number(summary['distance_m'], 1)} m"),
+        ("duration", format_duration(summary["duration_s"])),
+        ("steps", " + ".join(format_number(count, 0) for count in steps) or NO_VALUE),
+        ("95 % radius at the end", f"{format_number(max(known), 1) if known else NO_VALUE} m"),
     ]
 
 
 def _flat(errors: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Metrics as rows; a group (a device, say) goes before the metric's name."""
+    """Flatten metrics to rows; the name of a group (a device, say) goes before the metric's name."""
     rows: list[tuple[str, Any]] = []
     for name, value in errors.items():
         rows += _flat(value, f"{prefix}{name} · ") if isinstance(value, Mapping) else [(f"{prefix}{name}", value)]

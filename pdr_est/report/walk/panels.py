@@ -18,7 +18,7 @@ from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.mode_style import mode_legend, mode_runs
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import plot_track
-from pdr_est.report.plots.track_line import mode_legs
+from pdr_est.report.plots.track_line import mode_polylines
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
@@ -26,7 +26,19 @@ from pdr_est.types.track import Track
 
 @dataclass(frozen=True)
 class Panel:
-    """A plot with its words. svg: markup made by `svg.to_svg`, free of foreign text; all else is plain text."""
+    """Plot with its title, legend and caption.
+
+    Attributes
+    ----------
+    title : str
+        Title, plain text.
+    svg : Markup
+        Markup made by `figure.to_svg`, free of text from the recording.
+    legend : tuple of LegendEntry
+        Legend.
+    caption : str
+        Caption, plain text.
+    """
 
     title: str
     svg: Markup
@@ -38,7 +50,7 @@ NOT_RECORDED = LegendEntry("shade", "muted", "not recorded")
 
 
 def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) -> Panel:
-    """The map. A track in a frame of its own has the truth laid onto it."""
+    """Make the map; a track in a frame of its own has the truth aligned with it."""
     track, truth = walk.track, recording.truth.positions
     truth_m = None if truth is None else _truth_points(track, truth, in_map_frame)
     figure = plot_track(track, walk.fixes, truth_m, in_map_frame)
@@ -55,8 +67,8 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) ->
 
 
 def _track_lines(track: Track) -> list[LegendEntry]:
-    """The line's colours: of the modes when there is one device; else of the devices, with the modes as bands."""
-    legs = {mode for name in track.devices for mode in mode_legs(track.of_device(name))}
+    """List the colours of the line: of the modes for one device, else of the devices, with the modes as bands."""
+    legs = {mode for name in track.devices for mode in mode_polylines(track.of_device(name))}
     if len(track.devices) == 1:
         return mode_legend("line", legs)
     lines = [LegendEntry("line", _colour(place), name) for place, name in enumerate(track.devices)] if legs else []
@@ -64,7 +76,7 @@ def _track_lines(track: Track) -> list[LegendEntry]:
 
 
 def _truth_points(track: Track, truth: TruePositions, in_map_frame: bool) -> Array | None:
-    """The true positions in the frame of the track (n, 2), or None when they cannot be brought into it."""
+    """Bring the true positions (n, 2) into the frame of the track; None when that is not possible."""
     if in_map_frame:
         return truth.position_m
     first = track.of_device(track.devices[0])
@@ -87,16 +99,16 @@ def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool) ->
         sentences.append("Ellipses are drawn for some of the poses.")
     if not in_map_frame:
         sentences.append(
-            "With neither a complete start pose nor fixes the track lies in a frame of its own, "
-            "turned or shifted against the map."
+            "Without a complete start pose or fixes the track lies in a frame of its own, "
+            "rotated and shifted against the map."
         )
         if shows_truth:
-            sentences.append("For this plot the truth was turned and shifted to fit the track best.")
+            sentences.append("For this plot the truth was rotated and shifted to fit the track best.")
     return " ".join(sentences)
 
 
 def time_panels(walk: SmoothedWalk) -> list[Panel]:
-    """Acceleration device by device, then the steps of all devices; without steps there is nothing for the latter."""
+    """Make the acceleration plot of each device, then, if there are steps, the gait plot of all devices."""
     axis = time_axis(walk)
     panels = [
         _acceleration_panel(device, place, axis, len(walk.devices) > 1) for place, device in enumerate(walk.devices)
@@ -107,7 +119,7 @@ def time_panels(walk: SmoothedWalk) -> list[Panel]:
 
 
 def _acceleration_panel(device: DeviceWalk, place: int, axis: TimeAxis, several: bool) -> Panel:
-    figure = plot_acceleration(device, axis, svg.series_colour(place))
+    figure = plot_acceleration(device, axis, svg.device_colour(place))
     legend = [LegendEntry("line", "muted", "vertical acceleration, gravity removed")]
     if device.steps:
         legend.append(LegendEntry("dot", _colour(place), "detected step"))
@@ -126,12 +138,12 @@ def _gait_panel(walk: SmoothedWalk, axis: TimeAxis) -> Panel:
     if any(device.gaps for device in walk.devices):
         legend.append(NOT_RECORDED)
     markup = _markup(plot_gait(walk, axis), "gait", "Heading, step length and cadence over time")
-    caption = "Heading counter-clockwise from the x axis of the map; step length as the estimator has it."
+    caption = "Heading is counter-clockwise from the x axis of the map; step lengths are those of the estimator."
     return Panel("Heading, step length, cadence", markup, tuple(legend), caption)
 
 
 def _colour(place: int) -> str:
-    return svg.css_name(svg.series_colour(place))
+    return svg.css_name(svg.device_colour(place))
 
 
 def _markup(figure: Figure, name: str, description: str) -> Markup:

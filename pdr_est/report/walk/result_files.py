@@ -1,4 +1,4 @@
-"""All the files of a smoothed walk."""
+"""The result files of a smoothed walk."""
 
 import json
 from collections.abc import Mapping
@@ -25,10 +25,32 @@ def write_results(
     inputs: Mapping[str, str | None],
     profile: Profile | None = None,
 ) -> Json:
-    """Write track.csv, steps.csv, track.tum, track.geojson, summary.json and report.html; return the summary.
+    """Write track.csv, steps.csv, track.tum, track.geojson, summary.json and report.html.
 
-    inputs: name of each input file -> its SHA-256, or None. profile: of the walker, if the configuration was made
-    with one. Raises OutputError when a file cannot be written.
+    Parameters
+    ----------
+    folder : Path
+        Existing folder.
+    walk : SmoothedWalk
+        Finished walk.
+    recording : Recording
+        Recording that it was made from.
+    config : Config
+        Configuration of the run.
+    inputs : mapping of str to str or None
+        SHA-256 of each input file by its name.
+    profile : Profile or None
+        Profile of the walker, if the configuration was made with one.
+
+    Returns
+    -------
+    dict
+        The summary.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written.
     """
     start, gaits = config.start.pose(), gait_model(config.gait)
     summary = summarise(
@@ -38,7 +60,7 @@ def write_results(
         inputs,
         package_versions(),
         start=start,
-        errors=errors(walk, recording),
+        errors=truth_errors(walk, recording),
         profile=profile,
         gait_model_sha256=None if gaits is None else model_digest(gaits),
     )
@@ -57,11 +79,15 @@ def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
-def errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:
-    """Errors of a one-device track against the recording's true positions by the definitions of the benchmark.
+def truth_errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:
+    """Compute errors of a one-device track against the recording's true positions, as the benchmark defines them.
 
-    `error_map_m`, the mean error without any alignment, only where fixes tie the track to the map.
-    None for several devices and for recordings without at least two true positions.
+    `error_map_m`, the mean error without any alignment, is added only where fixes tie the track to the map.
+
+    Returns
+    -------
+    dict or None
+        Metrics by name; None for several devices and for recordings without at least two true positions.
     """
     truth = recording.truth.positions
     if truth is None or len(walk.devices) != 1:

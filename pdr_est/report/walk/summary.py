@@ -15,11 +15,10 @@ import numpy as np
 
 from pdr_est.calibration.profile import Profile
 from pdr_est.clock_sync import ClockEstimate
-from pdr_est.estimators import RECKONERS
 from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
-from pdr_est.report.walk.mode_shares import mode_use
-from pdr_est.report.walk.wording import directions_in_words, scale_in_words
+from pdr_est.report.walk.descriptions import describe_directions, describe_length_scale
+from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
@@ -31,7 +30,10 @@ Json = dict[str, Any]
 
 
 def package_versions() -> dict[str, str | None]:
-    """Versions of Python, of this package and of the libraries that shape the numbers; None if not installed."""
+    """Look up the versions of Python, of this package and of the libraries that shape the numbers.
+
+    None if not installed.
+    """
     return {"python": platform.python_version()} | {name.replace("-", "_"): _version(name) for name in PACKAGES}
 
 
@@ -54,12 +56,23 @@ def summarise(
     profile: Profile | None = None,
     gait_model_sha256: str | None = None,
 ) -> Json:
-    """What went in, what was done and what came out, JSON-serialisable, with None for a number that is not known.
+    """Summarise inputs, processing and results as JSON-serialisable data, with None for a number that is not known.
 
-    config_dict: the resolved configuration. inputs: name of each input file -> its SHA-256 or None.
-    versions: see `package_versions`. start: the start pose that was asked for; it decides, with the fixes,
-    whether the track lies in the map frame or in a frame of its own. errors: metrics against the truth by name.
-    profile: of the walker, None without a calibration. gait_model_sha256: None where gaits are unknown.
+    Parameters
+    ----------
+    walk, recording : SmoothedWalk, Recording
+        Finished walk and the recording that it was made from.
+    config_dict : mapping
+        Resolved configuration.
+    inputs : mapping of str to str or None
+        SHA-256 of each input file by its name.
+    versions : mapping of str to str or None
+        Result of `package_versions`.
+    start : StartPose or None
+        Start pose that was asked for. It decides, with the fixes, whether the track lies in the map frame or in a
+        frame of its own.
+    errors, profile, gait_model_sha256 : optional
+        Metrics against the truth by name; profile of the walker; digest of the gait model. None if there is none.
     """
     track = walk.track
     summary = {
@@ -72,19 +85,15 @@ def summarise(
         "distance_m": track.of_device(track.devices[-1]).distance_m,  # the person's, who comes last
         "steps": _steps_of_person(walk),
         "counts": _counts(walk.devices),
-        "carrying_modes": [use for device in walk.devices for use in mode_use(device)],
+        "carrying_modes": [use for device in walk.devices for use in mode_statistics(device)],
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
         "headings": [_heading(device, config_dict) for device in walk.devices],
-        "length_scale": {
-            "value": track.length_scale,
-            "sigma": track.sigma_length_scale,
-            "meaning": scale_in_words(track, bool(walk.fixes), profile is not None),
-        },
+        "length_scale": _length_scale(walk, profile),
         "profile": profile,
         "gait_model_sha256": gait_model_sha256,
         "start": start,
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
-        "fixes": _fixes(walk.fixes, track.estimator, start),
+        "fixes": _fixes(walk.fixes, walk.fixes_used, start),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
@@ -97,7 +106,7 @@ def summarise(
 
 
 def to_json(value: Any) -> Any:
-    """The same value in terms that JSON knows: records as objects, arrays as lists, NaN and infinity as None."""
+    """Convert a value to JSON types: records become objects, arrays lists, NaN and infinity None."""
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, np.ndarray):
@@ -119,6 +128,16 @@ def to_json(value: Any) -> Any:
     if value is None or isinstance(value, str | int):
         return value
     raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
+
+
+def _length_scale(walk: SmoothedWalk, profile: Profile | None) -> Json:
+    """Describe the length scale of the track."""
+    track = walk.track
+    return {
+        "value": track.length_scale,
+        "sigma": track.sigma_length_scale,
+        "meaning": describe_length_scale(track, bool(walk.fixes), profile is not None),
+    }
 
 
 def _recording(recording: Recording) -> Json:
@@ -156,7 +175,10 @@ def _truth(truth: Truth) -> Json:
 
 
 def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
-    """ "map" when position and direction are tied to the map, else "own": origin at the start of the walk."""
+    """Name the frame.
+
+    "map" when position and direction are tied to the map, else "own", with its origin at the start.
+    """
     places = {tuple(fix.position_m) for fix in walk.fixes}
     if start is not None and start.position_m is not None:
         places.add(start.position_m)
@@ -165,7 +187,7 @@ def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
 
 
 def _duration_s(walk: SmoothedWalk) -> float | None:
-    """From the first to the last sample of any device; from the track when no samples were kept."""
+    """Compute the time from the first to the last sample of any device; from the track when no samples were kept."""
     blocks = [block for device in walk.devices for block in device.level if len(block)]
     begins = [float(block.time_s[0]) for block in blocks] or [float(t) for t in walk.track.time_s]
     ends = [float(block.time_s[-1]) for block in blocks] or [float(t) for t in walk.track.time_s]
@@ -181,12 +203,15 @@ def _counts(devices: Sequence[DeviceWalk]) -> Json:
 
 
 def _clock(device: str, clock: ClockEstimate) -> Json:
-    """What a device's clock is ahead of the first one's, and how well that is known; a poor one may be unused."""
+    """Describe the offset of a device's clock from the first one's, and how well it is known.
+
+    A poor one may be unused.
+    """
     return {"device": device, "used": clock.used} | asdict(clock)
 
 
 def _steps_of_person(walk: SmoothedWalk) -> int:
-    """Those of the device, or of several devices the rows of the person's track after its start."""
+    """Count the steps of the only device, or the rows of the person's track after its start."""
     if len(walk.devices) == 1:
         return len(walk.devices[0].steps)
     return len(walk.track.of_device(walk.track.devices[-1])) - 1
@@ -206,7 +231,7 @@ def _device_track(track: Track) -> Json:
 
 
 def _heading(device: DeviceWalk, config_dict: Mapping[str, Any]) -> Json:
-    """How headings were found; the building's directions are None for a method that does not look for them."""
+    """Describe how headings were found; directions are None for a method that does not search them."""
     found = device.directions
     return {
         "device": device.device,
@@ -219,17 +244,16 @@ def _heading(device: DeviceWalk, config_dict: Mapping[str, Any]) -> Json:
             "log_odds": found.log_odds,
             "used": found.used,
         },
-        "meaning": directions_in_words(found),
+        "meaning": describe_directions(found),
     }
 
 
-def _fixes(fixes: Sequence[PositionFix], estimator: str, start: StartPose | None) -> Json:
-    """How many there are and what became of them: measurements of the track, or what its start was found from."""
-    reckoned = estimator in RECKONERS
+def _fixes(fixes: Sequence[PositionFix], used: bool, start: StartPose | None) -> Json:
+    """Count the fixes and describe their use: as measurements of the track, or to find its start."""
     known = start is not None and start.position_m is not None and start.heading_rad is not None
     return {
         "given": len(fixes),
-        "used": 0 if reckoned else len(fixes),
-        "aligned_with": len(fixes) if reckoned and not known else 0,
+        "used": len(fixes) if used else 0,
+        "aligned_with": 0 if used or known else len(fixes),
         "sources": dict(Counter(fix.source for fix in fixes)),
     }

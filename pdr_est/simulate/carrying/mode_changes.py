@@ -1,4 +1,4 @@
-"""Changes of the carrying mode: a hand that takes a phone from one place on the body to the next."""
+"""Changes of the carrying mode: a hand takes the phone from one place on the body to the next."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -11,57 +11,63 @@ from pydantic import Field
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.params import Fraction, NonNegative, params
-from pdr_est.simulate.carrying.device_pose import Carry, DevicePose, MountPath, move
-from pdr_est.simulate.carrying.held import HeldPhone
-from pdr_est.simulate.carrying.pocket import PocketPhone
-from pdr_est.simulate.carrying.swinging import SwingingPhone
-from pdr_est.simulate.motion.differentiable_signal import Jet, jet_of, joined, smooth_curve
+from pdr_est.simulate.carrying.device_pose import CarryingModel, DevicePose, MountTransition, device_motion
+from pdr_est.simulate.carrying.held_phone import HeldPhone
+from pdr_est.simulate.carrying.pocket_phone import PocketPhone
+from pdr_est.simulate.carrying.swinging_phone import SwingingPhone
+from pdr_est.simulate.motion.attitude_signal import concatenate_attitudes
+from pdr_est.simulate.motion.differentiable_signal import (
+    DifferentiableSignal,
+    concatenate_signals,
+    evaluate_curve,
+    quintic_curve,
+)
 from pdr_est.simulate.motion.rigid_body import RigidMotion
-from pdr_est.simulate.motion.rotation import joined_turnings
-from pdr_est.simulate.walker.trunk import Body, BodyMotion
+from pdr_est.simulate.walker.walking_body import BodyMotion, WalkingBody
 from pdr_est.types.ground_truth import TrueModes
 from pdr_est.types.steps import CarryingMode
 
-AnyPhone = Annotated[HeldPhone | SwingingPhone | PocketPhone, Field(discriminator="mode")]
+CarriedPhone = Annotated[HeldPhone | SwingingPhone | PocketPhone, Field(discriminator="mode")]
 
 _MODES = {"holding": CarryingMode.HOLDING, "swing": CarryingMode.SWING, "pocket": CarryingMode.POCKET}
 
 
 @params
 class ModeChange:
-    """The hand takes the phone to another place.
-
-    start_s, duration_s: when, on the true clock. carry: how the phone is carried from then on. turn_from, turn_to:
-    shares of the duration between which the hand turns the phone; the position moves all the time. detour_m: how
-    far out of the straight line, forward, left, up, the hand passes. flick_rad: how far the wrist turns the phone,
-    about its own x, y and z axes, and back again on the way.
-    """
+    """Parameters of a movement of the hand that takes the phone to another place."""
 
     start_s: NonNegative
-    carry: AnyPhone
+    """Start of the movement on the true clock, s."""
+    carry: CarriedPhone
+    """Carrying model from then on."""
     duration_s: Annotated[float, Ge(0.3), Le(5.0)] = 1.2
+    """Duration of the movement, s."""
     turn_from: Fraction = 0.15
+    """Fraction of the duration at which the hand starts to rotate the phone; its position moves all the time."""
     turn_to: Fraction = 0.8
+    """Fraction of the duration at which the rotation ends."""
     detour_m: tuple[float, float, float] = (0.08, 0.0, 0.03)
+    """Largest distance of the hand from the straight line between both places: forward, left, up, m."""
     flick_rad: tuple[float, float, float] = (0.2, 0.4, 0.4)
+    """Rotation of the wrist about the phone's x, y and z axes, rad, that is undone during the movement."""
 
     @property
     def end_s(self) -> float:
-        """When the phone is in its new place."""
+        """Return the time at which the phone is in its new place, s."""
         return self.start_s + self.duration_s
 
 
 @dataclass(frozen=True)
-class _Stay:
-    """One way of carrying with the interval, s, that it has a part in; the changes at its ends overlap others."""
+class _CarryingInterval:
+    """Carrying model and the interval (s) in which it takes part; intervals overlap in the mode changes."""
 
-    carry: Carry
+    carry: CarryingModel
     begin_s: float
     end_s: float
 
 
-def check_changes(name: str, changes: tuple[ModeChange, ...]) -> None:
-    """Raise ConfigError if the changes of a device are out of order or turn the phone backwards in time."""
+def check_mode_changes(name: str, changes: tuple[ModeChange, ...]) -> None:
+    """Raise ConfigError if the mode changes of a device overlap or have turn_from after turn_to."""
     for change in changes:
         if not change.turn_from < change.turn_to:
             raise ConfigError(
@@ -75,8 +81,8 @@ def check_changes(name: str, changes: tuple[ModeChange, ...]) -> None:
             )
 
 
-def true_modes(first: AnyPhone, changes: tuple[ModeChange, ...]) -> TrueModes:
-    """The carrying modes over time, TRANS while the hand moves the phone."""
+def true_modes(first: CarriedPhone, changes: tuple[ModeChange, ...]) -> TrueModes:
+    """Compute the true carrying modes over time; the mode is TRANS while the hand moves the phone."""
     starts_s, modes = [0.0], [_MODES[first.mode]]
     for change in changes:
         starts_s += [change.start_s, change.end_s]
@@ -85,14 +91,32 @@ def true_modes(first: AnyPhone, changes: tuple[ModeChange, ...]) -> TrueModes:
 
 
 def carried_motion(
-    body: Body, time_s: Array, first: AnyPhone, changes: tuple[ModeChange, ...], rngs: list[np.random.Generator]
+    body: WalkingBody,
+    time_s: Array,
+    first: CarriedPhone,
+    changes: tuple[ModeChange, ...],
+    rngs: list[np.random.Generator],
 ) -> RigidMotion:
-    """The device's motion at rising times (n,). rngs: one for each way of carrying, in order of time."""
+    """Compute the motion of a carried device.
+
+    Parameters
+    ----------
+    body : WalkingBody
+        The walking body that carries it.
+    time_s : Array
+        Ascending times, (n,), s.
+    first : CarriedPhone
+        Carrying model at the start.
+    changes : tuple of ModeChange
+        Mode changes in order of time.
+    rngs : list of numpy.random.Generator
+        One generator for each carrying model, in order of time.
+    """
     trunk = body.at(time_s)
-    stays = _stays(first, changes)
+    stays = _carrying_intervals(first, changes)
     parts = [_between(time_s, stay.begin_s, stay.end_s) for stay in stays]
     changing = [_between(time_s, change.start_s, change.end_s) for change in changes]
-    poses = [stay.carry.pose(trunk.part(part), rng) for stay, part, rng in zip(stays, parts, rngs, strict=True)]
+    poses = [stay.carry.pose(trunk.select(part), rng) for stay, part, rng in zip(stays, parts, rngs, strict=True)]
 
     pieces = []
     for number, (part, pose) in enumerate(zip(parts, poses, strict=True)):
@@ -100,33 +124,33 @@ def carried_motion(
             changing[number - 1].stop if number > 0 else part.start,
             changing[number].start if number < len(changes) else part.stop,
         )
-        pieces.append(move(trunk.part(alone), pose.part(_from(alone, part.start))))
+        pieces.append(device_motion(trunk.select(alone), pose.select(_from(alone, part.start))))
         if number < len(changes):
             both = changing[number]
-            old, new = pose.part(_from(both, part.start)), poses[number + 1].part(_from(both, both.start))
-            pieces.append(_taken(trunk.part(both), old, new, changes[number]))
+            old, new = pose.select(_from(both, part.start)), poses[number + 1].select(_from(both, both.start))
+            pieces.append(_transfer_motion(trunk.select(both), old, new, changes[number]))
     return _joined([piece for piece in pieces if len(piece.time_s)])
 
 
-def _stays(first: AnyPhone, changes: tuple[ModeChange, ...]) -> list[_Stay]:
-    carries: list[Carry] = [first, *(change.carry for change in changes)]
+def _carrying_intervals(first: CarriedPhone, changes: tuple[ModeChange, ...]) -> list[_CarryingInterval]:
+    carries: list[CarryingModel] = [first, *(change.carry for change in changes)]
     begins = [-np.inf, *(change.start_s for change in changes)]
     ends = [*(change.end_s for change in changes), np.inf]
-    return [_Stay(*stay) for stay in zip(carries, begins, ends, strict=True)]
+    return [_CarryingInterval(*stay) for stay in zip(carries, begins, ends, strict=True)]
 
 
-def _taken(trunk: BodyMotion, old: DevicePose, new: DevicePose, change: ModeChange) -> RigidMotion:
-    """The motion while a hand takes the phone from its old pose to its new one."""
+def _transfer_motion(trunk: BodyMotion, old: DevicePose, new: DevicePose, change: ModeChange) -> RigidMotion:
+    """Compute the motion while a hand takes the phone from its old pose to its new one."""
     turn_from_s = change.start_s + change.turn_from * change.duration_s
     turn_to_s = change.start_s + change.turn_to * change.duration_s
-    path = MountPath(
-        way=(old.mount.inv() * new.mount).as_rotvec(),
+    path = MountTransition(
+        rotation_vector=(old.mount.inv() * new.mount).as_rotvec(),
         flick=np.array(change.flick_rad),
-        done=_rise(trunk.time_s, turn_from_s, turn_to_s),
-        flicked=_bump(trunk.time_s, turn_from_s, turn_to_s),
+        progress=_smooth_step_signal(trunk.time_s, turn_from_s, turn_to_s),
+        flick_progress=_smooth_bump(trunk.time_s, turn_from_s, turn_to_s),
     )
-    aside = _bump(trunk.time_s, change.start_s, change.end_s)
-    straight = old.blended(new, _rise(trunk.time_s, change.start_s, change.end_s))
+    aside = _smooth_bump(trunk.time_s, change.start_s, change.end_s)
+    straight = old.interpolate(new, _smooth_step_signal(trunk.time_s, change.start_s, change.end_s))
     forward_m, left_m, up_m = change.detour_m
     hand = replace(
         straight,
@@ -134,36 +158,39 @@ def _taken(trunk: BodyMotion, old: DevicePose, new: DevicePose, change: ModeChan
         left=straight.left + aside * left_m,
         up=straight.up + aside * up_m,
     )
-    return move(trunk, hand, path)
+    return device_motion(trunk, hand, path)
 
 
-def _rise(time_s: Array, begin_s: float, end_s: float) -> Jet:
-    """From 0 to 1 with continuous acceleration."""
+def _smooth_step_signal(time_s: Array, begin_s: float, end_s: float) -> DifferentiableSignal:
+    """Rise from 0 to 1 between two times with continuous acceleration."""
     still = np.zeros(4)
     outer_s = np.array([begin_s - 1.0, begin_s, end_s, end_s + 1.0])
-    return jet_of(smooth_curve(outer_s, np.array([0.0, 0.0, 1.0, 1.0]), still), time_s)
+    return evaluate_curve(quintic_curve(outer_s, np.array([0.0, 0.0, 1.0, 1.0]), still), time_s)
 
 
-def _bump(time_s: Array, begin_s: float, end_s: float) -> Jet:
-    """From 0 to 1 half-way and back, with continuous acceleration."""
-    rise = _rise(time_s, begin_s, end_s)
+def _smooth_bump(time_s: Array, begin_s: float, end_s: float) -> DifferentiableSignal:
+    """Rise from 0 to 1 in the middle between two times and fall back, with continuous acceleration."""
+    rise = _smooth_step_signal(time_s, begin_s, end_s)
     return rise * (-rise + 1.0) * 4.0
 
 
 def _between(time_s: Array, begin_s: float, end_s: float) -> slice:
+    """Find the range of samples between two times."""
     first, last = np.searchsorted(time_s, [begin_s, end_s])
     return slice(int(first), int(last))
 
 
 def _from(part: slice, start: int) -> slice:
+    """Count a range of samples from another origin."""
     return slice(part.start - start, part.stop - start)
 
 
 def _joined(pieces: list[RigidMotion]) -> RigidMotion:
+    """Join consecutive pieces of one motion."""
     return RigidMotion(
         time_s=np.concatenate([piece.time_s for piece in pieces]),
-        east=joined([piece.east for piece in pieces]),
-        north=joined([piece.north for piece in pieces]),
-        up=joined([piece.up for piece in pieces]),
-        turning=joined_turnings([piece.turning for piece in pieces]),
+        east=concatenate_signals([piece.east for piece in pieces]),
+        north=concatenate_signals([piece.north for piece in pieces]),
+        up=concatenate_signals([piece.up for piece in pieces]),
+        attitude=concatenate_attitudes([piece.attitude for piece in pieces]),
     )

@@ -1,4 +1,4 @@
-"""Signals of time that carry their first two derivatives, so that every motion is differentiated exactly."""
+"""Signals that carry their first two time derivatives, so that every simulated motion is differentiated exactly."""
 
 from dataclasses import dataclass
 
@@ -9,91 +9,135 @@ from pdr_est.frames import Array
 
 
 @dataclass(frozen=True)
-class Jet:
-    """Value, first and second time derivative of one signal at some times, each (n,).
+class DifferentiableSignal:
+    """Value, first and second time derivative of a scalar signal at sampled times.
 
-    Sums, products, sines and cosines follow the rules of calculus, so whatever is composed of jets has exact
-    rates and accelerations at any sampling rate, without numerical differentiation.
+    Sums, products, sines and cosines follow the rules of calculus. Whatever is composed of such signals therefore has
+    exact rates and accelerations at any sampling rate, without numerical differentiation.
+
+    Attributes
+    ----------
+    value : Array
+        Signal at the sampled times, (n,), in its own unit.
+    rate : Array
+        First time derivative, (n,), unit per second.
+    acceleration : Array
+        Second time derivative, (n,), unit per second squared.
     """
 
     value: Array
     rate: Array
     acceleration: Array
 
-    def __add__(self, other: "Jet | float") -> "Jet":
-        if isinstance(other, Jet):
-            return Jet(self.value + other.value, self.rate + other.rate, self.acceleration + other.acceleration)
-        return Jet(self.value + other, self.rate, self.acceleration)
+    def __add__(self, other: "DifferentiableSignal | float") -> "DifferentiableSignal":
+        if isinstance(other, DifferentiableSignal):
+            return DifferentiableSignal(
+                self.value + other.value, self.rate + other.rate, self.acceleration + other.acceleration
+            )
+        return DifferentiableSignal(self.value + other, self.rate, self.acceleration)
 
-    def __mul__(self, other: "Jet | float") -> "Jet":
-        if isinstance(other, Jet):
-            return Jet(
+    def __mul__(self, other: "DifferentiableSignal | float") -> "DifferentiableSignal":
+        if isinstance(other, DifferentiableSignal):
+            return DifferentiableSignal(
                 self.value * other.value,
                 self.rate * other.value + self.value * other.rate,
                 self.acceleration * other.value + 2.0 * self.rate * other.rate + self.value * other.acceleration,
             )
-        return Jet(self.value * other, self.rate * other, self.acceleration * other)
+        return DifferentiableSignal(self.value * other, self.rate * other, self.acceleration * other)
 
-    def __neg__(self) -> "Jet":
+    def __neg__(self) -> "DifferentiableSignal":
         return self * -1.0
 
-    def __sub__(self, other: "Jet | float") -> "Jet":
+    def __sub__(self, other: "DifferentiableSignal | float") -> "DifferentiableSignal":
         return self + (-other)
 
-    def __getitem__(self, part: slice) -> "Jet":
-        return Jet(self.value[part], self.rate[part], self.acceleration[part])
+    def __getitem__(self, part: slice) -> "DifferentiableSignal":
+        return DifferentiableSignal(self.value[part], self.rate[part], self.acceleration[part])
 
-    def sin(self) -> "Jet":
-        """Sine of an angle in radians."""
-        return self.through(np.sin(self.value), np.cos(self.value), -np.sin(self.value))
+    def sin(self) -> "DifferentiableSignal":
+        """Return the sine of an angle in radians."""
+        return self.chain_rule(np.sin(self.value), np.cos(self.value), -np.sin(self.value))
 
-    def cos(self) -> "Jet":
-        """Cosine of an angle in radians."""
-        return self.through(np.cos(self.value), -np.sin(self.value), -np.cos(self.value))
+    def cos(self) -> "DifferentiableSignal":
+        """Return the cosine of an angle in radians."""
+        return self.chain_rule(np.cos(self.value), -np.sin(self.value), -np.cos(self.value))
 
-    def through(self, value: Array, slope: Array, bend: Array) -> "Jet":
-        """f of this signal, given f and its first two derivatives at the signal's values (chain rule)."""
-        return Jet(value, slope * self.rate, slope * self.acceleration + bend * self.rate**2)
+    def chain_rule(self, value: Array, slope: Array, bend: Array) -> "DifferentiableSignal":
+        """Compose a function f with this signal.
+
+        Parameters
+        ----------
+        value, slope, bend : Array
+            The function f and its first two derivatives, evaluated at the values of this signal, (n,) each.
+
+        Returns
+        -------
+        DifferentiableSignal
+            The signal f(self) with derivatives by the chain rule.
+        """
+        return DifferentiableSignal(value, slope * self.rate, slope * self.acceleration + bend * self.rate**2)
 
 
-def constant(value: float, count: int) -> Jet:
-    """A signal that never changes, at `count` times."""
+def constant_signal(value: float, count: int) -> DifferentiableSignal:
+    """Make a signal that has one value at `count` times and does not change."""
     zero = np.zeros(count)
-    return Jet(np.full(count, value), zero, zero)
+    return DifferentiableSignal(np.full(count, value), zero, zero)
 
 
-def joined(parts: list[Jet]) -> Jet:
-    """Consecutive pieces of one signal as one."""
-    return Jet(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("value", "rate", "acceleration")))
+def concatenate_signals(parts: list[DifferentiableSignal]) -> DifferentiableSignal:
+    """Join consecutive pieces of one signal."""
+    return DifferentiableSignal(
+        *(np.concatenate([getattr(p, name) for p in parts]) for name in ("value", "rate", "acceleration"))
+    )
 
 
-def pulse(cycle: Jet, span: float, waves: float, phase_rad: float) -> Jet:
-    """A short swinging jolt behind every whole number of a counting signal, zero elsewhere.
+def oscillation_burst(
+    cycle: DifferentiableSignal, span: float, waves: float, phase_rad: float
+) -> DifferentiableSignal:
+    """Make a short oscillation after every whole number of a counting signal; it is zero elsewhere.
 
-    It lasts a share `span` of a cycle, swings `waves` times within a bell of height 1, with a phase of `phase_rad`
-    in its middle (0: highest there), and begins and ends so gently that its acceleration is continuous.
+    The oscillation is a cosine under a bell of height 1, which begins and ends so gently that the acceleration is
+    continuous.
+
+    Parameters
+    ----------
+    cycle : DifferentiableSignal
+        Counting signal, for example strides: a burst begins where it passes a whole number.
+    span : float
+        Duration of the burst as a fraction of a cycle.
+    waves : float
+        Number of oscillations within the burst.
+    phase_rad : float
+        Phase of the cosine in the middle of the burst; 0 puts a maximum there.
     """
     inside = np.mod(cycle.value, 1.0) < span
-    share = Jet(np.where(inside, np.mod(cycle.value, 1.0), 0.0) / span, cycle.rate / span, cycle.acceleration / span)
+    share = DifferentiableSignal(
+        np.where(inside, np.mod(cycle.value, 1.0), 0.0) / span, cycle.rate / span, cycle.acceleration / span
+    )
     rest = 1.0 - share.value
-    bell = share.through(
+    bell = share.chain_rule(
         64.0 * (share.value * rest) ** 3,
         192.0 * (share.value * rest) ** 2 * (rest - share.value),
         384.0 * share.value * rest * (1.0 - 5.0 * share.value * rest),
     )
     jolt = bell * ((share - 0.5) * (2.0 * np.pi * waves) + phase_rad).cos()
-    return Jet(*(np.where(inside, part, 0.0) for part in (jolt.value, jolt.rate, jolt.acceleration)))
+    return DifferentiableSignal(*(np.where(inside, part, 0.0) for part in (jolt.value, jolt.rate, jolt.acceleration)))
 
 
-def jet_of(curve: PPoly, time_s: Array) -> Jet:
-    """The jet of a piecewise polynomial of time at some times."""
-    return Jet(curve(time_s), curve(time_s, 1), curve(time_s, 2))
+def evaluate_curve(curve: PPoly, time_s: Array) -> DifferentiableSignal:
+    """Evaluate a piecewise polynomial of time and its derivatives at times (n,), s."""
+    return DifferentiableSignal(curve(time_s), curve(time_s, 1), curve(time_s, 2))
 
 
-def smooth_curve(time_s: Array, value: Array, rate: Array) -> PPoly:
-    """Quintic pieces through values with given rates and no acceleration at rising times, all (n,).
+def quintic_curve(time_s: Array, value: Array, rate: Array) -> PPoly:
+    """Interpolate values with given rates and zero acceleration by quintic polynomials.
 
-    The acceleration is continuous; where the values already move at the given rates, the curve is straight.
+    The acceleration is continuous; where the values already move at the given rates, the curve is a straight line.
+
+    Parameters
+    ----------
+    time_s, value, rate : Array
+        Ascending times, values and first derivatives at them, (n,) each.
     """
     span = np.diff(time_s)
     gain = np.diff(value)

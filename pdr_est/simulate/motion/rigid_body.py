@@ -1,4 +1,4 @@
-"""The motion of a rigid device, and what ideal inertial sensors fixed to it feel."""
+"""The motion of a rigid device, and the readings of ideal inertial sensors fixed to it."""
 
 from dataclasses import dataclass
 
@@ -6,47 +6,56 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.simulate.motion.differentiable_signal import Jet
-from pdr_est.simulate.motion.rotation import Turning
+from pdr_est.simulate.motion.attitude_signal import AttitudeSignal
+from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal
 
 
 @dataclass(frozen=True)
 class RigidMotion:
-    """One rigid-body motion at some times (n,), seconds.
+    """Motion of a rigid device at sampled times.
 
-    east, north, up: position of the device, m. turning: its orientation device -> map; a device that is not
-    turned has its x axis to the east, y north, z up.
+    Attributes
+    ----------
+    time_s : Array
+        Sampling times, (n,), s.
+    east, north, up : DifferentiableSignal
+        Position of the device in the map frame, m.
+    attitude : AttitudeSignal
+        Orientation from device to map axes. At the identity, x points east, y north and z up.
     """
 
     time_s: Array
-    east: Jet
-    north: Jet
-    up: Jet
-    turning: Turning
+    east: DifferentiableSignal
+    north: DifferentiableSignal
+    up: DifferentiableSignal
+    attitude: AttitudeSignal
 
     @property
     def position_m(self) -> Array:
-        """Position (n, 3): east, north, up."""
+        """Return the position (n, 3) in m: east, north, up."""
         return np.stack([self.east.value, self.north.value, self.up.value], axis=1)
 
     @property
     def quaternion(self) -> Array:
-        """Orientation (n, 4), w first, device -> map."""
-        return self.turning.quaternion
+        """Return the orientation (n, 4) from device to map, scalar first."""
+        return self.attitude.quaternion
 
     @property
     def specific_force_mps2(self) -> Array:
-        """What an accelerometer feels, (n, 3), device axes: acceleration plus gravity upwards."""
+        """Return the reading of an ideal accelerometer, (n, 3), m/s^2, device axes.
+
+        It is the acceleration of the device plus gravity, upwards.
+        """
         felt = np.stack([self.east.acceleration, self.north.acceleration, self.up.acceleration], axis=1)
         felt[:, 2] += STANDARD_GRAVITY_MPS2
         return self.in_device(felt)
 
     @property
     def rotation_rate_radps(self) -> Array:
-        """What a gyroscope feels, (n, 3), device axes."""
-        return self.turning.rotation_rate_radps
+        """Return the reading of an ideal gyroscope, (n, 3), rad/s, device axes."""
+        return self.attitude.rotation_rate_radps
 
     def in_device(self, vector: Array) -> Array:
-        """Vectors of the map (n, 3) or (3,), seen in the device's axes, (n, 3)."""
+        """Express vectors (n, 3) or (3,) of the map frame in device axes, (n, 3)."""
         seen: Array = Rotation.from_quat(self.quaternion, scalar_first=True).apply(vector, inverse=True)
         return seen

@@ -6,33 +6,50 @@ from typing import Literal
 import numpy as np
 
 from pdr_est.params import params
-from pdr_est.simulate.carrying.held import HeldPhone
-from pdr_est.simulate.carrying.mode_changes import AnyPhone, ModeChange
-from pdr_est.simulate.carrying.pocket import PocketPhone
-from pdr_est.simulate.carrying.swinging import SwingingPhone
-from pdr_est.simulate.walker.step_schedule import GaitParams
-from pdr_est.simulate.walker.trunk import BodyParams, Side
+from pdr_est.simulate.carrying.held_phone import HeldPhone
+from pdr_est.simulate.carrying.mode_changes import CarriedPhone, ModeChange
+from pdr_est.simulate.carrying.pocket_phone import PocketPhone
+from pdr_est.simulate.carrying.swinging_phone import SwingingPhone
+from pdr_est.simulate.walker.step_schedule import WalkerGaitParams
+from pdr_est.simulate.walker.walking_body import BodyParams, Side
 
 _MEAN_HEIGHT_M = {"male": 1.75, "female": 1.62}
 _USUAL_CADENCE_HZ = 1.85
 
 
 @params
-class Person:
-    """One walker's gait, trunk and ways to carry a phone. change_s: how long one takes to move it."""
+class SimulatedPerson:
+    """Gait, trunk motion and carrying models of one walker."""
 
-    gait: GaitParams
+    gait: WalkerGaitParams
+    """Steps of this person."""
     body: BodyParams
+    """Motion of this person's trunk."""
     held: HeldPhone
+    """Model of the phone in the hand, in front of the body."""
     swing: SwingingPhone
+    """Model of the phone in the swinging hand."""
     pocket: PocketPhone
+    """Model of the phone in the trouser pocket."""
     change_s: float
+    """Usual duration of moving the phone to another place, s."""
 
-    def change(self, before: AnyPhone, carry: AnyPhone, start_s: float, rng: np.random.Generator) -> ModeChange:
-        """This person's hand takes the phone from one place to another, a little differently each time.
+    def change(
+        self, before: CarriedPhone, carry: CarriedPhone, start_s: float, rng: np.random.Generator
+    ) -> ModeChange:
+        """Draw a mode change of this person; each one differs a little.
 
-        What goes into a pocket lies there a little differently each time, too. The flicks of the wrist are such
-        that the fastest rotation of most changes is above that of MMPDR section IV-B, and of a few below.
+        The pose of the phone in a pocket differs a little each time, too. The flicks of the wrist are such that the
+        fastest rotation of most changes is above the threshold of MMPDR section IV-B, and that of a few below.
+
+        Parameters
+        ----------
+        before, carry : CarriedPhone
+            Carrying models before and after the change.
+        start_s : float
+            Start of the change on the true clock, s.
+        rng : numpy.random.Generator
+            Source of the differences.
         """
         if isinstance(carry, PocketPhone):
             carry = replace(
@@ -41,28 +58,28 @@ class Person:
                 spin_rad=carry.spin_rad + 0.1 * _normal(rng),
                 tip_rad=carry.tip_rad + 0.05 * _normal(rng),
             )
-        turning = rng.uniform(0.45, 0.65)  # the wrist turns the phone in about half of the time
-        turn_from = rng.uniform(0.1, 0.85 - turning)
+        turn_share = rng.uniform(0.45, 0.65)  # the wrist turns the phone in about half of the time
+        turn_from = rng.uniform(0.1, 0.85 - turn_share)
         return ModeChange(
             start_s=start_s,
             carry=carry,
             duration_s=float(np.clip(self.change_s * rng.uniform(0.85, 1.15), 0.8, 1.6)),
             turn_from=turn_from,
-            turn_to=turn_from + turning,
+            turn_to=turn_from + turn_share,
             detour_m=(0.08 + 0.03 * _normal(rng), 0.03 * _normal(rng), 0.03 + 0.03 * _normal(rng)),
             flick_rad=_flick(before, rng),
         )
 
 
-def sample_person(rng: np.random.Generator) -> Person:
-    """A grown-up drawn at random. Everything that differs between people differs, all else is at its default."""
+def sample_person(rng: np.random.Generator) -> SimulatedPerson:
+    """Draw an adult at random; what does not differ between people keeps its default."""
     gender: Literal["male", "female"] = "male" if rng.random() < 0.5 else "female"
     height_m = _MEAN_HEIGHT_M[gender] + 0.065 * _normal(rng)
     # tall people take fewer steps a second: the leg is a pendulum
     cadence_hz = _USUAL_CADENCE_HZ * np.sqrt(1.7 / height_m) * (1.0 + 0.06 * _normal(rng))
     briskness = cadence_hz / _USUAL_CADENCE_HZ
     size = height_m / 1.73
-    return Person(
+    return SimulatedPerson(
         gait=_gait(gender, height_m, cadence_hz, rng),
         body=_body(rng),
         held=_held(size, rng),
@@ -74,8 +91,8 @@ def sample_person(rng: np.random.Generator) -> Person:
 
 def _gait(
     gender: Literal["male", "female"], height_m: float, cadence_hz: float, rng: np.random.Generator
-) -> GaitParams:
-    return GaitParams(
+) -> WalkerGaitParams:
+    return WalkerGaitParams(
         height_m=height_m,
         gender=gender,
         cadence_hz=cadence_hz,
@@ -168,8 +185,8 @@ def _pocket(size: float, briskness: float, rng: np.random.Generator) -> PocketPh
     )
 
 
-def _flick(before: AnyPhone, rng: np.random.Generator) -> tuple[float, float, float]:
-    """A pocket is left by levering the phone out in its own plane, a swing by turning the forearm."""
+def _flick(before: CarriedPhone, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Draw the flick of the wrist: out of a pocket in the plane of the screen, otherwise about the forearm."""
     about_x, about_y, about_z = (0.3 * _normal(rng) for _ in range(3))
     turned_rad = rng.uniform(0.6, 1.4) * rng.choice([-1.0, 1.0])
     if isinstance(before, PocketPhone):
@@ -182,5 +199,5 @@ def _side(rng: np.random.Generator) -> Side:
 
 
 def _normal(rng: np.random.Generator) -> float:
-    """A standard normal number cut at 2.5, so that nobody is a giant."""
+    """Draw a standard normal number cut at 2.5, so that nobody is a giant."""
     return float(np.clip(rng.standard_normal(), -2.5, 2.5))

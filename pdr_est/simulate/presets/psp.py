@@ -6,20 +6,20 @@ from typing import Literal
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.simulate.carrying.pocket import PocketPhone
-from pdr_est.simulate.people.person import Person, sample_person
+from pdr_est.simulate.carrying.pocket_phone import PocketPhone
+from pdr_est.simulate.people.person import SimulatedPerson, sample_person
 from pdr_est.simulate.scenario import DeviceParams, Scenario
-from pdr_est.simulate.sensors.errors import PHONE_MAGNETOMETER, SensorParams
-from pdr_est.simulate.sensors.magnetic_field import scattered_irons
-from pdr_est.simulate.walker.path import PEAK_SLOPE, Path, PathParams
-from pdr_est.simulate.walker.trunk import Side
+from pdr_est.simulate.sensors.magnetic_field import scatter_dipoles
+from pdr_est.simulate.sensors.sensor_errors import PHONE_MAGNETOMETER, SensorParams
+from pdr_est.simulate.walker.walking_body import Side
+from pdr_est.simulate.walker.walking_path import PEAK_SLOPE, PathParams, WalkingPath
 
-Trajectory = Literal["I", "II"]
+PspTrajectory = Literal["I", "II"]
 PSP_TESTS = 25  # a trajectory: 50 tests in all
 
 _PEOPLE = 5
-_LENGTH_M: dict[Trajectory, float] = {"I": 204.0, "II": 290.0}
-_DEPTH_M: dict[Trajectory, float] = {"I": 36.0, "II": 26.0}
+_LENGTH_M: dict[PspTrajectory, float] = {"I": 204.0, "II": 290.0}
+_DEPTH_M: dict[PspTrajectory, float] = {"I": 36.0, "II": 26.0}
 _LAPS, _CIRCLE_RADIUS_M, _CIRCLE_CORNERS = 5, 5.0, 72
 _CORNER_RADIUS_M = 0.8
 _COMBINATIONS: tuple[tuple[Side, bool], ...] = (("left", True), ("left", False), ("right", True), ("right", False))
@@ -28,35 +28,44 @@ _SENSORS = SensorParams(rate_hz=100.0, magnetometer=replace(PHONE_MAGNETOMETER, 
 _IRON_SPACING_M = 5.0
 
 
-def psp_walks(trajectory: Trajectory, tests: int = PSP_TESTS, seed: int = 0) -> tuple[Scenario, ...]:
-    """The tests of PSP on one trajectory; `seed` draws the people, the building's iron and the sensors.
+def psp_walks(trajectory: PspTrajectory, tests: int = PSP_TESTS, seed: int = 0) -> tuple[Scenario, ...]:
+    """Make the tests of PSP on one trajectory.
 
     The paper has 50 tests of five people on two trajectories and does not tell which. Here each person walks both
     ways round with the phone in either pocket, 20 tests, and one of these four a second time, with the phone put in
-    anew: 25. The first `tests` of them; any five in a row are of the five people. The walk starts with a stretch to
-    the east, which is a direction of the building. The phone stands nearly straight, upper edge up, its axis leaning
-    by 5 degrees (standard deviation each way), and is recorded at 100 Hz with its magnetometer.
+    anew: 25. Any five tests in a row are of the five people. The walk starts with a straight part to the east, which
+    is a direction of the building. The phone stands nearly straight, upper edge up, its axis leaning by 5 degrees
+    (standard deviation each way), and is recorded at 100 Hz with its magnetometer.
+
+    Parameters
+    ----------
+    trajectory : {"I", "II"}
+        Trajectory of the paper.
+    tests : int
+        Number of tests, the first ones of the 25.
+    seed : int
+        Seed of the people, the magnetised bodies in the building, and the sensors.
     """
     people = [sample_person(np.random.default_rng([seed, 3, number])) for number in range(_PEOPLE)]
     return tuple(_walk(trajectory, people[number % _PEOPLE], number, seed) for number in range(tests))
 
 
-def psp_path(trajectory: Trajectory, clockwise: bool) -> PathParams:
-    """A closed path of 204.0 m (I) or 290.0 m (II), from the middle of a side, to the east.
+def psp_path(trajectory: PspTrajectory, clockwise: bool) -> PathParams:
+    """Make a closed path of 204.0 m (I) or 290.0 m (II), from the middle of a side, to the east.
 
     Fig. 3 is not in the text that we have. I is a rectangle of 66 m by 36 m. II is one of 40 m by 26 m; in the middle
     of the side across from the start the walker goes round a circle of 5 m radius five times, turning as the
-    rectangle does. In a stride he turns by 16 degrees there, above the threshold of eq. 2, as he must for the
-    paper's words that HDE suspends its action on the circle.
+    rectangle does. In a stride he turns by 16 degrees there, above the threshold of eq. 2, as he must for the paper's
+    statement that HDE suspends its action on the circle.
     """
     guess = _around(trajectory, half_m=20.0)
-    half_m = 20.0 + (_LENGTH_M[trajectory] - Path(guess).length_m) / 4.0
+    half_m = 20.0 + (_LENGTH_M[trajectory] - WalkingPath(guess).length_m) / 4.0
     path = _around(trajectory, half_m)
     return replace(path, vertices_m=tuple((x, -y) for x, y in path.vertices_m)) if clockwise else path
 
 
-def _around(trajectory: Trajectory, half_m: float) -> PathParams:
-    """Counter-clockwise around a rectangle 2 half_m wide, with the circle where there is one."""
+def _around(trajectory: PspTrajectory, half_m: float) -> PathParams:
+    """Make the path counter-clockwise around a rectangle 2 half_m wide, with the circle of trajectory II."""
     depth_m = _DEPTH_M[trajectory]
     before = ((0.0, 0.0), (half_m, 0.0), (half_m, depth_m))
     after = ((-half_m, depth_m), (-half_m, 0.0), (0.0, 0.0))
@@ -72,7 +81,10 @@ def _around(trajectory: Trajectory, half_m: float) -> PathParams:
 
 
 def _circle(depth_m: float) -> Array:
-    """Corners (n, 2) of a polygon around the circle, lap after lap, below the side at depth_m, which touches it."""
+    """Make the corners (n, 2) of a polygon around the circle, lap after lap.
+
+    The circle touches the side at depth_m.
+    """
     step_rad = 2.0 * np.pi / _CIRCLE_CORNERS
     angle = np.pi / 2.0 + step_rad * (0.5 + np.arange(_LAPS * _CIRCLE_CORNERS))
     corner_m = _CIRCLE_RADIUS_M / np.cos(step_rad / 2.0)
@@ -81,26 +93,27 @@ def _circle(depth_m: float) -> Array:
     return circle
 
 
-def _walk(trajectory: Trajectory, person: Person, number: int, seed: int) -> Scenario:
+def _walk(trajectory: PspTrajectory, person: SimulatedPerson, number: int, seed: int) -> Scenario:
+    """Make one test of a person."""
     who = number % _PEOPLE
     side, clockwise = _COMBINATIONS[(number // _PEOPLE + who) % len(_COMBINATIONS)]
     rng = np.random.default_rng([seed, 4, int(trajectory == "II"), number])
     path = psp_path(trajectory, clockwise)
     device = DeviceParams(carry=_pocketed(person, side, rng), sensors=_SENSORS)
-    turning = "clockwise" if clockwise else "counterclockwise"
+    sense = "clockwise" if clockwise else "counterclockwise"
     return Scenario(
-        name=f"psp_{trajectory}_person{who + 1}_{side}_{turning}_{number + 1:02d}",
+        name=f"psp_{trajectory}_person{who + 1}_{side}_{sense}_{number + 1:02d}",
         path=path,
         gait=person.gait,
         body=person.body,
         devices=(device,),
-        irons=scattered_irons(Path(path), _IRON_SPACING_M, int(rng.integers(2**31))),
+        irons=scatter_dipoles(WalkingPath(path), _IRON_SPACING_M, int(rng.integers(2**31))),
         seed=int(rng.integers(2**31)),
     )
 
 
-def _pocketed(person: Person, side: Side, rng: np.random.Generator) -> PocketPhone:
-    """This person's leg, with the phone nearly straight in that pocket. The trousers tell where the screen points."""
+def _pocketed(person: SimulatedPerson, side: Side, rng: np.random.Generator) -> PocketPhone:
+    """Put the phone nearly straight into that pocket of the person; the trousers decide where the screen points."""
     facing_rad = person.pocket.facing_rad if person.pocket.side == side else -person.pocket.facing_rad
     spin_rad, tip_rad = np.deg2rad(5.0) * rng.standard_normal(2)
     return replace(person.pocket, side=side, facing_rad=facing_rad, spin_rad=float(spin_rad), tip_rad=float(tip_rad))

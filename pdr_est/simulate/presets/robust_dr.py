@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.simulate.people.person import Person, sample_person
+from pdr_est.simulate.people.person import SimulatedPerson, sample_person
 from pdr_est.simulate.scenario import DeviceParams, Scenario
-from pdr_est.simulate.sensors.errors import PHONE_MAGNETOMETER, SensorParams
-from pdr_est.simulate.sensors.magnetic_field import scattered_irons
+from pdr_est.simulate.sensors.magnetic_field import scatter_dipoles
+from pdr_est.simulate.sensors.sensor_errors import PHONE_MAGNETOMETER, SensorParams
 from pdr_est.simulate.walk import SimulatedWalk
-from pdr_est.simulate.walker.path import Path, PathParams
-from pdr_est.simulate.walker.trunk import Side
+from pdr_est.simulate.walker.walking_body import Side
+from pdr_est.simulate.walker.walking_path import PathParams, WalkingPath
 
 ROBUST_DR_TRIALS = 10
 
@@ -28,22 +28,30 @@ _CLOCK_S = 2.0  # most by which the right phone's clock may differ
 
 
 def robust_dr_trials(seed: int = 0, trials: int = ROBUST_DR_TRIALS) -> tuple[Scenario, ...]:
-    """Trials of section V, each of another person, with `seed`; more trials leave the first ones as they are.
+    """Make the trials of section V, each of another person; more trials leave the first ones as they are.
 
-    A laboratory of 14 m by 10 m with aisles between its benches, of which 90 m are walked in about 2 minutes, with
+    A laboratory of 14 m by 10 m has aisles between its benches. 90 m of them are walked in about 2 minutes, with
     turns to both sides; ten waypoints are passed 22 times (`waypoint_passes`). Figure 2 is not in the text that we
-    have: the path is ours. A phone is in the left and one in the right trousers pocket, each put in a little
-    differently; they sample at 24 to 25 Hz and the right one's clock is up to 2 s off and runs faster or slower by 20
-    ppm. Iron stands beside the path every 3 m. The phones also have a gyroscope, which the paper's had not, because
-    our front end needs one to know what is level. All errors are those of the simulated phones; none is set for the
-    sake of the paper's figure.
+    have: the path is ours. One phone is in the left and one in the right trouser pocket, each put in a little
+    differently. They sample at 24 to 25 Hz; the right one's clock is up to 2 s off and runs faster or slower by 20
+    ppm. Magnetised bodies stand beside the path every 3 m. The phones also have a gyroscope, which the paper's had
+    not, because our front end needs one to know what is level. All errors are those of the simulated phones; none is
+    set for the sake of the paper's figure.
     """
     return tuple(_trial(seed, number) for number in range(trials))
 
 
 def waypoint_passes(walk: SimulatedWalk) -> tuple[Array, Array]:
-    """When the walker was nearest to each waypoint (22,), true time, and the true positions then (22, 2)."""
-    path = Path(walk.scenario.path)
+    """Find when the walker was nearest to each waypoint.
+
+    Returns
+    -------
+    time_s : Array
+        True times of the passes, (22,), s.
+    position_m : Array
+        True positions at these times, (22, 2), m.
+    """
+    path = WalkingPath(walk.scenario.path)
     along_m = np.arange(0.0, path.length_m, 0.01)
     line = path.at(along_m).position_m
     grid_m = float(np.max(walk.scenario.path.vertices_m)) / float(np.max(_corners()))
@@ -59,28 +67,29 @@ def waypoint_passes(walk: SimulatedWalk) -> tuple[Array, Array]:
 
 
 def _row_of(number: int) -> int:
-    """Row of a pass among the corners."""
+    """Find the row of a waypoint pass among the corners."""
     return number + (number >= len(_ROUTE) - 2)
 
 
 def _corners() -> Array:
-    """The route with its corner that is no waypoint (23, 2), units of the grid."""
+    """List the route with its corner that is no waypoint, (23, 2), in units of the grid."""
     return np.array([*_ROUTE[:-2], _CORNER_BEFORE_LAST_AISLE, *_ROUTE[-2:]], dtype=np.float64)
 
 
 def _path() -> PathParams:
-    """Without the points in the middle of straight parts, so large that it is as long as the paper's."""
+    """Make the path without the points in the middle of straight parts, enlarged to the paper's length."""
     corners = _corners()
     legs = np.sign(np.diff(corners, axis=0))
     bends = [0, *(1 + np.flatnonzero(np.any(legs[1:] != legs[:-1], axis=1))), len(corners) - 1]
     grid_m = _LENGTH_M / float(np.abs(np.diff(corners, axis=0)).sum())
     for _ in range(3):  # rounded corners are shorter
         path = PathParams(vertices_m=tuple((grid_m * x, grid_m * y) for x, y in corners[bends].tolist()))
-        grid_m *= _LENGTH_M / Path(path).length_m
+        grid_m *= _LENGTH_M / WalkingPath(path).length_m
     return path
 
 
 def _trial(seed: int, number: int) -> Scenario:
+    """Make one trial."""
     rng = np.random.default_rng([seed, 5, number])
     person = sample_person(rng)
     gait = replace(person.gait, cadence_hz=_CADENCE * person.gait.cadence_hz)
@@ -91,13 +100,13 @@ def _trial(seed: int, number: int) -> Scenario:
         gait=gait,
         body=person.body,
         devices=(_phone("left", person, rng), _phone("right", person, rng)),
-        irons=scattered_irons(Path(path), _IRON_SPACING_M, int(rng.integers(2**31))),
+        irons=scatter_dipoles(WalkingPath(path), _IRON_SPACING_M, int(rng.integers(2**31))),
         seed=int(rng.integers(2**31)),
     )
 
 
-def _phone(side: Side, person: Person, rng: np.random.Generator) -> DeviceParams:
-    """The phone in that pocket. The trousers tell where the screen points, the hand how it was put in."""
+def _phone(side: Side, person: SimulatedPerson, rng: np.random.Generator) -> DeviceParams:
+    """Put a phone into that pocket; the trousers decide where the screen points, the hand how it was put in."""
     pocket = person.pocket
     facing_rad = pocket.facing_rad if pocket.side == side else -pocket.facing_rad
     put_rad = np.array([0.15, 0.1, 0.05]) * rng.standard_normal(3)

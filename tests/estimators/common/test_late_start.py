@@ -13,7 +13,7 @@ from pdr_est.pipeline.measurements import track_of
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StepOdometry
 from pdr_est.types.track import Track
 
-LATE_S = 5.0
+LATE_START_S = 5.0
 
 
 def begun_at(device: DeviceMeasurements, start_s: float) -> DeviceMeasurements:
@@ -23,7 +23,7 @@ def begun_at(device: DeviceMeasurements, start_s: float) -> DeviceMeasurements:
 
 
 def reckoned(devices: list[DeviceMeasurements]) -> Track:
-    extended = with_way_to_start(devices, LATE_S)
+    extended = with_way_to_start(devices, LATE_START_S)
     return from_own_start(estimate_walk("dead-reckoning", extended, START, SIGMA_SCALE), devices, extended)
 
 
@@ -69,7 +69,7 @@ def test_every_offline_estimator_does_it(name: EstimatorName) -> None:
 
 def test_devices_that_begin_together_stay_the_same_objects() -> None:
     known, _ = walk_of(20, 2)
-    assert all(a is b for a, b in zip(with_way_to_start(known, LATE_S), known, strict=True))
+    assert all(a is b for a, b in zip(with_way_to_start(known, LATE_START_S), known, strict=True))
     track = estimate_walk("dead-reckoning", known, START, SIGMA_SCALE)
     kept = from_own_start(track, known, known)
     assert np.array_equal(kept.time_s, track.time_s)
@@ -80,8 +80,8 @@ def test_one_that_nobody_recorded_with_at_its_start_stays_as_it_is() -> None:
     known, _ = walk_of(100, 2)
     early = replace(known[0], measurements=known[0].measurements[:20])
     late = begun_at(known[1], 30.0)
-    assert with_way_to_start([early, late], LATE_S)[1] is late
-    assert with_way_to_start([], LATE_S) == []
+    assert with_way_to_start([early, late], LATE_START_S)[1] is late
+    assert with_way_to_start([], LATE_START_S) == []
 
 
 def test_a_late_one_may_lend_in_turn() -> None:

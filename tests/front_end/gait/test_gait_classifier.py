@@ -14,8 +14,8 @@ from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait import GaitClassifier, GaitParams, gait_stage, shipped_folds, shipped_model
 from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import save_model
-from pdr_est.front_end.gait.svm_scorer import GaitScorer, gait_of
-from pdr_est.front_end.gait.training import train
+from pdr_est.front_end.gait.svm_scorer import GaitScorer, decide_gait
+from pdr_est.front_end.gait.training import train_gait_model
 from pdr_est.stage import Stage
 from pdr_est.types.steps import Gait, Step
 
@@ -37,7 +37,7 @@ def steps_of(*parts: tuple[tuple[float, float], int]) -> list[Step]:
 
 @pytest.mark.parametrize("method", ["auto", "uptime"])
 def test_a_change_of_gait_is_found_within_two_steps(method: str) -> None:
-    stage = gait_stage(GaitParams(method=method))  # type: ignore[arg-type]
+    stage = gait_stage(50.0, GaitParams(method=method))  # type: ignore[arg-type]
     assert isinstance(stage, Stage)
     steps = steps_of((SLOW, 10), (FAST, 10), (SLOW, 10))
     walking = [found.gait is Gait.WALKING for found in run(stage, steps)]
@@ -52,7 +52,7 @@ def test_a_step_is_emitted_at_once_with_its_probabilities_and_nothing_else_chang
     for given in steps_of((SLOW, 3), (FAST, 3)):
         (found,) = stage.push(given)
         assert sum(found.gait_probability) == pytest.approx(1.0)
-        assert found.gait is gait_of(found.gait_probability)
+        assert found.gait is decide_gait(found.gait_probability)
         kept = replace(found, gait=given.gait, gait_probability=given.gait_probability)
         assert kept.samples is given.samples
         assert (kept.event, kept.start_s, kept.frequency_hz) == (given.event, given.start_s, given.frequency_hz)
@@ -81,15 +81,15 @@ def test_the_mean_of_two_steps_decides() -> None:
 
 
 def test_without_a_method_the_gait_stays_unknown() -> None:
-    (found,) = gait_stage(GaitParams(method="none")).push(steps_of((SLOW, 1))[0])
+    (found,) = gait_stage(50.0, GaitParams(method="none")).push(steps_of((SLOW, 1))[0])
     assert found.gait is Gait.UNKNOWN
     assert all(map(math.isnan, found.gait_probability))
 
 
 def test_the_class_is_the_end_of_the_path_through_the_levels() -> None:
-    assert gait_of((0.5, 0.3, 0.2)) is Gait.WALKING
-    assert gait_of((0.4, 0.35, 0.25)) is Gait.JOGGING
-    assert gait_of((0.4, 0.25, 0.35)) is Gait.RUNNING
+    assert decide_gait((0.5, 0.3, 0.2)) is Gait.WALKING
+    assert decide_gait((0.4, 0.35, 0.25)) is Gait.JOGGING
+    assert decide_gait((0.4, 0.25, 0.35)) is Gait.RUNNING
 
 
 @pytest.mark.parametrize("method", ["auto", "uptime"])
@@ -104,10 +104,10 @@ def test_the_shipped_models_have_folds_for_all_their_people(method: str) -> None
 
 def test_a_model_of_ones_own(tmp_path: Path) -> None:
     path = tmp_path / "own.json"
-    model = train(walks_of(people=3), "auto").model
+    model = train_gait_model(walks_of(people=3), "auto").model
     save_model(model, path)
     expected = run(GaitClassifier(model), steps_of((SLOW, 3)))
-    found = run(gait_stage(GaitParams(model=str(path))), steps_of((SLOW, 3)))
+    found = run(gait_stage(50.0, GaitParams(model=str(path))), steps_of((SLOW, 3)))
     assert [each.gait_probability for each in found] == [each.gait_probability for each in expected]
     with pytest.raises(ConfigError, match=r"test: gait\.model: .*own\.json: is a model of the method 'auto'"):
         config_from_dict({"gait": {"method": "uptime", "model": str(path)}}, "test")

@@ -10,17 +10,17 @@ import pytest
 from gait_people import walks_of
 
 from pdr_est.errors import ConfigError, OutputError
-from pdr_est.front_end.gait.checksummed_json import digest
+from pdr_est.front_end.gait.checksummed_json import content_sha256
 from pdr_est.front_end.gait.folds import load_folds, save_folds
 from pdr_est.front_end.gait.model import GaitModel, load_model, model_digest, save_model
-from pdr_est.front_end.gait.training import TrainedGait, train
+from pdr_est.front_end.gait.training import TrainedGait, train_gait_model
 
 Json = dict[str, Any]
 
 
 @pytest.fixture(scope="module")
 def trained() -> TrainedGait:
-    return train(walks_of(people=3, steps=20), "auto")
+    return train_gait_model(walks_of(people=3, steps=20), "auto")
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def changed(model: GaitModel, path: Path, change: Callable[[Json], object], seal
     change(content)
     if seal:
         del content["sha256"]
-        content["sha256"] = digest(content)
+        content["sha256"] = content_sha256(content)
     path.write_text(json.dumps(content))
     return path
 

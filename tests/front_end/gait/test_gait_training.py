@@ -6,24 +6,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gait_people import walks_of
-from signals import step
+from signals import run, step
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC, LinearSVC
 
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait.classifier import GaitClassifier
-from pdr_est.front_end.gait.evaluation import balanced_accuracy, gait_metrics, probabilities
+from pdr_est.front_end.gait.evaluation import balanced_accuracy, gait_metrics, gait_probabilities
+from pdr_est.front_end.gait.features import UPTIME_NAMES
 from pdr_est.front_end.gait.folds import load_folds, save_folds
-from pdr_est.front_end.gait.model import Machine, save_model
+from pdr_est.front_end.gait.model import GaitModel, SupportVectorMachine, model_from_dict, save_model
 from pdr_est.front_end.gait.svm_scorer import GaitScorer, scorer
-from pdr_est.front_end.gait.training import TrainedGait, _platt, train
+from pdr_est.front_end.gait.training import TrainedGait, fit_platt_sigmoid, train_gait_model
 from pdr_est.front_end.gait.training_data import step_table
 from pdr_est.types.steps import Gait
 
 
 @pytest.fixture(scope="module")
 def trained() -> TrainedGait:
-    return train(walks_of(people=4, joggers_only=2), "auto")
+    return train_gait_model(walks_of(people=4, joggers_only=2), "auto")
 
 
 def test_the_gaits_of_people_left_out_are_told(trained: TrainedGait) -> None:
@@ -53,20 +54,20 @@ def test_a_person_left_out_has_no_influence_on_the_fold(trained: TrainedGait) ->
         replace(walk, features=walk.features + 0.3) if walk.person == "both/1" else walk
         for walk in walks_of(people=4, joggers_only=2)
     ]
-    changed, before = train(walks, "auto").folds.model_for("both/1"), trained.folds.model_for("both/1")
+    changed, before = train_gait_model(walks, "auto").folds.model_for("both/1"), trained.folds.model_for("both/1")
     assert changed is not None
     assert before is not None
     assert changed == before
 
 
 def test_more_people_than_folds_are_left_out_in_groups() -> None:
-    folds = train(walks_of(people=5, steps=20), "auto", folds=2).folds
+    folds = train_gait_model(walks_of(people=5, steps=20), "auto", folds=2).folds
     assert sorted(folds.fold_of.values()) == [0, 0, 0, 1, 1]
     assert folds.models[0].people == ("both/1", "both/3")
 
 
 def test_the_same_steps_in_another_order_of_people_give_the_same_bytes(trained: TrainedGait, tmp_path: Path) -> None:
-    again = train(list(reversed(_by_person(walks_of(people=4, joggers_only=2)))), "auto")
+    again = train_gait_model(list(reversed(_by_person(walks_of(people=4, joggers_only=2)))), "auto")
     for name, each in (("a", trained), ("b", again)):
         save_model(each.model, tmp_path / name)
         save_folds(each.folds, tmp_path / f"{name}-folds")
@@ -90,7 +91,7 @@ def test_scores_are_those_of_scikit_learn(kernel: str) -> None:
     svm = SVC(C=1.0, gamma=0.4) if kernel == "rbf" else LinearSVC(random_state=0)
     svm.fit(scaler.transform(x[:, columns]), upper)
     rbf = isinstance(svm, SVC)
-    machine = Machine(
+    machine = SupportVectorMachine(
         columns=columns,
         mean=tuple(scaler.mean_),
         scale=tuple(scaler.scale_),
@@ -107,9 +108,9 @@ def test_scores_are_those_of_scikit_learn(kernel: str) -> None:
 
 
 def test_the_second_level_learns_from_those_who_did_both_only() -> None:
-    alone = train(walks_of(people=4), "auto").model.running
+    alone = train_gait_model(walks_of(people=4), "auto").model.running
     walks = walks_of(people=4, joggers_only=2)
-    assert train(walks, "auto").model.running == alone
+    assert train_gait_model(walks, "auto").model.running == alone
 
 
 def test_the_pooled_scores_are_those_of_the_step_and_the_one_before() -> None:
@@ -119,18 +120,42 @@ def test_the_pooled_scores_are_those_of_the_step_and_the_one_before() -> None:
     assert pooled[[0, 1, 7, 8, 9, 20]].tolist() == [0.0, 0.125, 1.625, 1.875, 2.0, 2.0]
 
 
-def test_the_classifier_pools_as_training_does(trained: TrainedGait) -> None:
+def peak_and_range() -> GaitModel:
+    """A model whose first score is UPTIME's peak and whose second one is its range less 1."""
+    machines = [
+        {
+            "columns": [UPTIME_NAMES.index(name)],
+            "mean": [mean],
+            "scale": [1.0],
+            "kernel": "linear",
+            "gamma": 0.0,
+            "support": [[1.0]],
+            "dual": [1.0],
+            "intercept": 0.0,
+            "sigmoid": [1.5, 0.1],
+        }
+        for name, mean in (("peak", 0.0), ("range", 1.0))
+    ]
+    content = {"features": "uptime", "faster": machines[0], "running": machines[1], "people": [], "data": []}
+    return model_from_dict(content, "made up")
+
+
+def test_the_classifier_pools_as_training_does() -> None:
     """Steps of both gaits by turns: means, clear changes and beginnings."""
-    steps = [step(0.5 * i + 0.5, 0.5 * i, frequency_hz=0.0 if i % 11 == 0 else 2.0) for i in range(60)]
-    rng = np.random.default_rng(5)
-    scores = rng.uniform(-1.5, 1.5, (60, 2))
-    rows = iter(scores.tolist())
-    stage = GaitClassifier(trained.model)
-    stage._scorer.scores = lambda _features: tuple(next(rows))  # type: ignore[method-assign]
-    found = [labelled.gait_probability for each in steps for labelled in stage.push(each)]
+    scores = np.random.default_rng(5).uniform([-1.5, -0.9], 1.5, (60, 2))
+    steps = [
+        step(
+            0.5 * i + 0.5,
+            0.5 * i,
+            frequency_hz=0.0 if i % 11 == 0 else 2.0,
+            vertical_mps2=np.array([peak, peak - (second + 1.0)]),
+        )
+        for i, (peak, second) in enumerate(scores.tolist())
+    ]
+    found = [each.gait_probability for each in run(GaitClassifier(peak_and_range()), steps)]
     table = replace(step_table(walks_of(people=1, steps=60)[:1]), begins=np.arange(60) % 11 == 0)
     pooled = table.pooled(scores)
-    np.testing.assert_allclose(found, probabilities(trained.model, pooled), rtol=1e-12)
+    np.testing.assert_allclose(found, gait_probabilities(peak_and_range(), pooled), rtol=1e-9)
     alone = np.all(pooled == scores, axis=1)
     assert 11 < alone.sum() < 55
 
@@ -138,7 +163,7 @@ def test_the_classifier_pools_as_training_does(trained: TrainedGait) -> None:
 def test_scores_that_part_the_sides_without_error_leave_a_finite_slope() -> None:
     """Platt's targets for twenty steps a side are 21/22 and 1/22, which the sigmoid meets at the scores 1 and -1."""
     upper = np.arange(40) < 20
-    slope, offset = _platt(np.where(upper, 1.0, -1.0), upper, np.repeat("someone", 40))
+    slope, offset = fit_platt_sigmoid(np.where(upper, 1.0, -1.0), upper, np.repeat("someone", 40))
     assert slope == pytest.approx(np.log(21.0), rel=1e-4)
     assert offset == pytest.approx(0.0, abs=1e-6)
 
@@ -155,7 +180,7 @@ def test_probabilities_say_what_the_metrics_count() -> None:
 @pytest.mark.parametrize("people", [0, 1, 2])
 def test_too_few_people_are_refused(people: int) -> None:
     with pytest.raises(ConfigError, match=r"nothing to train on|too few people"):
-        train(walks_of(people=people), "auto")
+        train_gait_model(walks_of(people=people), "auto")
 
 
 def test_probabilities_add_up(trained: TrainedGait) -> None:

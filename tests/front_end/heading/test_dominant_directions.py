@@ -6,21 +6,21 @@ from heading_walks import of_legs, park, random_legs, unsteady, with_headings
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
-from pdr_est.front_end.heading.whole_walk.straight_segments import Pieces, StraightParams, straight_pieces
+from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams, straight_leg_sections
 from pdr_est.types.analysis import DominantDirections
 
 PARAMETERS = DominantParams()
 SEEDS = range(6)
 
 
-def found_in(heading_rad: Array, parameters: DominantParams = PARAMETERS) -> tuple[Pieces, DominantDirections]:
-    pieces = straight_pieces(with_headings(heading_rad), StraightParams())
+def found_in(heading_rad: Array, parameters: DominantParams = PARAMETERS) -> tuple[LegSections, DominantDirections]:
+    pieces = straight_leg_sections(with_headings(heading_rad), StraightLegParams())
     found = dominant_directions(pieces, parameters)
     assert found is not None
     return pieces, found
 
 
-def errors_rad(pieces: Pieces, path_heading_rad: Array, truth_rad: Array) -> Array:
+def errors_rad(pieces: LegSections, path_heading_rad: Array, truth_rad: Array) -> Array:
     """Of the directions of the pieces against the true headings in their middle, less that of the first."""
     middle = (pieces.first + pieces.last) // 2
     error = wrap_angle(path_heading_rad - truth_rad[middle])
@@ -59,7 +59,7 @@ def test_a_park_has_none(seed: int, per_sqrt_s: float) -> None:
     """Also if the phone's heading drifts: a winding path is not a bad gyroscope in a building."""
     rng = np.random.default_rng(100 + seed)
     heading = unsteady(park(rng, 400), rng, per_sqrt_s)
-    pieces = straight_pieces(with_headings(heading), StraightParams())
+    pieces = straight_leg_sections(with_headings(heading), StraightLegParams())
     found = dominant_directions(pieces, PARAMETERS)
     assert found is None or not found.used
 
@@ -132,5 +132,5 @@ def test_a_direction_in_the_map_means_right_angles_unless_a_number_is_given() ->
 
 
 def test_without_straight_stretches_there_is_nothing_to_tell() -> None:
-    pieces = straight_pieces(with_headings(np.arange(40) * 0.2), StraightParams())
+    pieces = straight_leg_sections(with_headings(np.arange(40) * 0.2), StraightLegParams())
     assert dominant_directions(pieces, DominantParams(number=4)) is None

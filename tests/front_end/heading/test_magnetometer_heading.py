@@ -15,19 +15,19 @@ from pdr_est.frames import Array, twist_about_vertical, up_in_device, wrap_angle
 from pdr_est.front_end.heading import HeadingParams, heading_stage
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading, magnetic_yaw
 from pdr_est.pipeline import analyse
-from pdr_est.simulate import PERFECT, PHONE_MAGNETOMETER, EarthField, SensorParams, simulate_walk
+from pdr_est.simulate import NO_SENSOR_ERRORS, PHONE_MAGNETOMETER, EarthField, SensorParams, simulate_walk
 from pdr_est.types.steps import Step
 
 CONFIG = Config(heading=HeadingParams(method="magnetometer"))
 EARTH = EarthField()
 
 
-def step_in(quaternion: Array, field_ut: Array | None, yaw_rad: float = 0.0, time_s: float = 1.0) -> Step:
+def step_in(quaternion: Array, magnetic_field_ut: Array | None, yaw_rad: float = 0.0, time_s: float = 1.0) -> Step:
     """A step of a device with attitudes (n, 4), w first, in a field (3,) east, north, up; None: not recorded."""
     one = step(time_s, time_s - 0.5, vertical_mps2=np.zeros(len(quaternion)), heading_rad=yaw_rad)
     field = np.full((len(quaternion), 3), np.nan)
-    if field_ut is not None:
-        field = Rotation.from_quat(quaternion, scalar_first=True).inv().apply(field_ut)
+    if magnetic_field_ut is not None:
+        field = Rotation.from_quat(quaternion, scalar_first=True).inv().apply(magnetic_field_ut)
     samples = replace(one.samples, up=up_in_device(quaternion), magnetic_field_ut=field)
     return replace(one, samples=samples, heading_rad=float("nan"))
 
@@ -76,7 +76,7 @@ def test_without_field_it_goes_on_by_the_devices_own_yaw() -> None:
 
 def test_a_simulated_walk_has_the_true_directions() -> None:
     """A perfect compass: what is left is the rocking of the hand. The offset is that of the axes of the phone."""
-    walk = corner_walk(sensors=SensorParams(magnetometer=PERFECT))
+    walk = corner_walk(sensors=SensorParams(magnetometer=NO_SENSOR_ERRORS))
     (device,) = analyse(walk.recording, CONFIG)
     heading = np.array([one.heading_rad for one in device.steps])
     time_s = np.array([one.event.time_s for one in device.steps])
@@ -118,6 +118,6 @@ def test_a_device_without_magnetometer_is_refused_in_words() -> None:
 
 
 def test_the_field_comes_only_where_it_is_asked_for() -> None:
-    walk = simulate_walk(replace(corner_walk(sensors=SensorParams(magnetometer=PERFECT)).scenario, seed=1))
+    walk = simulate_walk(replace(corner_walk(sensors=SensorParams(magnetometer=NO_SENSOR_ERRORS)).scenario, seed=1))
     assert all(block.magnetic_field_ut is None for block in analyse(walk.recording, Config())[0].level)
     assert all(block.magnetic_field_ut is not None for block in analyse(walk.recording, CONFIG)[0].level)

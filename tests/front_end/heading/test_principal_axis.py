@@ -11,7 +11,7 @@ from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
-from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams, direction_of
+from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams, direction_from_steps
 from pdr_est.pipeline import front_end_chain as chains
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -59,7 +59,7 @@ def error_deg(found_rad: float, true_deg: float) -> float:
 def test_direction_and_sign_are_exact(forward_deg: float, yaw_deg: float) -> None:
     """The sway, stronger than the forward acceleration even, cancels over whole strides."""
     steps = [stepping(number, forward_deg, yaw_deg, sway_mps2=5.0) for number in range(8)]
-    found = direction_of(steps, PARAMETERS)
+    found = direction_from_steps(steps, PARAMETERS)
     assert found is not None
     assert error_deg(found.at(float(np.deg2rad(yaw_deg))), forward_deg) < 1e-6
     assert error_deg(found.offset_rad, yaw_deg - forward_deg) < 1e-6
@@ -69,44 +69,44 @@ def test_direction_and_sign_are_exact(forward_deg: float, yaw_deg: float) -> Non
 
 @pytest.mark.parametrize("lead_deg", [60.0, 95.0, 120.0])
 def test_the_phase_may_be_off_by_a_third_of_a_quarter(lead_deg: float) -> None:
-    found = direction_of([stepping(number, 20.0, lead_deg=lead_deg) for number in range(8)], PARAMETERS)
+    found = direction_from_steps([stepping(number, 20.0, lead_deg=lead_deg) for number in range(8)], PARAMETERS)
     assert found is not None
     assert error_deg(found.at(0.0), 20.0) < 1e-6
     assert found.coherence == pytest.approx(np.cos(np.deg2rad(lead_deg - 90.0)))
 
 
 def test_backwards_is_where_the_acceleration_lags() -> None:
-    found = direction_of([stepping(number, 20.0, lead_deg=-90.0) for number in range(8)], PARAMETERS)
+    found = direction_from_steps([stepping(number, 20.0, lead_deg=-90.0) for number in range(8)], PARAMETERS)
     assert found is not None
     assert error_deg(found.at(0.0), -160.0) < 1e-6
 
 
 @pytest.mark.parametrize("lead_deg", [0.0, 180.0])
 def test_without_the_phase_nothing_is_known(lead_deg: float) -> None:
-    found = direction_of([stepping(number, 20.0, lead_deg=lead_deg) for number in range(8)], PARAMETERS)
+    found = direction_from_steps([stepping(number, 20.0, lead_deg=lead_deg) for number in range(8)], PARAMETERS)
     assert found is not None
     assert found.coherence < 0.3
     assert found.sigma_rad == pytest.approx(np.pi / np.sqrt(3.0))
 
 
 def test_a_phone_that_feels_nothing() -> None:
-    found = direction_of([step_of(block(number), POCKET) for number in range(8)], PARAMETERS)
+    found = direction_from_steps([step_of(block(number), POCKET) for number in range(8)], PARAMETERS)
     assert found is not None
     assert (found.coherence, found.sigma_rad) == (0.0, pytest.approx(np.pi / np.sqrt(3.0)))
 
 
 def test_what_holds_no_stride_that_counts_tells_nothing() -> None:
     first, second = stepping(0), stepping(1)
-    assert direction_of([], PARAMETERS) is None
-    assert direction_of([first], PARAMETERS) is None
-    assert direction_of([replace(first, frequency_hz=0.0), second], PARAMETERS) is None
-    assert direction_of([first, stepping(1, mode=SWING)], PARAMETERS) is None
-    assert direction_of([first, stepping(1, compensated=True)], PARAMETERS) is None
+    assert direction_from_steps([], PARAMETERS) is None
+    assert direction_from_steps([first], PARAMETERS) is None
+    assert direction_from_steps([replace(first, frequency_hz=0.0), second], PARAMETERS) is None
+    assert direction_from_steps([first, stepping(1, mode=SWING)], PARAMETERS) is None
+    assert direction_from_steps([first, stepping(1, compensated=True)], PARAMETERS) is None
 
 
 @pytest.mark.parametrize(("strides", "trusted"), [(1, False), (2, False), (3, True), (8, True)])
 def test_few_strides_are_not_trusted(strides: int, trusted: bool) -> None:
-    found = direction_of([stepping(number) for number in range(2 * strides)], PARAMETERS)
+    found = direction_from_steps([stepping(number) for number in range(2 * strides)], PARAMETERS)
     assert found is not None
     assert found.trusted is trusted
     assert (found.sigma_rad < 0.2) is trusted

@@ -10,7 +10,7 @@ from heading_steps import SAMPLES, turning_block, walked
 from signals import RATE_HZ, run
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.hde_controller import HdeController, HdeParams, turning
+from pdr_est.front_end.heading.hde_controller import HdeController, HdeParams, turn_sign
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.tie_controller import TieController, TieParams
 from pdr_est.types.steps import CarryingMode, Step
@@ -41,7 +41,7 @@ def stage(hde: HdeParams | None = PARAMETERS, tie: TieParams | None = None, prio
     ("change_deg", "turn"), [(0.0, 0), (9.9, 0), (-9.9, 0), (10.0, 0), (10.1, 1), (-10.1, -1), (350.0, 1)]
 )
 def test_turns(change_deg: float, turn: int) -> None:
-    assert turning(float(np.deg2rad(change_deg)), float(np.deg2rad(10.0))) == turn
+    assert turn_sign(float(np.deg2rad(change_deg)), float(np.deg2rad(10.0))) == turn
 
 
 def compensations_deg(headings_deg: Sequence[float], parameters: HdeParams = PARAMETERS) -> list[tuple[int, float]]:
@@ -49,7 +49,7 @@ def compensations_deg(headings_deg: Sequence[float], parameters: HdeParams = PAR
     controller = HdeController(parameters)
     found = []
     for before, latest in pairwise(headings_deg):
-        turn, compensation_rad = controller.at(float(np.deg2rad(latest)), float(np.deg2rad(before)), STRIDE_S)
+        turn, compensation_rad = controller.update(float(np.deg2rad(latest)), float(np.deg2rad(before)), STRIDE_S)
         found.append((turn, round(float(np.rad2deg(compensation_rad)), 9) + 0.0))
     return found
 
@@ -101,18 +101,18 @@ def test_dominant_directions(spacing_deg: float, first_deg: float, heading_deg: 
 
 def test_tie_adds_the_mean_magnitude_in_the_sense_of_the_turn() -> None:
     controller = TieController(TieParams())
-    assert controller.at(1, 0.7) == 0.0  # nothing recorded yet
-    assert [controller.at(0, value) for value in (-0.1, 0.3, 0.0, -0.2)] == [-0.1, 0.3, 0.0, -0.2]
-    assert controller.at(1, 0.7) == pytest.approx(0.15)
-    assert controller.at(-1, 0.7) == pytest.approx(-0.15)
+    assert controller.update(1, 0.7) == 0.0  # nothing recorded yet
+    assert [controller.update(0, value) for value in (-0.1, 0.3, 0.0, -0.2)] == [-0.1, 0.3, 0.0, -0.2]
+    assert controller.update(1, 0.7) == pytest.approx(0.15)
+    assert controller.update(-1, 0.7) == pytest.approx(-0.15)
 
 
 def test_tie_with_the_signed_mean() -> None:
     controller = TieController(TieParams(average="signed"))
     for value in (-0.1, 0.3, 0.0, -0.6):
-        controller.at(0, value)
-    assert controller.at(1, 0.0) == pytest.approx(-0.1)
-    assert controller.at(-1, 0.0) == pytest.approx(0.1)
+        controller.update(0, value)
+    assert controller.update(1, 0.0) == pytest.approx(-0.1)
+    assert controller.update(-1, 0.0) == pytest.approx(0.1)
 
 
 def test_the_gyroscope_alone_adds_up() -> None:

@@ -10,8 +10,15 @@ from scipy.spatial.transform import Rotation
 from pdr_est.config import Config
 from pdr_est.frames import Array
 from pdr_est.front_end.mode import AutoModeParams, HmmModeRecogniser
-from pdr_est.front_end.mode.hidden_markov import ModeBelief, look_ahead
-from pdr_est.front_end.mode.window_features import COLUMNS, MODES, features, hop_means, likelihoods, samples_of
+from pdr_est.front_end.mode.hidden_markov import ModeBelief, backward_likelihood
+from pdr_est.front_end.mode.window_features import (
+    COLUMNS,
+    MODES,
+    hop_means,
+    mode_likelihoods,
+    sample_columns,
+    window_features,
+)
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.front_end.signal.vectors import norm
 from pdr_est.pipeline import analyse
@@ -73,9 +80,9 @@ def pendulum(radius_m: float, shake_mps2: float = 0.0) -> LevelBlock:
 
 def seen(block: LevelBlock) -> Array:
     """Swing, radius and frequency of a window over all of a block but its beginning."""
-    means = hop_means(samples_of([block]), 10, RATE_HZ, np.empty((0, COLUMNS)))
+    means = hop_means(sample_columns([block]), 10, RATE_HZ, np.empty((0, COLUMNS)))
     mean = means[8:].mean(axis=0, keepdims=True)
-    return np.exp(features(mean, norm(mean[:, :3]))[:, 0])
+    return np.exp(window_features(mean, norm(mean[:, :3]))[:, 0])
 
 
 @pytest.mark.parametrize("shake_mps2", [0.0, 3.0])
@@ -95,7 +102,7 @@ def test_the_swing_is_that_of_the_pendulum():
 def test_evidence_of_any_size_is_finite_and_above_zero(size):
     rng = np.random.default_rng(0)
     means = size * rng.standard_normal((50, 16))
-    likelihood = likelihoods(means, means[::-1], 0.4)
+    likelihood = mode_likelihoods(means, means[::-1], 0.4)
     assert np.isfinite(likelihood).all()
     assert (likelihood > 0.0).all()
 
@@ -106,7 +113,7 @@ def test_the_chain_is_the_sum_over_all_ways_through_it():
     change, likelihood = rng.uniform(0.05, 0.6, rows), rng.uniform(0.1, 1.0, (states, rows))
     decided = rows - ahead
     belief = ModeBelief(states).forward(change[:decided], likelihood[:, :decided])
-    belief *= look_ahead(change, likelihood, decided, ahead)
+    belief *= backward_likelihood(change, likelihood, decided, ahead)
     belief /= belief.sum(axis=0)
     for row in range(decided):
         weight = np.zeros(states)

@@ -18,7 +18,7 @@ from pdr_est.front_end.step_length.equations import (
     static_length_m,
     weinberg_length_m,
 )
-from pdr_est.front_end.step_length.stage import mixture, running_mean
+from pdr_est.front_end.step_length.step_length_stage import mixture_mean_and_sigma, windowed_mean
 from pdr_est.front_end.step_length.walk_run_model import share_of_running
 from pdr_est.types.steps import Gait, Step
 
@@ -75,9 +75,9 @@ def test_a_first_step_takes_equation_2() -> None:
 
 
 def test_the_running_mean_by_hand() -> None:
-    np.testing.assert_allclose(running_mean(np.array([1.0, 2.0, 6.0, 4.0]), 2), [1.5, 4.0, 5.0])
-    np.testing.assert_allclose(running_mean(np.array([1.0, 2.0, 6.0]), 5), [3.0])
-    np.testing.assert_allclose(running_mean(np.array([1.0, 2.0, 6.0]), 1), [1.0, 2.0, 6.0])
+    np.testing.assert_allclose(windowed_mean(np.array([1.0, 2.0, 6.0, 4.0]), 2), [1.5, 4.0, 5.0])
+    np.testing.assert_allclose(windowed_mean(np.array([1.0, 2.0, 6.0]), 5), [3.0])
+    np.testing.assert_allclose(windowed_mean(np.array([1.0, 2.0, 6.0]), 1), [1.0, 2.0, 6.0])
 
 
 PLATEAUS = np.repeat([-6.0, 10.0, 3.0], 20)  # each longer than the running mean of 12 samples
@@ -241,7 +241,7 @@ def test_the_sigma_of_a_walk_by_its_steps_is_that_of_independent_steps() -> None
     rng = np.random.default_rng(3)
     steps, walks = 50, 4000
     walking, running = (0.7, 0.05), (1.0, 0.2)
-    mean_m, sigma_m = mixture(0.3, walking, running)
+    mean_m, sigma_m = mixture_mean_and_sigma(0.3, walking, running)
 
     def lengths_m(runs: Array) -> Array:
         return np.where(runs, rng.normal(*running, (walks, steps)), rng.normal(*walking, (walks, steps))).sum(axis=1)
@@ -255,10 +255,10 @@ def test_the_sigma_of_a_walk_by_its_steps_is_that_of_independent_steps() -> None
 
 
 def test_a_mixture_by_hand() -> None:
-    assert mixture(0.0, (0.7, 0.1), (1.0, 0.2)) == pytest.approx((0.7, 0.1))
-    assert mixture(1.0, (0.7, 0.1), (1.0, 0.2)) == pytest.approx((1.0, 0.2))
-    assert mixture(0.5, (0.6, 0.0), (1.0, 0.0)) == pytest.approx((0.8, 0.2))
-    assert mixture(0.5, (0.6, 0.3), (0.6, 0.4)) == pytest.approx((0.6, np.sqrt(0.125)))
+    assert mixture_mean_and_sigma(0.0, (0.7, 0.1), (1.0, 0.2)) == pytest.approx((0.7, 0.1))
+    assert mixture_mean_and_sigma(1.0, (0.7, 0.1), (1.0, 0.2)) == pytest.approx((1.0, 0.2))
+    assert mixture_mean_and_sigma(0.5, (0.6, 0.0), (1.0, 0.0)) == pytest.approx((0.8, 0.2))
+    assert mixture_mean_and_sigma(0.5, (0.6, 0.3), (0.6, 0.4)) == pytest.approx((0.6, np.sqrt(0.125)))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,12 @@ import pytest
 from signals import RATE_HZ, level, levels_of, run
 
 from pdr_est.frames import Array
-from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector, _Rhythm, horizontal_rate
+from pdr_est.front_end.steps.bandpass_peaks import (
+    AutoStepParams,
+    BandpassPeakDetector,
+    StepIntervals,
+    horizontal_rotation_rate,
+)
 from pdr_est.simulate import mmpdr_indoor, simulate_walk
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
@@ -58,7 +63,7 @@ def test_turning_about_the_vertical_is_no_swing() -> None:
     block = level(np.zeros(3))
     rate = np.array([[0.0, 0.0, 2.0], [3.0, 0.0, 0.0], [3.0, 4.0, 1.0]])
     turning = replace(block, rotation_rate_radps=rate, turn_rate_radps=rate[:, 2])
-    np.testing.assert_allclose(horizontal_rate(turning), [0.0, 3.0, 5.0])
+    np.testing.assert_allclose(horizontal_rotation_rate(turning), [0.0, 3.0, 5.0])
 
 
 def test_the_step_that_a_change_of_mode_hides_is_filled_in() -> None:
@@ -81,11 +86,11 @@ def test_who_stands_while_the_mode_changes_takes_no_hidden_step() -> None:
 
 def rhythm(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
     """What the rhythm makes of steps at some times in some modes."""
-    found = _Rhythm(memory=0.8, standstill_s=2.0)
+    found = StepIntervals(memory=0.8, standstill_s=2.0)
     return [
         event
         for time_s, mode in steps
-        for event in found.completed(StepEvent(round(time_s * RATE_HZ), time_s, 0, mode))
+        for event in found.fill_hidden_step(StepEvent(round(time_s * RATE_HZ), time_s, 0, mode))
     ]
 
 

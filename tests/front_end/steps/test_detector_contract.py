@@ -7,8 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from partitions import content, cut, messy_device, one_by_one, part
-from partitions import run as run_restoring
 from signals import RATE_HZ, corner_walk, joined, levels_of, run
 
 from pdr_est.config import Config
@@ -20,8 +18,9 @@ from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, Relati
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
 from pdr_est.pipeline.front_end_chain import levelling
-from pdr_est.simulate import GaitParams, SensorErrors, SensorParams, SimulatedWalk
+from pdr_est.simulate import SensorErrors, SensorParams, SimulatedWalk, WalkerGaitParams
 from pdr_est.stage import Stage
+from pdr_est.testing import check_partition, messy_device, one_by_one, slice_block
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 
@@ -41,7 +40,7 @@ every_detector = pytest.mark.parametrize("detector", DETECTORS.values(), ids=DET
 
 @cache
 def walked(
-    gait: GaitParams | None = None, sensors: SensorParams | None = None, rate_hz: float = RATE_HZ
+    gait: WalkerGaitParams | None = None, sensors: SensorParams | None = None, rate_hz: float = RATE_HZ
 ) -> tuple[SimulatedWalk, tuple[LevelBlock, ...]]:
     """A simulated walk around a corner with a held phone, and its level samples."""
     walk = corner_walk(gait, sensors=sensors)
@@ -76,7 +75,7 @@ def assert_one_event_a_step(events: list[StepEvent], walk: SimulatedWalk) -> Non
 @pytest.mark.parametrize("rate_hz", [25.0, 50.0, 100.0, 400.0])
 @pytest.mark.parametrize("cadence_hz", [1.6, 1.9])
 def test_every_step_of_a_held_walk_is_found_once(detector: Detector, rate_hz: float, cadence_hz: float) -> None:
-    walk, levels = walked(GaitParams(cadence_hz=cadence_hz), SensorParams(rate_hz=rate_hz))
+    walk, levels = walked(WalkerGaitParams(cadence_hz=cadence_hz), SensorParams(rate_hz=rate_hz))
     assert_one_event_a_step(run(detector(RATE_HZ), levels), walk)
 
 
@@ -93,7 +92,7 @@ def test_the_working_rate_changes_no_step(detector: Detector, working_hz: float)
 @every_detector
 @pytest.mark.parametrize("sensors", [SensorParams(), NOISY], ids=["ordinary", "noisy"])
 def test_nobody_steps_in_two_minutes_of_standing(detector: Detector, sensors: SensorParams) -> None:
-    walk, levels = walked(GaitParams(lead_in_s=120.0), sensors)
+    walk, levels = walked(WalkerGaitParams(lead_in_s=120.0), sensors)
     events = run(detector(RATE_HZ), levels)
     assert times_of(events).min() > walk.steps.start_s[0] - 0.1
     assert_one_event_a_step(events, walk)
@@ -125,8 +124,8 @@ def test_no_event_is_later_than_the_latency(detector: Detector) -> None:
 def test_a_new_segment_starts_from_nothing(detector: Detector, stop_s: float, start_s: float) -> None:
     """Wherever in a step a gap comes, the second segment has the events that it has on its own."""
     level = join(list(walked()[1]))
-    before = part(level, 0, round(stop_s * RATE_HZ))
-    after = part(level, round(start_s * RATE_HZ), len(level))
+    before = slice_block(level, 0, round(stop_s * RATE_HZ))
+    after = slice_block(level, round(start_s * RATE_HZ), len(level))
     after = replace(after, segment=1, first_index=after.first_index + 10_000, time_s=after.time_s + 200.0)
     events = run(detector(RATE_HZ), [before, after])
     alone = run(detector(RATE_HZ), [after])
@@ -137,7 +136,7 @@ def test_a_new_segment_starts_from_nothing(detector: Detector, stop_s: float, st
 @every_detector
 def test_empty_blocks_change_nothing(detector: Detector) -> None:
     _, levels = walked()
-    empty = part(levels[0], 0, 0)
+    empty = slice_block(levels[0], 0, 0)
     other = replace(empty, segment=7, first_index=99)
     assert run(detector(RATE_HZ), [empty, other]) == []
     assert run(detector(RATE_HZ), [empty, *levels, other]) == run(detector(RATE_HZ), levels)
@@ -146,10 +145,6 @@ def test_empty_blocks_change_nothing(detector: Detector) -> None:
 @every_detector
 @pytest.mark.parametrize("rate_hz", [25.0, 100.0])
 def test_cuts_and_restores_change_no_bit(detector: Detector, rate_hz: float) -> None:
-    rng, levels = np.random.default_rng(int(rate_hz)), messy_levels(rate_hz)
-    expected = content(run(detector(RATE_HZ), levels))
-    assert len(expected) >= 8
-    cuttings = [[piece for block in levels for piece in cut(block, rng, int(rng.integers(1, 60)))] for _ in range(6)]
-    for pieces in [*cuttings, one_by_one(levels)]:
-        restore_at = [int(number) for number in rng.integers(0, len(pieces), 3)]
-        assert content(run_restoring(detector(RATE_HZ), pieces, restore_at)[0]) == expected
+    levels = messy_levels(rate_hz)
+    assert len(run(detector(RATE_HZ), levels)) >= 8
+    check_partition(lambda: detector(RATE_HZ), levels, seed=int(rate_hz))

@@ -11,7 +11,7 @@ from pdr_est.front_end.signal.blocks import part
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
-from pdr_est.simulate import GaitParams, HeldPhone, SensorErrors, SensorParams, SimulatedWalk
+from pdr_est.simulate import HeldPhone, SensorErrors, SensorParams, SimulatedWalk, WalkerGaitParams
 from pdr_est.stage import Stage
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import StepEvent
@@ -56,7 +56,7 @@ def assert_one_event_between_heel_strikes(found_s: Array, walk: SimulatedWalk, e
 @pytest.mark.parametrize("height_m", [1.55, 1.73, 1.95])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_auto_steps_meets_every_heel_strike_and_nothing_else(cadence_hz: float, height_m: float, seed: int) -> None:
-    walk = corner_walk(GaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=seed)
+    walk = corner_walk(WalkerGaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=seed)
     assert_one_event_a_step(event_times(auto_steps(), levels_of(walk)), walk, extra_a_bout=0)
 
 
@@ -64,7 +64,7 @@ def test_auto_steps_meets_every_heel_strike_and_nothing_else(cadence_hz: float, 
 @pytest.mark.parametrize("height_m", [1.55, 1.73, 1.95])
 def test_auto_steps_on_a_hurried_walk_may_count_the_push_off(cadence_hz: float, height_m: float) -> None:
     """A vigorous start begins with a hump of its own, which nothing is there yet to be compared with."""
-    walk = corner_walk(GaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=1)
+    walk = corner_walk(WalkerGaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=1)
     assert_one_event_a_step(event_times(auto_steps(), levels_of(walk)), walk, extra_a_bout=1)
 
 
@@ -80,13 +80,13 @@ def test_tilt_and_noise_change_no_count(tilt_deg: float, sensors: SensorParams) 
 @pytest.mark.parametrize("cadence_hz", [1.6, 1.8, 2.0, 2.2, 2.3])
 @pytest.mark.parametrize("height_m", [1.55, 1.73, 1.95])
 def test_mmpdr_finds_one_crest_a_step(cadence_hz: float, height_m: float) -> None:
-    walk = corner_walk(GaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=1)
+    walk = corner_walk(WalkerGaitParams(cadence_hz=cadence_hz, height_m=height_m), seed=1)
     assert_one_event_between_heel_strikes(event_times(mmpdr(), levels_of(walk)), walk, extra_a_bout=2)
 
 
 def test_mmpdr_needs_a_low_threshold_for_a_slow_walk() -> None:
     """The trunk of a short walker at 1.4 steps a second falls with little more than 1 m/s^2."""
-    walk = corner_walk(GaitParams(cadence_hz=1.4, height_m=1.6), seed=1)
+    walk = corner_walk(WalkerGaitParams(cadence_hz=1.4, height_m=1.6), seed=1)
     levels = levels_of(walk)
     higher = MmpdrSteps(RATE_HZ, replace(MmpdrStepParams(), holding_threshold_mps2=1.0))
     assert len(event_times(higher, levels)) < 0.95 * len(walk.steps)
@@ -96,7 +96,7 @@ def test_mmpdr_needs_a_low_threshold_for_a_slow_walk() -> None:
 @pytest.mark.parametrize("detector", DETECTORS)
 @pytest.mark.parametrize("sensors", [SensorParams(), NOISY], ids=["ordinary", "noisy"])
 def test_nobody_steps_in_two_minutes_of_standing(detector: str, sensors: SensorParams) -> None:
-    walk = corner_walk(GaitParams(lead_in_s=120.0), sensors=sensors)
+    walk = corner_walk(WalkerGaitParams(lead_in_s=120.0), sensors=sensors)
     found_s = event_times(DETECTORS[detector](), levels_of(walk))
     assert found_s.min() > walk.steps.start_s[0] - 0.1
     pause_s = walk.steps.time_s[walk.steps.bouts[0]][-1], walk.steps.start_s[walk.steps.bouts[1]][0]

@@ -20,7 +20,7 @@ from pdr_est.simulate.people.person import sample_person
 def stride_in(signal: Array, later: int = 0) -> float:
     stride = StridePeriod(RATE_HZ, StridePeriodParams())
     stride.append(signal, len(signal))
-    return stride.before(later)
+    return stride.ending_at(later)
 
 
 def limping(stride_s: float, weak: float, duration_s: float = 8.0) -> Array:
@@ -60,7 +60,7 @@ def test_the_longest_stride_may_be_as_long_as_what_there_is() -> None:
     stride = StridePeriod(RATE_HZ, parameters)
     signal = limping(1.2, 0.3, duration_s=3.5)
     stride.append(signal, len(signal))
-    assert stride.before(0) == pytest.approx(1.2, abs=0.03)
+    assert stride.ending_at(0) == pytest.approx(1.2, abs=0.03)
 
 
 def in_pocket(seed: int, cadence_hz: float, rate_hz: float) -> SimulatedWalk:

@@ -1,4 +1,4 @@
-"""Beliefs about an angle that counts modulo a spacing, on a grid around the circle."""
+"""Probability densities of an angle modulo a spacing, on a grid around the circle."""
 
 import numpy as np
 
@@ -8,8 +8,21 @@ _CELL_RAD = 0.035
 _LEAST_CELLS = 18
 
 
-class Circle:
-    """Probability densities, relative to the uniform one, of an angle modulo `spacing_rad`."""
+class CircularGrid:
+    """Grid around the circle; densities are relative to the uniform one.
+
+    Parameters
+    ----------
+    spacing_rad : float
+        Angle after which everything repeats.
+
+    Attributes
+    ----------
+    spacing_rad : float
+        The same.
+    cells : int
+        Number of cells.
+    """
 
     def __init__(self, spacing_rad: float) -> None:
         self.spacing_rad = spacing_rad
@@ -18,26 +31,42 @@ class Circle:
         self._frequency = np.fft.rfftfreq(self.cells, 1.0 / self.cells) * 2.0 * np.pi / spacing_rad
 
     def uniform(self) -> Array:
+        """Return the uniform density (cells,)."""
         return np.ones(self.cells)
 
-    def spread(self, density: Array, sigma_rad: float) -> Array:
-        """The density (cells,) after a Gaussian change of the angle."""
+    def diffuse(self, density: Array, sigma_rad: float) -> Array:
+        """Compute the density (cells,) after a Gaussian change of the angle."""
         decay = np.exp(-0.5 * (sigma_rad * self._frequency) ** 2)
         return np.maximum(np.fft.irfft(np.fft.rfft(density) * decay, self.cells), 1e-12)
 
-    def likelihood(self, angles_rad: Array, sigma_rad: float, stray: float) -> Array:
-        """Of each cell, (n, cells), for measured angles (n,), a share `stray` of which is anywhere."""
+    def likelihood(self, angles_rad: Array, sigma_rad: float, outlier_share: float) -> Array:
+        """Compute the likelihood of measured angles in each cell.
+
+        Parameters
+        ----------
+        angles_rad : ndarray, shape (n,)
+            Measured angles.
+        sigma_rad : float
+            Standard deviation of a measurement.
+        outlier_share : float
+            Probability of a measurement that may be any angle.
+
+        Returns
+        -------
+        ndarray, shape (n, cells)
+            Relative to the uniform density.
+        """
         half = 0.5 * self.spacing_rad
-        off = (angles_rad[:, None] - self._angle + half) % self.spacing_rad - half
-        bell = np.exp(-0.5 * (off / sigma_rad) ** 2)
-        bell /= bell.mean(axis=1, keepdims=True)
-        mixed: Array = (1.0 - stray) * bell + stray
+        error = (angles_rad[:, None] - self._angle + half) % self.spacing_rad - half
+        gaussian = np.exp(-0.5 * (error / sigma_rad) ** 2)
+        gaussian /= gaussian.mean(axis=1, keepdims=True)
+        mixed: Array = (1.0 - outlier_share) * gaussian + outlier_share
         return mixed
 
-    def mean(self, density: Array) -> tuple[Array, Array]:
-        """Circular mean and standard deviation, both (n,), of densities (n, cells)."""
-        turns = np.exp(2j * np.pi * self._angle / self.spacing_rad)
-        moment = density @ turns / density.sum(axis=1)
+    def mean_and_sigma(self, density: Array) -> tuple[Array, Array]:
+        """Compute circular mean and standard deviation, both (n,), of densities (n, cells)."""
+        phasor = np.exp(2j * np.pi * self._angle / self.spacing_rad)
+        moment = density @ phasor / density.sum(axis=1)
         length = np.clip(np.abs(moment), 1e-9, 1.0)
         radian = self.spacing_rad / (2.0 * np.pi)
         return np.angle(moment) * radian, np.sqrt(-2.0 * np.log(length)) * radian

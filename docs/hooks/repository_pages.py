@@ -1,0 +1,29 @@
+"""Add pages of the site that lie elsewhere in the repository: the changelog and the tables of the papers.
+
+This file is a hook of mkdocs.
+"""
+
+import re
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = {"changelog.md": "CHANGELOG.md", "papers.md": "experiments/README.md"}
+"""Name of each page on the site, and the file that it is made from."""
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the pages and the pictures that they link to (called by mkdocs)."""
+    from mkdocs.structure.files import File
+
+    for name, source in PAGES.items():
+        path = ROOT / source
+        files.append(File.generated(config, name, content=path.read_text(encoding="utf-8")))
+        for target in sorted(linked_pictures(path)):
+            files.append(File.generated(config, target, content=(path.parent / target).read_bytes()))
+    return files
+
+
+def linked_pictures(page: Path) -> set[str]:
+    """Find the pictures beside a page that it links to, relative to its folder."""
+    return set(re.findall(r"\]\(((?!https?:)[^)#\s]+\.png)\)", page.read_text(encoding="utf-8")))

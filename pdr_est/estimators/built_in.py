@@ -1,0 +1,139 @@
+"""The estimators of the package in one table: what each can do, and how it is called."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from pdr_est.estimators import dead_reckoning
+from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.kalman import multi_device, single_device
+from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
+from pdr_est.estimators.spec import EstimatorSpec
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, PositionFix, StartPose
+from pdr_est.types.track import Track, concatenate
+
+
+@dataclass(frozen=True)
+class EstimatorSettings:
+    """Parameters of the estimators of the package.
+
+    Attributes
+    ----------
+    map_fusion
+        Parameters of map-closed-form and map-general.
+    fixed_lag
+        Parameters of fixed-lag.
+    """
+
+    map_fusion: MapFusionParams
+    fixed_lag: FixedLagParams
+
+
+@dataclass(frozen=True)
+class BuiltInEstimator:
+    """An estimator of the package with its parameters; it fits the contract `pdr_est.estimators.spec.Estimator`.
+
+    Attributes
+    ----------
+    spec
+        Abilities of the estimator.
+    settings
+        Parameters of all estimators of the package, of which each takes its own.
+    """
+
+    spec: EstimatorSpec
+    settings: EstimatorSettings
+
+    def estimate(
+        self,
+        devices: Sequence[DeviceMeasurements],
+        tethers: Sequence[DeviceTether],
+        start: StartPose,
+        sigma_length_scale: float,
+    ) -> Track:
+        """Estimate the track of every device, as the contract says."""
+        walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings)
+        return _CALLS[self.spec.name](walk)
+
+
+def timelines_of(devices: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether] = ()) -> list[Timeline]:
+    """Put the measurements of each device in order of time, with a node at the time of each tether.
+
+    A position fix among the measurements of n devices is one piece of knowledge about one walker: each device gets it
+    with n times its covariance.
+    """
+    split_times_s = sorted({tether.time_s for tether in tethers})
+    return [
+        build_timeline(one.device, one.start_s, _shared(one.measurements, len(devices)), split_times_s)
+        for one in devices
+    ]
+
+
+def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measurement]:
+    return [
+        replace(m, covariance_m2=m.covariance_m2 * devices) if isinstance(m, PositionFix) else m for m in measurements
+    ]
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """What the estimators of the package start from."""
+
+    timelines: Sequence[Timeline]
+    tethers: Sequence[DeviceTether]
+    start: StartPose
+    sigma_length_scale: float
+    settings: EstimatorSettings
+
+
+def _dead_reckoning(walk: _Walk) -> Track:
+    return concatenate([dead_reckoning.estimate(one, walk.start, walk.sigma_length_scale) for one in walk.timelines])
+
+
+def _map_closed_form(walk: _Walk) -> Track:
+    return estimate_closed_form(
+        walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.map_fusion
+    )
+
+
+def _map_general(walk: _Walk) -> Track:
+    return estimate_general(
+        walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.map_fusion
+    )
+
+
+def _ekf(walk: _Walk) -> Track:
+    if len(walk.timelines) == 1:
+        return single_device.estimate(walk.timelines[0], walk.start, walk.sigma_length_scale)
+    return multi_device.estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale)
+
+
+def _factor_graph(walk: _Walk) -> Track:
+    from pdr_est.estimators.factor_graph.smoother import estimate  # gtsam takes a second to load
+
+    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale)
+
+
+def _fixed_lag(walk: _Walk) -> Track:
+    from pdr_est.estimators.fixed_lag.smoother import estimate  # gtsam takes a second to load
+
+    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.fixed_lag)
+
+
+_TABLE: tuple[tuple[EstimatorSpec, Callable[[_Walk], Track]], ...] = (
+    (EstimatorSpec("dead-reckoning", uses_fixes=False), _dead_reckoning),
+    (EstimatorSpec("map-closed-form", uses_fixes=False, uses_tethers=True), _map_closed_form),
+    (EstimatorSpec("map-general", uses_fixes=False, uses_tethers=True), _map_general),
+    (EstimatorSpec("ekf", online=True, uses_closure=True, uses_tethers=True), _ekf),
+    (
+        EstimatorSpec("factor-graph", smooths=True, uses_closure=True, uses_tethers=True, needs_gtsam=True),
+        _factor_graph,
+    ),
+    (EstimatorSpec("fixed-lag", online=True, delayed=True, uses_tethers=True, needs_gtsam=True), _fixed_lag),
+)
+
+SPECS: Mapping[str, EstimatorSpec] = MappingProxyType({spec.name: spec for spec, _ in _TABLE})
+"""Abilities of the estimators of the package, by name."""
+
+_CALLS: Mapping[str, Callable[[_Walk], Track]] = MappingProxyType({spec.name: call for spec, call in _TABLE})

@@ -1,0 +1,164 @@
+"""The optimisation problem of a walk: its factor graph at any length scales, with its tethers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import gtsam
+import numpy as np
+
+from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.tethers import NodeTether
+from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
+from pdr_est.estimators.factor_graph.factors import add_anchors, add_motion, initial_reference, motion_noise
+from pdr_est.estimators.factor_graph.keys import GraphKeys, is_auxiliary
+from pdr_est.estimators.factor_graph.newton import LinearSystem, Variables, linear_system, minimised
+from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
+from pdr_est.estimators.factor_graph.tether_factors import tether_factors
+from pdr_est.frames import Array
+from pdr_est.types.measurements import StartPose
+
+
+@dataclass(frozen=True)
+class LengthScales:
+    """Length scales of d devices, true over modelled step length.
+
+    Attributes
+    ----------
+    value : (d,) array
+        The scales.
+    covariance : (d, d) array
+        Their covariance.
+    pose_per_scale : (n, 3, d) array
+        Derivative of the optimal poses with respect to the scales, in the map frame.
+    """
+
+    value: Array
+    covariance: Array
+    pose_per_scale: Array
+
+    @classmethod
+    def known(cls, value: Array, poses: int) -> "LengthScales":
+        """Return scales without uncertainty."""
+        return cls(value, np.zeros((len(value), len(value))), np.zeros((poses, 3, len(value))))
+
+    @property
+    def pose_covariance(self) -> Array:
+        """Share (n, 3, 3) of the scales in the covariance of the poses, in the map frame."""
+        share: Array = self.pose_per_scale @ self.covariance @ self.pose_per_scale.transpose(0, 2, 1)
+        return share
+
+
+class SmoothingProblem:
+    """Factor graph of a walk at any length scales, with tethers that are added and stiffened on the way."""
+
+    def __init__(
+        self,
+        timelines: Sequence[Timeline],
+        node_tethers: Sequence[NodeTether],
+        starts: Sequence[StartPose],
+        initial: Sequence[Sequence[GaussianState]],
+    ) -> None:
+        self.timelines = tuple(timelines)
+        self.keys = GraphKeys.of_timelines(timelines)
+        self._anchors = gtsam.NonlinearFactorGraph()
+        add_anchors(self._anchors, timelines, self.keys, starts, initial)
+        self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
+        self._at: tuple[Array, gtsam.NonlinearFactorGraph] | None = None
+        self.tethers, self.softening = TetherConstraints.between_nodes(node_tethers, self.keys), 1.0
+        self._candidates = BetweenStepConstraints.of_timelines(timelines, node_tethers, self.keys)
+        self.variables = Variables.of_timelines(timelines, self.keys)
+        # Tethers alone would only shrink the walk: tracks that disagree are closer to each other when all is smaller.
+        self.scale_is_observable = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
+
+    def without_tethers(self, length_scale: Array) -> gtsam.NonlinearFactorGraph:
+        """Return the graph of all factors but the tethers, at length scales (d,)."""
+        if self._at is None or not np.array_equal(self._at[0], length_scale):
+            graph = gtsam.NonlinearFactorGraph(self._anchors)
+            for timeline, first, noise, scale in zip(
+                self.timelines, self.keys.first, self._noises, length_scale, strict=True
+            ):
+                add_motion(graph, timeline.nodes, first, noise.models, float(scale))
+            self._at = length_scale, graph
+        return self._at[1]
+
+    def complete(self, values: gtsam.Values, length_scale: Array) -> tuple[gtsam.NonlinearFactorGraph, gtsam.Values]:
+        """Return the graph with the factors of the tethers that are active at some values, and its values.
+
+        Parameters
+        ----------
+        values : gtsam.Values
+            Values of poses and references.
+        length_scale : (d,) array
+            Length scales of the devices.
+
+        Returns
+        -------
+        graph : gtsam.NonlinearFactorGraph
+            A graph of its own, with every measurement.
+        complete_values : gtsam.Values
+            The values, and those of the auxiliary variables of tethers.
+        """
+        graph, pose = gtsam.NonlinearFactorGraph(self.without_tethers(length_scale)), self.poses(values)
+        tethers = self.tethers.softened(self.softening)
+        made = tether_factors(tethers, tethers.linearised(pose).violation_m > 0.0, pose)
+        graph.push_back(made.graph)
+        complete_values = gtsam.Values(values)
+        complete_values.insert(made.auxiliary)
+        return graph, complete_values
+
+    def motion_information(self) -> Array:
+        """Return the information (d,) on each length scale if the poses were known: sum of (length / sigma)²."""
+        lengths_m = [np.array([node.length_m for node in timeline.nodes[1:]]) for timeline in self.timelines]
+        return np.array(
+            [np.sum(own_m**2 * noise.information_ahead) for own_m, noise in zip(lengths_m, self._noises, strict=True)]
+        )
+
+    def initial_values(self, initial: Sequence[Sequence[GaussianState]]) -> gtsam.Values:
+        """Return values of poses and references from the initial states of each device."""
+        values = gtsam.Values()
+        for states, first, reference in zip(initial, self.keys.first, self.keys.references, strict=True):
+            for i, state in enumerate(states, first):
+                values.insert(i, gtsam.Pose2(*state.mean[:3]))
+            if reference is not None:
+                values.insert(reference, initial_reference(states))
+        return values
+
+    def optimised(self, values: gtsam.Values, length_scale: Array, tolerance: float) -> gtsam.Values:
+        """Return the optimal values at given length scales (`newton.minimised`)."""
+        tethers = self.tethers.softened(self.softening)
+        return minimised(self.without_tethers(length_scale), tethers, values, self.variables, tolerance)
+
+    def linear(self, values: gtsam.Values, length_scale: Array) -> LinearSystem:
+        """Return the linear system of Newton's method at some values."""
+        tethers = self.tethers.softened(self.softening)
+        return linear_system(self.without_tethers(length_scale), tethers, values, self.variables, with_stiffness=True)
+
+    def add_violated_tethers(self, values: gtsam.Values) -> bool:
+        """Add tethers where tracks are too far apart between the given ones; return whether any were added."""
+        more, self._candidates = self._candidates.most_violated(self.poses(values))
+        self.tethers = self.tethers + more
+        return len(more) > 0
+
+    def further_variables(self, values: gtsam.Values) -> tuple[list[int], list[int]]:
+        """Return the keys of values that are neither poses nor references: auxiliary ones of tethers, and others."""
+        if values.size() == len(self.variables.order):
+            return [], []
+        further = [key for key in values.keys() if key >= len(self.variables.order)]  # noqa: SIM118
+        auxiliary = [key for key in further if is_auxiliary(key)]
+        return auxiliary, sorted(set(further) - set(auxiliary))
+
+    def poses(self, values: gtsam.Values) -> Array:
+        """Return the poses (n, 3)."""
+        return self.variables.pose(values)
+
+    def prior_scales(self, values: gtsam.Values, length_scale: Array, sigma: float) -> LengthScales:
+        """Return the scales of a walk without position measurements: sigma is that of the prior."""
+        heading = self.poses(values)[:, 2]
+        moved = np.zeros((self.keys.poses, 3, len(length_scale)))
+        for d, (timeline, first) in enumerate(zip(self.timelines, self.keys.first, strict=True)):
+            length_m, turn_rad = np.array([[node.length_m, node.heading_change_rad] for node in timeline.nodes]).T
+            ahead = heading[first : first + len(length_m) - 1] + turn_rad[1:]
+            steps = length_m[1:, None] * np.stack([np.cos(ahead), np.sin(ahead)], axis=1)
+            moved[first + 1 : first + len(length_m), :2, d] = np.cumsum(steps, axis=0)
+        return LengthScales(length_scale, sigma**2 * np.eye(len(length_scale)), moved)

@@ -1,0 +1,98 @@
+"""The stage that corrects headings by the dominant directions at the end of the walk."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import groupby
+
+import numpy as np
+
+from pdr_est.frames import wrap_angle
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
+from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
+from pdr_est.types.analysis import DominantDirections
+from pdr_est.types.steps import Step
+
+_LEAST_PROBABILITY = 0.5  # that a section follows a dominant direction, for a prior
+
+
+class WholeWalkHeading:
+    """Stage Step -> Step that corrects the headings by the dominant directions of the building, if it has some.
+
+    Each segment of the recording is treated by itself.
+
+    Parameters
+    ----------
+    parameters : DominantParams
+        Parameters of the search for dominant directions.
+    as_priors : bool
+        True to give steps along a dominant direction a `path_heading_rad` and leave their heading; False to take the
+        drift off their heading.
+
+    Attributes
+    ----------
+    directions : DominantDirections or None
+        Dominant directions of the first segment with straight legs.
+    """
+
+    latency_s = float("inf")  # the end of the recording
+
+    def __init__(self, parameters: DominantParams, as_priors: bool) -> None:
+        self._parameters = parameters
+        self._as_priors = as_priors
+        self._steps: list[Step] = []
+        self.directions: DominantDirections | None = None
+
+    def push(self, item: Step, /) -> list[Step]:
+        """Keep a step until the end of the walk."""
+        self._steps.append(item)
+        return []
+
+    def flush(self) -> list[Step]:
+        """Return all steps, corrected."""
+        steps, self._steps = self._steps, []
+        segments = groupby(steps, key=lambda step: step.event.segment)
+        return [step for _, segment in segments for step in self._correct(list(segment))]
+
+    def _correct(self, steps: list[Step]) -> list[Step]:
+        sections = straight_leg_sections(steps, self._parameters.straight)
+        directions = dominant_directions(sections, self._parameters)
+        if self.directions is None:
+            self.directions = directions
+        if directions is None or not directions.used:
+            return steps
+        if not self._as_priors:
+            return _without_drift(steps, sections, directions)
+        return _with_drift_noise(_with_priors(steps, sections, directions), directions.drift_per_sqrt_s)
+
+
+def _with_priors(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
+    marked = list(steps)
+    for i in np.flatnonzero(directions.follows >= _LEAST_PROBABILITY):
+        for k in range(sections.first[i], sections.last[i]):
+            marked[k] = replace(
+                marked[k],
+                path_heading_rad=float(wrap_angle(directions.path_heading_rad[i])),
+                sigma_path_heading_rad=float(directions.sigma_rad[i]),
+            )
+    return marked
+
+
+def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
+    """Add the drift that the walk shows to the standard deviations of the turns.
+
+    So a phone that slips about in its pocket has less weight than one in a steady hand.
+    """
+    times = [step.event.time_s for step in steps]
+    elapsed_s = np.diff(times, prepend=times[0])
+    return [
+        replace(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
+        for step, passed in zip(steps, elapsed_s, strict=True)
+    ]
+
+
+def _without_drift(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
+    drift = np.interp([step.event.time_s for step in steps], sections.time_s, directions.drift_rad)
+    return [
+        replace(step, heading_rad=float(wrap_angle(step.heading_rad - off)))
+        for step, off in zip(steps, drift, strict=True)
+    ]

@@ -1,0 +1,173 @@
+"""The stage that gives each step its length and the standard deviation of it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import field, replace
+from functools import partial
+from typing import Annotated, Any, Literal, get_args
+
+import numpy as np
+from annotated_types import Gt, Le
+
+from pdr_est.frames import Array
+from pdr_est.front_end.step_length import equations
+from pdr_est.front_end.step_length.cadence import Pace, PaceMeter
+from pdr_est.front_end.step_length.walk_run_model import (
+    RunningParams,
+    running_length_m,
+    share_of_running,
+    walking_length_m,
+)
+from pdr_est.front_end.step_length.walker import WalkerParams
+from pdr_est.params import Positive, params
+from pdr_est.parts import PartName
+from pdr_est.types.steps import Step
+
+LengthModel = Literal["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
+LENGTH_MODELS: tuple[LengthModel, ...] = get_args(LengthModel)
+
+_LEAST_MEANS = 4  # least number of running means within a step for a range
+
+
+@params
+class StepLengthParams:
+    """Choose the step-length model; with its constants and standard deviations."""
+
+    model: Annotated[str, PartName(LENGTH_MODELS)] = "auto"
+    """Name of the model."""
+    parameters: dict[str, Any] = field(default_factory=dict, hash=False)
+    """Arguments of a step-length stage of your own, which `model` names as module:attribute."""
+    weinberg_k2: Positive = 0.48
+    """Constant of MMPDR's eq. 3, m / (m/s^2)^(1/4); tuned, as the paper gives no value."""
+    scarlett_k3: Positive = 0.60
+    """Constant of MMPDR's eq. 4, m / (m/s^2)^(1/3); tuned, as the paper gives no value."""
+    kim_k: Positive = equations.KIM_K
+    """Constant of Kim et al. (2004), m / (m/s^2)^(1/3)."""
+    range_power_k: Positive = 0.55
+    """Constant of "range-power", and of walking in "auto", m / (m/s^2)^exponent; ours."""
+    range_power_exponent: Annotated[float, Gt(0.0), Le(1.0)] = 0.15
+    """Exponent of "range-power", and of walking in "auto"; ours."""
+    smoothing_s: Positive = 0.24
+    """Window of the running mean, s, before the extremes and the mean are taken; ours."""
+    running: RunningParams = RunningParams()
+    """Parameters of running steps in "auto"."""
+    sigma_walking: Positive = 0.07
+    """Standard deviation of a walking step over its length, taken for independent from step to step; ours."""
+    sigma_running: Positive = 0.20
+    """Standard deviation of a running step over its length, taken for independent from step to step; ours."""
+
+
+class StepLength:
+    """Stage Step -> Step that fills in the length and its standard deviation.
+
+    Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier, as far
+    as the cadence allows for running (`share_of_running`). In all models but `auto` the two have the same length.
+
+    The standard deviation is that of one step by itself, and users take the steps of a walk for independent. It is
+    too small for an error that all of them share: constants that do not fit the walker, or somebody who is in doubt
+    between walking and running all along. `odometry.sigma_length_scale` stands for that, as found on walkers. A
+    runner's scale is less certain than it says, by an unknown amount: there is no recording of a runner with known
+    distance.
+
+    A step that had begun before the recording, or its segment, counts for the part that was recorded, with the
+    standard deviation of a whole one.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate of the level samples.
+    walker : WalkerParams
+        Body and personal constants.
+    parameters : StepLengthParams
+        Model and constants.
+    """
+
+    latency_s = 0.0
+
+    def __init__(self, rate_hz: float, walker: WalkerParams, parameters: StepLengthParams) -> None:
+        self._walker = walker
+        self._parameters = parameters
+        self._window = max(round(parameters.smoothing_s * rate_hz), 1)
+        self._pace = PaceMeter()
+
+    def push(self, item: Step, /) -> list[Step]:
+        """Give a step its length."""
+        pace = self._pace.at(item)
+        walking_m, running_m = self._lengths_m(item, pace)
+        mean_m, sigma_m = mixture_mean_and_sigma(
+            share_of_running(item, pace),
+            (walking_m, self._parameters.sigma_walking * walking_m),
+            (running_m, self._parameters.sigma_running * running_m),
+        )
+        factor = self._walker.personal_factor(pace.cadence_hz)
+        length_m = factor * mean_m * item.recorded_share
+        return [replace(item, length_m=length_m, sigma_length_m=factor * sigma_m)]
+
+    def flush(self) -> list[Step]:
+        """Return nothing: no step is held back."""
+        return []
+
+    def _lengths_m(self, step: Step, pace: Pace) -> tuple[float, float]:
+        """Compute the lengths of this step if it is a walking one and if it is a running one."""
+        p, height_m = self._parameters, self._walker.height_m
+        if p.model != "auto":
+            length_m = self._published_length_m(step)
+            return length_m, length_m
+        walking_m = self._length_from_acceleration(
+            step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
+        )
+        # Doubt about the gait must not shorten a gentle walk: a running step is never shorter than a walking one.
+        return walking_m, max(walking_m, running_length_m(p.running, height_m, pace))
+
+    def _published_length_m(self, step: Step) -> float:
+        p, walker = self._parameters, self._walker
+        match p.model:
+            case "mmpdr":
+                return equations.mmpdr_length_m(walker.height_m, walker.gender, step.frequency_hz)
+            case "gait-table":
+                return equations.gait_table_length_m(step.gait)
+            case "kim":
+                return equations.kim_length_m(p.kim_k, step.samples.vertical_mps2)
+            case "weinberg":
+                return self._length_from_acceleration(step, partial(equations.weinberg_length_m, p.weinberg_k2))
+            case "scarlett":
+                return self._length_from_acceleration(step, partial(equations.scarlett_length_m, p.scarlett_k3))
+            case "range-power":
+                model = partial(equations.range_power_length_m, p.range_power_k, p.range_power_exponent)
+                return self._length_from_acceleration(step, model)
+        return self._static_length_m()
+
+    def _static_length_m(self) -> float:
+        return equations.static_length_m(self._walker.height_m, self._walker.gender)
+
+    def _length_from_acceleration(self, step: Step, model: Callable[[Array], float]) -> float:
+        """Apply a model to the smoothed vertical acceleration; a step too short to show its range takes eq. 2."""
+        if len(step.samples) < self._window + _LEAST_MEANS:
+            return self._static_length_m()
+        return model(windowed_mean(step.samples.vertical_mps2, self._window))
+
+
+def mixture_mean_and_sigma(
+    share: float, first: tuple[float, float], second: tuple[float, float]
+) -> tuple[float, float]:
+    """Compute mean and standard deviation of a mixture of two distributions.
+
+    Parameters
+    ----------
+    share : float
+        Weight of the second distribution.
+    first, second : tuple of float
+        Mean and standard deviation of each. Where the weight lies in between, the difference of the means adds to the
+        result.
+    """
+    mean = (1.0 - share) * first[0] + share * second[0]
+    between = share * (1.0 - share) * (second[0] - first[0]) ** 2
+    return mean, math.sqrt((1.0 - share) * first[1] ** 2 + share * second[1] ** 2 + between)
+
+
+def windowed_mean(samples: Array, window: int) -> Array:
+    """Average `window` consecutive samples; a signal shorter than that gives its overall mean."""
+    width = min(window, len(samples))
+    total = np.cumsum(np.concatenate([[0.0], samples]))
+    mean: Array = (total[width:] - total[:-width]) / width
+    return mean

@@ -1,0 +1,94 @@
+"""Parameter records: frozen dataclasses that are validated when they are made.
+
+The parameters of a stage lie beside the stage, in a record made with `params`. `pdr_est.config` nests these records
+into the configuration, so that a name, a default and a range are written once. Each field has a docstring right
+under it, which `pdr_est.params.field_docstrings` reads for the JSON schema and for `pdr-est config show`.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from inspect import get_annotations
+from typing import Annotated, Any, TypeVar, dataclass_transform
+
+from annotated_types import Ge, Gt, Le
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, ValidationError
+from pydantic.dataclasses import dataclass as validated_dataclass
+from pydantic_core import PydanticCustomError
+
+from pdr_est.errors import ConfigError
+from pdr_est.params.validation_messages import BOOLEAN, explain, kinds_of
+
+T = TypeVar("T")
+
+_SMALLEST, _LARGEST = 1e-9, 1e6  # beyond lie mistakes, and numbers whose square overflows
+
+
+def _zero_or_not_tiny(value: float) -> float:
+    if 0.0 < value < _SMALLEST:
+        raise ValueError(f"Input should be 0 or at least {_SMALLEST:g}")
+    return value
+
+
+Positive = Annotated[float, Gt(0.0), Le(_LARGEST), AfterValidator(_zero_or_not_tiny)]
+"""Number above 0."""
+
+NonNegative = Annotated[float, Ge(0.0), Le(_LARGEST), AfterValidator(_zero_or_not_tiny)]
+"""Number that is 0 or above."""
+
+Fraction = Annotated[float, Ge(0.0), Le(1.0)]
+"""Number from 0 to 1."""
+
+Window = Annotated[Positive, Le(60.0)]
+"""Length of a window of signal, s."""
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def params(cls: type[T]) -> type[T]:
+    """Make a class a frozen, keyword-only dataclass whose fields are validated when a record is made.
+
+    Unknown keys, values of the wrong type or out of range, NaN, infinity, and booleans given for numbers are
+    refused. A `__post_init__` may call `contradiction` for values that do not go together.
+
+    Parameters
+    ----------
+    cls
+        Class with annotated fields. A base class that is a parameter record hands down its fields.
+
+    Returns
+    -------
+    type
+        The same class. Making a record, also with `dataclasses.replace`, raises `ConfigError`, which names the field,
+        its value and its range.
+    """
+    hints = get_annotations(cls)
+    cls.__annotations__ = {name: _without_booleans(hint) for name, hint in hints.items()}
+    made = validated_dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))(cls)
+    made.__init__ = _with_plain_errors(made.__init__)  # type: ignore[method-assign]
+    return made  # type: ignore[return-value]
+
+
+def _with_plain_errors(validate: Callable[..., None]) -> Callable[..., None]:
+    """Let the constructor of a record raise ConfigError in place of pydantic's error."""
+
+    @wraps(validate)
+    def init(self: Any, **values: Any) -> None:
+        try:
+            validate(self, **values)
+        except ValidationError as error:
+            raise ConfigError(f"{type(self).__name__}: {explain(error, type(self))}") from error
+
+    return init
+
+
+def _without_booleans(hint: Any) -> Any:
+    """Refuse True for 1 in a field that is no boolean; YAML also reads yes, no, on and off as booleans."""
+    kinds = set(kinds_of(hint))
+    if bool in kinds or not kinds & {int, float}:
+        return hint
+    return Annotated[hint, BeforeValidator(_refuse_boolean)]
+
+
+def _refuse_boolean(value: Any) -> Any:
+    if isinstance(value, bool):
+        raise PydanticCustomError("no_boolean", BOOLEAN)
+    return value

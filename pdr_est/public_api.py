@@ -1,0 +1,189 @@
+"""The functions that `pdr_est` offers under flat names: the whole pipeline, and its stages one by one.
+
+Each takes defaults for everything but the data, and returns records of `pdr_est.types`. The modules below have more
+arguments and more results.
+"""
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from numpy.typing import ArrayLike
+
+from pdr_est import pipeline
+from pdr_est.config import Config
+from pdr_est.errors import EstimationError
+from pdr_est.estimators import EstimatorName, estimate_walk
+from pdr_est.estimators.person.track import fuse
+from pdr_est.types.analysis import DeviceWalk
+from pdr_est.types.measurements import (
+    DeviceMeasurements,
+    DeviceTether,
+    HeadingPrior,
+    LoopClosure,
+    PositionFix,
+    StartPose,
+    StepOdometry,
+)
+from pdr_est.types.recording import Recording
+from pdr_est.types.steps import Step
+from pdr_est.types.track import Track, concatenate
+
+Odometry = Sequence[StepOdometry | HeadingPrior | LoopClosure] | Sequence[DeviceMeasurements]
+"""Step odometry with heading priors of one or several devices, or the measurements of each device."""
+
+_SIGMA_LENGTH_SCALE = Config().odometry.sigma_length_scale
+
+
+def smooth(recording: Recording, config: Config | None = None, fixes: Sequence[PositionFix] = ()) -> Track:
+    """Estimate the track of a recorded walk with the configured estimator (default: factor graph).
+
+    Parameters
+    ----------
+    recording
+        The walk, of one or several devices.
+    config
+        Settings; the defaults if omitted.
+    fixes
+        Known positions in the map frame.
+
+    Returns
+    -------
+    Track
+        Poses of every device, and of the person ("fused") where there are several devices. `pdr_est.pipeline.smooth`
+        also returns the steps, warnings and timings.
+
+    Raises
+    ------
+    PdrError
+        If recording, settings or fixes give no track.
+    """
+    return pipeline.smooth(recording, config or Config(), fixes).track
+
+
+def analyse(recording: Recording, config: Config | None = None) -> tuple[DeviceWalk, ...]:
+    """Run the front end: detect the steps of every device, with length, heading and odometry.
+
+    Parameters
+    ----------
+    recording
+        The walk. A device without gyroscope has steps without heading.
+    config
+        Settings; the defaults if omitted.
+
+    Returns
+    -------
+    tuple of DeviceWalk
+        One for each device.
+
+    Raises
+    ------
+    RecordingError
+        If a device has no accelerometer or no usable samples, or if devices or their clocks do not belong together.
+    """
+    return pipeline.analyse(recording, config or Config())
+
+
+def detect_steps(
+    time_s: ArrayLike,
+    acc_mps2: ArrayLike,
+    gyr_radps: ArrayLike | None = None,
+    config: Config | None = None,
+) -> tuple[Step, ...]:
+    """Detect steps in the samples of one phone, with mode, length and heading of each step.
+
+    Parameters
+    ----------
+    time_s
+        (n,) s, strictly increasing.
+    acc_mps2
+        (n, 3) accelerometer including gravity, m/s², device axes, pointing up when the phone lies still.
+    gyr_radps
+        (n, 3) gyroscope, rad/s, device axes. Without it steps have no heading and the mode is unknown.
+    config
+        Settings; the defaults if omitted.
+
+    Returns
+    -------
+    tuple of Step
+        The steps in order of time.
+
+    Raises
+    ------
+    RecordingError
+        If an array has a wrong shape or values that cannot be in the stated unit.
+    """
+    (walk,) = analyse(Recording.from_arrays(time_s, acc_mps2, gyr_radps), config)
+    return walk.steps
+
+
+def estimate(
+    odometry: Odometry,
+    fixes: Sequence[PositionFix] = (),
+    estimator: EstimatorName = "factor-graph",
+    *,
+    start: StartPose | None = None,
+    tethers: Sequence[DeviceTether] = (),
+    sigma_length_scale: float = _SIGMA_LENGTH_SCALE,
+) -> Track:
+    """Estimate a track from step odometry, whatever front end it comes from.
+
+    Parameters
+    ----------
+    odometry
+        `StepOdometry`, with `HeadingPrior` and `LoopClosure` among them if wanted, of one or several devices, in
+        order of time for each device; or one `DeviceMeasurements` for each device.
+    fixes
+        Known positions of the person in the map frame.
+    estimator
+        Name of an estimator.
+    start
+        Pose at the start of the walk, common to all devices; by default it is found from the fixes, and without
+        fixes the track starts at the origin along x.
+    tethers
+        Bounds on the distance between devices.
+    sigma_length_scale
+        Standard deviation of the walker's step length relative to that of the odometry.
+
+    Returns
+    -------
+    Track
+        Poses of every device, and of the person ("fused") where there are several devices.
+
+    Raises
+    ------
+    EstimationError
+        If there is no odometry, it is out of order, or the measurements have no unique solution.
+    """
+    devices = [
+        DeviceMeasurements(one.device, one.start_s, (*one.measurements, *fixes)) for one in _by_device(odometry)
+    ]
+    track = estimate_walk(estimator, devices, start or StartPose(), sigma_length_scale, tethers)
+    return concatenate([track, fuse(track)]) if len(devices) > 1 else track
+
+
+def _by_device(odometry: Odometry) -> list[DeviceMeasurements]:
+    """Sort measurements by device, in order of first appearance; each walk starts with its first step."""
+    devices = [one for one in odometry if isinstance(one, DeviceMeasurements)]
+    if len(devices) == len(odometry) > 0:
+        return devices
+    single = [one for one in odometry if isinstance(one, StepOdometry | HeadingPrior | LoopClosure)]
+    if not single or len(single) < len(odometry):
+        kinds = sorted({type(one).__name__ for one in odometry}) or ["nothing"]
+        raise EstimationError(
+            f"odometry holds {', '.join(kinds)}: give a sequence of StepOdometry (with HeadingPrior and LoopClosure "
+            "among them), or one DeviceMeasurements for each device; position fixes go into `fixes`"
+        )
+    order = {name: number for number, name in enumerate(dict.fromkeys(one.device for one in single))}
+    grouped = groupby(sorted(single, key=lambda one: order[one.device]), key=lambda one: one.device)
+    return [_device_measurements(name, tuple(measurements)) for name, measurements in grouped]
+
+
+def _device_measurements(
+    device: str, measurements: tuple[StepOdometry | HeadingPrior | LoopClosure, ...]
+) -> DeviceMeasurements:
+    first = next((one for one in measurements if isinstance(one, StepOdometry)), None)
+    if first is None:
+        raise EstimationError(
+            f"{device}: no StepOdometry among its measurements: add its steps or leave the device out"
+        )
+    return DeviceMeasurements(device, first.start_s, measurements)

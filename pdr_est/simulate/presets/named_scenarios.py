@@ -1,0 +1,50 @@
+"""Scenarios that are known by a name, for the demonstration and for experiment files."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from difflib import get_close_matches
+from types import MappingProxyType
+
+from pdr_est.errors import ConfigError
+from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, park_348
+from pdr_est.simulate.scenario import Scenario
+from pdr_est.simulate.walker.step_schedule import Pause, WalkerGaitParams
+from pdr_est.simulate.walker.walking_path import PathParams
+from pdr_est.types.steps import CarryingMode
+
+_RECTANGLE = ((0.0, 0.0), (24.0, 0.0), (24.0, 28.0), (-24.0, 28.0), (-24.0, 0.0), (0.0, 0.0))
+
+PRESETS: Mapping[str, Scenario] = MappingProxyType(
+    {
+        "office_loop": Scenario(
+            name="office_loop",
+            path=PathParams(vertices_m=_RECTANGLE),
+            gait=WalkerGaitParams(pauses=(Pause(at_m=90.0, duration_s=6.0),)),
+        ),
+        "straight": Scenario(name="straight", path=PathParams(vertices_m=((0.0, 0.0), (80.0, 0.0)))),
+        "l_shape": Scenario(name="l_shape", path=PathParams(vertices_m=((0.0, 0.0), (30.0, 0.0), (30.0, 20.0)))),
+        "mmpdr_indoor_holding": mmpdr_indoor(CarryingMode.HOLDING),
+        "mmpdr_indoor_swing": mmpdr_indoor(CarryingMode.SWING),
+        "mmpdr_indoor_pocket": mmpdr_indoor(CarryingMode.POCKET),
+        "mmpdr_indoor_multi": replace(
+            mmpdr_indoor(CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.HOLDING, CarryingMode.POCKET),
+            name="mmpdr_indoor_multi",
+        ),
+        "park_348": park_348(),
+    }
+)
+
+
+def preset(name: str) -> Scenario:
+    """Return the scenario of that name, one of PRESETS.
+
+    Raises
+    ------
+    ConfigError
+        For another name; the message suggests the nearest one.
+    """
+    if name not in PRESETS:
+        near = get_close_matches(name, PRESETS, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(PRESETS)}"
+        raise ConfigError(f"no simulated walk is called {name!r}: {hint}")
+    return PRESETS[name]

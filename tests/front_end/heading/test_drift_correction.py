@@ -1,0 +1,105 @@
+"""What the whole walk tells of its headings: directions for the estimator, or headings without their drift."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heading_walks import of_legs, park, unsteady, with_headings
+from signals import run
+
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading import HeadingParams, WholeWalkHeading, whole_walk_stage
+from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
+from pdr_est.types.steps import Step
+
+PARAMETERS = DominantParams()
+OFFICE = of_legs([(17.0 + 90.0 * k, 22) for k in (0, 1, 2, 1, 0, -1, 0, 1)])
+
+
+def drifting(seed: int = 2) -> Array:
+    """Turning by 30 degrees in all."""
+    rng = np.random.default_rng(seed)
+    return unsteady(OFFICE, rng, 0.003) + np.linspace(0.0, np.deg2rad(30.0), len(OFFICE))
+
+
+def headings(steps: list[Step]) -> Array:
+    return np.array([step.heading_rad for step in steps])
+
+
+def bare(step: Step) -> Step:
+    return replace(step, path_heading_rad=0.0, sigma_path_heading_rad=0.0, sigma_turn_rad=0.0)
+
+
+def test_as_priors_the_headings_stay_and_straight_steps_get_their_direction() -> None:
+    steps = with_headings(drifting())
+    stage = WholeWalkHeading(PARAMETERS, as_priors=True)
+    found = run(stage, steps)
+    assert stage.directions is not None
+    assert (stage.directions.number, stage.directions.used) == (4, True)
+    assert [bare(step) for step in found] == [bare(step) for step in steps]
+    elapsed_s = np.diff([step.event.time_s for step in steps])
+    turns = np.array([step.sigma_turn_rad for step in found])
+    np.testing.assert_allclose(turns[1:], stage.directions.drift_per_sqrt_s * np.sqrt(elapsed_s))
+    straight = np.array([step.path_heading_rad for step in found])
+    known = np.isfinite(straight)
+    assert 0.8 < known.mean() < 1.0
+    error = wrap_angle(straight[known] - OFFICE[known])
+    inside = np.abs(wrap_angle(error - np.median(error))) < 1e-6
+    assert inside.mean() > 0.95  # the last step of a leg may belong to the next piece
+    sigma = np.array([step.sigma_path_heading_rad for step in found])
+    assert (np.isfinite(sigma) == known).all()
+    assert (sigma[known] < 0.15).all()
+
+
+def test_as_increments_the_drift_is_taken_off() -> None:
+    steps = with_headings(drifting())
+    found = run(WholeWalkHeading(PARAMETERS, as_priors=False), steps)
+    assert np.isnan([step.path_heading_rad for step in found]).all()
+
+    def error(steps: list[Step]) -> Array:
+        off = np.unwrap(wrap_angle(headings(steps) - OFFICE))
+        return np.asarray(off - off[:10].mean())
+
+    assert np.rad2deg(np.abs(error(steps)[-10:].mean())) > 25.0
+    assert np.rad2deg(np.abs(error(found)[-10:].mean())) < 8.0
+
+
+@pytest.mark.parametrize("as_priors", [True, False])
+def test_a_park_stays_as_it_is(as_priors: bool) -> None:
+    rng = np.random.default_rng(5)
+    steps = with_headings(park(rng, 300))
+    assert run(WholeWalkHeading(PARAMETERS, as_priors), steps) == steps
+
+
+@pytest.mark.parametrize("as_priors", [True, False])
+def test_nothing_and_few_steps(as_priors: bool) -> None:
+    stage = WholeWalkHeading(PARAMETERS, as_priors)
+    assert run(stage, []) == []
+    assert stage.directions is None
+    few = with_headings([0.0, 0.1, 0.2])
+    assert run(WholeWalkHeading(PARAMETERS, as_priors), few) == few
+
+
+def test_segments_are_looked_at_one_by_one() -> None:
+    """After a gap the zero of the headings is another one; what was found is that of the first segment."""
+    other = [
+        replace(step, event=replace(step.event, segment=1, time_s=step.event.time_s + 200.0))
+        for step in with_headings(wrap_angle(park(np.random.default_rng(1), 200)))
+    ]
+    stage = WholeWalkHeading(PARAMETERS, as_priors=True)
+    found = run(stage, [*with_headings(drifting()), *other])
+    alone = run(WholeWalkHeading(PARAMETERS, as_priors=True), with_headings(drifting()))
+    assert [step.path_heading_rad for step in found[: len(alone)]] == pytest.approx(
+        [step.path_heading_rad for step in alone], nan_ok=True
+    )
+    assert found[len(alone) :] == other
+    assert stage.directions is not None
+    assert stage.directions.used
+
+
+def test_only_the_default_method_has_hindsight() -> None:
+    assert isinstance(whole_walk_stage(HeadingParams()), WholeWalkHeading)
+    assert whole_walk_stage(HeadingParams(method="step-yaw")) is None
+    assert whole_walk_stage(HeadingParams(dominant=DominantParams(enabled=False))) is None
+    assert whole_walk_stage(HeadingParams(auto=AutoHeadingParams(moved_rad=1.0))) is not None
