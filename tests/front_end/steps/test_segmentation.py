@@ -64,6 +64,11 @@ def test_the_first_step_after_a_standstill_has_no_frequency_and_its_own_duration
     assert [step.start_s for step in steps] == pytest.approx([0.4, 1.0, 3.0, 8.4, 9.0])
 
 
+def test_exactly_the_standstill_later_a_step_still_follows_the_one_before() -> None:
+    assert [step.start_s for step in steps_at(1.0, 3.0)] == pytest.approx([0.4, 1.0])
+    assert [step.start_s for step in steps_at(1.0, 3.0625)] == pytest.approx([0.4, 2.4625])
+
+
 def test_a_first_step_begins_no_earlier_than_the_last_one_ended() -> None:
     stage = StepSegmentation(Script([(1.0, 0), (1.5, 0)]), SegmentationParams(standstill_s=0.4, initial_step_s=0.6))
     steps = run(stage, [level(np.zeros(200))])
