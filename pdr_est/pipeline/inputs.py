@@ -6,7 +6,7 @@ from typing import Any
 
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
-from pdr_est.io.side_tables.position_fixes import refuse_fix_outside
+from pdr_est.io.side_tables.position_fixes import require_fix_inside
 from pdr_est.params.validation_messages import brief
 from pdr_est.preprocessing.quality.requirements import require_track_sensors
 from pdr_est.types.measurements import PositionFix
@@ -49,4 +49,4 @@ def refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
                 "covariance_m2)"
             )
         if id(fix) not in recorded:
-            refuse_fix_outside(fix.time_s, f"fixes[{number}]", recording)
+            require_fix_inside(fix.time_s, f"fixes[{number}]", recording)

@@ -74,8 +74,14 @@ def read_position_fixes(path: str | Path, recording: Recording) -> tuple[Positio
     )
 
 
-def refuse_fix_outside(time_s: float, place: str, recording: Recording) -> None:
-    """Raise RecordingError for a fix outside the time of the recording. place: what to call the fix in messages."""
+def require_fix_inside(time_s: float, place: str, recording: Recording) -> None:
+    """Check that the time of a fix, s, lies inside the recording, up to `TIME_MARGIN_S`.
+
+    Raises
+    ------
+    RecordingError
+        When it does not; `place` names the fix in the message.
+    """
     start_s, end_s = _time_span_s(recording)
     if not start_s - TIME_MARGIN_S <= time_s <= end_s + TIME_MARGIN_S:
         raise RecordingError(
@@ -192,4 +198,4 @@ def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:
             )
         if r not in (0.0, 1.0):
             raise RecordingError(f"{where}: robust = {r:g}: give 1 for a fix that may be an outlier, else 0")
-        refuse_fix_outside(t, where, recording)
+        require_fix_inside(t, where, recording)
