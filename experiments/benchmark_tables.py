@@ -14,10 +14,9 @@ from recorded import RESULTS, write_table
 from rich.console import Console
 
 from pdr_est.config import Config
-from pdr_est.experiment.results.console_table import print_table
-from pdr_est.experiment.runners.score_walk import run_benchmark
+from pdr_est.experiment import comparison_on_axis, print_benchmark, run_benchmark
 from pdr_est.experiment.suites import SUITES
-from pdr_est.experiment.variants.axes import axis_named, compare
+from pdr_est.experiment.variants.axes import axis_named
 
 PAGES = tuple(Path(__file__).parents[1] / page for page in ("README.md", "docs/accuracy.md"))
 MARK = "<!-- benchmark -->"
@@ -62,11 +61,11 @@ def main() -> None:
 def record(suite: str, compared: str, data: Path, jobs: int, stem: str) -> None:
     """Write the averages of a suite with all values of an axis, and its tables, to files of that stem."""
     axis = axis_named(compared)
-    result = run_benchmark(suite, data, compare(Config(), axis.word, axis.names), jobs)
+    result = run_benchmark(suite, data, comparison_on_axis(Config(), axis.name, axis.values), jobs)
     summary = {key: value for key, value in result.to_dict().items() if key not in ("walks", "skipped")}
     (RESULTS / f"{stem}.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
     with (RESULTS / f"{stem}.txt").open("w", encoding="utf-8") as stream:
-        print_table(result, Console(file=stream, width=160))
+        print_benchmark(result, Console(file=stream, width=160))
 
 
 def readme_table() -> str:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from recorded import write
 
 from pdr_est.config import Config
-from pdr_est.evaluate.carrying_modes import Transitions, confusion, shares, transitions
+from pdr_est.evaluate.carrying_modes import Transitions, count_transitions, mode_confusion, row_shares
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.pipeline import analyse
 from pdr_est.simulate import SimulatedWalk, mmpdr_mode_walks, simulate_walk
@@ -76,7 +76,7 @@ def score(walks: Sequence[SimulatedWalk], config: Config) -> Score:
         modes = walk.devices[0].modes
         span_s = (float(walk.steps.time_s[0]), float(walk.steps.time_s[-1]))
         level = analyse(walk.recording, config)[0].level
-        own = Score(confusion(modes, level, span_s), transitions(modes, level, span_s))
+        own = Score(mode_confusion(modes, level, span_s), count_transitions(modes, level, span_s))
         total = own if total is None else Score(total.time + own.time, total.changes + own.changes)
     if total is None:
         raise ValueError("no walk to score: give at least one person and one seed")
@@ -85,7 +85,7 @@ def score(walks: Sequence[SimulatedWalk], config: Config) -> Score:
 
 def percent(counts: NDArray[np.int64]) -> dict[str, dict[str, float]]:
     """Shares of the labels by true mode."""
-    share = 100.0 * shares(counts)
+    share = 100.0 * row_shares(counts)
     return {true.name: {label.name: round(float(share[true, label]), 2) for label in LABELS} for true in TRUE}
 
 

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from recorded import RESULTS, write
 
 from pdr_est.config import Config
-from pdr_est.evaluate.stride_lengths import lengths_by_time, scored_strides, shares
+from pdr_est.evaluate.stride_lengths import lengths_by_time, scored_strides, step_shares
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.front_end.step_length import LengthModel, StepLength, StepLengthParams, WalkerParams
 from pdr_est.io import read
@@ -141,7 +141,7 @@ def measured(recording: Recording, truth: TrueStrides, walker: WalkerParams | No
     (device,) = analyse(recording, config)
     start_s = np.array([step.start_s for step in device.steps])
     end_s = np.array([step.event.time_s for step in device.steps])
-    share = shares(start_s, end_s, truth)
+    share = step_shares(start_s, end_s, truth)
     model_m = {}
     for model in MODELS:
         stage = StepLength(config.resample.rate_hz, walker or WalkerParams(), StepLengthParams(model=model))

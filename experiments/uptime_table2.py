@@ -68,7 +68,7 @@ def main() -> None:
 
 def measured(data: Path) -> Iterable[Walk]:
     """Every recording of one of the `GROUPS`."""
-    for file in gait.find(data):
+    for file in gait.SUITE.find(data):
         activity = file.labels["activity"]
         if activity in GROUPS:
             (device,) = pipeline.analyse(read(file.path), Config())

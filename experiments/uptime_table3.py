@@ -15,9 +15,7 @@ import numpy as np
 from recorded import write, write_table
 
 from pdr_est.config import Config
-from pdr_est.experiment.results.score_rows import BenchmarkResult
-from pdr_est.experiment.runners.score_walk import run_benchmark
-from pdr_est.experiment.variants.axes import compare
+from pdr_est.experiment import BenchmarkResult, comparison_on_axis, run_benchmark
 
 MARK = "<!-- uptime table 3 -->"
 DETECTORS = ("uptime-fsm", "local-variance", "zero-crossing", "auto")
@@ -56,7 +54,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    comparison = compare(Config(), "detector", DETECTORS)
+    comparison = comparison_on_axis(Config(), "detector", DETECTORS)
     table = measured(run_benchmark("oxford-steps", options.data, comparison, options.jobs))
     write("uptime_table3", as_text(table), as_document(table))
     write_table(MARK, as_markdown(table))
@@ -113,7 +111,7 @@ def as_markdown(table: Table) -> str:
 
 def _errors(result: BenchmarkResult, place: Place, detector: str) -> Sequence[float]:
     """Count errors of the walks with the phone in a place."""
-    rows = [row for row in result.rows if row.settings["detector"] == detector]
+    rows = [row for row in result.rows if row.variant == detector]
     if place.positions:
         rows = [row for row in rows if row.labels["position"] in place.positions]
     return [error for row in rows if (error := row.metrics["count_error"]) is not None]

@@ -18,9 +18,8 @@ from recorded import write, write_table
 
 from pdr_est.config import Config
 from pdr_est.evaluate.gait_recognition import KNOWN, accuracies, recalls
-from pdr_est.experiment.runners.score_walk import run_benchmark
-from pdr_est.experiment.scoring.confusion import Confusion
-from pdr_est.experiment.variants.axes import compare
+from pdr_est.experiment import comparison_on_axis, run_benchmark
+from pdr_est.experiment.suite import ConfusionMatrix
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.types.steps import Gait
 
@@ -66,13 +65,13 @@ def paper() -> Matrix:
 
 def measured(method: Literal["uptime", "auto"], data: Path, jobs: int) -> list[Matrix]:
     """The matrices of a feature set by position."""
-    comparison = compare(replace(Config(), gait=GaitParams(method=method)))
+    comparison = comparison_on_axis(replace(Config(), gait=GaitParams(method=method)))
     result = run_benchmark("gait", data, comparison, jobs)
     found = result.confusions(comparison.main.name)
     return [Matrix(method, place, counts_of(found[name])) for place, name in PLACES.items() if name in found]
 
 
-def counts_of(confusion: Confusion) -> NDArray[np.int64]:
+def counts_of(confusion: ConfusionMatrix) -> NDArray[np.int64]:
     """The suite's counts as a matrix."""
     counts = np.zeros((len(Gait), len(Gait)), dtype=np.int64)
     for true, labels in confusion.counts.items():

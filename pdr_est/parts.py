@@ -185,17 +185,33 @@ def importable(folders: Iterable[str | Path]) -> Iterator[None]:
 
 def folder_of(name: str) -> str | None:
     """Find the folder from which the module of a dotted name was imported; None if it has no file."""
-    root = sys.modules.get(name.partition(":")[0].partition(".")[0])
-    file = getattr(root, "__file__", None)
+    file = _root_file(name)
     if file is None:
         return None
-    path = Path(file)
-    return str(path.parent.parent if path.name == "__init__.py" else path.parent)
+    return str(file.parent.parent if file.name == "__init__.py" else file.parent)
+
+
+def files_of(name: str) -> list[Path]:
+    """List the source files of the module of a dotted name, or of the package in which it lies."""
+    file = _root_file(name)
+    if file is None:
+        return []
+    return sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else [file]
+
+
+def _root_file(name: str) -> Path | None:
+    file = getattr(sys.modules.get(_root(name)), "__file__", None)
+    return None if file is None else Path(file)
+
+
+def _root(name: str) -> str:
+    """Name the module or package at the top of a dotted name."""
+    return name.partition(":")[0].partition(".")[0]
 
 
 def refuse_other_module(name: str, folder: Path, place: str) -> None:
     """Raise PartError if a folder holds the module of a dotted name but another module of that name was imported."""
-    root = name.partition(":")[0].partition(".")[0]
+    root = _root(name)
     found = folder_of(name)
     beside = (folder / f"{root}.py").is_file() or (folder / root / "__init__.py").is_file()
     if beside and found is not None and Path(found).resolve() != folder.resolve():
@@ -250,7 +266,8 @@ def _arguments(
     required = [name for name in known if taken[name].default is inspect.Parameter.empty]
     missing = [name for name in required if name not in arguments]
     if missing:
-        raise PartError(f"{place}: parameter {missing[0]!r} is missing: give it", ("parameters",))
+        below = ("parameters",) if parameters else ()
+        raise PartError(f"{place}: parameter {missing[0]!r} is missing: give it", below)
     return arguments
 
 

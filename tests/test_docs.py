@@ -261,4 +261,4 @@ def test_tables_of_the_papers_are_those_of_the_recorded_results() -> None:
 def test_the_recorded_comparisons_are_of_known_suites_and_settings() -> None:
     script = runpy.run_path(str(ROOT / "experiments" / "benchmark_tables.py"))
     assert set(script["COMPARED"]) <= {suite.name for suite in SUITES}
-    assert {axis for axes in script["COMPARED"].values() for axis in axes} <= {axis.word for axis in AXES}
+    assert {axis for axes in script["COMPARED"].values() for axis in axes} <= {axis.name for axis in AXES}

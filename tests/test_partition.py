@@ -13,21 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from partitions import (
-    Block,
-    content,
-    cut,
-    in_bursts,
-    in_time_order,
-    interleave,
-    messy_device,
-    one_by_one,
-    part,
-    run,
-)
 
 from pdr_est import front_end
-from pdr_est.config import Config, StepsParams
+from pdr_est.config import Config
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
 from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
@@ -53,7 +41,7 @@ from pdr_est.front_end.mode import (
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.signal.blocks import join
 from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
-from pdr_est.front_end.steps import DETECTORS, DetectorName
+from pdr_est.front_end.steps import DETECTORS, DetectorName, StepsParams
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
@@ -65,9 +53,22 @@ from pdr_est.pipeline.front_end_chain import levelling, stepping
 from pdr_est.preprocessing.resampling import ResampleParams, Resampler
 from pdr_est.simulate import PHONE_MAGNETOMETER, mmpdr_mode_walks, simulate_walk
 from pdr_est.stage import Chain, Stage
+from pdr_est.testing import (
+    check_partition,
+    check_stage,
+    cut_block,
+    cut_finely,
+    cut_randomly,
+    in_bursts,
+    in_time_order,
+    messy_device,
+    one_by_one,
+    run_stage,
+    slice_block,
+)
 from pdr_est.types.recording import DeviceRecording, Signal
-from pdr_est.types.sensors import Channel, LevelBlock, SensorBlock
-from pdr_est.types.steps import CarryingMode, Step
+from pdr_est.types.sensors import Channel, LevelBlock
+from pdr_est.types.steps import CarryingMode
 
 RATES_HZ = (25.0, 50.0, 100.0, 400.0)
 WORKING_HZ = 50.0
@@ -159,7 +160,7 @@ def records(consumed: str, rate_hz: float) -> tuple[Any, ...]:
         "steps with field": ("raw", with_field()),
         "complete steps": ("steps", Chain([CASES["StepLength"].make(), StepYaw()])),
     }[consumed]
-    return tuple(run(stage, records(before, rate_hz))[0])
+    return tuple(run_stage(stage, records(before, rate_hz))[0])
 
 
 def with_field() -> Chain:
@@ -173,42 +174,14 @@ def whole_chain(config: Config, rate_hz: float) -> Chain:
     return Chain([*to_level.stages, *stepping(config).stages, Odometry("device", config.odometry)])
 
 
-def randomly_cut(items: Sequence[Any], rng: np.random.Generator) -> list[Any]:
-    """Blocks in random pieces, channels interleaved at random; steps as they are, for they cannot be cut."""
-    if isinstance(items[0], Step):
-        return list(items)
-    pieces = [cut(block, rng, int(rng.integers(1, 60))) for block in items]
-    if isinstance(items[0], SensorBlock):
-        return interleave(pieces, rng)
-    return [piece for block in pieces for piece in block]
-
-
-def finely_cut(items: Sequence[Any]) -> list[Any]:
-    if isinstance(items[0], Step):
-        return list(items)
-    return in_time_order(items) if isinstance(items[0], SensorBlock) else one_by_one(items)
-
-
-def some_numbers(items: Sequence[Block], rng: np.random.Generator) -> list[int]:
-    return [int(number) for number in rng.integers(0, len(items), 3)]
-
-
 def bookkeeping(stage: Any) -> Any:
     """What a resampler tells besides its outputs."""
     first = stage.stages[0] if isinstance(stage, Chain) else stage
     return (first.gaps, first.dropped) if isinstance(first, Resampler) else None
 
 
-def assert_cuts_do_not_matter(
-    make: Callable[[], Any], items: Sequence[Any], cuttings: Sequence[list[Any]], rng: np.random.Generator
-) -> None:
-    outputs, stage = run(make(), items)
-    expected = content(outputs)
-    assert expected
-    for pieces in cuttings:
-        found, other = run(make(), pieces, restore_at=some_numbers(pieces, rng))
-        assert content(found) == expected
-        assert bookkeeping(other) == bookkeeping(stage)
+def check_cuts(make: Callable[[], Any], items: Sequence[Any], cuttings: Sequence[list[Any]], seed: int = 0) -> None:
+    check_partition(make, items, cuttings, seed, compare=bookkeeping)
 
 
 def test_every_stage_of_the_front_end_is_tested() -> None:
@@ -225,7 +198,7 @@ def test_every_stage_of_the_front_end_is_tested() -> None:
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 def test_the_messy_recording_is_a_hard_one(rate_hz: float) -> None:
     resampler = CASES["Resampler"].make()
-    segments = {block.segment for block in run(resampler, records("raw", rate_hz))[0]}
+    segments = {block.segment for block in run_stage(resampler, records("raw", rate_hz))[0]}
     assert len(segments) == 4
     assert isinstance(resampler, Resampler)
     assert {key.split(": ")[1] for key in resampler.dropped} == {"not finite", "duplicate time", "backward time"}
@@ -240,14 +213,19 @@ def test_the_messy_recording_is_a_hard_one(rate_hz: float) -> None:
 def test_random_cuts_of_a_stage(name: str, rate_hz: float) -> None:
     rng = np.random.default_rng(int(rate_hz))
     items = records(CASES[name].consumes, rate_hz)
-    assert_cuts_do_not_matter(CASES[name].make, items, [randomly_cut(items, rng) for _ in range(3)], rng)
+    check_cuts(CASES[name].make, items, [cut_randomly(items, rng) for _ in range(3)], seed=int(rate_hz))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_stage_keeps_the_contract(name: str) -> None:
+    check_stage(CASES[name].make, records(CASES[name].consumes, 50.0))
 
 
 @pytest.mark.parametrize("rate_hz", [50.0])
 @pytest.mark.parametrize("name", CASES)
 def test_one_sample_at_a_time_through_a_stage(name: str, rate_hz: float) -> None:
     items = records(CASES[name].consumes, rate_hz)
-    assert_cuts_do_not_matter(CASES[name].make, items, [finely_cut(items)], np.random.default_rng(0))
+    check_cuts(CASES[name].make, items, [cut_finely(items)])
 
 
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.consumes == "level"])
@@ -255,8 +233,8 @@ def test_stages_on_noise(name: str) -> None:
     """Noise has extrema at every distance from each other and modes that change, hence borders that no walk shows."""
     rng = np.random.default_rng(5)
     items = [with_noise(block, rng) for block in records("level", 50.0)]
-    cuttings = [finely_cut(items), randomly_cut(items, rng)]
-    assert_cuts_do_not_matter(CASES[name].make, items, cuttings, rng)
+    cuttings = [cut_finely(items), cut_randomly(items, rng)]
+    check_cuts(CASES[name].make, items, cuttings)
 
 
 def with_noise(block: LevelBlock, rng: np.random.Generator) -> LevelBlock:
@@ -289,16 +267,16 @@ def changing_modes() -> tuple[LevelBlock, ...]:
     begins within a transition."""
     device = with_magnetometer()
     config = Config(mode=ModeParams(method="mmpdr"), heading=HeadingParams(method="magnetometer"))
-    block = join(run(levelling(device, "changing", config)[1], device.blocks())[0])
+    block = join(run_stage(levelling(device, "changing", config)[1], device.blocks())[0])
     middle = int(np.flatnonzero(block.mode == CarryingMode.TRANS)[-20])
-    late = part(block, middle + 100, len(block))
-    return part(block, 0, middle), replace(late, segment=1)
+    late = slice_block(block, middle + 100, len(block))
+    return slice_block(block, 0, middle), replace(late, segment=1)
 
 
 def test_the_changing_modes_are_all_there() -> None:
     found = np.concatenate([block.mode for block in changing_modes()])
     assert {CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET, CarryingMode.TRANS} <= set(found.tolist())
-    events = run(mmpdr(), changing_modes())[0]
+    events = run_stage(mmpdr(), changing_modes())[0]
     assert sum(event.mode is CarryingMode.TRANS for event in events) >= 6
 
 
@@ -314,9 +292,9 @@ def test_cuts_where_modes_change(heading: HeadingName) -> None:
         mode = MmpdrMode(WORKING_HZ, MmpdrModeParams())
         return Chain([mode, *stepping(config).stages, Odometry("device", config.odometry)])
 
-    cuttings = [randomly_cut(changing_modes(), rng) for _ in range(3)]
-    assert_cuts_do_not_matter(chain, changing_modes(), cuttings, rng)
-    assert_cuts_do_not_matter(mmpdr, changing_modes(), [*cuttings, one_by_one(changing_modes())], rng)
+    cuttings = [cut_randomly(changing_modes(), rng) for _ in range(3)]
+    check_cuts(chain, changing_modes(), cuttings)
+    check_cuts(mmpdr, changing_modes(), [*cuttings, one_by_one(changing_modes())])
 
 
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
@@ -324,8 +302,8 @@ def test_cuts_where_modes_change(heading: HeadingName) -> None:
 def test_random_cuts_of_the_chain(config: Config, rate_hz: float) -> None:
     rng = np.random.default_rng(int(rate_hz))
     items = records("raw", rate_hz)
-    cuttings = [randomly_cut(items, rng) for _ in range(2)]
-    assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
+    cuttings = [cut_randomly(items, rng) for _ in range(2)]
+    check_cuts(lambda: whole_chain(config, rate_hz), items, cuttings, seed=int(rate_hz))
 
 
 @pytest.mark.parametrize("detector", DETECTORS)
@@ -338,14 +316,14 @@ def test_cuts_of_the_chain_without_gyroscope(detector: DetectorName) -> None:
     def chain() -> Chain:
         return Chain([*levelling(bare, "messy", config)[1].stages, *stepping(config).stages])
 
-    assert_cuts_do_not_matter(chain, items, [randomly_cut(items, rng), one_by_one(items)], rng)
+    check_cuts(chain, items, [cut_randomly(items, rng), one_by_one(items)])
 
 
 @pytest.mark.parametrize("name", ["vqf-auto", "device-mmpdr"])
 def test_one_sample_at_a_time_through_the_chain(name: str) -> None:
     items = records("raw", 50.0)
     cuttings = [in_time_order(items), one_by_one(items)]
-    assert_cuts_do_not_matter(lambda: whole_chain(CONFIGS[name], 50.0), items, cuttings, np.random.default_rng(0))
+    check_cuts(lambda: whole_chain(CONFIGS[name], 50.0), items, cuttings)
 
 
 @pytest.mark.slow
@@ -355,8 +333,8 @@ def test_many_recordings_in_many_cuts(config: Config, rate_hz: float) -> None:
     rng = np.random.default_rng(int(rate_hz) + 1)
     for seed in range(2, 5):
         items = tuple(device(rate_hz, seed).blocks())
-        cuttings = [randomly_cut(items, rng) for _ in range(8)] + [in_time_order(items)]
-        assert_cuts_do_not_matter(lambda: whole_chain(config, rate_hz), items, cuttings, rng)
+        cuttings = [cut_randomly(items, rng) for _ in range(8)] + [in_time_order(items)]
+        check_cuts(lambda: whole_chain(config, rate_hz), items, cuttings)
 
 
 def test_cuts_of_the_chain_with_a_magnetometer() -> None:
@@ -371,6 +349,6 @@ def test_cuts_of_the_chain_with_a_magnetometer() -> None:
 
     cuttings = [
         in_bursts([one_by_one([block]) for block in items], 1.9, rng),
-        in_bursts([cut(block, rng, 3000) for block in items], 1.0, rng),
+        in_bursts([cut_block(block, rng, 3000) for block in items], 1.0, rng),
     ]
-    assert_cuts_do_not_matter(chain, items, cuttings, rng)
+    check_cuts(chain, items, cuttings)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pdr_est import pipeline
-from pdr_est.config import Config, EstimatorParams, StartParams, StepsParams
+from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.errors import EstimationError, RecordingError
 from pdr_est.estimators import EstimatorName
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
@@ -18,6 +18,7 @@ from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.front_end.mode import ModeParams
+from pdr_est.front_end.steps import StepsParams
 from pdr_est.io import read
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.pipeline.warnings import warnings_of

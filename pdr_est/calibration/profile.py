@@ -24,32 +24,46 @@ _SECTIONS = ("profile", "walker", "odometry")
 
 @params
 class ProfileNote:
-    """Where a profile comes from. step_length, detector: of the configuration whose steps the constants correct.
-    recordings: how many walks. distances_m: their true lengths; empty when fixes told the scale."""
+    """Origin of a profile."""
 
     step_length: StepLengthParams
+    """Step-length model whose lengths the constants correct."""
+
     detector: Annotated[str, PartName(DETECTORS)]
+    """Step detector whose steps the constants correct."""
+
     recordings: Annotated[int, Ge(1)]
+    """Number of walks of the calibration."""
+
     date: Date
+    """Date of the calibration."""
+
     distances_m: tuple[Positive, ...] = ()
+    """True lengths of the walks, m; empty when fixes told the scale."""
 
 
 @params
 class Profile:
-    """walker: height, gender and personal constants. sigma_length_scale: what remains unknown of the length scale of
-    the next walk, over the scale."""
+    """Personal constants of a walker."""
 
     note: ProfileNote
+    """Origin of the constants."""
+
     walker: WalkerParams
+    """Height, gender and personal constants."""
+
     sigma_length_scale: Positive
+    """Standard deviation of the length scale that remains for the next walk, over the scale."""
 
 
 _NOTE = TypeAdapter(ProfileNote)
 
 
 def profile_to_yaml(profile: Profile) -> str:
-    """The file's text, which `load_profile` reads back to the same record: a fragment of a configuration with the
-    sections `walker` and `odometry`, and where it comes from under `profile`."""
+    """Write a profile as YAML text, which `load_profile` reads back to the same record.
+
+    It is a fragment of a configuration with the sections `walker` and `odometry`, and its origin under `profile`.
+    """
     note = asdict(profile.note)
     document = {
         "profile": note | {"distances_m": list(note["distances_m"])},
@@ -59,7 +73,13 @@ def profile_to_yaml(profile: Profile) -> str:
 
 
 def load_profile(path: str | Path) -> Profile:
-    """A profile from its file. Raises ConfigError that names the file and the key."""
+    """Read a profile from its file.
+
+    Raises
+    ------
+    ConfigError
+        If the file is no valid profile; the message names the file and the key.
+    """
     data = load_yaml(path)
     if not isinstance(data, Mapping) or set(data) != set(_SECTIONS):
         raise ConfigError(
@@ -79,17 +99,31 @@ def load_profile(path: str | Path) -> Profile:
     )
 
 
-def with_profile(config: Config, profile: Profile) -> Config:
-    """The configuration for this walker."""
+def apply_profile(config: Config, profile: Profile) -> Config:
+    """Return the configuration for this walker."""
     odometry = replace(config.odometry, sigma_length_scale=profile.sigma_length_scale)
     return replace(config, walker=profile.walker, odometry=odometry)
 
 
-def refuse_contradiction(config: Config, profile: Profile, place: str) -> None:
-    """Raise ConfigError when a configuration is not the one that a profile was made for, or not the one it makes.
+def check_profile_matches(config: Config, profile: Profile, place: str) -> None:
+    """Check that a configuration is the one that a profile was made for, and the one it makes.
 
-    Its constants correct the steps of one detector and the lengths of one model with its constants, for one height
-    and gender. place: what to call the profile.
+    The constants of a profile correct the steps of one detector and the lengths of one model with its constants, for
+    one height and gender.
+
+    Parameters
+    ----------
+    config : Config
+        Configuration to check.
+    profile : Profile
+        Profile of the walker.
+    place : str
+        Name of the profile in messages.
+
+    Raises
+    ------
+    ConfigError
+        If a setting differs.
     """
     settings = config_to_dict(config)
     made_for = {"step_length": asdict(profile.note.step_length), "steps": {"detector": profile.note.detector}}
@@ -103,7 +137,7 @@ def refuse_contradiction(config: Config, profile: Profile, place: str) -> None:
 
 
 def _settings(profile: Profile) -> dict[str, dict[str, Any]]:
-    """What a profile sets: a fragment of a configuration."""
+    """Return the settings of a profile as a fragment of a configuration."""
     return {"walker": asdict(profile.walker), "odometry": {"sigma_length_scale": profile.sigma_length_scale}}
 
 

@@ -1,19 +1,19 @@
 """A person's own step length from walks of known length, or with fixes: Bayesian linear regression.
 
-Of a walk is observed y = ln(true length / the model's length). The model of it is y = s + e (x - x_ref) + noise,
-where x is the mean over the walk of the logarithm of the cadence, weighted by step length: to first order how the
-walk's length follows the exponent of `WalkerParams`. x_ref is the mean of x over the walks. Beforehand, scale s and
-exponent e are normally distributed, s about 0 and e about `MEAN_EXPONENT`. Walks of one cadence tell the scale alone:
-the exponent then stays what it was, and changes nothing at that cadence.
+Each walk gives y = ln(true length / the model's length). The model of it is y = s + e (x - x_ref) + noise, where x is
+the mean over the walk of the logarithm of the cadence, weighted by step length: to first order the effect of the
+exponent of `WalkerParams` on the length of the walk. x_ref is the mean of x over the walks. The priors of scale s and
+exponent e are normal, s about 0 and e about `MEAN_EXPONENT`. Walks of one cadence determine the scale alone: the
+exponent then keeps its prior, and changes nothing at that cadence.
 
-Why cadence, and why the exponent is not 0 beforehand: within a person, step length rises with cadence. Their ratio,
-the walk ratio, is nearly constant, and MMPDR eq. 9 has the square root. The default model follows acceleration and so
-cadence only in part: a constant ratio leaves it an exponent of about 0.8, eq. 9 one of about 0.3. Over the walks of
-the set known-distance it is 0.59, over those of stride-length 0.15.
+The exponent depends on cadence, and its prior mean is not 0, because within a person step length rises with cadence.
+Their ratio, the walk ratio, is nearly constant, and MMPDR eq. 9 has the square root. The default model follows
+acceleration and so cadence only in part: a constant ratio leaves it an exponent of about 0.8, eq. 9 one of about 0.3.
+Over the walks of the set known-distance it is 0.59, over those of stride-length 0.15.
 
-The exponent expected beforehand is that of eq. 9; it lies between what the two sets show. Expecting 0.4 brings the
-mean error on known-distance from 5.4 to 4.2 %, but that on stride-length from 4.6 to 6.2 %. Calibrated metrics never
-see the walk that they score, but the numbers below were chosen with these two sets in view, which are therefore no
+The prior mean is that of eq. 9; it lies between the values of the two sets. A prior mean of 0.4 brings the mean error
+on known-distance from 5.4 to 4.2 %, but that on stride-length from 4.6 to 6.2 %. Calibrated metrics never see the
+walk that they score, but the numbers below were chosen with these two sets in view, which are therefore no
 independent evidence for them.
 """
 
@@ -42,9 +42,18 @@ _LARGEST_SIGMA_OF_FIXES = 0.2
 
 
 @dataclass(frozen=True)
-class PacedSteps:
-    """The steps of a device for a calibration. start_s, end_s: (n,) of their movement; length_m: (n,) by the
-    model; log_cadence: (n,) logarithm of the steps per second around it, as of a walk (`walking_cadence_hz`)."""
+class CalibrationSteps:
+    """Steps of a device for a calibration.
+
+    Attributes
+    ----------
+    start_s, end_s : Array
+        Start and end of the movement of each step, (n,), s.
+    length_m : Array
+        Lengths by the step-length model, (n,), m.
+    log_cadence : Array
+        Natural logarithm of the steps per second around each step, (n,), as computed by `walking_cadence_hz`.
+    """
 
     start_s: Array
     end_s: Array
@@ -52,7 +61,8 @@ class PacedSteps:
     log_cadence: Array
 
     @classmethod
-    def of(cls, steps: Sequence[Step]) -> "PacedSteps":
+    def from_steps(cls, steps: Sequence[Step]) -> "CalibrationSteps":
+        """Collect the steps of a device."""
         meter = PaceMeter()
         return cls(
             start_s=np.array([step.start_s for step in steps]),
@@ -61,22 +71,31 @@ class PacedSteps:
             log_cadence=np.array([math.log(walking_cadence_hz(meter.at(step).cadence_hz)) for step in steps]),
         )
 
-    def personal(self, walker: WalkerParams) -> "PacedSteps":
-        """The same steps with their lengths corrected by personal constants."""
+    def with_personal_constants(self, walker: WalkerParams) -> "CalibrationSteps":
+        """Correct the lengths by the personal constants of a walker."""
         factor = np.array([walker.personal_factor(value) for value in np.exp(self.log_cadence)])
         return replace(self, length_m=self.length_m * factor)
 
-    def weighted(self, weight: Array) -> "PacedSteps":
-        """The same steps, each only for a share (n,) of its length and time."""
+    def weighted(self, weight: Array) -> "CalibrationSteps":
+        """Keep only a fraction (n,) of the length and time of each step."""
         return replace(
             self, start_s=self.end_s - weight * (self.end_s - self.start_s), length_m=weight * self.length_m
         )
 
 
 @dataclass(frozen=True)
-class Observation:
-    """Of one walk. log_ratio: ln(true length / the model's length), with sigma as far as it is not known exactly.
-    log_cadence: mean ln of the steps per second, by length of step."""
+class ScaleObservation:
+    """Length scale that one walk shows.
+
+    Attributes
+    ----------
+    log_ratio : float
+        ln(true length / the model's length).
+    sigma : float
+        Standard deviation of log_ratio; 0 if the true length is known exactly.
+    log_cadence : float
+        Mean logarithm of the steps per second, weighted by step length.
+    """
 
     log_ratio: float
     sigma: float
@@ -85,9 +104,20 @@ class Observation:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Posterior of a walker's constants. mean: (2,) of ln scale and exponent; covariance: (2, 2).
-    reference_cadence_hz: where the exponent changes nothing. sigma_next: of the logarithm of the length of the next
-    walk, whose cadence is as uncertain as those of the walks observed and of people's ordinary walks."""
+    """Posterior of a walker's constants.
+
+    Attributes
+    ----------
+    mean : Array
+        Logarithm of the scale, and exponent, (2,).
+    covariance : Array
+        Their covariance, (2, 2).
+    reference_cadence_hz : float
+        Cadence at which the exponent changes nothing, Hz.
+    sigma_next : float
+        Standard deviation of the logarithm of the next walk's length. The cadence of that walk is taken as uncertain
+        as those of the walks observed and of people's ordinary walks together.
+    """
 
     mean: Array
     covariance: Array
@@ -95,7 +125,7 @@ class Calibration:
     sigma_next: float
 
     def walker(self, body: WalkerParams) -> WalkerParams:
-        """The body's height and gender with these constants."""
+        """Put these constants into a record with the walker's height and gender."""
         return replace(
             body,
             length_scale=math.exp(self.mean[0]),
@@ -104,58 +134,82 @@ class Calibration:
         )
 
 
-def observe_distance(steps: Sequence[PacedSteps], distance_m: float, place: str) -> Observation:
-    """A walk of known length, m, from the steps of each of its devices, whose lengths are averaged.
+def observe_distance(steps: Sequence[CalibrationSteps], distance_m: float, place: str) -> ScaleObservation:
+    """Observe the scale of a walk of known length; the lengths of several devices are averaged.
 
-    place: what to call the walk. Raises RecordingError without a step, for a distance that is not above 0, and for
-    one that is too far from the model's to be in metres.
+    Parameters
+    ----------
+    steps : sequence of CalibrationSteps
+        Steps of each device.
+    distance_m : float
+        True length, m.
+    place : str
+        Name of the walk in messages.
+
+    Raises
+    ------
+    RecordingError
+        Without a step, for a distance that is not positive, and for one that is too far from the model's to be in
+        metres.
     """
     if not (math.isfinite(distance_m) and distance_m > 0.0):
         raise RecordingError(f"{place}: a distance of {distance_m:g} m: give the length of the way in metres")
     length_m = _mean_length_m(steps, place)
     _refuse_scale(distance_m / length_m, place, f"{length_m:.1f} m by its steps and {distance_m:g} m as given")
-    return observation(steps, distance_m / length_m)
+    return observe_scale(steps, distance_m / length_m)
 
 
 def observe_fixes(
     walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix], place: str
-) -> Observation:
-    """A walk with position fixes: what they alone tell of the scale, by the configured smoother.
+) -> ScaleObservation:
+    """Observe the scale of a walk with position fixes, by the configured smoother without its prior.
 
-    Raises ConfigError for an estimator that makes no use of fixes; RecordingError without a step, when the fixes
-    hardly tell the scale, and when it is out of range; what `estimate` raises.
+    Raises
+    ------
+    ConfigError
+        For an estimator that does not use fixes.
+    RecordingError
+        Without a step, if the fixes hardly determine the scale, or if it is out of range. Errors of
+        `pipeline.estimate` are passed on.
     """
     if not config.estimator.make().spec.uses_fixes:
         raise ConfigError(
             f"estimator.name = {config.estimator.name}: makes no use of fixes: choose ekf or factor-graph, or give "
             "the distance"
         )
-    steps = [PacedSteps.of(walk.steps) for walk in walks]
+    steps = [CalibrationSteps.from_steps(walk.steps) for walk in walks]
     _mean_length_m(steps, place)
     usual = replace(config, odometry=replace(config.odometry, sigma_length_scale=SIGMA_LOG_SCALE))
-    found = [_scale_alone(walk, usual, fixes, place) for walk in walks]
+    found = [_scale_from_fixes_alone(walk, usual, fixes, place) for walk in walks]
     scale = float(np.mean([value for value, _ in found]))
     _refuse_scale(scale, place, f"the fixes make the steps {scale:.2f} times as long")
     # The devices are carried along one way past the same fixes: together they know little more than one.
-    return observation(steps, scale, max(sigma for _, sigma in found) / scale)
+    return observe_scale(steps, scale, max(sigma for _, sigma in found) / scale)
 
 
-def observation(steps: Sequence[PacedSteps], scale: float, sigma: float = 0.0) -> Observation:
-    """What a walk with at least one step, seen by one device or several, tells of its walker.
+def observe_scale(steps: Sequence[CalibrationSteps], scale: float, sigma: float = 0.0) -> ScaleObservation:
+    """Make the observation of a walk with at least one step from its scale.
 
-    scale: true length / the model's; sigma: how uncertain it is, over the scale.
+    Parameters
+    ----------
+    steps : sequence of CalibrationSteps
+        Steps of each device.
+    scale : float
+        True length / the model's length.
+    sigma : float
+        Standard deviation of the scale, relative to it.
     """
     length_m = np.concatenate([device.length_m for device in steps])
     log_cadence = np.concatenate([device.log_cadence for device in steps])
-    return Observation(
+    return ScaleObservation(
         log_ratio=math.log(scale),
         sigma=sigma,
         log_cadence=float(np.average(log_cadence, weights=length_m)),
     )
 
 
-def fit(observations: Sequence[Observation]) -> Calibration:
-    """The posterior of a walker's constants, from at least one walk."""
+def fit_calibration(observations: Sequence[ScaleObservation]) -> Calibration:
+    """Compute the posterior of a walker's constants from at least one walk."""
     log_cadence = np.array([seen.log_cadence for seen in observations])
     reference = float(log_cadence.mean())
     away = log_cadence - reference
@@ -175,25 +229,29 @@ def fit(observations: Sequence[Observation]) -> Calibration:
     )
 
 
-def _mean_length_m(steps: Sequence[PacedSteps], place: str) -> float:
+def _mean_length_m(steps: Sequence[CalibrationSteps], place: str) -> float:
     lengths_m = [float(device.length_m.sum()) for device in steps]
     if not lengths_m or min(lengths_m) <= 0.0:
         raise RecordingError(f"{place}: no step found: nothing to calibrate with; leave this walk out")
     return float(np.mean(lengths_m))
 
 
-def _refuse_scale(scale: float, place: str, words: str) -> None:
+def _refuse_scale(scale: float, place: str, description: str) -> None:
     if not LEAST_SCALE <= scale <= MOST_SCALE:
         raise RecordingError(
-            f"{place}: {words}, a scale of {scale:.2f} that is not between {LEAST_SCALE:g} and "
+            f"{place}: {description}, a scale of {scale:.2f} that is not between {LEAST_SCALE:g} and "
             f"{MOST_SCALE:g}: give metres, and the whole way of this recording"
         )
 
 
-def _scale_alone(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], place: str) -> tuple[float, float]:
-    """What the fixes say of the scale, with its sigma: the smoother's answer less its prior, which is normal about 1.
+def _scale_from_fixes_alone(
+    walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], place: str
+) -> tuple[float, float]:
+    """Estimate the scale from the fixes alone, with its sigma.
 
-    The prior comes again in `fit`, once for all walks.
+    The smoother's posterior less its prior, normal about 1.
+
+    The prior enters again in `fit_calibration`, once for all walks.
     """
     track = estimate([walk], config, fixes)
     prior = config.odometry.sigma_length_scale**-2

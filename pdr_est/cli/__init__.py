@@ -1,43 +1,51 @@
-"""The command line `pdr-est`. Only here do errors become exit codes: 2 for bad input, with one line on stderr."""
+"""The command line `pdr-est`.
+
+Only here do errors become exit codes: 2 for bad input, with one line on stderr. Each command is a module in
+`commands`; options that several commands share are in `options`, `clock_options` and `fix_options`.
+"""
 
 import io
 import re
 import sys
 from difflib import get_close_matches
 from importlib import import_module
+from types import MappingProxyType
 
 import click
 
 from pdr_est import __version__
 from pdr_est.errors import PdrError
 
-COMMANDS = (
-    "inspect",
-    "steps",
-    "smooth",
-    "track",
-    "calibrate",
-    "benchmark",
-    "experiment",
-    "compare",
-    "config",
-    "train-gait",
-    "demo",
+COMMANDS = MappingProxyType(
+    {
+        "inspect": "inspect:inspect_command",
+        "steps": "steps:steps_command",
+        "smooth": "smooth:smooth_command",
+        "track": "track:track_command",
+        "calibrate": "calibrate:calibrate_command",
+        "benchmark": "benchmark:benchmark",
+        "experiment": "experiment:experiment",
+        "compare": "compare:compare",
+        "config": "config:config",
+        "train-gait": "train_gait:train_gait_command",
+        "demo": "demo:demo_command",
+    }
 )
-"""Each is a module of this package that holds the command under its own name, with _ for -."""
+"""Module in `pdr_est.cli.commands` and function of each command, in the order of the help text."""
 
 
-class BadInput(click.ClickException):
-    """Exit code 2 and one line."""
+class BadInputError(click.ClickException):
+    """Error that ends the program with exit code 2 and one line on stderr."""
 
     exit_code = 2
 
     def format_message(self) -> str:
+        """Return the message in one line."""
         return re.sub(r"\s*\n\s*", " ", self.message)
 
 
-class _Group(click.Group):
-    """A group whose commands report bad input and wrong options in one line, without a traceback.
+class _LazyGroup(click.Group):
+    """Command group that reports bad input and wrong options in one line, without a traceback.
 
     A command is loaded when it is called: loading takes seconds, and Ctrl-C must work from the beginning.
     """
@@ -50,29 +58,29 @@ class _Group(click.Group):
             near = get_close_matches(cmd_name, COMMANDS, n=1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
             raise click.UsageError(f"No such command {cmd_name!r}: {hint}", ctx)
-        name = cmd_name.replace("-", "_")
-        command: click.Command = getattr(import_module(f"pdr_est.cli.commands.{name}"), name)
+        module, function = COMMANDS[cmd_name].split(":")
+        command: click.Command = getattr(import_module(f"pdr_est.cli.commands.{module}"), function)
         return command
 
     def invoke(self, ctx: click.Context) -> object:
-        _print_any_name()
+        _escape_unprintable()
         try:
             return super().invoke(ctx)
         except PdrError as error:
-            raise BadInput(str(error)) from error
+            raise BadInputError(str(error)) from error
         except click.UsageError as error:
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
-            raise BadInput(f"{error.format_message().rstrip('.')}; see {command} --help") from error
+            raise BadInputError(f"{error.format_message().rstrip('.')}; see {command} --help") from error
 
 
-def _print_any_name() -> None:
-    """File names may hold bytes that are no text, and terminals know few letters: print those escaped."""
+def _escape_unprintable() -> None:
+    """Escape what stdout and stderr cannot print: file names may hold bytes that are no text."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="pdr-est")
 def main() -> None:
-    """Tracks of walking people, with honest uncertainty, from the inertial recordings of phones."""
+    """Estimate tracks of walking people, with honest uncertainty, from the inertial recordings of phones."""

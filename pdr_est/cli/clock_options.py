@@ -1,4 +1,4 @@
-"""Options about the clocks of several devices, and what they do to the configuration and the recording."""
+"""Options about the clocks of several devices, and their effect on configuration and recording."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,13 +18,13 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def clock_options(command: Command) -> Command:
-    """--clock METHOD, --clock-offset DEVICE SECONDS and --messages FILE.csv"""
+    """Add the options --clock METHOD, --clock-offset DEVICE SECONDS and --messages FILE.csv to a command."""
     for option in (
         click.option(
             "--messages",
             type=PATH,
             metavar="FILE.csv",
-            help="Messages by which the devices compared their clocks: device,t1_s,t2_s,t3_s.",
+            help="Table of messages by which the devices compared their clocks: device,t1_s,t2_s,t3_s.",
         ),
         click.option(
             "--clock-offset",
@@ -32,28 +32,34 @@ def clock_options(command: Command) -> Command:
             type=(str, float),
             multiple=True,
             metavar="DEVICE SECONDS",
-            help="What a device's clock is ahead of the first one's; may be given several times.",
+            help="Seconds by which a device's clock is ahead of the first one's; may be repeated.",
         ),
         click.option(
             "--clock",
             type=click.Choice(get_args(ClockMethod)),
-            help="How the clocks of several devices are brought together. Default: walk.",
+            help="Method that aligns the clocks of several devices. Default: walk.",
         ),
     ):
         command = option(command)
     return command
 
 
-def with_clocks(
+def apply_clock_options(
     config: Config, clock: ClockMethod | None, offsets: tuple[tuple[str, float], ...], messages: Path | None
 ) -> Config:
-    """The configuration with what the options say. Raises ConfigError for options that contradict each other."""
+    """Apply the clock options to the configuration.
+
+    Raises
+    ------
+    ConfigError
+        For options that contradict each other.
+    """
     if messages is not None and offsets:
-        raise ConfigError("--messages and --clock-offset both tell the clocks: give one of them")
+        raise ConfigError("--messages and --clock-offset both set the clocks: give one of them")
     wanted: ClockMethod | None = "messages" if messages is not None else "given" if offsets else clock
     option = "--messages" if messages is not None else "--clock-offset" if offsets else "--clock"
     if clock is not None and clock != wanted:
-        raise ConfigError(f"--clock {clock}: makes no use of {option}: give --clock {wanted}, or leave {option} out")
+        raise ConfigError(f"--clock {clock}: does not use {option}: give --clock {wanted}, or leave {option} out")
     if wanted is None:
         return config
     settings = config_to_dict(config)
@@ -65,6 +71,6 @@ def with_clocks(
     return config_from_dict(settings, option)
 
 
-def with_messages(recording: Recording, messages: Path | None) -> Recording:
-    """The recording with the messages of a table, where one is given, in place of its own."""
+def apply_clock_messages(recording: Recording, messages: Path | None) -> Recording:
+    """Replace the clock messages of the recording by those of a table, if one is given."""
     return recording if messages is None else replace(recording, messages=(read_clock_messages(messages),))

@@ -8,8 +8,8 @@ from pdr_est.errors import PdrError
 
 
 @contextmanager
-def naming(path: Path | str) -> Iterator[None]:
-    """Errors of what knows a recording by its name only are told with its path."""
+def prefix_errors(path: Path | str) -> Iterator[None]:
+    """Prefix the messages of errors raised in this context with the path of the recording."""
     try:
         yield
     except PdrError as error:

@@ -1,4 +1,4 @@
-"""Options that several commands share, and what they do to the configuration."""
+"""Options that several commands share, and their effect on the configuration."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import click
 import numpy as np
 
-from pdr_est.calibration.profile import Profile, refuse_contradiction, with_profile
+from pdr_est.calibration.profile import Profile, apply_profile, check_profile_matches
 from pdr_est.config import Config, config_with, load_config
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import HEADINGS
@@ -20,7 +20,7 @@ PATH = click.Path(path_type=Path)
 
 
 class _Degrees(click.FloatRange):
-    """A direction in degrees; click takes "nan" for a number in any range."""
+    """Direction in degrees; unlike click's own range it refuses "nan"."""
 
     def __init__(self) -> None:
         super().__init__(-360.0, 360.0)
@@ -28,7 +28,7 @@ class _Degrees(click.FloatRange):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         direction_deg = super().convert(value, param, ctx)
         if np.isnan(direction_deg):
-            self.fail(f"{value} is no direction: give degrees, -360 to 360", param, ctx)
+            self.fail(f"{value} is not a direction: give degrees from -360 to 360", param, ctx)
         return direction_deg
 
 
@@ -36,43 +36,43 @@ DEGREES = _Degrees()
 
 
 def config_option(command: Command) -> Command:
-    """--config FILE.yaml"""
+    """Add the option --config FILE.yaml to a command."""
     option = click.option(
-        "--config", "config_file", type=PATH, metavar="FILE.yaml", help="Settings, where not the defaults."
+        "--config", "config_file", type=PATH, metavar="FILE.yaml", help="Settings that differ from the defaults."
     )
     return option(command)
 
 
 def overwrite_option(command: Command) -> Command:
-    """--overwrite"""
+    """Add the option --overwrite to a command."""
     option = click.option("--overwrite", is_flag=True, help="Replace the output FILE if it exists.")
     return option(command)
 
 
-def given(*paths: Path | None) -> list[Path]:
-    """Those of some optional paths that were given."""
+def given_paths(*paths: Path | None) -> list[Path]:
+    """Select those of some optional paths that were given."""
     return [path for path in paths if path is not None]
 
 
 def detector_option(command: Command) -> Command:
-    """--detector NAME"""
-    option = click.option("--detector", type=click.Choice(DETECTORS), help="Of steps. Default: auto.")
+    """Add the option --detector NAME to a command."""
+    option = click.option("--detector", type=click.Choice(DETECTORS), help="Step detector. Default: auto.")
     return option(command)
 
 
 def length_model_option(command: Command) -> Command:
-    """--length-model NAME"""
-    text = "Of the step length. Default: auto."
+    """Add the option --length-model NAME to a command."""
+    text = "Model of the step length. Default: auto."
     option = click.option("--length-model", type=click.Choice(LENGTH_MODELS), help=text)
     return option(command)
 
 
-def body_options(command: Command) -> Command:
-    """--height M and --gender NAME"""
+def height_and_gender_options(command: Command) -> Command:
+    """Add the options --height M and --gender NAME to a command."""
     gender = click.option(
         "--gender",
         type=click.Choice(("male", "female"), case_sensitive=False),
-        help="Of the walker, for static and mmpdr.",
+        help="Gender of the walker, for the step-length models static and mmpdr.",
     )
     height = click.option(
         "--height",
@@ -84,37 +84,41 @@ def body_options(command: Command) -> Command:
     return height(gender(command))
 
 
-def walker_options(command: Command) -> Command:
-    """What is known of the walker and the start, and which estimator, detector, length model and attitude."""
+def estimation_options(command: Command) -> Command:
+    """Add the options about walker, start, estimator, detector, length model, headings and attitude to a command."""
     for option in reversed(
         (
-            click.option("--estimator", type=click.Choice(ESTIMATORS), help="Default: factor-graph."),
+            click.option(
+                "--estimator", type=click.Choice(ESTIMATORS), help="Estimator of the track. Default: factor-graph."
+            ),
             detector_option,
             length_model_option,
-            body_options,
-            click.option("--start", type=(float, float), metavar="X Y", help="Start in the map frame, metres."),
+            height_and_gender_options,
+            click.option(
+                "--start", type=(float, float), metavar="X Y", help="Start position in the map frame, metres."
+            ),
             click.option(
                 "--heading",
                 "heading_deg",
                 type=DEGREES,
                 metavar="DEG",
-                help="Start heading, degrees counter-clockwise from east (the x axis).",
+                help="Heading at the start, degrees counter-clockwise from east (the x axis).",
             ),
-            click.option("--closed", is_flag=True, default=None, help="The walk ends where it began."),
+            click.option("--closed", is_flag=True, default=None, help="Assume that the walk ends where it began."),
             click.option(
                 "--corridors",
                 "corridors_deg",
                 type=DEGREES,
                 metavar="DEG",
-                help="Direction of the building's corridors, which cross at right angles, in degrees like --heading.",
+                help="Direction of the building's corridors, which cross at right angles; degrees as for --heading.",
             ),
             click.option(
-                "--heading-method", type=click.Choice(HEADINGS), help="How headings are found. Default: auto."
+                "--heading-method", type=click.Choice(HEADINGS), help="Method of finding headings. Default: auto."
             ),
             click.option(
                 "--attitude",
                 type=click.Choice(("auto", "vqf", "device")),
-                help="From the raw samples, the device's own, or (auto) that where samples are coarse.",
+                help="Attitude from the samples (vqf), the device's own, or that if samples are coarse (auto).",
             ),
         )
     ):
@@ -138,11 +142,14 @@ def resolve_config(
     attitude: str | None = None,
     profile: Profile | None = None,
 ) -> Config:
-    """The configuration of a command: defaults, then the walker's profile, then the file, then the options.
+    """Build the configuration of a command: defaults, then the walker's profile, then the file, then the options.
 
-    Raises ConfigError that names the file or the option, also when they contradict the profile.
+    Raises
+    ------
+    ConfigError
+        If a value is wrong or contradicts the profile; the message names the file or the option.
     """
-    config = Config() if profile is None else with_profile(Config(), profile)
+    config = Config() if profile is None else apply_profile(Config(), profile)
     if config_file is not None:
         config = load_config(config_file, base=config)
     x_m, y_m = (None, None) if start is None else start
@@ -165,5 +172,5 @@ def resolve_config(
         if given:
             config = config_with(config, {section: given}, option)
     if profile is not None:
-        refuse_contradiction(config, profile, "--profile")
+        check_profile_matches(config, profile, "--profile")
     return config

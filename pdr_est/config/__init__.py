@@ -6,8 +6,15 @@
 * `commented_yaml`: configurations to YAML.
 """
 
-from pdr_est.config.commented_yaml import config_to_yaml
-from pdr_est.config.loading import config_from_dict, config_to_dict, config_with, import_folders, load_config
+from pdr_est.config.commented_yaml import commented, config_to_yaml
+from pdr_est.config.loading import (
+    config_from_dict,
+    config_to_dict,
+    config_with,
+    external_files,
+    import_folders,
+    load_config,
+)
 from pdr_est.config.records import PART_KEYS, Config, DevicesParams, EstimatorParams, Mounting, StartParams
 from pdr_est.config.settings import merged
 
@@ -18,10 +25,12 @@ __all__ = [
     "EstimatorParams",
     "Mounting",
     "StartParams",
+    "commented",
     "config_from_dict",
     "config_to_dict",
     "config_to_yaml",
     "config_with",
+    "external_files",
     "import_folders",
     "load_config",
     "merged",

@@ -13,7 +13,7 @@ from pdr_est.config.settings import Settings, merged, unfolded
 from pdr_est.config.yaml_lines import Lines, load_yaml_lines
 from pdr_est.errors import ConfigError
 from pdr_est.params.validation_messages import explain
-from pdr_est.parts import PartError, folder_of, importable, is_external, refuse_other_module
+from pdr_est.parts import PartError, files_of, folder_of, importable, is_external, refuse_other_module
 
 
 def load_config(path: str | Path, base: Config | None = None) -> Config:
@@ -100,9 +100,18 @@ def config_to_dict(config: Config) -> dict[str, Any]:
 
 def import_folders(config: Config) -> tuple[str, ...]:
     """Find the folders of the modules that a configuration names, for processes that have to import them."""
-    names = [getattr(getattr(config, section), key) for section, key in PART_KEYS.items()]
-    folders = [folder_of(name) for name in names if is_external(name)]
+    folders = [folder_of(name) for name in _external_names(config)]
     return tuple(dict.fromkeys(folder for folder in folders if folder is not None))
+
+
+def external_files(config: Config) -> tuple[Path, ...]:
+    """Find the source files of the modules and packages that a configuration names, for checksums."""
+    return tuple(sorted({file for name in _external_names(config) for file in files_of(name)}))
+
+
+def _external_names(config: Config) -> list[str]:
+    names = [getattr(getattr(config, section), key) for section, key in PART_KEYS.items()]
+    return [name for name in names if is_external(name)]
 
 
 @cache

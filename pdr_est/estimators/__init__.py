@@ -12,7 +12,7 @@ from pdr_est.estimators.built_in import SPECS, BuiltInEstimator, EstimatorSettin
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams
-from pdr_est.estimators.spec import Estimator, EstimatorSpec, OnlineEstimator, OnlineFilter, PoseEstimate
+from pdr_est.estimators.spec import Estimator, EstimatorSpec, OnlineEstimator, OnlineFilter, OnlinePose
 from pdr_est.parts import ESTIMATOR, is_external, named_part
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, StartPose
 from pdr_est.types.track import Track
@@ -20,6 +20,7 @@ from pdr_est.types.track import Track
 __all__ = [
     "ESTIMATORS",
     "SPECS",
+    "BuiltInEstimator",
     "DeviceMeasurements",
     "Estimator",
     "EstimatorName",
@@ -27,7 +28,7 @@ __all__ = [
     "EstimatorSpec",
     "OnlineEstimator",
     "OnlineFilter",
-    "PoseEstimate",
+    "OnlinePose",
     "Timeline",
     "estimate_track",
     "estimate_walk",

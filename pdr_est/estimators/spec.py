@@ -12,6 +12,7 @@ from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
     HeadingPrior,
+    LoopClosure,
     PositionFix,
     StartPose,
     StepOdometry,
@@ -105,7 +106,7 @@ class Estimator(Protocol):
 
 
 @dataclass(frozen=True)
-class PoseEstimate:
+class OnlinePose:
     """Pose of a device at the start of the walk or at the end of a step, from a filter of the user's own.
 
     Attributes
@@ -132,15 +133,16 @@ class PoseEstimate:
 class OnlineFilter(Protocol):
     """Filter of one walk that is fed while the devices record. Its whole state is picklable."""
 
-    def push(self, measurement: StepOdometry | HeadingPrior | PositionFix) -> list[PoseEstimate]:
+    def push(self, measurement: StepOdometry | HeadingPrior | PositionFix | LoopClosure) -> list[OnlinePose]:
         """Take one measurement; return the poses that are new or have changed.
 
         Measurements come in order of time, those of all devices in one sequence. A heading prior follows the step at
-        whose end it stands, and a fix comes once, whatever the number of devices.
+        whose end it stands; a fix comes once, whatever the number of devices; the loop closures of a closed walk come
+        at its end. There are no tethers.
         """
         ...
 
-    def flush(self) -> list[PoseEstimate]:
+    def flush(self) -> list[OnlinePose]:
         """Return what was held back; called once, at the end of the walk."""
         ...
 

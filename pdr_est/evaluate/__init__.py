@@ -1,1 +1,1 @@
-"""How good a track is: time association with the truth, alignment, error metrics, consistency of covariances."""
+"""Evaluation against ground truth: time association, alignment, error metrics, consistency of covariances."""

@@ -1,7 +1,7 @@
-"""How many steps a walk must have had, by the spectrum of its signals: a check of counts where no step is annotated.
+"""Plausibility of step counts where no step is annotated: the number of steps from the spectrum of the signals.
 
-It knows of no detected step: a detector that takes two steps for one, or one for two, does not deceive it. It is a
-plausibility and no truth: a walker who stands for part of a window, or changes the pace in it, costs a few percent.
+The number is independent of the detected steps, so it shows a detector that takes two steps for one, or one for two.
+It is no ground truth: a walker who stands for part of a window, or changes the pace in it, costs a few percent.
 """
 
 from collections.abc import Sequence
@@ -17,32 +17,47 @@ from pdr_est.types.sensors import LevelBlock
 PLAUSIBILITY_METRIC = "count_plausibility"
 WINDOW_S = 4.0
 LEAST_RMS_MPS2 = 0.5
-"""Of the vertical acceleration about its mean in a window; below it nobody walks."""
+"""RMS of the vertical acceleration about its mean in a window, below which nobody walks."""
 CADENCES_HZ = (1.1, 3.7)
-"""Steps a second, from a stroll to a sprint."""
+"""Steps per second, from a stroll to a sprint."""
 
 _SPACING_HZ = 0.02  # a twelfth of a step in a window
 
 
 @dataclass(frozen=True)
 class Plausibility:
-    """Steps in the windows that were walked. expected: by the spectrum. detected: those given."""
+    """Steps in the windows in which somebody walks.
+
+    Attributes
+    ----------
+    expected : float
+        Number of steps from the spectrum.
+    detected : int
+        Number of detected steps.
+    """
 
     expected: float
     detected: int
 
     @property
     def ratio(self) -> float:
-        """`count_plausibility`: detected / expected; NaN when no window was walked."""
+        """Metric `count_plausibility`: detected / expected; NaN if nobody walks in any window."""
         return self.detected / self.expected if self.expected else float("nan")
 
 
 def count_plausibility(level: Sequence[LevelBlock], steps_s: Array) -> Plausibility:
-    """Steps at some times (n,) against the number that the spectrum of the same samples tells.
+    """Compare detected steps with the number of steps from the spectrum of the same samples.
 
-    Each segment is cut into windows of `WINDOW_S` from its start; a rest at its end that is shorter, and windows in
-    which nobody walks (`LEAST_RMS_MPS2`), are left out with the steps in them. The expected number is the sum of
+    Each segment is cut into windows of `WINDOW_S` from its start; a shorter rest at its end, and windows in which
+    nobody walks (`LEAST_RMS_MPS2`), are left out with the steps in them. The expected number is the sum of
     `cadence_hz` times `WINDOW_S` over the others.
+
+    Parameters
+    ----------
+    level : sequence of LevelBlock
+        Leveled samples of a walk.
+    steps_s : ndarray
+        Times (n,) of the detected steps, s.
     """
     expected, detected = 0.0, 0
     for _, blocks in groupby(level, key=lambda block: block.segment):
@@ -63,15 +78,24 @@ def count_plausibility(level: Sequence[LevelBlock], steps_s: Array) -> Plausibil
 
 
 def cadence_hz(vertical_mps2: Array, rotation_rate_radps: Array, rate_hz: float) -> float:
-    """Steps a second in a window. vertical_mps2: (n,), rotation_rate_radps: (n, 3), at rate_hz.
+    """Estimate the steps per second in a window.
 
-    The body goes up and down once a step and turns to and fro once a stride. The cadence is therefore the frequency
-    within `CADENCES_HZ` at which the power of the vertical acceleration, times the power of the rotation rate at half
-    the frequency, is greatest. Either alone is mistaken at times: the leg that carries the phone shakes it harder
-    than the other one does, and a belt turns with each step as well. Without rotation the acceleration alone tells.
+    The body moves up and down once per step and turns left and right once per stride. The cadence is therefore the
+    frequency within `CADENCES_HZ` that maximises the power of the vertical acceleration times the power of the
+    rotation rate at half the frequency. One of the two alone is sometimes wrong: the leg that carries the phone
+    shakes it harder than the other one does, and a belt turns with each step as well. Without rotation the
+    acceleration alone is used.
+
+    Parameters
+    ----------
+    vertical_mps2 : ndarray
+        Vertical acceleration (n,), m/s².
+    rotation_rate_radps : ndarray
+        Rotation rate (n, 3), rad/s.
+    rate_hz : float
+        Sampling rate, Hz.
     """
-    # Padded with zeros so that bins are half a `_SPACING_HZ` apart: a cadence has an even bin and half of
-    # the cadence has one as well.
+    # Zero padding makes the bins half of `_SPACING_HZ` wide: a cadence has an even bin, and half of it also has one.
     padded = round(2.0 * rate_hz / _SPACING_HZ)
     bin_hz = rate_hz / padded
     half = np.arange(round(0.5 * CADENCES_HZ[0] / bin_hz), round(0.5 * CADENCES_HZ[1] / bin_hz) + 1)
@@ -82,7 +106,7 @@ def cadence_hz(vertical_mps2: Array, rotation_rate_radps: Array, rate_hz: float)
 
 
 def _power(signals: Array, padded: int) -> Array:
-    """Power by bin of signals (n, k), all together, under a Hann window and padded to a length."""
+    """Sum the power spectra of signals (n, k) under a Hann window, padded to a length."""
     tapered = (signals - signals.mean(axis=0)) * np.hanning(len(signals))[:, np.newaxis]
     power: Array = (np.abs(np.fft.rfft(tapered, padded, axis=0)) ** 2).sum(axis=1)
     return power

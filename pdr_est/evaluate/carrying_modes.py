@@ -1,8 +1,7 @@
-"""How well carrying modes are recognised, against their truth over time.
+"""Metrics of recognised carrying modes against the true modes over time.
 
-A label belongs to the sample that it stands on, so a recogniser that decides late is excused nothing here: its delay
-shows online only, never in what it says about a time. What happens while the hand moves the phone (true mode TRANS)
-has no right answer and is not scored.
+A label belongs to its sample: the delay of a recogniser that decides late matters online only and is not scored here.
+While the hand moves the phone (true mode TRANS) there is no right label, and samples are not scored.
 """
 
 from collections.abc import Sequence
@@ -23,9 +22,19 @@ _MODES = len(CarryingMode)
 
 @dataclass(frozen=True)
 class Transitions:
-    """Changes of the carrying mode, counted. real: true ones; missed: those of them that nothing was fired for;
-    false: fired ones that belong to none. arrived: (modes, modes) how often a change that was not missed led
-    from the true mode of its row's number to the label of its column's number afterwards."""
+    """Counted changes of the carrying mode.
+
+    Attributes
+    ----------
+    real : int
+        Number of true changes.
+    missed : int
+        Number of true changes without a detected one.
+    false : int
+        Number of detected changes without a true one.
+    arrived : ndarray
+        (modes, modes) how often, after a true change that was not missed, the true mode (row) got the label (column).
+    """
 
     real: int
     missed: int
@@ -33,6 +42,7 @@ class Transitions:
     arrived: NDArray[np.int64]
 
     def __add__(self, other: "Transitions") -> "Transitions":
+        """Add the counts of two walks."""
         return Transitions(
             self.real + other.real,
             self.missed + other.missed,
@@ -41,13 +51,26 @@ class Transitions:
         )
 
 
-def confusion(
+def mode_confusion(
     truth: TrueModes, level: Sequence[LevelBlock], span_s: tuple[float, float] = (-np.inf, np.inf)
 ) -> NDArray[np.int64]:
-    """(modes, modes) samples with the true mode of the row's number and the label of the column's number.
+    """Count the samples by true mode (row) and label (column).
 
-    span_s: from when to when samples count, both included: the time walked. Samples whose true mode is TRANS or
-    not known do not count; those labelled TRANS do, as neither right nor any other mode.
+    Samples whose true mode is TRANS or not known do not count; those labelled TRANS do, as a wrong label.
+
+    Parameters
+    ----------
+    truth : TrueModes
+        True modes over time.
+    level : sequence of LevelBlock
+        Labelled samples.
+    span_s : (float, float)
+        First and last time of the samples that count, s.
+
+    Returns
+    -------
+    ndarray
+        (modes, modes) numbers of samples.
     """
     time_s, label = _labels(level, span_s)
     true = truth.at(time_s)
@@ -56,30 +79,41 @@ def confusion(
     return np.bincount(cells, minlength=_MODES**2).reshape(_MODES, _MODES)
 
 
-def shares(counts: NDArray[np.int64]) -> Array:
-    """Each row of a confusion matrix over its sum; NaN where nothing was counted."""
+def row_shares(counts: NDArray[np.int64]) -> Array:
+    """Divide each row of a confusion matrix by its sum; rows without counts become NaN."""
     total = counts.sum(axis=1, keepdims=True)
     share: Array = np.where(total > 0, counts / np.maximum(total, 1), np.nan)
     return share
 
 
-def transitions(
+def count_transitions(
     truth: TrueModes,
     level: Sequence[LevelBlock],
     span_s: tuple[float, float] = (-np.inf, np.inf),
     tolerance_s: float = TOLERANCE_S,
 ) -> Transitions:
-    """True and fired changes of the mode, paired one to one in the order of time.
+    """Pair true and detected changes of the mode one to one in the order of time, and count them.
 
-    A true change is a stretch of TRANS between two modes. A change is fired by an unbroken run of TRANS labels,
-    whatever follows it, or where one mode's label follows another's directly; labels of UNKNOWN are left out. The two
-    belong together if they overlap, the true one longer by tolerance_s at both ends. A change is judged by the label
-    in the middle between its end and the beginning of the next one (the end of the span for the last one).
+    A true change is an interval of TRANS between two modes. A detected change is an unbroken run of TRANS labels,
+    whatever follows it, or a label of one mode directly after one of another; labels of UNKNOWN are left out. The two
+    are paired if they overlap after the true one was made longer by the tolerance at both ends. The label after a
+    change is the one in the middle between its end and the beginning of the next one (after the last change, the end
+    of the span).
+
+    Parameters
+    ----------
+    truth : TrueModes
+        True modes over time.
+    level : sequence of LevelBlock
+        Labelled samples.
+    span_s : (float, float)
+        First and last time of the samples that count, s.
+    tolerance_s : float
+        Tolerance of the pairing, s.
     """
     time_s, label = _labels(level, span_s)
-    real, fired = _true_changes(truth, span_s), _fired_changes(time_s, label)
+    real, free = _true_changes(truth, span_s), _detected_changes(time_s, label)
     arrived = np.zeros((_MODES, _MODES), dtype=np.int64)
-    free = list(fired)
     missed = 0
     ends_s = [*(begin_s for begin_s, _, _ in real[1:]), float(time_s[-1]) if len(time_s) else np.inf]
     for (begin_s, end_s, mode), next_s in zip(real, ends_s, strict=True):
@@ -94,7 +128,7 @@ def transitions(
 
 
 def _labels(level: Sequence[LevelBlock], span_s: tuple[float, float]) -> tuple[Array, NDArray[np.int8]]:
-    """Times and labels of the samples within the span."""
+    """Return times and labels of the samples within the span."""
     time_s = np.concatenate([np.empty(0), *(block.time_s for block in level)])
     label = np.concatenate([np.empty(0, dtype=np.int8), *(block.mode for block in level)])
     inside = (time_s >= span_s[0]) & (time_s <= span_s[1])
@@ -102,7 +136,7 @@ def _labels(level: Sequence[LevelBlock], span_s: tuple[float, float]) -> tuple[A
 
 
 def _true_changes(truth: TrueModes, span_s: tuple[float, float]) -> list[tuple[float, float, int]]:
-    """Begin and end of each true change that ends in the span, and the mode after it."""
+    """Return begin and end of each true change within the span, and the mode after it."""
     changes = []
     for number in range(len(truth.mode) - 1):
         begin_s, end_s = float(truth.start_s[number]), float(truth.start_s[number + 1])
@@ -111,8 +145,8 @@ def _true_changes(truth: TrueModes, span_s: tuple[float, float]) -> list[tuple[f
     return changes
 
 
-def _fired_changes(time_s: Array, label: NDArray[np.int8]) -> list[tuple[float, float]]:
-    """First and last time of each change that the labels tell of."""
+def _detected_changes(time_s: Array, label: NDArray[np.int8]) -> list[tuple[float, float]]:
+    """Return the first and last time of each change of the labels."""
     known = label != CarryingMode.UNKNOWN
     time_s, label = time_s[known], label[known]
     changes: list[tuple[float, float]] = []
@@ -124,16 +158,21 @@ def _fired_changes(time_s: Array, label: NDArray[np.int8]) -> list[tuple[float, 
     return changes
 
 
-def durations_s(steps: Sequence[Step]) -> Array:
-    """How long each step took, (n,)."""
+def step_durations_s(steps: Sequence[Step]) -> Array:
+    """Return the duration of each step, (n,) s."""
     return np.array([step.event.time_s - step.start_s for step in steps])
 
 
 def mode_shares(steps: Sequence[Step]) -> dict[CarryingMode, float]:
-    """The share of the walking time that each mode of the steps has, 0 to 1, the longest first; NaN if the steps took
-    no time."""
+    """Compute the share of the walking time, 0 to 1, of each mode of the steps.
+
+    Returns
+    -------
+    dict
+        Mode -> share, the longest first; NaN if the steps took no time.
+    """
     time_s: dict[CarryingMode, float] = {}
-    for step, duration_s in zip(steps, durations_s(steps).tolist(), strict=True):
+    for step, duration_s in zip(steps, step_durations_s(steps).tolist(), strict=True):
         time_s[step.event.mode] = time_s.get(step.event.mode, 0.0) + duration_s
     total_s = sum(time_s.values())
     longest_first = sorted(time_s, key=lambda mode: (-time_s[mode], mode))

@@ -1,8 +1,7 @@
-"""How well gaits are recognised, step by step, against the one gait that a walk was walked in.
+"""Metrics of recognised gaits, step by step, against the one true gait of a walk.
 
-Counts are (gaits, gaits) matrices: steps with the true gait of the row's number and the label of the column's.
-The row of UNKNOWN does not count: a step whose true gait is not known is neither right nor wrong. The label UNKNOWN
-is wrong in every row.
+Counts are (gaits, gaits) matrices: steps by true gait (row) and label (column). The row of UNKNOWN does not count: a
+step whose true gait is not known is neither right nor wrong. The label UNKNOWN is wrong in every row.
 """
 
 from collections.abc import Iterable, Mapping
@@ -17,13 +16,13 @@ WALKING_METRIC = "walking_accuracy"
 BALANCED_METRIC = "balanced_accuracy"
 KNOWN = (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)
 KNOWN_BY_NAME: Mapping[str, Gait] = {gait.name.lower(): gait for gait in KNOWN}
-"""By the words that recordings and folders use."""
+"""Known gaits by the words that recordings and folders use."""
 
 Counts = NDArray[np.int64]
 
 
 def counts_of(true: Gait, labels: Iterable[Gait]) -> Counts:
-    """The matrix of a walk in one gait. labels: of its steps."""
+    """Count the labels of the steps of a walk in one true gait."""
     counts = np.zeros((len(Gait), len(Gait)), dtype=np.int64)
     for label in labels:
         counts[true, label] += 1
@@ -31,15 +30,18 @@ def counts_of(true: Gait, labels: Iterable[Gait]) -> Counts:
 
 
 def recalls(counts: Counts) -> dict[Gait, float]:
-    """Share of right labels of each gait that was walked."""
+    """Compute the share of right labels of each gait that was walked."""
     return {gait: float(counts[gait, gait] / counts[gait].sum()) for gait in KNOWN if counts[gait].sum()}
 
 
 def accuracies(counts: Counts) -> dict[str, float]:
-    """Shares of right labels; NaN when no step's true gait is known.
+    """Compute the shares of right labels; NaN if no true gait is known.
 
-    gait_accuracy: of all steps, the three gaits told apart. walking_accuracy: of all steps, walking told from jogging
-    or running, which are one gait here. balanced_accuracy: mean of the recalls of the gaits that were walked.
+    Returns
+    -------
+    dict
+        gait_accuracy: share of all steps, with three different gaits. walking_accuracy: share of all steps, with
+        jogging and running as one gait. balanced_accuracy: mean of the recalls of the gaits that were walked.
     """
     known = counts[list(KNOWN)]
     total = int(known.sum())

@@ -1,4 +1,4 @@
-"""Headings of a track against annotated turns, which tell changes of heading and no heading itself."""
+"""Metrics of headings against annotated turns, which are changes of heading and not headings."""
 
 import math
 
@@ -12,10 +12,23 @@ TURN_MARGIN_S = 2.0
 
 
 def turn_error_deg(track: Track, turn_time_s: Array, turn_angle_rad: Array) -> float:
-    """`turn_error_deg`: median over the turns of the error of the change from 2 s before to 2 s after.
+    """Compute `turn_error_deg`: the median error of the heading change from 2 s before to 2 s after a turn.
 
-    track: of one device; turn_time_s, turn_angle_rad: (n,), counter-clockwise positive. The error is wrapped: to turn
-    round by the left or by the right is the same change. NaN without a turn.
+    Errors are wrapped: half a turn to the left and half a turn to the right are the same change.
+
+    Parameters
+    ----------
+    track : Track
+        Track of one device.
+    turn_time_s : ndarray
+        Times (n,) of the turns, s.
+    turn_angle_rad : ndarray
+        Angles (n,) of the turns, rad, counter-clockwise positive.
+
+    Returns
+    -------
+    float
+        Median error, degrees; NaN without a turn.
     """
     if not len(turn_time_s):
         return math.nan
@@ -24,14 +37,21 @@ def turn_error_deg(track: Track, turn_time_s: Array, turn_angle_rad: Array) -> f
 
 
 def heading_net_error_deg(track: Track, start_s: float, end_s: float, turn_angle_rad: Array) -> float:
-    """`heading_net_error_deg`: change of heading less the sum of the turns (n,), wrapped, absolute.
+    """Compute `heading_net_error_deg`: the absolute, wrapped error of the heading change over the whole walk.
 
-    start_s, end_s: of the annotated walk, outside of which turns are not known; the change is between them.
+    Parameters
+    ----------
+    track : Track
+        Track of one device.
+    start_s, end_s : float
+        Begin and end of the annotated walk, s; turns outside of it are not known.
+    turn_angle_rad : ndarray
+        Angles (n,) of the turns, rad, whose sum is the true change.
     """
     first, last = heading_at(track, np.array([start_s, end_s]))
     return float(np.degrees(np.abs(wrap_angle(last - first - np.sum(turn_angle_rad)))))
 
 
 def heading_at(track: Track, time_s: Array) -> Array:
-    """Headings (k,) rad of one device's track at some times (k,), linear between poses, not wrapped."""
+    """Interpolate the headings (k,), rad, of the track of one device at times (k,); they are not wrapped."""
     return np.asarray(np.interp(time_s, track.time_s, np.unwrap(track.heading_rad)))

@@ -1,4 +1,4 @@
-"""Two variants on the same walks: differences walk by walk, how sure they are, and who wins how often."""
+"""Comparison of two variants on the same walks: differences with bootstrap intervals, and wins."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,18 +9,32 @@ from pdr_est.evaluate.metric_definitions import DEFINITIONS
 from pdr_est.frames import Array
 
 RESAMPLES = 10_000
-_SEED = 20_160_401  # fixed: the same results, the same intervals
-ROUNDING = 1e-6  # no metric is known better than this: such differences are ties
+_SEED = 20_160_401  # fixed, so that equal results have equal intervals
+ROUNDING = 1e-6  # smaller differences of a metric are ties
 _BLOCK = 1_000_000  # numbers drawn at once
 
 
 @dataclass(frozen=True)
-class Paired:
-    """One metric of two variants over the walks that have it with both.
+class PairedComparison:
+    """One metric of two variants over the walks on which both have it.
 
-    mean_first, mean_second: of the metric. difference: mean over walks of how much farther the second is from the
-    metric's ideal value than the first; negative: the second is better. low, high: its 95 % interval, None for a
-    single walk. first_wins, second_wins: walks on which each is nearer to the ideal; the others are ties.
+    Attributes
+    ----------
+    metric : str
+        Name of the metric.
+    first, second : str
+        Names of the variants.
+    n : int
+        Number of walks.
+    mean_first, mean_second : float
+        Means of the metric.
+    difference : float
+        Mean over the walks of the second's distance from the ideal value minus the first's; negative if the second is
+        better.
+    low, high : float or None
+        95 % interval of `difference`; None for a single walk.
+    first_wins, second_wins : int
+        Number of walks on which each is nearer to the ideal value; the others are ties.
     """
 
     metric: str
@@ -37,23 +51,32 @@ class Paired:
 
     @property
     def ties(self) -> int:
-        """Walks on which none is better."""
+        """Number of walks on which neither is better."""
         return self.n - self.first_wins - self.second_wins
 
     @property
     def better(self) -> str | None:
-        """The variant that is better beyond doubt: the interval of the difference does not hold zero."""
+        """Variant that is better if the interval of the difference does not contain zero, else None."""
         if self.low is None or self.high is None or self.low <= 0.0 <= self.high:
             return None
         return self.second if self.high < 0.0 else self.first
 
 
-def paired(
+def compare_paired(
     metric: str, first: str, second: str, by_first: Mapping[str, float], by_second: Mapping[str, float]
-) -> Paired | None:
-    """The comparison over the walks that both have; None without any. by_first, by_second: walk -> value.
+) -> PairedComparison | None:
+    """Compare two variants over the walks that both have; None if there is none.
 
-    A walk counts once: of several tracks give the mean. Unknown metrics are taken for errors, whose ideal is zero.
+    Unknown metrics are treated as errors, whose ideal value is zero.
+
+    Parameters
+    ----------
+    metric : str
+        Name of the metric.
+    first, second : str
+        Names of the variants.
+    by_first, by_second : Mapping
+        Walk -> value of the metric; a walk counts once, with the mean over its tracks.
     """
     walks = [walk for walk in by_first if walk in by_second]
     if not walks:
@@ -62,8 +85,8 @@ def paired(
     ideal = DEFINITIONS[metric].ideal if metric in DEFINITIONS else 0.0
     difference = np.abs(b - ideal) - np.abs(a - ideal)
     difference[np.abs(difference) < ROUNDING] = 0.0
-    low, high = interval(difference) if len(walks) > 1 else (None, None)
-    return Paired(
+    low, high = bootstrap_interval(difference) if len(walks) > 1 else (None, None)
+    return PairedComparison(
         metric=metric,
         first=first,
         second=second,
@@ -78,10 +101,11 @@ def paired(
     )
 
 
-def interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
-    """Percentile bootstrap interval of the mean of values (n,): walks are drawn with replacement, `RESAMPLES` times.
+def bootstrap_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
+    """Compute the percentile bootstrap interval of the mean of values (n,).
 
-    With few walks it is too narrow: of 5 walks it holds the true mean in about 84 % of the cases and not in 95 %.
+    Walks are drawn with replacement, `RESAMPLES` times. With few walks the interval is too narrow: with 5 walks it
+    contains the true mean in about 84 % of the cases instead of 95 %.
     """
     rng = np.random.default_rng(_SEED)
     rows = max(_BLOCK // len(values), 1)

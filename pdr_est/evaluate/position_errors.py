@@ -1,7 +1,7 @@
 """Error metrics of a track against true positions.
 
-All of them are 2-D and Euclidean, in metres, at the truth's own times. Arrays named track_m and truth_m are (n, 2),
-row i of both at the same time; `association.associate` makes such pairs.
+All of them are 2-D and Euclidean, in metres, at the times of the true positions. Arrays named track_m and truth_m are
+(n, 2), row i of both at the same time; `time_association.associate` makes such pairs.
 """
 
 from collections.abc import Sequence
@@ -17,21 +17,21 @@ from pdr_est.types.track import Track
 
 
 def point_errors(track_m: Array, truth_m: Array) -> Array:
-    """(n,) distance of each pair of points."""
+    """Compute the distance (n,), m, of each pair of points."""
     return np.asarray(np.linalg.norm(track_m - truth_m, axis=1))
 
 
 def error_open(track_m: Array, truth_m: Array) -> float:
-    """`error_open_m`: mean error over all truth points after the first, aligned at the start.
+    """Compute `error_open_m`: the mean error, m, over all true positions after the first, aligned at the start.
 
-    The alignment matches the first truth point and the direction to the first one at least 20 m away (the farthest
-    one if none is): see `alignment.start_alignment`. Needs at least two points.
+    The alignment (`rigid_alignment.start_alignment`) matches the first true position and the direction to the first
+    one at least 20 m away (else the farthest one). It needs at least two points.
     """
     return float(point_errors(_aligned_at_start(track_m, truth_m), truth_m)[1:].mean())
 
 
 def final_drift(track_m: Array, truth_m: Array) -> float:
-    """`final_drift`: error at the last truth point, aligned at the start, per length of the polyline of the truth."""
+    """Compute `final_drift`: the error at the last true position, aligned at the start, per length of the truth."""
     length = polyline_length(truth_m)
     if length == 0.0:
         return float("nan")
@@ -39,21 +39,36 @@ def final_drift(track_m: Array, truth_m: Array) -> float:
 
 
 def ate_rigid(track_m: Array, truth_m: Array) -> float:
-    """`ate_rigid_m`: root of the mean squared Euclidean error after the best rotation and translation, no scale.
+    """Compute `ate_rigid_m`: the RMS error, m, after the best rotation and translation, without scale.
 
-    The square is that of the distance, not of each coordinate: no factor root two is hidden.
+    The square is that of the distance and not that of each coordinate, which would be smaller by a root of two.
     """
     aligned = best_alignment(track_m, truth_m).apply(track_m)
     return float(np.sqrt(np.square(point_errors(aligned, truth_m)).mean()))
 
 
 def length_ratio(track: Track, truth_time_s: Array, truth_m: Array, least_leg_m: float = 0.0) -> float:
-    """`length_ratio`: length of the track between the first and the last truth point / length of the truth.
+    """Compute `length_ratio`: the length of the track per length of the truth.
 
-    Both are lengths of polylines. The truth's goes through its points (n, 2), without those nearer than least_leg_m
-    to the last one kept: with GPS (least_leg_m = 5) the noise would lengthen it. The track's goes through its own
-    poses between the first and the last point kept, and its interpolated places at those two times.
-    NaN when the truth has no length.
+    Both are lengths of polylines. That of the track goes through its own poses between the first and the last true
+    position that is kept, and its interpolated positions at those two times.
+
+    Parameters
+    ----------
+    track : Track
+        Track of one device.
+    truth_time_s : ndarray
+        Times (n,) of the true positions, s.
+    truth_m : ndarray
+        True positions (n, 2), m.
+    least_leg_m : float
+        True positions nearer than this to the last one that is kept are left out, m; the noise of GPS would lengthen
+        the polyline.
+
+    Returns
+    -------
+    float
+        The ratio; NaN if the truth has no length.
     """
     kept = thinned(truth_m, least_leg_m)
     length = polyline_length(truth_m[kept])
@@ -63,33 +78,41 @@ def length_ratio(track: Track, truth_time_s: Array, truth_m: Array, least_leg_m:
 
 
 def polyline_length(points_m: Array) -> float:
-    """Length of the polyline through points (n, 2)."""
+    """Compute the length, m, of the polyline through points (n, 2)."""
     return float(np.linalg.norm(np.diff(points_m, axis=0), axis=1).sum())
 
 
 def length_between(track: Track, start_s: float, end_s: float) -> float:
-    """Length of the polyline of one device's track from start_s to end_s, the ends interpolated."""
+    """Compute the length, m, of the track of one device from start_s to end_s, with interpolated ends."""
     (first, last), _ = track.at(np.array([start_s, end_s]))
     between = track.position_m[(track.time_s > start_s) & (track.time_s < end_s)]
     return polyline_length(np.vstack([first, between, last]))
 
 
 def distance_error(total_m: float, true_m: float) -> float:
-    """`distance_error`: difference of the lengths of the way / true length, which is positive."""
+    """Compute `distance_error`: the absolute error of a length per true length, which is positive."""
     return abs(total_m - true_m) / true_m
 
 
 def within_sigma(total_m: float, true_m: float, sigma_log: float) -> float:
-    """`scale_coverage68` of one walk: 1 if the logarithm of its length is off by at most sigma_log, and else 0.
+    """Compute `scale_coverage68` of one walk: 1 if the error of its logarithmic length is at most sigma_log, else 0.
 
-    Over many walks the mean is 0.68 when the stated sigma_log is right; more is as wrong as less. true_m is positive;
-    a walk of no length is never within.
+    The ideal mean over many walks is 0.68; more is as wrong as less.
+
+    Parameters
+    ----------
+    total_m : float
+        Length, m; for a length of zero the result is 0.
+    true_m : float
+        True length, m, which is positive.
+    sigma_log : float
+        Stated standard deviation of the logarithm of the length.
     """
     return float(total_m > 0.0 and abs(np.log(total_m / true_m)) <= sigma_log)
 
 
 def thinned(points_m: Array, least_leg_m: float) -> NDArray[np.intp]:
-    """Indices of the first of the points (n, 2) and of each next one at least least_leg_m from the last one kept."""
+    """Return the indices of the first point, (n, 2), and of each next one least_leg_m from the last one kept."""
     if least_leg_m <= 0.0:
         return np.arange(len(points_m), dtype=np.intp)
     kept = [0]
@@ -100,10 +123,21 @@ def thinned(points_m: Array, least_leg_m: float) -> NDArray[np.intp]:
 
 
 def mode_accuracy(duration_s: Array, mode: Sequence[CarryingMode], true_mode: NDArray[np.int8]) -> float:
-    """`mode_accuracy`: share of the walking time that is labelled with the true carrying mode.
+    """Compute `mode_accuracy`: the share of the walking time that is labelled with the true carrying mode.
 
-    duration_s: (n,) how long each step took; mode, true_mode: (n,) its label and what is right. NaN when there is no
-    step.
+    Parameters
+    ----------
+    duration_s : ndarray
+        Duration (n,) of each step, s.
+    mode : sequence of CarryingMode
+        Label of each step.
+    true_mode : ndarray
+        True mode (n,) of each step.
+
+    Returns
+    -------
+    float
+        The share; NaN if there is no step.
     """
     total = float(np.sum(duration_s))
     if total <= 0.0:
@@ -117,13 +151,23 @@ def _aligned_at_start(track_m: Array, truth_m: Array) -> Array:
 
 
 OPEN_METRICS = ("error_open_m", "final_drift", "ate_rigid_m", "length_ratio")
-LEAST_POINTS = 2  # truth points, for a direction
+LEAST_POINTS = 2  # true positions, for a direction
 
-_LEAST_LEG_M = {"gps": 5.0}  # between which points the truth's length is taken, by source of the truth
+_LEAST_LEG_M = {"gps": 5.0}  # source of the truth -> least distance of the points that its length is taken from
 
 
 def open_metrics(track: Track, pairs: Association, source: str) -> dict[str, float]:
-    """`OPEN_METRICS` of one device's track. pairs: at least `LEAST_POINTS`; source: of the truth, in words."""
+    """Compute `OPEN_METRICS` of the track of one device.
+
+    Parameters
+    ----------
+    track : Track
+        The track.
+    pairs : Association
+        At least `LEAST_POINTS` true positions with those of the track.
+    source : str
+        Source of the true positions, such as "gps".
+    """
     least_leg_m = _LEAST_LEG_M.get(source, 0.0)
     return {
         "error_open_m": error_open(pairs.track_m, pairs.truth_m),

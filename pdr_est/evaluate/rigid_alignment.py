@@ -1,4 +1,4 @@
-"""Rigid alignments of a track to the truth: rotation and translation, never a scale and never a reflection."""
+"""Rigid alignment of a track to the truth: rotation and translation, without scale and reflection."""
 
 from dataclasses import dataclass
 
@@ -11,21 +11,29 @@ LEAST_DIRECTION_DISTANCE_M = 20.0
 
 @dataclass(frozen=True)
 class RigidTransform:
-    """Rotation by rotation_rad counter-clockwise about the origin, then translation by translation_m (2,)."""
+    """Rotation about the origin, then translation.
+
+    Attributes
+    ----------
+    rotation_rad : float
+        Rotation, rad, counter-clockwise.
+    translation_m : ndarray
+        Translation (2,), m.
+    """
 
     rotation_rad: float
     translation_m: Array
 
     def apply(self, points_m: Array) -> Array:
-        """Transformed points; points_m: (n, 2)."""
+        """Transform points (n, 2), m."""
         moved: Array = points_m @ rotation_matrix(self.rotation_rad).T + self.translation_m
         return moved
 
 
 def best_alignment(track_m: Array, truth_m: Array) -> RigidTransform:
-    """The transform of track_m that makes the sum of squared distances to truth_m least; both (n, 2), paired.
+    """Compute the transform of track_m that minimises the sum of squared distances to truth_m; both (n, 2), paired.
 
-    In the plane the optimum over rotations is in closed form: the sum of squares is least where
+    In the plane the best rotation has a closed form: the sum of squares is least at the angle where
     sum of dot products * cos(angle) + sum of cross products * sin(angle) is greatest.
     """
     track_mean, truth_mean = track_m.mean(axis=0), truth_m.mean(axis=0)
@@ -36,9 +44,9 @@ def best_alignment(track_m: Array, truth_m: Array) -> RigidTransform:
 
 
 def start_alignment(track_m: Array, truth_m: Array) -> RigidTransform:
-    """The transform that matches the first points and the direction from there to `direction_point`.
+    """Compute the transform that matches the first points and the direction from there to `direction_point`.
 
-    track_m, truth_m: (n, 2), paired. A track that has not moved by then is taken to point east.
+    The points track_m and truth_m, (n, 2), are paired. A track that has not moved by then counts as pointing east.
     """
     k = direction_point(truth_m)
     track_x, track_y = track_m[k] - track_m[0]
@@ -48,9 +56,9 @@ def start_alignment(track_m: Array, truth_m: Array) -> RigidTransform:
 
 
 def direction_point(truth_m: Array) -> int:
-    """Index of the first truth point at least 20 m away from the first one, else of the farthest one.
+    """Return the index of the first true position (n, 2) at least 20 m away from the first one, else the farthest.
 
-    Nearer points are too noisy to set a direction. truth_m: (n, 2).
+    Nearer points are too noisy to define a direction.
     """
     distance = np.linalg.norm(truth_m - truth_m[0], axis=1)
     far = np.flatnonzero(distance >= LEAST_DIRECTION_DISTANCE_M)

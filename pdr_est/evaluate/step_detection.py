@@ -1,7 +1,7 @@
-"""Detected steps against annotated ones.
+"""Metrics of detected steps against annotated ones.
 
-The phone's peak and the foot's contact are a fixed part of a step apart, different for every position of the phone.
-This offset is taken out before steps are compared.
+The peak of the phone's signal and the contact of the foot are a fixed part of a step apart, which depends on the
+position of the phone. This offset is removed before steps are compared.
 """
 
 from dataclasses import dataclass
@@ -17,9 +17,16 @@ TOLERANCE_S = 0.3
 
 @dataclass(frozen=True)
 class StepScore:
-    """Counts over the annotated time span. offset_s: median of detected less true time, NaN without a detected step.
+    """Numbers of steps within the annotated time span.
 
-    matched: the largest number of pairs of a detected and a true step at most `TOLERANCE_S` apart after the offset.
+    Attributes
+    ----------
+    true, detected : int
+        Number of annotated and of detected steps.
+    matched : int
+        Largest number of pairs of a detected and a true step at most `TOLERANCE_S` apart after removal of the offset.
+    offset_s : float
+        Median of detected minus true time, s; NaN without a detected step.
     """
 
     true: int
@@ -28,7 +35,7 @@ class StepScore:
     offset_s: float
 
     def values(self) -> dict[str, float]:
-        """`STEP_METRICS`; the precision is NaN when no step was detected."""
+        """Compute `STEP_METRICS`; the precision is NaN if no step was detected."""
         return {
             "count_error": count_error(self.detected, self.true),
             "step_precision": self.matched / self.detected if self.detected else float("nan"),
@@ -37,20 +44,23 @@ class StepScore:
 
 
 def count_error(detected: int, true: int) -> float:
-    """`count_error`: difference of the numbers of steps / true number, which is at least 1."""
+    """Compute `count_error`: the absolute error of the number of steps per true number, which is at least 1."""
     return abs(detected - true) / true
 
 
 def steps_per_minute(n_steps: int, span_s: tuple[float, float]) -> float:
-    """`false_steps_per_min` of somebody who rests; NaN for a recording without duration."""
+    """Compute `false_steps_per_min` of a person who rests; NaN for a recording without duration."""
     minutes = (span_s[1] - span_s[0]) / 60.0
     return n_steps / minutes if minutes > 0.0 else float("nan")
 
 
 def score_steps(detected_s: Array, true_s: Array) -> StepScore:
-    """Counts and matches between the first and the last true step, with the tolerance at both ends.
+    """Count and match the steps between the first and the last true step, with the tolerance at both ends.
 
-    detected_s: (n,), true_s: (m,) times in rising order, m at least 1.
+    Parameters
+    ----------
+    detected_s, true_s : ndarray
+        Times (n,) and (m,), s, in rising order, m at least 1.
     """
     offset_s = median_offset(detected_s, true_s)
     shifted = detected_s - offset_s
@@ -64,9 +74,19 @@ def score_steps(detected_s: Array, true_s: Array) -> StepScore:
 
 
 def median_offset(detected_s: Array, true_s: Array) -> float:
-    """Median over the true steps (m,) of the nearest detected step's time less theirs; NaN without a detected step.
+    """Compute the median over the true steps of the time of the nearest detected step minus the true time.
 
-    detected_s: (n,) in rising order. Of two equally near ones the earlier counts.
+    Of two equally near steps the earlier one counts.
+
+    Parameters
+    ----------
+    detected_s, true_s : ndarray
+        Times (n,) and (m,), s, in rising order.
+
+    Returns
+    -------
+    float
+        Median, s; NaN without a detected step.
     """
     if not len(detected_s):
         return float("nan")
@@ -78,10 +98,10 @@ def median_offset(detected_s: Array, true_s: Array) -> float:
 
 
 def largest_matching(a_s: Array, b_s: Array, tolerance_s: float) -> int:
-    """The largest number of one-to-one pairs of times at most tolerance_s apart. a_s: (n,), b_s: (m,), both rising.
+    """Count the largest number of one-to-one pairs of times, (n,) and (m,) in rising order, within a tolerance.
 
-    On a line, pairing the earliest two that are near enough never costs a pair: whatever else they could be paired
-    with lies later and stays free.
+    Pairing the earliest two times that are near enough is optimal: everything else that they could be paired with is
+    later and stays free.
     """
     i = j = pairs = 0
     while i < len(a_s) and j < len(b_s):

@@ -1,12 +1,12 @@
-"""Lengths of strides (two steps) against those that were measured at the foot.
+"""Metrics of stride lengths (two steps) against those that were measured at the foot.
 
-What a walk's detected steps make of a measured stride can be told in two ways, and the two differ, because the times
-at which the foot's sensor places the ends of a stride scatter by several percent of its duration:
+The length of a measured stride follows from the detected steps by one of two rules. They differ because the sensor at
+the foot places the ends of a stride with a scatter of several percent of its duration:
 
-* by two steps: twice the mean length of the steps during the stride. Their number decides how many strides it is:
-  a sensor that misses the end of one reports two as one, of double length.
-* by time: how far the steps lead between the stride's beginning and end, the pace within a step being even. The
-  scatter of the ends counts in full here.
+* by two steps: twice the mean length of the steps during the stride. Their number decides how many strides it is, for
+  a sensor that misses the end of a stride reports two as one, of double length.
+* by time: the distance between beginning and end of the stride, at constant speed within a step. The scatter of the
+  ends counts in full here.
 
 A step that lies partly within a stride counts for that part.
 """
@@ -16,23 +16,33 @@ import numpy as np
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TrueStrides
 
-LONGEST_STRIDE_M = 3.0  # longer ones are mistakes of the sensor at the foot
+LONGEST_STRIDE_M = 3.0  # longer ones are errors of the sensor at the foot
 
 
 def scored_strides(strides: TrueStrides) -> TrueStrides:
-    """The strides to score: without the last, in which the walker comes to rest, and without those above 3 m.
+    """Return the strides to score: without the last, in which the walker comes to rest, and those above 3 m.
 
-    Readers leave out the first of a recording already, whose beginning is not known.
+    Readers already leave out the first stride of a recording, whose beginning is not known.
     """
     kept = strides.length_m <= LONGEST_STRIDE_M
     kept[-1:] = False
     return TrueStrides(strides.start_s[kept], strides.end_s[kept], strides.length_m[kept])
 
 
-def shares(start_s: Array, end_s: Array, strides: TrueStrides) -> Array:
-    """Which share of each step's movement lies within each stride: (strides, steps), 0 to 1.
+def step_shares(start_s: Array, end_s: Array, strides: TrueStrides) -> Array:
+    """Compute the share of each step that lies within each stride.
 
-    start_s, end_s: (steps,) of the movements.
+    Parameters
+    ----------
+    start_s, end_s : ndarray
+        Begin and end (steps,) of the steps, s.
+    strides : TrueStrides
+        Measured strides.
+
+    Returns
+    -------
+    ndarray
+        Shares (strides, steps), 0 to 1.
     """
     begin = np.maximum(start_s[None, :], strides.start_s[:, None])
     end = np.minimum(end_s[None, :], strides.end_s[:, None])
@@ -41,10 +51,21 @@ def shares(start_s: Array, end_s: Array, strides: TrueStrides) -> Array:
 
 
 def lengths_by_two_steps(share: Array, length_m: Array) -> Array:
-    """Lengths (strides,) from the mean of the steps in each; 0 for a stride without any.
+    """Compute the length of each measured stride from the mean length of the steps in it.
 
-    share: as `shares` gives it; length_m: (steps,). Two steps are one stride, and so is fewer than three: the number
-    of strides is half that of the steps, rounded, and at least 1.
+    Two steps are one stride: the number of strides is half that of the steps, rounded, and at least 1.
+
+    Parameters
+    ----------
+    share : ndarray
+        Shares (strides, steps), from `step_shares`.
+    length_m : ndarray
+        Lengths (steps,) of the steps, m.
+
+    Returns
+    -------
+    ndarray
+        Lengths (strides,), m; 0 for a stride without steps.
     """
     steps = share.sum(axis=1)
     strides = np.maximum(np.floor(steps / 2.0 + 0.5), 1.0)
@@ -53,11 +74,11 @@ def lengths_by_two_steps(share: Array, length_m: Array) -> Array:
 
 
 def lengths_by_time(share: Array, length_m: Array) -> Array:
-    """Lengths (strides,) of the way between the beginning and the end of each. Arguments as above."""
+    """Compute the distance between beginning and end of each stride; see `lengths_by_two_steps`."""
     lengths: Array = share @ length_m
     return lengths
 
 
 def stride_error(length_m: Array, true_m: Array) -> float:
-    """`stride_error`: mean of the differences / true lengths, which are positive; at least one stride."""
+    """Compute `stride_error`: the mean absolute error per true length, which is positive, of at least one stride."""
     return float(np.mean(np.abs(length_m - true_m) / true_m))

@@ -1,14 +1,24 @@
-"""Experiments: one file describes walks and variants; running it gives a table, a report and all to repeat it."""
+"""Experiments and benchmarks: walks, variants of the settings, scoring, and tables of the results.
+
+An experiment is described by a file and compares variants on recorded or simulated walks. A benchmark is a fixed
+suite of recorded walks of a public data set. Both score walks by the same job and keep the same result rows.
+"""
 
 from pdr_est.experiment.loader import Experiment, load_experiment
-from pdr_est.experiment.results.console_table import print_table
-from pdr_est.experiment.results.score_rows import BenchmarkResult
-from pdr_est.experiment.runner import run_experiment
-from pdr_est.experiment.runners.score_walk import run_benchmark
+from pdr_est.experiment.results.benchmark_result import BenchmarkResult
+from pdr_est.experiment.results.console_tables import print_benchmark
+from pdr_est.experiment.runners.benchmark_run import run_benchmark
+from pdr_est.experiment.runners.experiment_run import run_experiment
 from pdr_est.experiment.suites import SUITES
-from pdr_est.experiment.variants.axes import compare
+from pdr_est.experiment.variants.axes import comparison_on_axis
 
-__all__ = ["Experiment", "load_experiment", "run_experiment"]
-
-
-__all__ = ["SUITES", "BenchmarkResult", "compare", "print_table", "run_benchmark"]
+__all__ = [
+    "SUITES",
+    "BenchmarkResult",
+    "Experiment",
+    "comparison_on_axis",
+    "load_experiment",
+    "print_benchmark",
+    "run_benchmark",
+    "run_experiment",
+]

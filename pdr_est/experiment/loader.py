@@ -1,4 +1,4 @@
-"""Reads an experiment file and checks all of it before anything runs."""
+"""Reading of an experiment file; all of it is checked before anything runs."""
 
 import dataclasses
 from collections.abc import Iterable, Sequence
@@ -13,7 +13,7 @@ from pdr_est.config import config_to_dict
 from pdr_est.config.yaml_lines import Lines, load_yaml_lines
 from pdr_est.errors import ConfigError, PdrError
 from pdr_est.experiment.config import DataParams, ExperimentConfig
-from pdr_est.experiment.scoring.any_recording import HeldOutProtocol, judged, knows_positions
+from pdr_est.experiment.scoring.experiment_suite import experiment_suite
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
 from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import SUITES, suite_named
@@ -24,13 +24,30 @@ from pdr_est.params.validation_messages import Location, explain, nearest
 from pdr_est.simulate import PRESETS
 
 ADAPTER = TypeAdapter(ExperimentConfig)
-_ALWAYS = ("track", "mode")  # keys to group by that every track has
+_TRACK_KEYS = ("track", "mode")  # keys to group by that every track has
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A checked experiment. folder: of the recordings. suite: how the walks are scored. walks: at least one.
-    metrics: those that go into the results."""
+    """A checked experiment.
+
+    Attributes
+    ----------
+    path : Path
+        The experiment file.
+    config : ExperimentConfig
+        Its sections.
+    folder : Path
+        Folder of the recordings.
+    suite : Suite
+        Rules of scoring.
+    variants : tuple of Variant
+        Settings to compare.
+    walks : tuple of Walk
+        At least one walk.
+    metrics : tuple of str
+        Metrics in the results.
+    """
 
     path: Path
     config: ExperimentConfig
@@ -42,11 +59,11 @@ class Experiment:
 
     @property
     def title(self) -> str:
-        """What to call it."""
+        """Title of the report."""
         return self.config.title or self.path.stem
 
     def resolved(self) -> dict[str, Any]:
-        """The experiment as plain dictionaries with every setting of every variant; an experiment file again."""
+        """Make an experiment file, as plain dictionaries, that contains every setting of every variant."""
         variants: dict[str, dict[str, Any] | None] = {
             variant.name: config_to_dict(variant.config) for variant in self.variants
         }
@@ -58,28 +75,40 @@ class Experiment:
         return {key: _lists(value) for key, value in plain.items()}
 
     def to_yaml(self) -> str:
-        """`resolved` as text."""
+        """Write the resolved experiment file as text."""
         return str(yaml.safe_dump(self.resolved(), sort_keys=False, allow_unicode=True))
 
 
 def load_experiment(path: str | Path, data: Path | None = None, limit: int | None = None) -> Experiment:
-    """The experiment in a file. data: folder of the recordings instead of the file's. limit: of the number of walks.
+    """Read and check an experiment file.
 
-    Raises ConfigError in one line with the file, the line and the remedy: for unknown keys and names, values out of
-    range, files and folders that are missing, and settings that contradict each other.
+    Parameters
+    ----------
+    path : str or Path
+        The experiment file.
+    data : Path, optional
+        Folder of the recordings, instead of the one in the file.
+    limit : int, optional
+        Largest number of walks.
+
+    Raises
+    ------
+    ConfigError
+        In one line with the file, the line and the remedy: for unknown keys and names, values out of range, files and
+        folders that do not exist, and settings that contradict each other.
     """
     path = Path(path)
     content, lines = load_yaml_lines(path)
     config = parse(content, path, lines)
     if limit is not None:
         config = replace(config, data=replace(config.data, limit=min(limit, config.data.limit or limit)))
-    known = _suite(config.data, path, lines)
-    _check_fixes(config, known, path, lines)
-    suite = judged(known, HeldOutProtocol(config.fixes, config.seed))
+    benchmark = _suite(config.data, path, lines)
+    _check_fixes(config, benchmark, path, lines)
+    suite = experiment_suite(benchmark, config.fixes.protocol)
     variants = expand(config, path, lines)
     metrics = _metrics(config, suite, path, lines)
     folder = path.parent / config.data.folder if data is None else data
-    walks = _walks(config, folder, known, path, lines)
+    walks = _walks(config, folder, benchmark, path, lines)
     _check_groups(config, walks, path, lines)
     for key in ("metrics", "group_by"):
         _refuse_twice(getattr(config, key), (key,), path, lines)
@@ -87,7 +116,13 @@ def load_experiment(path: str | Path, data: Path | None = None, limit: int | Non
 
 
 def parse(content: Any, path: Path, lines: Lines) -> ExperimentConfig:
-    """The validated sections of a file. Raises ConfigError."""
+    """Validate the sections of a file.
+
+    Raises
+    ------
+    ConfigError
+        For unknown keys and values out of range.
+    """
     if not isinstance(content, dict) or "data" not in content:
         raise ConfigError(f"{path}: is no experiment: it needs a section `data` with the walks")
     try:
@@ -114,7 +149,7 @@ def _suite(data: DataParams, path: Path, lines: Lines) -> Suite | None:
 
 
 def _check_fixes(config: ExperimentConfig, suite: Suite | None, path: Path, lines: Lines) -> None:
-    if config.fixes.protocol != "none" and suite is not None and not knows_positions(suite):
+    if config.fixes.protocol != "none" and suite is not None and suite.fixes is None:
         where = lines.words(("fixes", "protocol"))
         raise ConfigError(
             f"{path}: {where}fixes.protocol = {config.fixes.protocol!r}: suite {suite.name} knows no true positions: "
@@ -149,7 +184,7 @@ def _walks(config: ExperimentConfig, folder: Path, suite: Suite | None, path: Pa
 
 
 def _check_groups(config: ExperimentConfig, walks: Iterable[Walk], path: Path, lines: Lines) -> None:
-    known = list(dict.fromkeys([*(key for walk in walks for key in walk.labels), *_ALWAYS]))
+    known = list(dict.fromkeys([*(key for walk in walks for key in walk.labels), *_TRACK_KEYS]))
     for place, key in enumerate(config.group_by):
         _refuse_unknown(key, known, "key to group by", path, lines.words(("group_by", place)))
 
@@ -166,7 +201,7 @@ def _refuse_unknown(name: str, known: list[str], what: str, path: Path, where: s
 
 
 def _lists(value: Any) -> Any:
-    """The same with lists for tuples, as YAML has them."""
+    """Replace tuples by lists, as YAML has them."""
     if isinstance(value, dict):
         return {key: _lists(inner) for key, inner in value.items()}
     return [_lists(inner) for inner in value] if isinstance(value, list | tuple) else value

@@ -1,30 +1,39 @@
-"""What a benchmark suite consists of. A new suite is one module that makes one `Suite`, and its line in `suites`."""
+"""Definition of a benchmark suite.
 
-import time
+A new suite is one module of `suites/` that makes one `Suite`, and its line in `suites/__init__.py`.
+"""
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
-import numpy as np
-
-from pdr_est import pipeline
-from pdr_est.config import Config
-from pdr_est.experiment.results.score_rows import Pool, no_confusion
-from pdr_est.experiment.scoring.calibrated import CalibrationCase
-from pdr_est.pipeline import DeviceWalk
+from pdr_est.calibration.step_length_fit import Calibration, ScaleObservation
+from pdr_est.experiment.analysed_walk import AnalysedWalk
+from pdr_est.experiment.config import FixesProtocol
 from pdr_est.types.ground_truth import Truth
-from pdr_est.types.measurements import PositionFix
+from pdr_est.types.outcome import TrackOutcome
 from pdr_est.types.recording import Recording
-from pdr_est.types.track import Track
 
 
 @dataclass(frozen=True)
 class WalkFile:
-    """One walk of a suite.
+    """One walk of a suite on disk.
 
-    name: path of its main recording relative to the suite's folder, without extensions. labels: further keys of its
-    row, such as the position of the phone. group: the group that it is also averaged in. headline: whether it is
-    averaged in the summary. truth: what the data set tells of the walk outside of its recording.
+    Attributes
+    ----------
+    name : str
+        Path of the main recording relative to the folder of the suite, without extensions.
+    path : Path
+        File or folder that is read.
+    labels : Mapping
+        Further keys of the result rows, such as the position of the phone; None where a value is not known.
+    group : str or None
+        Group that the walk is also averaged in.
+    headline : bool
+        True if the walk counts in the summary of the suite.
+    truth : Truth
+        Ground truth that the data set states outside of the recording.
     """
 
     name: str
@@ -35,15 +44,40 @@ class WalkFile:
     truth: Truth = field(default_factory=Truth)
 
 
-@dataclass(frozen=True)
-class Scores:
-    """What a suite says of one track of a walk.
+class CalibrationCase(Protocol):
+    """A scored walk as it takes part in the calibration of its walker; it is sent between processes."""
 
-    track: the device's name, "device" where there is one only, or "fused". mode: recognised for most of the walking
-    time. values: metrics by name; what is not finite counts as missing. counts: how many points stand behind them.
-    missing: metric -> why it cannot be told for this walk. A metric of the suite that stands in neither, such as the
-    false steps of somebody who walks, does not apply to this walk. predicted: how many steps got each label, where
-    the suite sorts steps. calibration: for the metrics after a calibration on other walks.
+    @property
+    def observation(self) -> ScaleObservation:
+        """Return what the walk says about its walker, for the calibration of other walks."""
+
+    def errors(self, calibration: Calibration) -> Mapping[str, float]:
+        """Compute the metrics of this walk, by name, with the constants of a calibrated walker."""
+
+
+@dataclass(frozen=True)
+class TrackScores:
+    """Scores of one track of a walk.
+
+    A metric of the suite that is in neither `values` nor `missing` does not apply to this walk, such as the false
+    steps of a person who walks.
+
+    Attributes
+    ----------
+    track : str
+        Name of the device, "device" if there is only one, or "fused" for the person.
+    mode : str
+        Carrying mode that was recognised for most of the walking time.
+    values : Mapping
+        Metric -> value; a value that is not finite counts as missing.
+    counts : Mapping
+        Name -> number of points or steps that the metrics are based on.
+    missing : Mapping
+        Metric -> reason why it cannot be computed for this walk.
+    predicted : Mapping
+        Label -> number of steps that got it, for suites that classify steps.
+    calibration : CalibrationCase or None
+        Input of the metrics that are computed after a calibration on other walks.
     """
 
     track: str
@@ -55,72 +89,67 @@ class Scores:
     calibration: CalibrationCase | None = None
 
 
-class AnalysedWalk:
-    """A recorded walk after the front end, ready for one estimator; adds up the CPU time that the chain takes.
+@dataclass(frozen=True)
+class ConfusionMatrix:
+    """Confusion matrix of step classes.
 
-    estimates: the tracks that were asked for so far, with the fixes that they were given. With the same fixes the
-    estimator runs once.
+    Attributes
+    ----------
+    counts : Mapping
+        True class -> label -> number of steps.
+    shares : Mapping
+        Recalls and accuracies that follow from the counts, by name.
     """
 
-    def __init__(
-        self, recording: Recording, devices: Sequence[DeviceWalk], config: Config, front_end_seconds: float = 0.0
-    ) -> None:
-        self.recording = recording
-        self.devices = tuple(devices)
-        self.seconds = front_end_seconds
-        self.config = config
-        self.estimates: list[tuple[tuple[PositionFix, ...], Track]] = []
-
-    def span_of(self, name: str) -> tuple[float, float]:
-        """Times of the first and the last sample that the front end could use: of the device of that name, of all
-        devices for the person's track, which has no device of its own."""
-        own = [device for device in self.devices if device.device == name] or self.devices
-        begins_s, ends_s = zip(*(device.span_s for device in own), strict=True)
-        return min(begins_s), max(ends_s)
-
-    def track(self, fixes: Sequence[PositionFix] = ()) -> Track:
-        """The estimator's track, given the sensors and these fixes only."""
-        track = next((known for given, known in self.estimates if _same(given, fixes)), None)
-        if track is None:
-            started = time.process_time()
-            track = pipeline.estimate(self.devices, self.config, fixes)
-            self.seconds += time.process_time() - started
-        self.estimates.append((tuple(fixes), track))
-        return track
+    counts: Mapping[str, Mapping[str, int]]
+    shares: Mapping[str, float]
 
 
-def _same(some: Sequence[PositionFix], others: Sequence[PositionFix]) -> bool:
-    return len(some) == len(others) and all(
-        one.time_s == other.time_s
-        and np.array_equal(one.position_m, other.position_m)
-        and np.array_equal(one.covariance_m2, other.covariance_m2)
-        and (one.source, one.robust) == (other.source, other.robust)
-        for one, other in zip(some, others, strict=True)
-    )
+def no_confusions(_rows: Sequence[TrackOutcome]) -> Mapping[str, ConfusionMatrix]:
+    """Return nothing: `Suite.confusions` of a suite that does not classify steps."""
+    return {}
+
+
+def as_recorded(recording: Recording) -> Recording:
+    """Return the recording unchanged: `Suite.prepare` of most suites."""
+    return recording
 
 
 @dataclass(frozen=True)
 class Suite:
-    """A benchmark suite, made of functions at module level so that it can be used in other processes.
+    """A benchmark suite; its functions stand at module level so that they can be sent to other processes.
 
-    folder: name of its folder of walks, "." for the data folder itself. metrics: names, in the order of the table.
-    find: the walks in that folder. prepare: what has to be changed in a recording before any stage sees it. score: a
-    walk's scores, one for each track. calibrated_on: how many other walks a walk with a `CalibrationCase` is
-    calibrated on for `calibrated`, the metrics among those that come from there. pool: the confusions of a suite that
-    sorts steps into classes.
+    Attributes
+    ----------
+    name : str
+        Name on the command line.
+    folder : str
+        Name of its folder inside the data folder, "." for the data folder itself.
+    metrics : tuple of str
+        Metrics in the order of the table.
+    find : Callable
+        Lists the walks in that folder.
+    score : Callable
+        Computes the scores of a walk, one for each track.
+    prepare : Callable
+        Changes a recording before any stage sees it.
+    fixes : "none", "heldout" or None
+        Fixes of the benchmark; None for a suite whose metrics need no true positions.
+    calibrated_on : int
+        Number of other walks on which the walker is calibrated for the metrics `calibrated`.
+    calibrated : tuple of str
+        Metrics after that calibration.
+    confusions : Callable
+        Computes the confusion matrices, by name, from the rows of one variant.
     """
 
     name: str
     folder: str
     metrics: tuple[str, ...]
     find: Callable[[Path], list[WalkFile]]
-    prepare: Callable[[Recording], Recording]
-    score: Callable[[AnalysedWalk], list[Scores]]
+    score: Callable[[AnalysedWalk], list[TrackScores]]
+    prepare: Callable[[Recording], Recording] = as_recorded
+    fixes: FixesProtocol | None = None
     calibrated_on: int = 0
     calibrated: tuple[str, ...] = ()
-    pool: Pool = no_confusion
-
-
-def as_recorded(recording: Recording) -> Recording:
-    """`prepare` of a suite that changes nothing."""
-    return recording
+    confusions: Callable[[Sequence[TrackOutcome]], Mapping[str, ConfusionMatrix]] = no_confusions

@@ -1,4 +1,4 @@
-"""The walks of an experiment: found on disk or drawn from a seed, each with the keys that it may be grouped by."""
+"""Walks of a benchmark or an experiment: found on disk or simulated, with the keys that they may be grouped by."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -18,16 +18,21 @@ from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import Recording
 
 
-def with_truth(recording: Recording, told: Truth) -> Recording:
-    """The recording with what the data set tells of it elsewhere."""
-    known = {part.name: getattr(told, part.name) for part in fields(told) if getattr(told, part.name) is not None}
-    return replace(recording, truth=replace(recording.truth, **known))
-
-
 @dataclass(frozen=True)
 class Walk:
-    """One walk, and so one piece of work. labels: keys to group by -> value. source: what to read or to simulate.
-    truth_every_s: of a simulated walk."""
+    """One walk, which is one piece of work.
+
+    Attributes
+    ----------
+    name : str
+        Name in the results.
+    labels : Mapping
+        Keys to group by -> value.
+    source : WalkFile or Scenario
+        Recording to read, or walk to simulate.
+    truth_every_s : float
+        Time between the true positions of a simulated walk, s.
+    """
 
     name: str
     labels: Mapping[str, str]
@@ -35,20 +40,46 @@ class Walk:
     truth_every_s: float = 0.0
 
     def recording(self, suite: Suite) -> Recording:
-        """The recording with its truth. Raises RecordingError when it cannot be read."""
+        """Read or simulate the recording with its ground truth.
+
+        Raises
+        ------
+        RecordingError
+            If the recording cannot be read.
+        """
         if isinstance(self.source, WalkFile):
-            return with_truth(suite.prepare(read(self.source.path)), self.source.truth)
+            return _with_stated_truth(suite.prepare(read(self.source.path)), self.source.truth)
         return _with_sparse_truth(simulate_walk(self.source).recording, self.truth_every_s)
 
 
-def find_walks(data: DataParams, folder: Path, suite: Suite | None, seed: int) -> tuple[Walk, ...]:
-    """The walks that the data section asks for, in order of name; simulated ones in order of number.
+def find_walks(data: DataParams, folder: Path, suite: Suite | None, seed: int = 0) -> tuple[Walk, ...]:
+    """Find the walks that the data section asks for.
 
-    Raises ConfigError for a preset that is unknown or patterns that leave nothing, RecordingError for a folder that
-    is missing.
+    Parameters
+    ----------
+    data : DataParams
+        The data section.
+    folder : Path
+        Folder of the recordings.
+    suite : Suite, optional
+        The suite that is named in the section.
+    seed : int
+        Seed of the simulated walks.
+
+    Returns
+    -------
+    tuple of Walk
+        Recorded walks in order of name, simulated ones in order of number.
+
+    Raises
+    ------
+    ConfigError
+        For a preset that is unknown, or patterns that match nothing.
+    RecordingError
+        For a folder that does not exist.
     """
     if data.simulated is not None:
-        first = None if data.only else data.limit  # a large population takes its time
+        first = None if data.only else data.limit  # to simulate a large population takes time
         walks = _simulated(data.simulated, seed, first)
     elif suite is not None:
         walks = [_from_file(file) for file in suite.find(suite_folder(folder, suite.folder))]
@@ -57,6 +88,12 @@ def find_walks(data: DataParams, folder: Path, suite: Suite | None, seed: int) -
     if data.only:
         walks = [walk for walk in walks if any(fnmatchcase(walk.name, pattern) for pattern in data.only)]
     return tuple(walks[: data.limit])
+
+
+def _with_stated_truth(recording: Recording, stated: Truth) -> Recording:
+    """Add the ground truth that the data set states outside of the recording."""
+    known = {part.name: value for part in fields(stated) if (value := getattr(stated, part.name)) is not None}
+    return replace(recording, truth=replace(recording.truth, **known))
 
 
 def _from_file(file: WalkFile) -> Walk:
@@ -88,14 +125,15 @@ def _matching(folder: Path, patterns: Sequence[str]) -> list[Walk]:
 
 
 def _simulated(parameters: SimulatedParams, seed: int, limit: int | None) -> list[Walk]:
-    """The walks of the section. limit: more than so many are not needed."""
+    """Make the walks of the section, not many more than `limit`."""
     if parameters.presets and parameters.series:
         raise ConfigError("presets and series are given: name one of them")
-    for what in ("presets", "series"):
-        names: Sequence[str] = getattr(parameters, what)
+    for key, names, remedy in (
+        ("presets", parameters.presets, "repeats"),
+        ("series", parameters.series, "number"),
+    ):
         if len(set(names)) < len(names):
-            more = "repeats" if what == "presets" else "number"
-            raise ConfigError(f"{what} {', '.join(names)}: one stands twice: use {more} instead")
+            raise ConfigError(f"{key} {', '.join(names)}: one stands twice: use {remedy} instead")
     chosen = seed if parameters.seed is None else parameters.seed
     every_s = parameters.truth_every_s
     number = min(parameters.number, limit or parameters.number)
@@ -103,7 +141,7 @@ def _simulated(parameters: SimulatedParams, seed: int, limit: int | None) -> lis
         return [
             Walk(f"{series}/{scenario.name}", {"series": series}, scenario, every_s)
             for series in parameters.series
-            for scenario in _of_series(series, number, chosen)
+            for scenario in _scenarios_of_series(series, number, chosen)
         ]
     if not parameters.presets:
         return [
@@ -116,30 +154,26 @@ def _simulated(parameters: SimulatedParams, seed: int, limit: int | None) -> lis
             for member in sample_population(replace(parameters, number=number), seed)
         ]
     return [
-        Walk(f"{name}/{number + 1}", {"preset": name}, _again(preset(name), chosen, number), every_s)
+        Walk(f"{name}/{number + 1}", {"preset": name}, _with_own_seed(preset(name), chosen, number), every_s)
         for name in parameters.presets
         for number in range(parameters.repeats)
     ]
 
 
-def _of_series(series: Series, number: int, seed: int) -> tuple[Scenario, ...]:
-    match series:
-        case "robust-dr":
-            return robust_dr_trials(seed, number)
-        case "psp-I":
-            return psp_walks("I", number, seed)
-        case "psp-II":
-            return psp_walks("II", number, seed)
+def _scenarios_of_series(series: Series, number: int, seed: int) -> tuple[Scenario, ...]:
+    if series == "robust-dr":
+        return robust_dr_trials(seed, number)
+    return psp_walks("I" if series == "psp-I" else "II", number, seed)
 
 
-def _again(scenario: Scenario, seed: int, number: int) -> Scenario:
-    """The scenario with errors of its own; presets keep their order, so that the names tell which is which."""
+def _with_own_seed(scenario: Scenario, seed: int, number: int) -> Scenario:
+    """Give a repetition of a preset its own sensor errors; they depend on the place of the preset in `PRESETS`."""
     place = list(PRESETS).index(scenario.name) if scenario.name in PRESETS else 0
     return replace(scenario, seed=int(np.random.default_rng([seed, place, number]).integers(2**31)))
 
 
 def _with_sparse_truth(recording: Recording, every_s: float) -> Recording:
-    """True positions at every_s from the first on and at the end, as waypoints would have them."""
+    """Keep the true positions every so many seconds and at the end, like waypoints."""
     truth = recording.truth.positions
     if truth is None:
         return recording

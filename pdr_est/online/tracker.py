@@ -10,6 +10,7 @@ from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.person.track import NAME as PERSON
 from pdr_est.online.changed_poses import ChangedPoses
 from pdr_est.online.device_front_end import DeviceFrontEnd, ExpectedDevice
+from pdr_est.online.external_estimator import external_estimator
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.rewindable_filter import WalkFilter
 from pdr_est.online.sample_checks import refuse_malformed
@@ -17,11 +18,13 @@ from pdr_est.online.start_and_fixes import StartAndFixes
 from pdr_est.online.step_log import DeviceLog
 from pdr_est.online.update import Kind, Update
 from pdr_est.online.update_assembly import Estimates
+from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.inputs import refuse_no_config
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import SensorBlock
 
 _ONLINE = OnlineParams()
+_UNREADABLE = (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, KeyError, ValueError)
 _PATIENCE = 20  # pushes after which all work that waits is done at once
 
 
@@ -47,6 +50,7 @@ class Tracker:
         config: Config | None = None,
         devices: Sequence[str | ExpectedDevice] = (),
         online: OnlineParams = _ONLINE,
+        parts: Parts = NO_PARTS,
     ) -> None:
         self._config = Config() if config is None else config
         refuse_no_config(self._config)
@@ -55,7 +59,8 @@ class Tracker:
                 "heading.dominant.direction_rad: the directions of a building are found from the whole walk: leave "
                 "it out for tracking, or use `pdr-est smooth`"
             )
-        self._online = online
+        self._online, self._parts = online, parts
+        self._external = external_estimator(self._config, parts, online)
         self._names: list[str] = []
         self._fronts: list[DeviceFrontEnd] = []
         self._found: list[list[StepOdometry | HeadingPrior]] = []  # by device: what waits for the filter
@@ -67,7 +72,7 @@ class Tracker:
         self._rows = ChangedPoses()
         self._delayed = None
         behind_s: dict[Kind, float] = {"filtered": 0.0}
-        if self._config.estimator.make().spec.delayed:
+        if self._external is None and self._config.estimator.make().spec.delayed:
             from pdr_est.online.delayed_estimates import Delayed  # gtsam is slow to load: only when it is used
 
             self._delayed = Delayed(self._config.estimator.fixed_lag, self._config.devices.tether)
@@ -146,6 +151,9 @@ class Tracker:
             )
             return []
         refuse_unusable("", [], [fix], [])  # before the estimates that wait are taken out
+        if self._external is not None:
+            self._external.add_fix(fix)
+            return self._work()
         found = self._work()
         left, missed = len(self._walk.history), self._walk.missed
         self._walk.undo_for_fix(fix, self._known.add(fix))
@@ -160,6 +168,8 @@ class Tracker:
         for number, front in enumerate(self._fronts):
             self._take(number, front.flush())
         self._flushed = True
+        if self._external is not None:
+            self._external.finish()
         left = len(self._walk.history)
         self._walk.flush(self._config.start.sigma_closed_m if self._config.start.closed else None)
         self._catch_up(left)
@@ -181,15 +191,7 @@ class Tracker:
         something else."""
         try:
             tracker = pickle.loads(state)
-        except (
-            pickle.UnpicklingError,
-            EOFError,
-            AttributeError,
-            ImportError,
-            IndexError,
-            KeyError,
-            ValueError,
-        ) as error:
+        except _UNREADABLE as error:
             raise EstimationError(
                 f"the state cannot be read ({error}): give all bytes that Tracker.state of this version made"
             ) from error
@@ -209,7 +211,9 @@ class Tracker:
         if device.name == PERSON:
             raise EstimationError(f"device {PERSON!r}: that is what the person is called: give it another name")
         self._names.append(device.name)
-        self._fronts.append(DeviceFrontEnd(device, self._config))
+        self._fronts.append(DeviceFrontEnd(device, self._config, self._parts))
+        if self._external is not None:
+            self._external.add_device(device.name)
         self._found.append([])
         left = self._walk.add_device()
         if self._delayed is not None:
@@ -253,6 +257,9 @@ class Tracker:
             return  # the samples wait for those of another sensor
         if log is None:
             log = self._walk.logs[number] = DeviceLog(front.start_s)
+        if self._external is not None:
+            self._external.extend((front.start_s, front.end_s), measurements, front.latency_s)
+            measurements = ()
         for measurement in measurements:
             log.append(measurement)
         self._estimates.recorded(number, log.end_s, front.end_s)
@@ -277,8 +284,9 @@ class Tracker:
 
     def _filtered(self) -> list[Update]:
         """The filter's poses that are new or have changed."""
-        found = self._estimates.of_devices("filtered", self._rows.changed())
         before_s = self._walk.now_s - 2.0 * self._online.horizon_s
+        own = self._external
+        found = self._estimates.of_devices("filtered", own.take_filtered(before_s) if own else self._rows.changed())
         self._rows.forget(before_s)
         self._estimates.forget(before_s)
         return found

@@ -37,7 +37,7 @@ class Update:
     moving_from_s: float
 
 
-def track_of(updates: Iterable[Update], kind: Kind = "filtered") -> Track:
+def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str | None = None) -> Track:
     """The track that updates of a kind leave, device by device in order of their first appearance.
 
     Raises EstimationError without any.
@@ -60,7 +60,7 @@ def track_of(updates: Iterable[Update], kind: Kind = "filtered") -> Track:
         mode=np.array([row.mode for row in rows], dtype=np.int8),
         step_length_m=np.array([row.step_length_m for row in rows]),
         kind=kind,
-        estimator="ekf" if kind == "filtered" else "fixed-lag",
+        estimator=estimator or ("ekf" if kind == "filtered" else "fixed-lag"),
     )
 
 

@@ -1,4 +1,4 @@
-"""The suite `speed`: what the chain costs on simulated data. It needs no recordings and scores no walks."""
+"""Suite `speed`: CPU time and memory of the chain on simulated data, without recordings and without scores."""
 
 from pdr_est.performance.run import LENGTHS_MIN, NAME, SpeedResult, run_speed
 from pdr_est.performance.table import print_speed

@@ -1,4 +1,4 @@
-"""How time and memory of the smoother grow with the length of a walk."""
+"""Growth of time and memory of the smoother with the length of a walk."""
 
 import multiprocessing
 import time
@@ -9,17 +9,27 @@ from pdr_est.performance.odometry import SIGMA_SCALE, START, STEP_S, walk_of
 
 
 def growth(minutes: float, devices: int) -> dict[str, float]:
-    """CPU seconds of smoothing a walk of that length, and by how many MB it raises the peak memory of a process:
-    peak_mb, of which memory_mb are the walk's.
+    """Measure the CPU time and the memory of smoothing a walk, in a process of its own.
 
-    The peak is that of a process's whole life, so it is one of its own. NaN where the platform does not tell.
+    Parameters
+    ----------
+    minutes : float
+        Length of the walk.
+    devices : int
+        Number of devices.
+
+    Returns
+    -------
+    dict
+        steps, seconds (CPU time), peak_mb (peak memory of the process) and memory_mb (part of it that the walk
+        needs); NaN where the platform does not report memory.
     """
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(_smoothed, (minutes, devices))
+        return pool.apply(_measure_smoothing, (minutes, devices))
 
 
-def _smoothed(minutes: float, devices: int) -> dict[str, float]:
-    estimate_walk("factor-graph", walk_of(10)[0], START, SIGMA_SCALE)  # loads what is loaded at first use
+def _measure_smoothing(minutes: float, devices: int) -> dict[str, float]:
+    estimate_walk("factor-graph", walk_of(10)[0], START, SIGMA_SCALE)  # imports what is imported at first use
     steps = round(60.0 * minutes / STEP_S)
     known, tethers = walk_of(steps, devices)
     before_mb, begin = peak_mb(), time.process_time()

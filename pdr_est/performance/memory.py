@@ -1,4 +1,4 @@
-"""Memory of this process, in MB of 2**20 bytes: what it has now, and the most that it ever had."""
+"""Memory of this process, in MB of 2**20 bytes."""
 
 import sys
 from pathlib import Path
@@ -7,17 +7,17 @@ _STATUS = Path("/proc/self/status")  # of Linux
 
 
 def resident_mb() -> float:
-    """Now. NaN where the platform does not tell."""
-    return _of_status("VmRSS:")
+    """Return the resident memory, MB; NaN where the platform does not report it."""
+    return _status_mb("VmRSS:")
 
 
 def peak_mb() -> float:
-    """The most so far. NaN where the platform does not tell.
+    """Return the peak memory so far, MB; NaN where the platform does not report it.
 
-    Linux counts into the `ru_maxrss` of a process what its parent had when it began, which hides what a small one
-    needs; its status file does not.
+    On Linux `ru_maxrss` of a process includes the memory of its parent at the start, which hides the need of a small
+    process; the status file does not.
     """
-    found = _of_status("VmHWM:")
+    found = _status_mb("VmHWM:")
     if found == found or sys.platform == "win32":
         return found
     import resource  # of POSIX only
@@ -26,7 +26,7 @@ def peak_mb() -> float:
     return float(peak / (2**20 if sys.platform == "darwin" else 2**10))
 
 
-def _of_status(name: str) -> float:
+def _status_mb(name: str) -> float:
     try:
         lines = _STATUS.read_text(encoding="ascii").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""Walks as an estimator sees them, of any length: odometry whose errors are drawn from its own covariances."""
+"""Measurements of walks of any length: odometry whose errors are drawn from its own covariances."""
 
 import numpy as np
 
@@ -12,7 +12,22 @@ _TETHER_S, _REACH_M, _SIGMA_TETHER_M = 2.0, 0.5, 0.02
 
 
 def walk_of(steps: int, devices: int = 1, seed: int = 0) -> tuple[list[DeviceMeasurements], list[DeviceTether]]:
-    """A walk along bending ways by some devices, which step at slightly different times, and their tethers."""
+    """Simulate the measurements of a walk along a winding path.
+
+    Parameters
+    ----------
+    steps : int
+        Number of steps.
+    devices : int
+        Number of devices, which step at slightly different times.
+    seed : int
+        Seed of the errors.
+
+    Returns
+    -------
+    list of DeviceMeasurements, list of DeviceTether
+        Odometry of each device, and the tethers between the first two.
+    """
     rng = np.random.default_rng([seed, steps, devices])
     turn_rad = 0.15 * np.sin(np.arange(steps) / 9.0 + rng.uniform(0.0, 6.0))
     covariance = step_covariance(_LENGTH_M, _SIGMA_LENGTH_M, _SIGMA_DIRECTION_RAD, _SIGMA_TURN_RAD)

@@ -1,4 +1,4 @@
-"""How long the tracker takes a sample: two phones, every sample of every sensor pushed by itself."""
+"""Latency of the tracker: two phones, every sample of every sensor pushed alone."""
 
 import time
 from collections.abc import Sequence
@@ -17,13 +17,13 @@ ESTIMATORS = tuple(name for name, spec in SPECS.items() if spec.online)
 RATE_HZ = 100.0
 _SPEED_MPS, _ROUND_M = 1.2, 40.0
 _CORNERS_M = ((0.0, 0.0), (12.0, 0.0), (12.0, 8.0), (0.0, 8.0))
-_WARMING = 0.1  # of the samples: libraries load, and the smoother's window fills
+_WARM_UP = 0.1  # share of the samples: libraries are imported, and the window of the smoother fills
 
 Pushed = tuple[str, SensorBlock]
 
 
 def walk_in_rounds(minutes: float, rate_hz: float = RATE_HZ, seed: int = 1) -> Recording:
-    """Two phones, accelerometer and gyroscope, of a person who walks rounds of forty metres for about that long."""
+    """Simulate a person with two phones (accelerometer, gyroscope) who walks rounds of 40 m for about that time."""
     rounds = max(int(minutes * 60.0 * _SPEED_MPS / _ROUND_M), 1)
     return simulate_walk(
         Scenario(
@@ -36,9 +36,9 @@ def walk_in_rounds(minutes: float, rate_hz: float = RATE_HZ, seed: int = 1) -> R
 
 
 def sample_by_sample(recording: Recording) -> list[Pushed]:
-    """Every sample as a block of its own, in the order of time."""
+    """Return every sample as a block of its own, in the order of time."""
     samples = [
-        (float(block.time_s[i]), device.name, _only(block, i))
+        (float(block.time_s[i]), device.name, _single_sample(block, i))
         for device in recording.devices
         for block in device.blocks()
         for i in range(len(block.time_s))
@@ -47,13 +47,13 @@ def sample_by_sample(recording: Recording) -> list[Pushed]:
 
 
 def tracker_for(estimator: str) -> Tracker:
-    """For the two phones, from a known start."""
+    """Make a tracker for the two phones, with a known start."""
     config = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
     return Tracker(config.with_estimator(estimator), ("a", "b"))
 
 
 def push_times_s(tracker: Tracker, samples: Sequence[Pushed]) -> Array:
-    """By the clock, which counts what else the machine does, and of the processor, (n, 2)."""
+    """Measure the wall-clock time and the CPU time of each push, (n, 2), s."""
     times = np.empty((len(samples), 2))
     for i, (name, block) in enumerate(samples):
         begin = time.perf_counter(), time.thread_time()
@@ -63,12 +63,12 @@ def push_times_s(tracker: Tracker, samples: Sequence[Pushed]) -> Array:
 
 
 def online_latency(minutes: float) -> dict[str, dict[str, float]]:
-    """Milliseconds of one `Tracker.push` by estimator: p50, p99 and max of the processor, and by the clock."""
+    """Measure one `Tracker.push` by estimator: p50, p99 and maximum, ms, of CPU and wall-clock time."""
     samples = sample_by_sample(walk_in_rounds(minutes))
     found: dict[str, dict[str, float]] = {}
     for estimator in ESTIMATORS:
         times_ms = 1e3 * push_times_s(tracker_for(estimator), samples)
-        warm = times_ms[int(_WARMING * len(times_ms)) :]
+        warm = times_ms[int(_WARM_UP * len(times_ms)) :]
         found[estimator] = {
             "samples": float(len(warm)),
             **_quantiles("", warm[:, 1]),
@@ -83,5 +83,5 @@ def _quantiles(prefix: str, times_ms: Array) -> dict[str, float]:
     return {prefix + name: value for name, value in found.items()}
 
 
-def _only(block: SensorBlock, i: int) -> SensorBlock:
+def _single_sample(block: SensorBlock, i: int) -> SensorBlock:
     return SensorBlock(block.channel, block.time_s[i : i + 1], block.values[i : i + 1])

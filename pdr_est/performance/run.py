@@ -1,4 +1,4 @@
-"""Everything of the suite `speed`, one part after the other."""
+"""Run of the suite `speed`, one part after the other."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,8 +20,19 @@ _SMOOTHED_STEPS = (1_000,)
 
 @dataclass(frozen=True)
 class SpeedResult:
-    """stage_seconds: CPU seconds a minute of a two-phone recording, by stage. smoothing: of `smoothing_seconds`, and
-    growth: of `growth`, each with what it was asked. online: of `online_latency`, by estimator."""
+    """Measured costs.
+
+    Attributes
+    ----------
+    stage_seconds : dict
+        Stage -> CPU seconds per minute of a two-phone recording.
+    smoothing : tuple of dict
+        Results of `smoothing_seconds`, with numbers of devices and steps.
+    growth : tuple of dict
+        Results of `growth`, with numbers of devices and minutes.
+    online : dict
+        Results of `online_latency`, by estimator.
+    """
 
     stage_seconds: dict[str, float]
     smoothing: tuple[dict[str, float], ...]
@@ -29,7 +40,7 @@ class SpeedResult:
     online: dict[str, dict[str, float]]
 
     def to_dict(self) -> dict[str, Any]:
-        """The JSON document; like those of the other suites it has `walks`, which are none."""
+        """Make the JSON document; its `walks` are empty, so that it has the keys of a benchmark."""
         return {
             "suite": NAME,
             "version": __version__,
@@ -50,9 +61,23 @@ def run_speed(
     smoothed_steps: Sequence[int] = _SMOOTHED_STEPS,
     online_min: float = _ONLINE_MIN,
 ) -> SpeedResult:
-    """Measure all parts. config: of the stages; lengths_min: of the walks for the growth of time and memory;
-    recorded_min: length of the recording; smoothed_steps: of the walks that bare GTSAM smooths too; online_min:
-    length of the walk that is pushed sample by sample."""
+    """Measure all parts.
+
+    Parameters
+    ----------
+    config : Config
+        Settings of the stages.
+    lengths_min : sequence of float
+        Lengths of the walks for the growth of time and memory, min.
+    on_progress : Callable, optional
+        Called with the number of finished parts and of all parts.
+    recorded_min : float
+        Length of the recording for the stages, min.
+    smoothed_steps : sequence of int
+        Numbers of steps of the walks that bare GTSAM smooths, too.
+    online_min : float
+        Length of the walk that is pushed sample by sample, min.
+    """
     walks = [(devices, minutes) for devices in (1, 2) for minutes in lengths_min]
     total = 2 + 2 * len(smoothed_steps) + len(walks)
     done = 0

@@ -1,4 +1,4 @@
-"""CPU time of every stage of the chain, on a simulated walk with two phones."""
+"""CPU time of each stage of the chain, on a simulated walk with two phones."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 def two_phones(minutes: float) -> Recording:
-    """One phone in the hand and one in a pocket, at 50 Hz."""
+    """Simulate a walk with one phone in the hand and one in a pocket, at 50 Hz."""
     walk = PopulationParams(
         number=1, people=1, duration_s=60.0 * minutes, second_phone=("POCKET",), rate_hz=RATE_HZ, magnetometer=True
     )
@@ -30,8 +30,13 @@ def two_phones(minutes: float) -> Recording:
 
 
 def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[str, float]:
-    """CPU seconds by stage for a minute of the recording, both phones together; the clock and the estimators, each by
-    name, are parts of the chain like the stages."""
+    """Measure the CPU seconds per minute of the recording, both phones together.
+
+    Returns
+    -------
+    dict
+        Name of a stage or an estimator, or "clock" for clock synchronisation -> seconds.
+    """
     spent: dict[str, float] = {}
     for device, _ in timed(spent, "clock", lambda: align_device_clocks(recording)):
         _, to_level = levelling(device, recording.name, config)
@@ -48,7 +53,7 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
 
 
 def timed(spent: dict[str, float], name: str, work: Callable[[], T]) -> T:
-    """The result of some work, whose CPU seconds are added to what was spent under that name."""
+    """Return the result of some work, and add its CPU seconds to `spent[name]`."""
     begin = time.process_time()
     result = work()
     spent[name] = spent.get(name, 0.0) + time.process_time() - begin

@@ -1,4 +1,4 @@
-"""The suite `speed` on the terminal."""
+"""Tables of the suite `speed` on the terminal."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,7 +9,7 @@ from pdr_est.performance.run import SpeedResult
 
 
 def print_speed(result: SpeedResult, console: Console) -> None:
-    """The same numbers as in the JSON document."""
+    """Print the numbers of the JSON document."""
     stages = Table(title="CPU seconds a minute of a two-phone recording at 50 Hz")
     stages.add_column("stage", no_wrap=True)
     stages.add_column("seconds", justify="right")

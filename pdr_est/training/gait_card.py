@@ -1,4 +1,4 @@
-"""The card of a gait model: what it is, whom it was trained on, how good it is and where it ends, in Markdown."""
+"""The card of a gait model in Markdown: purpose, training data, accuracy and limits."""
 
 from collections.abc import Iterator
 from datetime import date
@@ -18,56 +18,57 @@ _CHOSEN = (
 _NAMES = ("walking", "jogging", "running")
 
 _LIMITS = """\
-* Walking against faster is what labels agree on. **Jogging against running is relative to the person**: one person's
-  slow is as intense as another's quick. The second level learns only from people who were recorded in both gaits.
+* Labels agree on walking against faster. **Jogging against running is relative to the person**: one person's slow run
+  is as intense as another's quick one. The second level learns only from people who were recorded in both gaits.
   Read its answer as "below or above the usual effort", and use the probabilities rather than the class where lengths
   depend on it.
-* Every step has the gait of its file. Slow steps at starts, turns and stops of a jog count as errors, and are none.
-* Without gyroscope the vertical acceleration is taken from the magnitude, and more steps of joggers are missed.
+* Every step has the gait of its file. Slow steps at starts, turns and stops of a jog therefore count as errors.
+* Without a gyroscope the vertical acceleration is taken from the magnitude, and more steps of joggers are missed.
 * Very quick walkers (above 2.2 steps a second) are the hardest to tell from joggers.
 """
 
 _LIMITS_OF = {
     "motionsense": """\
 * MotionSense: phones in the front trouser pocket of adults. It has jogging only, most of it more intense than
-  SisFall's quick jogging, so that a model of both calls nearly all of it running.
+  SisFall's quick jogging, so that a model of both classifies nearly all of it as running.
 """,
     "sisfall": """\
 * SisFall: a box at the belt of adults on level ground, with a gyroscope. People were asked to jog slowly (D03) and
   quickly (D04), and these stand in for jogging and running.
 """,
     OWN: """\
-* Own recordings: nobody has checked their labels, nor where the phone was carried.
+* Own recordings: their labels and the place of the phone have not been checked.
 """,
 }
 
 _UNSEEN_PUBLIC = """\
-* Running with the phone in the hand, older people, children and treadmills were not seen. Stairs were not trained.
-  With the phone held in front, brisk walkers with a bouncing hand are taken for joggers now and then.
+* The training data have no running with the phone in the hand, no older people, children, treadmills or stairs.
+  With the phone held in front, brisk walkers with a bouncing hand are sometimes classified as joggers.
 """
 
 
 def model_card(trained: TrainedGait, trained_on: date, recordings_sha256: str) -> str:
-    """The card as text. It depends on nothing but its arguments and the version of scikit-learn."""
+    """Write the card; it depends only on the arguments and the version of scikit-learn."""
     model = trained.model
     parts = [
         f"# Gait model `{model.features}`",
-        "Tells walking, jogging and running of each step: two support-vector machines in a row (UPTIME, figure 5), "
-        "walking or faster, then jogging or running. Plain numbers in JSON; reading it executes nothing.",
+        "Recognises walking, jogging and running for each step, with two support-vector machines in a row (UPTIME, "
+        "figure 5): walking or faster, then jogging or running. It is plain numbers in JSON; reading it executes "
+        "nothing.",
         f"* SHA-256 inside the file: `{model_digest(model)}`\n"
-        f"* Trained {trained_on.isoformat()} with scikit-learn {version('scikit-learn')}. The date stands here and "
+        f"* Trained {trained_on.isoformat()} with scikit-learn {version('scikit-learn')}. The date is here and "
         "not in the model, so that the same recordings give the same bytes.\n"
         f"* Made by `pdr-est train-gait --data DIR --features {model.features} -o OUT`",
         "## Data\n\n" + "\n".join(_data(model)),
         f"SHA-256 over names and contents of the recordings: `{recordings_sha256}`",
-        "## People left out\n\n" + "\n".join(_figures(model, trained.folds)),
+        "## Accuracy for people left out of the training\n\n" + "\n".join(_figures(model, trained.folds)),
         "## Limits\n\n" + _limits(model).rstrip(),
     ]
     return "\n\n".join(parts) + "\n"
 
 
 def _limits(model: GaitModel) -> str:
-    """What holds for every model, and what its data sets add."""
+    """Write the limits of every model, and those of its data sets."""
     names = [data.name for data in model.data]
     unseen = "" if OWN in names else _UNSEEN_PUBLIC
     return _LIMITS + "".join(text for name, text in _LIMITS_OF.items() if name in names) + unseen
@@ -83,9 +84,9 @@ def _data(model: GaitModel) -> Iterator[str]:
 
 def _figures(model: GaitModel, folds: GaitFolds) -> Iterator[str]:
     yield (
-        f"Every figure is per step and of people whom the model had not seen: {len(folds.models)} models, trained in "
-        "the same way, each without the people it is judged on: neither its machines nor its probabilities have seen "
-        f"them.{_CHOSEN if {data.name for data in model.data} & set(_PUBLIC) else ''}\n"
+        f"Every figure is per step, for people whom the model had not seen: {len(folds.models)} models were trained "
+        "in the same way, each without the people it is tested on; neither its machines nor its probabilities have "
+        f"seen them.{_CHOSEN if {data.name for data in model.data} & set(_PUBLIC) else ''}\n"
     )
     metrics = model.metrics
     if metrics is None:
@@ -101,7 +102,7 @@ def _figures(model: GaitModel, folds: GaitFolds) -> Iterator[str]:
 
 
 def _confusion(metrics: GaitMetrics, name: str) -> Iterator[str]:
-    yield f"\nSteps of {'all data sets' if name == ALL else name}, true gait by row, found by column:\n"
+    yield f"\nSteps of {'all data sets' if name == ALL else name}, true gait by row, recognised gait by column:\n"
     yield f"| | {' | '.join(_NAMES)} |"
     yield "|---|---|---|---|"
     for gait, row in zip(_NAMES, metrics.confusion[name], strict=True):

@@ -1,11 +1,11 @@
-"""Recordings whose person and gait are known, in a data folder.
+"""Recordings of known person and gait in a data folder.
 
     DIR/motionsense/{wlk,jog}_N/sub_PERSON.csv     MotionSense, walking and jogging
     DIR/sisfall/PERSON/D0{1,2,3,4}_PERSON_R01.txt  SisFall, walking, jogging and running
     DIR/{walking,jogging,running}/PERSON/*         own recordings: files or folders of any known format
 
-Each part may be missing; files may be gzipped. Beside own recordings everything in the folder has to belong to one
-of these parts, so that no misplaced recording is left out unnoticed.
+Each part may be missing; files may be gzipped. If there are own recordings, everything in the folder has to belong to
+one of these parts, so that no misplaced recording is left out unnoticed.
 """
 
 import hashlib
@@ -29,7 +29,19 @@ _PUBLIC = ("motionsense", "sisfall")
 
 @dataclass(frozen=True)
 class LabelledFile:
-    """A recording of one person. gait: None when the recording itself tells it."""
+    """Recording of one person.
+
+    Attributes
+    ----------
+    path : Path
+        File or folder of the recording.
+    data_set : str
+        Name of its data set.
+    person : str
+        Person who walked or ran.
+    gait : Gait or None
+        Gait by the folder; None when the recording itself names it.
+    """
 
     path: Path
     data_set: str
@@ -37,7 +49,13 @@ class LabelledFile:
     gait: Gait | None = None
 
     def gait_of(self, recording: Recording) -> Gait:
-        """The gait in words of the folder or of the recording. Raises RecordingError when neither tells it."""
+        """Return the gait that the folder or the recording names.
+
+        Raises
+        ------
+        RecordingError
+            If neither names it.
+        """
         gait = self.gait or KNOWN_BY_NAME.get(recording.truth.activity or "")
         if gait is None:
             raise RecordingError(
@@ -48,7 +66,13 @@ class LabelledFile:
 
 
 def labelled_files(data: Path) -> list[LabelledFile]:
-    """The recordings in a data folder, in a fixed order. Raises RecordingError when there is none."""
+    """List the recordings in a data folder, in a fixed order.
+
+    Raises
+    ------
+    RecordingError
+        If there is none, or an own recording is misplaced.
+    """
     if not data.is_dir():
         raise RecordingError(f"{data}: no such folder: give the folder that holds {LAYOUT}")
     found = [*_motionsense(data / "motionsense"), *_sisfall(data / "sisfall"), *_own(data)]
@@ -58,7 +82,13 @@ def labelled_files(data: Path) -> list[LabelledFile]:
 
 
 def recordings_digest(data: Path) -> str:
-    """SHA-256 over names and contents of the recordings of `labelled_files`. Raises RecordingError."""
+    """Compute the SHA-256 over names and contents of the recordings of `labelled_files`.
+
+    Raises
+    ------
+    RecordingError
+        As `labelled_files`.
+    """
     lines = [
         f"{file.path.relative_to(data).as_posix()} {name} {content}\n"
         for file in labelled_files(data)
@@ -80,7 +110,7 @@ def _sisfall(folder: Path) -> Iterator[LabelledFile]:
 
 
 def _own(folder: Path) -> Iterator[LabelledFile]:
-    """Own recordings. Raises RecordingError for what would be left out: misplaced, unknown or empty."""
+    """List own recordings; raise RecordingError for what would be left out: misplaced, unknown or empty."""
     given = [path for path in _visible(folder) if path.is_dir() and path.name not in _PUBLIC]
     if not any(path.name in KNOWN_BY_NAME for path in given):
         return
@@ -97,7 +127,7 @@ def _own(folder: Path) -> Iterator[LabelledFile]:
 
 
 def _filled(folder: Path) -> list[Path]:
-    """What is in a folder. Raises RecordingError when that is nothing."""
+    """List the content of a folder; raise RecordingError when it is empty."""
     found = _visible(folder)
     if not found:
         raise RecordingError(f"{folder}: holds no recording: remove the folder, or put the recordings into it")
@@ -109,11 +139,11 @@ def _visible(folder: Path) -> list[Path]:
 
 
 def _files(folder: Path, pattern: str) -> list[Path]:
-    """Files in order of name; one that is there plain and gzipped is taken once."""
+    """List files in order of name; one that is there plain and gzipped is taken once."""
     found = {path.with_name(_bare(path)): path for path in (*folder.glob(f"{pattern}.gz"), *folder.glob(pattern))}
     return [found[name] for name in sorted(found)]
 
 
 def _bare(path: Path) -> str:
-    """Name without extensions."""
+    """Remove all extensions from a file name."""
     return path.name.split(".")[0]

@@ -18,14 +18,29 @@ from pdr_est.io import read
 from pdr_est.training.gait_card import model_card
 from pdr_est.training.gait_files import LabelledFile, labelled_files
 
-Progress = Callable[[int, int], None]
+ProgressCallback = Callable[[int, int], None]
 
 
-def train_gait(data: Path, features: FeatureSet, on_progress: Progress = lambda done, total: None) -> TrainedGait:
+def train_gait(
+    data: Path, features: FeatureSet, on_progress: ProgressCallback = lambda done, total: None
+) -> TrainedGait:
     """Train on every recording of a known gait in a folder; steps are those of the default configuration.
 
-    on_progress: told how many recordings of how many are done. Raises RecordingError for recordings that cannot be
-    used, ConfigError when there are too few people.
+    Parameters
+    ----------
+    data : Path
+        Data folder, see `gait_files`.
+    features : FeatureSet
+        Features of a stride (`auto`) or of a step (`uptime`).
+    on_progress : callable
+        Called with the number of finished recordings and of all.
+
+    Raises
+    ------
+    RecordingError
+        For recordings that cannot be used.
+    ConfigError
+        If there are too few people.
     """
     files = labelled_files(data)
     walks: list[LabelledSteps] = []
@@ -37,10 +52,26 @@ def train_gait(data: Path, features: FeatureSet, on_progress: Progress = lambda 
 
 
 def write_trained(trained: TrainedGait, folder: Path, trained_on: date, recordings_sha256: str) -> None:
-    """Write the model, its folds and its card. The last two arguments stand in the card only, so that the same steps
-    give the same model, however the recordings are packed.
+    """Write the model, its folds and its card.
 
-    Raises OutputError.
+    The last two arguments stand in the card only, so that the same steps give the same model, however the recordings
+    are packed.
+
+    Parameters
+    ----------
+    trained : TrainedGait
+        Result of `train_gait`.
+    folder : Path
+        Existing folder.
+    trained_on : date
+        Date of the training.
+    recordings_sha256 : str
+        Result of `recordings_digest`.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written.
     """
     name = f"gait-{trained.model.features}"
     save_model(trained.model, folder / f"{name}.json")
@@ -51,7 +82,7 @@ def write_trained(trained: TrainedGait, folder: Path, trained_on: date, recordin
 
 
 def _steps_of(file: LabelledFile, features: FeatureSet) -> Sequence[LabelledSteps]:
-    """The steps of each device of a recording."""
+    """Find the steps of each device of a recording."""
     recording = read(file.path)
     gait = file.gait_of(recording)
     config = replace(Config(), gait=GaitParams(method="none"))

@@ -1,7 +1,7 @@
 """One scored track of an experiment, as the comparison report shows it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pdr_est.frames import Array
 
@@ -38,6 +38,10 @@ class TrackOutcome:
         (p,) m, position error there.
     squared
         (p,) squared Mahalanobis distance of the error (2 is right on average); empty without fixes.
+    counts
+        Number of points or steps that the metrics are based on, by name.
+    predicted
+        Number of steps that got each label, where steps are classified.
     """
 
     walk: str
@@ -55,3 +59,5 @@ class TrackOutcome:
     way_m: Array
     error_m: Array
     squared: Array
+    counts: Mapping[str, int] = field(default_factory=dict)
+    predicted: Mapping[str, int] = field(default_factory=dict)

@@ -9,10 +9,10 @@ import pytest
 from pdr_est.calibration.profile import (
     Profile,
     ProfileNote,
+    apply_profile,
+    check_profile_matches,
     load_profile,
     profile_to_yaml,
-    refuse_contradiction,
-    with_profile,
 )
 from pdr_est.config import Config, config_to_dict
 from pdr_est.errors import ConfigError
@@ -49,7 +49,7 @@ def test_there_and_back(profile: Profile, tmp_path: Path) -> None:
 
 
 def test_it_sets_the_walker_and_the_uncertainty_and_nothing_else() -> None:
-    config = with_profile(CONFIG, PROFILE)
+    config = apply_profile(CONFIG, PROFILE)
     assert config.walker == PROFILE.walker
     assert config.odometry.sigma_length_scale == 0.0636
     back = replace(
@@ -72,11 +72,11 @@ def test_it_sets_the_walker_and_the_uncertainty_and_nothing_else() -> None:
     ],
 )
 def test_a_configuration_must_be_the_one_of_the_calibration(section, key, value, message) -> None:
-    config = with_profile(CONFIG, PROFILE)
-    refuse_contradiction(config, PROFILE, "p.yaml")
+    config = apply_profile(CONFIG, PROFILE)
+    check_profile_matches(config, PROFILE, "p.yaml")
     other = replace(config, **{section: replace(getattr(config, section), **{key: value})})
     with pytest.raises(ConfigError, match=rf"p\.yaml: {message}: set it like that"):
-        refuse_contradiction(other, PROFILE, "p.yaml")
+        check_profile_matches(other, PROFILE, "p.yaml")
 
 
 @pytest.mark.parametrize(

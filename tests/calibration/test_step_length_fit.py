@@ -14,9 +14,9 @@ from pdr_est.calibration.step_length_fit import (
     SIGMA_LOG_CADENCE,
     SIGMA_LOG_SCALE,
     SIGMA_WALK,
-    Observation,
-    PacedSteps,
-    fit,
+    CalibrationSteps,
+    ScaleObservation,
+    fit_calibration,
     observe_distance,
     observe_fixes,
 )
@@ -29,10 +29,10 @@ from pdr_est.simulate.walker.walking_path import PathParams
 from pdr_est.types.measurements import PositionFix
 
 
-def paced(length_m: float = 0.7, n: int = 10, cadence_hz: float = 2.0) -> PacedSteps:
+def paced(length_m: float = 0.7, n: int = 10, cadence_hz: float = 2.0) -> CalibrationSteps:
     end_s = np.arange(1, n + 1) / cadence_hz
     log_cadence = np.full(n, math.log(cadence_hz))
-    return PacedSteps(end_s - 1.0 / cadence_hz, end_s, np.full(n, length_m), log_cadence)
+    return CalibrationSteps(end_s - 1.0 / cadence_hz, end_s, np.full(n, length_m), log_cadence)
 
 
 # --- the posterior -----------------------------------------------------------------------------------------------
@@ -41,7 +41,7 @@ def paced(length_m: float = 0.7, n: int = 10, cadence_hz: float = 2.0) -> PacedS
 def test_the_posterior_is_that_of_least_squares_with_the_prior_as_rows() -> None:
     rng = np.random.default_rng(5)
     y, sigma, x = rng.normal(0.1, 0.1, 6), rng.uniform(0.0, 0.1, 6), rng.uniform(0.0, 0.9, 6)
-    found = fit([Observation(*row) for row in zip(y, sigma, x, strict=True)])
+    found = fit_calibration([ScaleObservation(*row) for row in zip(y, sigma, x, strict=True)])
     noise = np.hypot(SIGMA_WALK, sigma)
     rows = np.column_stack([1.0 / noise, (x - x.mean()) / noise])
     rows = np.vstack([rows, [1.0 / SIGMA_LOG_SCALE, 0.0], [0.0, 1.0 / SIGMA_EXPONENT]])
@@ -55,11 +55,11 @@ def test_the_posterior_is_that_of_least_squares_with_the_prior_as_rows() -> None
 
 
 def test_walks_of_one_cadence_tell_the_scale_alone() -> None:
-    alone = fit([Observation(0.1, 0.0, 0.6), Observation(0.2, 0.0, 0.6)])
+    alone = fit_calibration([ScaleObservation(0.1, 0.0, 0.6), ScaleObservation(0.2, 0.0, 0.6)])
     variance = 1.0 / (SIGMA_LOG_SCALE**-2 + 2.0 * SIGMA_WALK**-2)
     assert_allclose(alone.mean, [variance * 0.3 / SIGMA_WALK**2, MEAN_EXPONENT])
     assert_allclose(alone.covariance, np.diag([variance, SIGMA_EXPONENT**2]), atol=1e-15)
-    learnt = fit([Observation(0.1, 0.0, 0.2), Observation(0.2, 0.0, 0.3)])  # an exponent of 1
+    learnt = fit_calibration([ScaleObservation(0.1, 0.0, 0.2), ScaleObservation(0.2, 0.0, 0.3)])  # an exponent of 1
     assert MEAN_EXPONENT < learnt.mean[1] < 1.0
 
 
@@ -67,21 +67,31 @@ def test_a_walk_is_reproduced_whatever_its_cadence() -> None:
     """As far as it is believed against what is expected of people: the exponent changes nothing where it was seen."""
     for cadence_hz in (1.1, 2.2):
         steps = paced(cadence_hz=cadence_hz)
-        found = fit([observe_distance([steps], 8.4, "walk")])
+        found = fit_calibration([observe_distance([steps], 8.4, "walk")])
         believed = SIGMA_LOG_SCALE**2 / (SIGMA_LOG_SCALE**2 + SIGMA_WALK**2)
-        own = steps.personal(found.walker(WalkerParams()))
+        own = steps.with_personal_constants(found.walker(WalkerParams()))
         assert own.length_m.sum() == pytest.approx(7.0 * 1.2**believed)
         assert found.walker(WalkerParams()).reference_cadence_hz == pytest.approx(cadence_hz)
 
 
 def test_more_walks_tell_more_and_uncertain_ones_less() -> None:
-    sure, unsure = Observation(0.1, 0.0, 0.6), Observation(0.1, 0.2, 0.6)
-    assert fit([sure] * 5).sigma_next < fit([sure]).sigma_next < fit([unsure]).sigma_next
-    assert fit([unsure]).sigma_next < math.hypot(SIGMA_LOG_SCALE, SIGMA_WALK)
+    sure, unsure = ScaleObservation(0.1, 0.0, 0.6), ScaleObservation(0.1, 0.2, 0.6)
+    assert (
+        fit_calibration([sure] * 5).sigma_next
+        < fit_calibration([sure]).sigma_next
+        < fit_calibration([unsure]).sigma_next
+    )
+    assert fit_calibration([unsure]).sigma_next < math.hypot(SIGMA_LOG_SCALE, SIGMA_WALK)
     # Walks of one cadence never tell how those of others are.
     unknown = math.hypot(SIGMA_WALK, SIGMA_EXPONENT * SIGMA_LOG_CADENCE)
-    assert fit([sure] * 1000).sigma_next == pytest.approx(unknown, rel=1e-3)
-    assert 0.0 < fit([unsure]).mean[0] < fit([sure]).mean[0] < fit([sure] * 5).mean[0] < 0.1
+    assert fit_calibration([sure] * 1000).sigma_next == pytest.approx(unknown, rel=1e-3)
+    assert (
+        0.0
+        < fit_calibration([unsure]).mean[0]
+        < fit_calibration([sure]).mean[0]
+        < fit_calibration([sure] * 5).mean[0]
+        < 0.1
+    )
 
 
 def test_a_person_is_found_again() -> None:
@@ -91,8 +101,8 @@ def test_a_person_is_found_again() -> None:
     walks = []
     for value in cadences_hz * 400:
         steps = paced(cadence_hz=value)
-        walks.append(observe_distance([steps], float(steps.personal(truth).length_m.sum()), "walk"))
-    walker = fit(walks).walker(WalkerParams(height_m=1.9, gender="female"))
+        walks.append(observe_distance([steps], float(steps.with_personal_constants(truth).length_m.sum()), "walk"))
+    walker = fit_calibration(walks).walker(WalkerParams(height_m=1.9, gender="female"))
     assert (walker.height_m, walker.gender) == (1.9, "female")
     for value in cadences_hz:
         assert walker.personal_factor(value) == pytest.approx(truth.personal_factor(value), rel=0.005)
@@ -107,7 +117,7 @@ def test_the_stated_uncertainty_is_that_of_walks_at_other_cadences() -> None:
         scale, exponent = rng.normal(0.0, SIGMA_LOG_SCALE), rng.normal(MEAN_EXPONENT, SIGMA_EXPONENT)
         first, second = rng.normal(0.6, SIGMA_LOG_CADENCE / math.sqrt(2.0), 2)  # apart by SIGMA_LOG_CADENCE
         y, true = (scale + exponent * (x - first) + rng.normal(0.0, SIGMA_WALK) for x in (first, second))
-        found = fit([Observation(y, 0.0, first)])
+        found = fit_calibration([ScaleObservation(y, 0.0, first)])
         error = found.mean[0] + found.mean[1] * (second - first) - true
         within.append(abs(error) <= found.sigma_next)
     assert np.mean(within) == pytest.approx(0.683, abs=0.02)
@@ -116,7 +126,7 @@ def test_the_stated_uncertainty_is_that_of_walks_at_other_cadences() -> None:
 def test_the_slowest_and_the_quickest_walk_make_constants_that_a_profile_may_hold() -> None:
     for cadence_hz in (0.2, 0.7, 2.5, 5.0):
         cadence = math.log(walking_cadence_hz(cadence_hz))
-        walker = fit([Observation(0.1, 0.0, cadence)] * 3).walker(WalkerParams())
+        walker = fit_calibration([ScaleObservation(0.1, 0.0, cadence)] * 3).walker(WalkerParams())
         config = Config(walker=walker)
         assert config_from_dict(config_to_dict(config), "a configuration") == config
 
@@ -146,7 +156,7 @@ def test_the_devices_of_one_walk_are_averaged() -> None:
         (paced(), 3.4, r"a scale of 0\.49 that is not between 0\.5 and 2"),
     ],
 )
-def test_what_cannot_be_is_refused(steps: PacedSteps, distance_m: float, message: str) -> None:
+def test_what_cannot_be_is_refused(steps: CalibrationSteps, distance_m: float, message: str) -> None:
     with pytest.raises(RecordingError, match=message):
         observe_distance([steps], distance_m, "walk")
 
@@ -177,7 +187,7 @@ def simulated():
 
 def test_fixes_tell_the_scale_that_the_length_of_the_way_tells(simulated) -> None:
     walks, fixes, length_m = simulated
-    by_length = observe_distance([PacedSteps.of(walk.steps) for walk in walks], length_m, "walk")
+    by_length = observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], length_m, "walk")
     by_fixes = observe_fixes(walks, Config(), fixes, "walk")
     assert 0.0 < by_fixes.sigma < 0.05
     assert by_fixes.log_ratio == pytest.approx(by_length.log_ratio, abs=0.03)

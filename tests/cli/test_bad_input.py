@@ -64,7 +64,7 @@ def outs(tmp_path: Path) -> Path:
         (b"", r"the file is empty \(0 bytes\); export it again"),
         (gzip.compress(b""), "empty"),
         (b"PK\x03\x04 and no more", "damaged or truncated zip archive .*; export or copy it again"),
-        ("time_s,acc_x_mps2\n1,2\n".encode("utf-16"), "UTF-16 text; save it as UTF-8"),
+        ("time_s,acc_x_mps2\n1,2\n".encode("utf-16"), "encoded as UTF-16; save it as UTF-8"),
         (b"\0" * 1000, "unknown format"),
         (b"\n \n\n", "unknown format"),
     ],
@@ -84,7 +84,8 @@ def test_truncated_gzip(keep: int, tmp_path: Path, outs: Path, lines: list[str])
 
 
 def test_an_unknown_format_lists_the_known_ones(tmp_path: Path, outs: Path) -> None:
-    line = both_refuse(save(tmp_path / "walk.txt", ["hello", "world"]), outs, "unknown format; known are .* README")
+    walk = save(tmp_path / "walk.txt", ["hello", "world"])
+    line = both_refuse(walk, outs, r"unknown format; known formats are .*; see docs/recorder-formats\.md for")
     assert all(known.NAME in line for known in FORMATS)
 
 
@@ -296,7 +297,7 @@ def test_gravity_of_another_time(walk: Walk, export: dict[str, bytes], tmp_path:
     members = {name: data for name, data in export.items() if name != "TotalAcceleration.csv"}
     members |= {"Accelerometer.csv": export["TotalAcceleration.csv"], "Gravity.csv": late}
     path = as_folder(tmp_path / "walk", members)
-    only_inspected(path, outs, r"no accelerometer \(.*accelerometer and gravity have no overlap in time")
+    only_inspected(path, outs, r"no accelerometer \(.*accelerometer and gravity do not overlap in time")
 
 
 # --- clocks ----------------------------------------------------------------------------------------------------

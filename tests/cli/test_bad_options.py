@@ -32,8 +32,8 @@ def outs(tmp_path: Path) -> Path:
         (("--height", "nan"), r"--height: walker\.height_m = nan: Input should be a finite number"),
         (("--height", "1,75"), r"'--height': '1,75' is not a valid float; see pdr-est smooth --help"),
         (("--gender", "robot"), r"'--gender': 'robot' is not one of 'male', 'female'"),
-        (("--heading", "nan"), r"'--heading': nan is no direction: give degrees, -360 to 360"),
-        (("--corridors", "nan"), r"'--corridors': nan is no direction: give degrees, -360 to 360"),
+        (("--heading", "nan"), r"'--heading': nan is not a direction: give degrees from -360 to 360"),
+        (("--corridors", "nan"), r"'--corridors': nan is not a direction: give degrees from -360 to 360"),
         (
             ("--corridors", "30", "--heading-method", "step-yaw"),
             r"\(--corridors 30\): .* heading\.method = step-yaw \(--heading-method\) .* makes no use: choose",
@@ -149,26 +149,26 @@ HEAD = "time_s,x_m,y_m"
             r", line 3: time 100\.000 s is outside the recording \(0\.000 to 1\d\.\d+ s\): use",
         ),
         ([HEAD, "-5,0,0"], r", line 2: time -5\.000 s is outside the recording"),
-        ([HEAD, "1,0,nan"], r", line 2: time or position is not a finite number: mend or remove the row"),
+        ([HEAD, "1,0,nan"], r", line 2: time or position is not a finite number: correct or remove the row"),
         ([HEAD, "1,0,0", ",1,0"], r", line 3: time or position is not a finite number"),
         ([HEAD, "1,0,0", "inf,1,0"], r", line 3: time or position is not a finite number"),
         ([HEAD, "1,here,0"], r", line 2, column 'x_m': 'here' is not a number; correct or remove it"),
         ([HEAD, "1,1e12,0"], r", line 2: position 1e\+12, 0 is beyond 1e\+08 m: give metres"),
-        ([HEAD], r": holds no fix: add a row or leave --fixes out"),
-        (["t,x_m,y_m", "1,0,0"], r": no column time_s among t, x_m, y_m: name it so"),
+        ([HEAD], r": contains no fix: add a row or leave --fixes out"),
+        (["t,x_m,y_m", "1,0,0"], r": no column time_s among t, x_m, y_m: name the time column time_s"),
         (
             ["time_s,x,y", "1,0,0"],
-            r": needs the columns x_m and y_m, or latitude_deg and longitude_deg; has time_s, x, y",
+            r": needs the columns x_m and y_m, or latitude_deg and longitude_deg; it has time_s, x, y",
         ),
         (["1 0 0"], r": no header line such as time_s,x_m,y_m: add one"),
-        ([HEAD, "1718030737,0,0"], r": time_s is Unix time, but walk tells none: give seconds on its own clock, "),
+        ([HEAD, "1718030737,0,0"], r": time_s is Unix time, but that of walk is unknown: give seconds on its own cl"),
         (
             [HEAD, "1718030737000,0,0"],
-            r": time_s = 1\.71803e\+12 is no time in seconds: milliseconds must be divided",
+            r": time_s = 1\.71803e\+12 is not a time in seconds: convert milliseconds to seconds",
         ),
         (
             ["time_s,latitude_deg,longitude_deg", "1,48,11"],
-            r": walk has no known origin on the globe: give x_m and y_m",
+            r": the origin of walk on the Earth is unknown: give x_m and y_m",
         ),
         (
             [HEAD + ",sigma_m", "1,0,0,0"],
@@ -191,8 +191,8 @@ def test_fixes_that_are_no_table(good: Path, tmp_path: Path, outs: Path) -> None
     for choice, pattern in (
         (tmp_path / "nowhere.csv", r"nowhere\.csv: no such file or folder; check the path"),
         (tmp_path / "empty.csv", r"empty\.csv: the file is empty \(0 bytes\)"),
-        (tmp_path, r": 2 files inside: give the table of the fixes itself"),
-        ("recording", r"walk\.csv: .*: the recording holds no position fixes: give a file with --fixes FILE\.csv"),
+        (tmp_path, r": contains 2 files: give the table of the fixes itself"),
+        ("recording", r"walk\.csv: .*: the recording has no position fixes: give a file with --fixes FILE\.csv"),
     ):
         assert re.search(pattern, smooth_refused(good, outs, "--fixes", choice))
 
@@ -230,7 +230,7 @@ def test_fixes_by_latitude_and_longitude(export_zip: Path, tmp_path: Path, outs:
     for row, place in (("1,11,48", "latitude 11, longitude 48"), ("1,148,11", "latitude 148, longitude 11")):
         line = smooth_refused(export_zip, outs, "--fixes", save(tmp_path / "fixes.csv", [head, row]))
         assert re.search(
-            rf"line 2: {place} lies far from the recording at 48\.0000, 11\.0000: are they swapped\?", line
+            rf"line 2: {place} lies far from the recording at 48\.0000, 11\.0000: check whether they are swap", line
         )
     line = smooth_refused(export_zip, outs, "--fixes", save(tmp_path / "fixes.csv", [head, "1,48,inf"]))
     assert "line 2: time or position is not a finite number" in line
@@ -251,14 +251,14 @@ def test_output_folders_that_cannot_be(good: Path, tmp_path: Path, monkeypatch: 
         (tmp_path / "foreign", "is the current folder and cannot be replaced"),
         (tmp_path / "no" / "such" / "folder", r"the folder .*such does not exist: create it or choose another one"),
         (tmp_path / "file" / "out", "does not exist: create it"),
-        (tmp_path / "loop", "is no usable path .*: choose another one"),
-        (tmp_path / ("x" * 300), r"is no usable path .*File name too long.*: choose another one"),
+        (tmp_path / "loop", "not a usable path .*: choose another one"),
+        (tmp_path / ("x" * 300), r"not a usable path .*File name too long.*: choose another one"),
     ):
         assert re.search(pattern, refused("smooth", good, "-o", out))
     monkeypatch.chdir(tmp_path)
     for options in ((), ("--overwrite",)):
         line = refused("smooth", good, "-o", tmp_path / "foreign", *options)
-        assert "holds files of other origin (notes.txt): choose a new or an empty folder" in line
+        assert "contains files of other origin (notes.txt): choose a new or an empty folder" in line
     assert sorted(tmp_path.rglob("*")) == before
 
 

@@ -185,10 +185,10 @@ def test_a_place_for_json_that_cannot_be_is_told_before_the_work(
 
     monkeypatch.setattr(importlib.import_module("pdr_est.cli.commands.benchmark"), "run_benchmark", work)
     for place, pattern in (
-        (tmp_path / "no" / "result.json", r"result\.json: cannot be written \(No such file or directory\): name a"),
-        (tmp_path, r": is no plain file: name another one"),
-        (Path("/dev/null"), r"/dev/null: is no plain file: name another one"),
-        ("", r"\.: is no plain file: name another one"),
+        (tmp_path / "no" / "result.json", r"result\.json: cannot be written \(No such file or directory\): choose a"),
+        (tmp_path, r": not a regular file: choose another file name"),
+        (Path("/dev/null"), r"/dev/null: not a regular file: choose another file name"),
+        ("", r"\.: not a regular file: choose another file name"),
     ):
         assert re.search(pattern, refused("benchmark", "ilc20", "--data", data, "--json", place))
     assert list(tmp_path.iterdir()) == []
@@ -212,7 +212,7 @@ def test_json_replaces_an_earlier_result_and_nothing_else(data: Path, tmp_path: 
         assert "is no result of an earlier benchmark" in refused("benchmark", *options, "--json", other)
         assert other.read_text() == text
     line = refused("benchmark", *options, "--json", data / "ilc20" / "new.json")
-    assert "lies inside it: name a file elsewhere" in line
+    assert "lies inside it: choose a file elsewhere" in line
     assert not (data / "ilc20" / "new.json").exists()
 
 

@@ -57,7 +57,7 @@ def test_smooth_uses_the_profile_and_says_so(by_distance: Path, good: Path, tmp_
     plain, own = summary(tmp_path / "plain"), summary(tmp_path / "own")
     assert own["distance_m"] == pytest.approx(profile.walker.length_scale * plain["distance_m"], rel=1e-3)
     assert own["length_scale"]["sigma"] == pytest.approx(profile.sigma_length_scale)
-    assert "the profile's steps" in own["length_scale"]["meaning"]
+    assert "steps of the profile" in own["length_scale"]["meaning"]
     assert plain["profile"] is None
     assert own["profile"]["walker"]["length_scale"] == profile.walker.length_scale
     assert own["profile"]["note"]["date"] == profile.note.date.isoformat()
@@ -108,11 +108,14 @@ def test_fixes_give_the_scale_that_smoothing_with_them_finds(walk: Walk, good: P
     [
         ((), "give either --distance or --fixes; see pdr-est calibrate --help"),
         (("--distance", 12, "--fixes", "recording"), "give either --distance or --fixes; see"),
-        (("--distance", 12, "--distance", 12), "number of --distance: 2, of recordings: 1: give one for each"),
-        (("--fixes", "a.csv", "--fixes", "b.csv"), "number of --fixes: 2, of recordings: 1"),
+        (
+            ("--distance", 12, "--distance", 12),
+            "--distance is given 2 times for 1 recording.s.: give it once for each",
+        ),
+        (("--fixes", "a.csv", "--fixes", "b.csv"), "--fixes is given 2 times for 1 recording"),
         (("--distance", 0), "walk.csv: a distance of 0 m: give the length of the way in metres"),
         (("--distance", 1200), "walk.csv: .* m by its steps and 1200 m as given, a scale of .* give metres"),
-        (("--fixes", "recording"), "walk.csv: .* holds no position fixes"),
+        (("--fixes", "recording"), "walk.csv: .* has no position fixes"),
         (("--distance", "12 m"), "'12 m' is not a valid float"),
         (("--distance", 12, "--height", 175), "--height: walker.height_m = 175.0: .* metres"),
     ],

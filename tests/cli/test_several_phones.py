@@ -112,7 +112,7 @@ def test_a_clock_may_be_given_in_the_settings(phones: tuple[Path, Path], tmp_pat
         (("--clock", "given"), "no clock is given: set devices.clocks (--clock-offset) for one of the devices hand"),
         (("--clock", "messages"), "the recording has no clock messages: give them with --messages FILE.csv"),
         (("--clock-offset", "left", "1"), "the recording has no device 'left'; its devices are hand, pocket"),
-        (("--clock", "none", "--clock-offset", "pocket", "1"), "--clock none: makes no use of --clock-offset"),
+        (("--clock", "none", "--clock-offset", "pocket", "1"), "--clock none: does not use --clock-offset"),
         (("--clock-offset", "pocket", "nan"), "--clock-offset: devices.clocks.0.offset_s = nan"),
         (("--clock-offset", "pocket", "1e11"), "--clock-offset: devices.clocks.0.offset_s = 100000000000.0"),
     ],
@@ -125,7 +125,7 @@ def test_clocks_that_cannot_be(
 
 def test_messages_that_cannot_be(phones: tuple[Path, Path], messages: Path, tmp_path: Path) -> None:
     line = two_refused(phones, tmp_path / "outs", "--messages", messages, "--clock-offset", "pocket", "1")
-    assert line == "--messages and --clock-offset both tell the clocks: give one of them"
+    assert line == "--messages and --clock-offset both set the clocks: give one of them"
     bad = tmp_path / "bad.csv"
     bad.write_text(f"{HEADER}\nleft,1.0,2.0,1.1\n")
     line = two_refused(phones, tmp_path / "outs", "--messages", bad)

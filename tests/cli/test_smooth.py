@@ -257,7 +257,7 @@ def test_an_earlier_result_is_replaced_on_demand_only(good: Path, tmp_path: Path
     line = refused("smooth", good, "-o", out)
     assert (
         line
-        == f"{out}: holds the results of an earlier run: allow overwriting (--overwrite) or choose another folder"
+        == f"{out}: contains the results of an earlier run: allow overwriting (--overwrite) or choose another folder"
     )
     assert document(out)["estimator"] == "ekf"
     smoothed(good, out, "--overwrite", "--estimator", "dead-reckoning")

@@ -40,7 +40,7 @@ def test_one_line_a_device(good: Path, accelerometer_only: Path) -> None:
     (one,) = documents(good)
     assert held == (
         f"{good}: device: {one['steps']} steps in {one['duration_s']:.1f} s, "
-        f"{one['cadence_per_min']:.1f} a minute, HOLDING 100 %"
+        f"{one['cadence_per_min']:.1f} steps per minute, HOLDING 100 %"
     )
     assert bare.startswith(f"{accelerometer_only}: device: ")
     assert bare.endswith("UNKNOWN 100 %")
@@ -104,7 +104,8 @@ def test_smooth_refuses_what_has_steps_only_and_points_here(accelerometer_only: 
 def test_refusals(good: Path, walk: Walk, tmp_path: Path) -> None:
     table = tmp_path / "steps.csv"
     assert refused("steps", good, good, "-o", table) == (
-        "-o takes the steps of one RECORDING, not of 2: run once for each; see pdr-est steps --help"
+        "-o takes the steps of one RECORDING, but 2 are given: run the command once for each; "
+        "see pdr-est steps --help"
     )
     assert refused("steps", good, tmp_path / "nowhere.csv").startswith(str(tmp_path / "nowhere.csv"))
     assert "'magic' is not one of 'auto', 'mmpdr'" in refused("steps", good, "--detector", "magic")
@@ -132,7 +133,7 @@ def test_what_the_reader_and_the_gyroscope_leave_open_is_a_warning(walk: Walk, t
     result = run("steps", save(tmp_path / "walk.csv", lines))
     assert result.exit_code == 0
     assert "1 of" in result.stderr
-    assert "rows are left out because they contain NaN" in result.stderr
+    assert "rows are left out: NaN" in result.stderr
     assert "the gyroscope covers only" in result.stderr
 
 
@@ -147,7 +148,7 @@ def test_a_table_of_steps_replaces_nothing_unasked_and_never_an_input(
     assert "exists already: allow overwriting (--overwrite)" in refused("steps", recording, "-o", table)
     for target in (recording, config, tmp_path / "hard.csv"):
         line = refused("steps", recording, "--config", config, "-o", target, "--overwrite")
-        assert re.search(r"is the input .* or lies inside it: name a file elsewhere", line)
+        assert re.search(r"is the input .* or lies inside it: choose a file elsewhere", line)
     assert (table.read_text(), config.read_text()) == ("mine", "{}")
     assert recording.read_text().splitlines() == lines
     assert run("steps", good, "-o", table, "--overwrite").exit_code == 0

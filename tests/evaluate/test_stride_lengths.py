@@ -8,7 +8,7 @@ from pdr_est.evaluate.stride_lengths import (
     lengths_by_time,
     lengths_by_two_steps,
     scored_strides,
-    shares,
+    step_shares,
     stride_error,
 )
 from pdr_est.types.ground_truth import TrueStrides
@@ -23,7 +23,7 @@ def strides(*ends_s: float, length_m: float = 1.2) -> TrueStrides:
 
 
 def share_of(truth: TrueStrides) -> np.ndarray:
-    return shares(STEP_ENDS_S - 0.5, STEP_ENDS_S, truth)
+    return step_shares(STEP_ENDS_S - 0.5, STEP_ENDS_S, truth)
 
 
 def test_strides_that_end_with_steps_are_the_same_by_both_rules() -> None:
@@ -41,7 +41,7 @@ def test_scatter_of_the_ends_goes_into_the_length_by_time_alone() -> None:
 
 @pytest.mark.parametrize(("duration_s", "expected"), [(0.3, 1), (1.4, 1), (1.6, 2), (2.4, 2), (2.6, 3)])
 def test_the_number_of_strides_is_half_that_of_the_steps_rounded(duration_s: float, expected: int) -> None:
-    share = shares(STEP_ENDS_S - 0.5, STEP_ENDS_S, strides(0.2, 0.2 + duration_s))
+    share = step_shares(STEP_ENDS_S - 0.5, STEP_ENDS_S, strides(0.2, 0.2 + duration_s))
     assert_allclose(lengths_by_two_steps(share, np.full(8, 0.7)), [1.4 * expected])
 
 

@@ -1,33 +1,35 @@
 import io
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+from result_rows import SECONDS, benchmark_result, result_row
 from rich.console import Console
 
+from pdr_est import __version__
+from pdr_est.config import Config
 from pdr_est.evaluate.statistics import Average
-from pdr_est.experiment import BenchmarkResult, print_table
-from pdr_est.experiment.results.score_rows import SkippedWalk, WalkRow
+from pdr_est.experiment import BenchmarkResult, print_benchmark
+from pdr_est.experiment.results.walk_result import Failure
+from pdr_est.experiment.suite import WalkFile
+from pdr_est.experiment.variants.axes import AXES
+
+SETTINGS = {axis.name: axis.value_in(Config()) for axis in AXES} | {"estimator": "ekf"}
 
 
-def row(walk, estimator, ate, group=None, headline=True, **labels):
-    metrics = {"ate_rigid_m": ate, "final_drift": None}
-    settings = {"estimator": estimator, "detector": "auto"}
-    return WalkRow(walk, "device", settings, "HOLDING", metrics, 0.125, labels, {"truth_points": 9}, group, headline)
+def row(walk, estimator, ate):
+    return result_row(walk, estimator, {"ate_rigid_m": ate, "final_drift": None}, counts={"truth_points": 9})
 
 
-def result(estimators=("ekf",), rows=(), skipped=()):
-    return BenchmarkResult(
-        suite="oxiod",
-        version="1.2.3",
-        axis="estimator",
-        names=estimators,
-        settings={"estimator": "ekf", "detector": "auto"},
-        metrics=("ate_rigid_m", "final_drift"),
-        rows=tuple(rows),
-        skipped=tuple(skipped),
-    )
+def result(rows, estimators=("ekf",), files=(), failures=()):
+    metrics = ("ate_rigid_m", "final_drift")
+    return benchmark_result("oxiod", "estimator", estimators, metrics, rows, files, failures)
+
+
+def file(walk, group=None, headline=True, **labels):
+    return WalkFile(walk, Path(walk), labels, group, headline)
 
 
 def test_average_of_values_by_hand():
@@ -44,29 +46,29 @@ def test_average_leaves_unknown_values_out_and_counts_the_others():
 
 def test_document_has_exactly_the_agreed_shape():
     document = result(
-        rows=[row("a/imu1", "ekf", 2.0, "large-scale/hand", position="hand")], skipped=[SkippedWalk("b", "why")]
+        rows=[row("a/imu1", "ekf", 2.0)],
+        files=[file("a/imu1", "large-scale/hand", position="hand")],
+        failures=[Failure("b", "why")],
     ).to_dict()
     average = {"mean": 2.0, "median": 2.0, "p90": 2.0, "n": 1}
     nothing = {"mean": None, "median": None, "p90": None, "n": 0}
     assert document == {
         "suite": "oxiod",
-        "version": "1.2.3",
-        "estimator": "ekf",
-        "detector": "auto",
+        "version": __version__,
+        **SETTINGS,
         "summary": {"ate_rigid_m": average, "final_drift": nothing},
         "groups": {"large-scale/hand": {"ate_rigid_m": average, "final_drift": nothing}},
         "walks": [
             {
                 "walk": "a/imu1",
                 "track": "device",
-                "estimator": "ekf",
-                "detector": "auto",
+                **SETTINGS,
                 "mode": "HOLDING",
                 "position": "hand",
                 "ate_rigid_m": 2.0,
                 "final_drift": None,
                 "truth_points": 9,
-                "seconds": 0.125,
+                "seconds": SECONDS,
             }
         ],
         "skipped": [{"walk": "b", "reason": "why"}],
@@ -78,15 +80,16 @@ def test_document_is_strict_json():
 
 
 def test_walks_apart_count_in_their_group_and_not_in_the_summary():
-    rows = [row("a", "ekf", 1.0, "large-scale/hand"), row("b", "ekf", 9.0, "vicon/hand", headline=False)]
-    document = result(rows=rows).to_dict()
+    rows = [row("a", "ekf", 1.0), row("b", "ekf", 9.0)]
+    files = [file("a", "large-scale/hand"), file("b", "vicon/hand", headline=False)]
+    document = result(rows, files=files).to_dict()
     assert document["summary"]["ate_rigid_m"] == {"mean": 1.0, "median": 1.0, "p90": 1.0, "n": 1}
     assert document["groups"]["vicon/hand"]["ate_rigid_m"]["mean"] == 9.0
 
 
 def test_several_estimators_are_averaged_apart():
-    rows = [row("a", "ekf", 1.0, "g"), row("a", "factor-graph", 3.0, "g")]
-    document = result(estimators=("ekf", "factor-graph"), rows=rows).to_dict()
+    rows = [row("a", "ekf", 1.0), row("a", "factor-graph", 3.0)]
+    document = result(rows, ("ekf", "factor-graph"), [file("a", "g")]).to_dict()
     assert document["estimator"] == "all"
     assert document["summary"]["ate_rigid_m"]["mean"] == 1.0
     assert {name: s["ate_rigid_m"]["mean"] for name, s in document["estimators"].items()} == {
@@ -98,22 +101,10 @@ def test_several_estimators_are_averaged_apart():
 
 
 def test_several_detectors_are_averaged_apart():
-    rows = [
-        WalkRow("a", "device", {"estimator": "ekf", "detector": name}, "HOLDING", {"count_error": error}, 0.1)
-        for name, error in (("auto", 0.01), ("mmpdr", 0.05))
-    ]
-    of_detectors = BenchmarkResult(
-        suite="oxford-steps",
-        version="1.2.3",
-        axis="detector",
-        names=("auto", "mmpdr"),
-        settings={"estimator": "ekf", "detector": "auto"},
-        metrics=("count_error",),
-        rows=tuple(rows),
-        skipped=(),
-    )
-    document = of_detectors.to_dict()
-    assert (document["estimator"], document["detector"]) == ("ekf", "all")
+    rows = [result_row("a", name, {"count_error": error}) for name, error in (("auto", 0.01), ("mmpdr", 0.05))]
+    detectors = ("auto", "mmpdr")
+    document = benchmark_result("oxford-steps", "detector", detectors, ("count_error",), rows).to_dict()
+    assert (document["estimator"], document["detector"]) == (Config().estimator.name, "all")
     assert document["summary"] == document["detectors"]["auto"]
     assert {name: s["count_error"]["mean"] for name, s in document["detectors"].items()} == {
         "auto": 0.01,
@@ -128,7 +119,7 @@ def test_several_detectors_are_averaged_apart():
 def printed():
     def lines(of: BenchmarkResult, width: int = 80) -> str:
         console = Console(file=io.StringIO(), width=width)
-        print_table(of, console)
+        print_benchmark(of, console)
         return console.file.getvalue()
 
     return lines
@@ -136,8 +127,9 @@ def printed():
 
 def test_table_holds_the_numbers_of_the_document(printed):
     values = np.array([1.2345, 2.3456, 4.5678])
-    rows = [row(f"walk{i}", "ekf", value, position="hand") for i, value in enumerate(values)]
-    text = printed(result(rows=rows, skipped=[SkippedWalk("[b]", "no true positions: nothing to score")]))
+    rows = [row(f"walk{i}", "ekf", value) for i, value in enumerate(values)]
+    files = [file(row.walk, position="hand") for row in rows]
+    text = printed(result(rows, files=files, failures=[Failure("[b]", "no true positions: nothing to score")]))
     for number in (*values, values.mean(), np.median(values), np.percentile(values, 90)):
         assert f"{number:.3f}" in text
     assert "skipped [b]: no true positions: nothing to score" in text
@@ -146,6 +138,6 @@ def test_table_holds_the_numbers_of_the_document(printed):
 
 def test_narrow_terminal_shortens_no_name_and_no_number(printed):
     name = "site1/F1/" + 24 * "5"
-    text = printed(result(rows=[row(name, "factor-graph", 1.5)], estimators=("factor-graph",)), width=20)
+    text = printed(result([row(name, "factor-graph", 1.5)], ("factor-graph",)), width=20)
     assert name in text.replace("\n", "")
     assert "…" not in text

@@ -7,15 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from result_rows import result_row
 from small_sets import N_STEPS, bouncing, crests_s, plain_table, write
 
-from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, Observation
+from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE, SIGMA_WALK, Calibration, ScaleObservation
 from pdr_est.config import Config
-from pdr_est.experiment import compare, run_benchmark
-from pdr_est.experiment.results.score_rows import SkippedWalk, WalkRow
+from pdr_est.experiment import comparison_on_axis, run_benchmark
 from pdr_est.experiment.scoring.calibrated import with_calibrated
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.step_length import StepLengthParams
+from pdr_est.types.outcome import TrackOutcome
 
 STEP_M = 0.415 * 1.73  # of the model `static`
 CONFIG = Config(mode=ModeParams(method="fixed"), step_length=StepLengthParams(model="static"))
@@ -23,7 +24,7 @@ SHRINKAGE = SIGMA_LOG_SCALE**2 / (SIGMA_LOG_SCALE**2 + SIGMA_WALK**2)  # of one 
 
 
 def run(suite, data, **options):
-    return run_benchmark(suite, data, compare(CONFIG), **options).to_dict()
+    return run_benchmark(suite, data, comparison_on_axis(CONFIG), **options).to_dict()
 
 
 def stride_table(path: Path, scale: float, first_stride_end: int = 3, outlier: int | None = None) -> None:
@@ -78,7 +79,9 @@ def test_calibration_is_on_each_other_walk_in_turn(tmp_path):
 
 def test_variants_are_calibrated_on_walks_of_their_own_kind(tmp_path):
     stride_set(tmp_path, 1.2, 1.1)
-    both = run_benchmark("stride-length", tmp_path, compare(CONFIG, "length-model", ["static", "auto"])).to_dict()
+    both = run_benchmark(
+        "stride-length", tmp_path, comparison_on_axis(CONFIG, "length-model", ["static", "auto"])
+    ).to_dict()
     of_static = [walk for walk in both["walks"] if walk["length-model"] == "static"]
     alone = run("stride-length", tmp_path)["walks"]
     for name in ("distance_error", "distance_error_calibrated", "stride_error_calibrated"):
@@ -116,7 +119,7 @@ def test_the_stated_uncertainty_of_the_scale_is_measured(tmp_path):
     # On each other, the first two are right; on the third one they are far too long, and it is too short on them.
     assert [walk["scale_coverage68_calibrated"] for walk in (first, second, third)] == [0.5, 0.5, 0.0]
     vague = replace(CONFIG, odometry=replace(CONFIG.odometry, sigma_length_scale=0.3))
-    document = run_benchmark("stride-length", tmp_path, compare(vague)).to_dict()
+    document = run_benchmark("stride-length", tmp_path, comparison_on_axis(vague)).to_dict()
     assert document["summary"]["scale_coverage68"]["mean"] == 1.0
 
 
@@ -176,34 +179,33 @@ class Case:
     scale: float
 
     @property
-    def observation(self) -> Observation:
-        return Observation(math.log(self.scale), 0.0, 0.6)
+    def observation(self) -> ScaleObservation:
+        return ScaleObservation(math.log(self.scale), 0.0, 0.6)
 
     def errors(self, calibration: Calibration) -> dict[str, float]:
         return {"scale": float(calibration.mean[0])}
 
 
-def row(walk: str, track: str, variant: str) -> WalkRow:
-    return WalkRow(walk, track, {"length-model": variant}, "HOLDING", {"error": 1.0}, 0.0)
+def row(walk: str, track: str, variant: str) -> TrackOutcome:
+    return result_row(walk, variant, {"error": 1.0}, track)
 
 
 def test_a_walk_never_sees_itself_nor_another_variant():
     """Two phones on each of three walks, with two models: of 12 rows, each learns from the four of other walks."""
     keys = [(walk, track, variant) for variant in "XY" for walk in "abc" for track in ("left", "right")]
     scales = dict(zip(keys, np.linspace(0.7, 1.4, len(keys)), strict=True))
-    rows, skipped = with_calibrated([row(*key) for key in keys], [Case(scales[key]) for key in keys], 1, ("scale",))
-    assert skipped == ()
+    rows, missing = with_calibrated([row(*key) for key in keys], [Case(scales[key]) for key in keys], 1, ("scale",))
+    assert missing == {}
     for key, completed in zip(keys, rows, strict=True):
         others = [math.log(scales[of]) for of in keys if of[0] != key[0] and of[2] == key[2]]
         assert len(others) == 4
-        assert completed == replace(
-            row(*key), metrics={"error": 1.0, "scale": pytest.approx(SHRINKAGE * np.mean(others))}
-        )
+        assert (completed.walk, completed.track, completed.variant) == key
+        assert completed.metrics == {"error": 1.0, "scale": pytest.approx(SHRINKAGE * np.mean(others))}
 
 
 def test_the_other_phone_of_a_walk_is_not_another_walk():
     rows = [row("a", "left", "X"), row("a", "right", "X"), row("a", "left", "Y"), row("b", "left", "Y")]
     cases = [Case(1.1), Case(1.2), Case(1.1), None]
-    completed, skipped = with_calibrated(rows, cases, 1, ("scale",))
-    assert completed == tuple(rows)
-    assert skipped == (SkippedWalk("a", "scale: fewer than 1 other walks to calibrate on"),)
+    completed, missing = with_calibrated(rows, cases, 1, ("scale",))
+    assert [one.metrics for one in completed] == [one.metrics for one in rows]
+    assert missing == {"a": "scale: fewer than 1 other walks to calibrate on"}

@@ -12,7 +12,7 @@ from experiment_files import SMALL, experiment_file
 from pdr_est.errors import ConfigError
 from pdr_est.experiment import load_experiment
 from pdr_est.experiment.json_schema import experiment_schema, settings_schema
-from pdr_est.experiment.runners.walk_job import work_of
+from pdr_est.experiment.runners.scoring_job import experiment_job
 from pdr_est.experiment.variants.axes import same_front_end
 from pdr_est.simulate import psp_walks, robust_dr_trials
 
@@ -164,7 +164,7 @@ def test_the_resolved_file_is_an_experiment_with_the_same_variants_and_walks(tmp
 
 def test_variants_that_share_a_front_end_are_worked_on_in_a_row(tmp_path: Path) -> None:
     text = BARE + "sweep:\n  estimator.name: [ekf, dead-reckoning]\n  steps.detector: [auto, mmpdr]\n"
-    variants = work_of(load_experiment(experiment_file(tmp_path, text))).variants
+    variants = experiment_job(load_experiment(experiment_file(tmp_path, text))).variants
     changes = sum(not same_front_end(a.config, b.config) for a, b in pairwise(variants))
     assert changes == 1
 

@@ -15,15 +15,17 @@ import polars as pl
 import pytest
 from experiment_files import SMALL, experiment_file
 
+from pdr_est import pipeline
+from pdr_est.config import Config
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.experiment import load_experiment, run_experiment
-from pdr_est.experiment.runners import walk_job as work_module
-from pdr_est.experiment.runners.processes import run_locally
-from pdr_est.experiment.runners.walk_job import work_of
-from pdr_est.experiment.runners.walk_result import decode, part_file
+from pdr_est.experiment.results.walk_result import result_file
+from pdr_est.experiment.runners.processes import run_in_processes
+from pdr_est.experiment.runners.scoring_job import experiment_job
 from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.walks import Walk
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
+from pdr_est.pipeline import DeviceWalk
 from pdr_est.simulate import preset, simulate_walk
 from pdr_est.types.recording import Recording
 
@@ -110,7 +112,7 @@ def all_ended(group: int) -> None:
 def test_damaged_and_missing_parts_are_done_again(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     shutil.copytree(whole / "out", out)
-    first, second = part_file(out / "parts", "walk_0001"), part_file(out / "parts", "walk_0002")
+    first, second = result_file(out / "parts", "walk_0001"), result_file(out / "parts", "walk_0002")
     first.write_bytes(first.read_bytes()[:100])
     second.unlink()
     (out / "results.parquet").unlink()
@@ -156,7 +158,7 @@ def test_a_run_that_dies_while_it_writes_goes_on(
     begins = moment <= 2
     if not begins:
         shutil.copytree(whole / "out", out)
-        part_file(out / "parts", "walk_0002").unlink()
+        result_file(out / "parts", "walk_0002").unlink()
     intact, calls = Path.replace, []
 
     def deadly(path: Path, target: Path) -> Path:
@@ -171,7 +173,7 @@ def test_a_run_that_dies_while_it_writes_goes_on(
             run_experiment(load_experiment(whole / "small.yaml"), out)
     run_experiment(load_experiment(whole / "small.yaml"), out)
     assert same_tables(whole / "out", out)
-    assert [path.name for path in out.glob("*.half")] == []
+    assert [path.name for path in out.rglob("*.partial")] == []
 
 
 def test_parts_without_provenance_are_of_unknown_origin(whole: Path, tmp_path: Path) -> None:
@@ -259,14 +261,14 @@ def test_changed_data_are_noticed(recorded: Path, tmp_path: Path) -> None:
 
 
 def test_a_fault_of_ours_costs_one_walk_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    intact = work_module._part
+    intact = pipeline.analyse
 
-    def faulty(work: work_module.Work, walk: Walk) -> work_module.WalkResult:
-        if walk.name == "walk_0002":
+    def faulty(recording: Recording, config: Config) -> tuple[DeviceWalk, ...]:
+        if recording.name == "walk_0002":
             raise ZeroDivisionError("a fault")
-        return intact(work, walk)
+        return intact(recording, config)
 
-    monkeypatch.setattr(work_module, "_part", faulty)
+    monkeypatch.setattr(pipeline, "analyse", faulty)
     finished = run_experiment(load_experiment(experiment_file(tmp_path)), tmp_path / "out")
     assert finished.failed == 1
     assert failures(tmp_path / "out") == [
@@ -287,13 +289,15 @@ def test_a_process_that_dies_costs_one_walk_and_is_not_final(tmp_path: Path) -> 
     experiment = load_experiment(experiment_file(tmp_path))
     first, second, third = experiment.walks
     deadly = Deadly(second.name, second.labels, second.source)
-    done = {one.walk.name: one for one in run_locally(work_of(experiment), [first, deadly, third], workers=2)}
-    assert {name: one.keep for name, one in done.items()} == {
+    done = {
+        one.walk.name: one for one in run_in_processes(experiment_job(experiment), [first, deadly, third], workers=2)
+    }
+    assert {name: one.final for name, one in done.items()} == {
         "walk_0001": True,
         "walk_0002": False,
         "walk_0003": True,
     }
-    lost = decode(done["walk_0002"].content)
+    lost = done["walk_0002"].result
     assert (lost.tracks, lost.failures[0].whole) == ((), True)
     assert "died" in lost.failures[0].reason
 

@@ -10,7 +10,7 @@ from small_sets import motionsense_table, sisfall_table
 import pdr_est.front_end.gait as gait_package
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
-from pdr_est.experiment import compare, print_table, run_benchmark
+from pdr_est.experiment import comparison_on_axis, print_benchmark, run_benchmark
 from pdr_est.experiment.suites import gait
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.gait.folds import GaitFolds
@@ -55,7 +55,7 @@ def models(monkeypatch):
 
 
 def run(data, parameters=None):
-    return run_benchmark("gait", data, compare(Config(gait=parameters or GaitParams())))
+    return run_benchmark("gait", data, comparison_on_axis(Config(gait=parameters or GaitParams())))
 
 
 def by_name(result):
@@ -76,7 +76,7 @@ def test_people_of_the_training_data_are_labelled_by_the_model_that_has_not_seen
     for person, code in (("SA01", "D04"), ("SA13", "D03")):
         sisfall_table(tmp_path / f"sisfall/{person}/{code}_{person}_R01.txt")
     result = run(tmp_path)
-    assert result.skipped == ()
+    assert result.failures == ()
     rows = by_name(result)
     assert {name: (row["true_class"], predicted(row)) for name, row in rows.items()} == {
         "motionsense/wlk_7/sub_1": ("walking", "running"),
@@ -130,7 +130,7 @@ def test_confusion_of_each_data_set_and_of_all(tmp_path):
         "sisfall/running",
     }
     text = io.StringIO()
-    print_table(result, Console(file=text, width=300))
+    print_benchmark(result, Console(file=text, width=300))
     for words in ("steps taken for, all", "steps taken for, sisfall", f"{whole['balanced_accuracy']:.4f}"):
         assert words in text.getvalue()
 
@@ -176,7 +176,7 @@ def test_a_model_of_ones_own_does_not_label_those_whom_it_has_seen(tmp_path):
     assert seen["gait_accuracy"] is None
     assert "predicted" not in seen
     assert predicted(unseen) == "jogging"
-    (skipped,) = result.skipped
+    (skipped,) = result.failures
     assert skipped.walk == "motionsense/wlk_7/sub_1"
     assert "was trained on this person" in skipped.reason
 
@@ -190,7 +190,7 @@ def test_without_a_classifier_every_label_is_wrong(tmp_path):
 
 def test_a_walk_without_a_step_says_so(tmp_path):
     motionsense_table(tmp_path / "motionsense/jog_9/sub_1.csv", bounce_mps2=0.0)
-    assert [walk.reason for walk in run(tmp_path, GaitParams(method="none")).skipped] == [
+    assert [walk.reason for walk in run(tmp_path, GaitParams(method="none")).failures] == [
         "gait_accuracy, walking_accuracy: no step found",
         "count_plausibility: nobody moves enough for a step",
     ]
@@ -200,7 +200,7 @@ def test_people_have_the_names_that_the_training_gives_them(tmp_path):
     for name in ("wlk_7/sub_1", "jog_9/sub_12"):
         motionsense_table(tmp_path / f"motionsense/{name}.csv")
     sisfall_table(tmp_path / "sisfall/SA01/D04_SA01_R01.txt")
-    walks = {walk.path: walk for walk in gait.find(tmp_path)}
+    walks = {walk.path: walk for walk in gait.SUITE.find(tmp_path)}
     trained = {file.path: file for file in labelled_files(tmp_path)}
     assert walks.keys() == trained.keys()
     for path, walk in walks.items():

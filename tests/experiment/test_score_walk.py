@@ -7,20 +7,22 @@ import pytest
 from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
-from pdr_est.experiment import SUITES, compare, run_benchmark
-from pdr_est.experiment.runners import score_walk as runner
-from pdr_est.experiment.suite import AnalysedWalk, Scores
+from pdr_est.experiment import SUITES, comparison_on_axis, run_benchmark
+from pdr_est.experiment.analysed_walk import AnalysedWalk
+from pdr_est.experiment.runners.score_variants import missing_reasons
+from pdr_est.experiment.suite import TrackScores
 from pdr_est.experiment.suites import ilc20, ipin2023
 from pdr_est.experiment.variants.axes import Comparison, Variant
-from pdr_est.front_end.gait import GaitParams
+from pdr_est.front_end.gait import GaitParams, shipped_model
+from pdr_est.front_end.gait.model import save_model
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
 from pdr_est.types.measurements import PositionFix
 
 HELD = Config(mode=ModeParams(method="fixed"))  # made-up signals are not like those of a hand
-EKF = compare(HELD, names=("ekf",))
-ALL = compare(HELD, names=("dead-reckoning", "ekf", "factor-graph"))
-DETECTORS = compare(HELD.with_estimator("ekf"), "detector", ("auto", "zero-crossing"))
+EKF = comparison_on_axis(HELD, values=("ekf",))
+ALL = comparison_on_axis(HELD, values=("dead-reckoning", "ekf", "factor-graph"))
+DETECTORS = comparison_on_axis(HELD.with_estimator("ekf"), "detector", ("auto", "zero-crossing"))
 HELDOUT = ("error_heldout_m", "coverage95", "nees_mean")
 
 
@@ -83,7 +85,7 @@ def test_a_walk_that_cannot_be_read_is_skipped_with_its_reason(data):
     whole = (data / "ilc20/site1/F1/two.txt.gz").read_bytes()
     (data / "ilc20/site1/F1/three.txt.gz").write_bytes(whole[: len(whole) // 2])
     result = run_benchmark("ilc20", data, EKF)
-    (skipped,) = result.skipped
+    (skipped,) = result.failures
     assert skipped.walk == "site1/F1/three"
     assert "truncated gzip" in skipped.reason
     assert [row.walk for row in result.rows] == ["site1/F1/one", "site1/F1/two"]
@@ -91,13 +93,15 @@ def test_a_walk_that_cannot_be_read_is_skipped_with_its_reason(data):
 
 def test_walk_without_truth_is_skipped(data, write_ilc20):
     write_ilc20(data / "ilc20/site1/F1/one.txt", every_s=1e3, duration_s=1.0)  # no waypoint before its end
-    (skipped,) = run_benchmark("ilc20", data, EKF, limit=1).skipped
+    (skipped,) = run_benchmark("ilc20", data, EKF, limit=1).failures
     assert "no true positions" in skipped.reason
 
 
 def test_few_points_cost_the_heldout_metrics_only_and_the_reason_is_given_once(data, write_ilc20):
     write_ilc20(data / "ilc20/site1/F1/one.txt", every_s=5.0)  # waypoints at 1, 6, 11 and 16 s
-    document = run_benchmark("ilc20", data, compare(HELD, names=("dead-reckoning", "ekf")), limit=1).to_dict()
+    document = run_benchmark(
+        "ilc20", data, comparison_on_axis(HELD, values=("dead-reckoning", "ekf")), limit=1
+    ).to_dict()
     for walk in document["walks"]:
         assert walk["truth_points"] == 4
         assert [walk[metric] for metric in HELDOUT] == [None, None, None]
@@ -180,8 +184,8 @@ def test_each_detector_gets_its_own_run_of_the_front_end(data, monkeypatch):
     configs = analyses(monkeypatch)
     result = run_benchmark("ilc20", data, DETECTORS, limit=1)
     assert [config.steps.detector for config in configs] == ["auto", "zero-crossing"]
-    assert [row.settings["detector"] for row in result.rows] == ["auto", "zero-crossing"]
-    assert {row.settings["estimator"] for row in result.rows} == {"ekf"}
+    assert [row.variant for row in result.rows] == ["auto", "zero-crossing"]
+    assert {walk["estimator"] for walk in result.to_dict()["walks"]} == {"ekf"}
     one, other = (row.metrics["ate_rigid_m"] for row in result.rows)
     assert one != other
     assert result.to_dict()["detector"] == "all"
@@ -212,7 +216,7 @@ def test_the_estimator_runs_once_for_the_same_fixes(data):
     assert walk.track([PositionFix(1.0, np.zeros(2), np.eye(2))]) is first
     assert other is not first
     assert walk.seconds == seconds
-    assert len(walk.estimates) == 3
+    assert len(walk.tracks) == 2
 
 
 @pytest.mark.slow
@@ -224,18 +228,20 @@ def test_suites_score_the_real_recordings(shared_data, suite):
 
 
 def test_missing_value_that_no_reason_explains_is_told():
-    scores = Scores("device", "HOLDING", dict.fromkeys(ilc20.SUITE.metrics, 1.0) | {"nees_mean": np.nan})
-    assert runner._missing(ilc20.SUITE, scores) == ["nees_mean: not a finite number"]
+    scores = TrackScores("device", "HOLDING", dict.fromkeys(ilc20.SUITE.metrics, 1.0) | {"nees_mean": np.nan})
+    assert missing_reasons(ilc20.SUITE, scores) == ["nees_mean: not a finite number"]
 
 
 def test_a_metric_that_does_not_apply_needs_no_reason():
-    scores = Scores("device", "HOLDING", {"nees_mean": 1.0}, missing={"coverage95": "too dark"})
-    assert runner._missing(ilc20.SUITE, scores) == ["coverage95: too dark"]
+    scores = TrackScores("device", "HOLDING", {"nees_mean": 1.0}, missing={"coverage95": "too dark"})
+    assert missing_reasons(ilc20.SUITE, scores) == ["coverage95: too dark"]
 
 
 def test_settings_that_no_walk_can_use_end_the_run(data, tmp_path):
-    # As when the file vanishes after the configuration was read.
-    gone = replace(HELD.with_estimator("ekf"), gait=GaitParams(model=str(tmp_path / "gone.json")))
+    path = tmp_path / "gone.json"
+    save_model(shipped_model("auto"), path)
+    gone = replace(HELD.with_estimator("ekf"), gait=GaitParams(model=str(path)))
+    path.unlink()  # the file vanishes after the configuration was read
     variant = Variant("ekf", gone)
     with pytest.raises(ConfigError, match=r"gone\.json"):
         run_benchmark("ilc20", data, Comparison("estimator", (variant,), variant))
@@ -254,4 +260,4 @@ def test_the_name_of_a_skipped_walk_is_said_once(data, monkeypatch):
         raise RecordingError(f"{recording.name}: too dull")
 
     monkeypatch.setattr(pipeline, "analyse", refuse)
-    assert {skipped.reason for skipped in run_benchmark("ilc20", data, EKF).skipped} == {"too dull"}
+    assert {skipped.reason for skipped in run_benchmark("ilc20", data, EKF).failures} == {"too dull"}

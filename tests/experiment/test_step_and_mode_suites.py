@@ -16,7 +16,7 @@ from small_sets import (
 from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
-from pdr_est.experiment import compare, run_benchmark
+from pdr_est.experiment import comparison_on_axis, run_benchmark
 from pdr_est.experiment.suites import oxford_steps, phone_gps
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
@@ -27,7 +27,7 @@ POCKET = Config(mode=ModeParams(method="fixed", fixed="POCKET"))
 
 
 def run(suite, data, config=HELD):
-    return run_benchmark(suite, data, compare(config)).to_dict()
+    return run_benchmark(suite, data, comparison_on_axis(config)).to_dict()
 
 
 @pytest.fixture

@@ -5,8 +5,7 @@ import runpy
 from pathlib import Path
 
 import pytest
-
-from pdr_est.experiment.results.score_rows import BenchmarkResult, WalkRow
+from result_rows import benchmark_result, result_row
 
 EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 SCRIPT = runpy.run_path(str(EXPERIMENTS / "uptime_table3.py"))
@@ -15,12 +14,10 @@ SCRIPT = runpy.run_path(str(EXPERIMENTS / "uptime_table3.py"))
 def result(errors):
     """A result from {(position, detector): count error}."""
     rows = [
-        WalkRow(f"walk_{position}", "device", {"detector": detector}, "HOLDING", {"count_error": error}, 0.1,
-                {"position": position})
+        result_row(f"walk_{position}", detector, {"count_error": error}, labels={"position": position})
         for (position, detector), error in errors.items()
-    ]  # fmt: skip
-    names = tuple(SCRIPT["DETECTORS"])
-    return BenchmarkResult("oxford-steps", "1", "detector", names, {}, ("count_error",), tuple(rows), ())
+    ]
+    return benchmark_result("oxford-steps", "detector", SCRIPT["DETECTORS"], ("count_error",), rows)
 
 
 def test_averages_by_place_and_detector():

@@ -2,46 +2,46 @@ import pytest
 
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError
-from pdr_est.experiment.variants.axes import AXES, compare, comparison_of_choices, same_front_end
+from pdr_est.experiment.variants.axes import AXES, comparison_from_options, comparison_on_axis, same_front_end
 
 
-@pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.word)
+@pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)
 def test_each_value_of_an_axis_can_be_chosen_and_changes_nothing_else(axis):
-    default = axis.of(Config())
-    assert default in axis.names
-    for name in axis.names:
-        config = axis.chosen(Config(), name)
-        assert axis.of(config) == name
-        assert axis.chosen(config, default) == Config()
+    default = axis.value_in(Config())
+    assert default in axis.values
+    for name in axis.values:
+        config = axis.with_value(Config(), name)
+        assert axis.value_in(config) == name
+        assert axis.with_value(config, default) == Config()
 
 
 def test_without_a_choice_the_configured_variant_runs_alone():
     config = Config().with_estimator("ekf")
-    comparison = comparison_of_choices(config, {})
+    comparison = comparison_from_options(config, {})
     assert (comparison.axis, comparison.names) == ("estimator", ("ekf",))
     assert comparison.main.config == config
 
 
 def test_a_single_choice_is_the_axis_that_is_shown():
-    comparison = comparison_of_choices(Config(), {"estimator": None, "detector": "mmpdr"})
+    comparison = comparison_from_options(Config(), {"estimator": None, "detector": "mmpdr"})
     assert (comparison.axis, comparison.names) == ("detector", ("mmpdr",))
     settings = comparison.main.settings()
     assert (settings["estimator"], settings["detector"]) == (Config().estimator.name, "mmpdr")
 
 
-@pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.word)
+@pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)
 def test_all_compares_every_value_and_the_configured_one_is_the_main_one(axis):
-    config = axis.chosen(Config(), axis.names[1])
-    comparison = comparison_of_choices(config, {axis.word: "all"})
-    assert (comparison.axis, comparison.names, comparison.main.name) == (axis.word, axis.names, axis.names[1])
-    assert [axis.of(variant.config) for variant in comparison.variants] == list(axis.names)
+    config = axis.with_value(Config(), axis.values[1])
+    comparison = comparison_from_options(config, {axis.name: "all"})
+    assert (comparison.axis, comparison.names, comparison.main.name) == (axis.name, axis.values, axis.values[1])
+    assert [axis.value_in(variant.config) for variant in comparison.variants] == list(axis.values)
 
 
 @pytest.mark.parametrize(
     ("every", "one", "name"), [("estimator", "detector", "mmpdr"), ("detector", "estimator", "ekf")]
 )
 def test_all_of_one_axis_with_one_value_of_the_other(every, one, name):
-    comparison = comparison_of_choices(Config(), {every: "all", one: name})
+    comparison = comparison_from_options(Config(), {every: "all", one: name})
     assert comparison.axis == every
     assert {variant.settings()[one] for variant in comparison.variants} == {name}
 
@@ -50,24 +50,24 @@ def test_two_axes_at_once_are_refused():
     with pytest.raises(
         ConfigError, match="--estimator all and --detector all: only one setting is compared at a time"
     ):
-        comparison_of_choices(Config(), {"estimator": "all", "detector": "all"})
+        comparison_from_options(Config(), {"estimator": "all", "detector": "all"})
 
 
 def test_unknown_names_are_refused():
     with pytest.raises(ConfigError, match="unknown axis 'colour': choose one of estimator, detector"):
-        compare(Config(), "colour")
+        comparison_on_axis(Config(), "colour")
     with pytest.raises(ConfigError, match=r"--detector: steps\.detector = 'ear'"):
-        compare(Config(), "detector", ("auto", "ear"))
+        comparison_on_axis(Config(), "detector", ("auto", "ear"))
     with pytest.raises(ConfigError, match="no detector to compare"):
-        compare(Config(), "detector", ())
+        comparison_on_axis(Config(), "detector", ())
 
 
 def test_a_value_outside_the_compared_ones_leaves_the_first_as_the_main_one():
-    assert compare(Config(), "detector", ("mmpdr", "zero-crossing")).main.name == "mmpdr"
+    assert comparison_on_axis(Config(), "detector", ("mmpdr", "zero-crossing")).main.name == "mmpdr"
 
 
 def test_only_the_estimator_leaves_the_front_end_as_it_is():
     config = Config()
     assert same_front_end(config, config.with_estimator("ekf"))
-    (other,) = compare(config, "detector", ("mmpdr",)).variants
+    (other,) = comparison_on_axis(config, "detector", ("mmpdr",)).variants
     assert not same_front_end(config, other.config)

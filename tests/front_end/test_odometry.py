@@ -7,7 +7,7 @@ import pytest
 from signals import run, step
 
 from pdr_est.front_end.odometry import Odometry, OdometryParams, step_covariance
-from pdr_est.types.measurements import StepOdometry
+from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.steps import CarryingMode, Step
 
 PARAMETERS = OdometryParams(
@@ -112,3 +112,45 @@ def test_headings_of_a_segment_compare_among_themselves() -> None:
         *(step(1.0 + i, 0.5 + i, segment=segment, heading_rad=yaw) for i, (segment, yaw) in enumerate(headings))
     )
     assert [o.heading_change_rad for o in found if o.observed] == pytest.approx([0.0, 0.2, 0.0, -0.1])
+
+
+def in_mode(found: Step, mode: CarryingMode) -> Step:
+    return replace(found, event=replace(found.event, mode=mode))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "follows", "besides"),
+    [
+        (CarryingMode.HOLDING, CarryingMode.POCKET, False, PARAMETERS.sigma_mode_change_rad),
+        (CarryingMode.HOLDING, CarryingMode.POCKET, True, 0.0),
+        (CarryingMode.HOLDING, CarryingMode.HOLDING, False, 0.0),
+        (CarryingMode.UNKNOWN, CarryingMode.HOLDING, False, 0.0),
+        (CarryingMode.HOLDING, CarryingMode.UNKNOWN, False, 0.0),
+    ],
+)
+def test_a_change_of_mode_may_have_turned_a_phone_that_the_heading_does_not_follow(
+    before: CarryingMode, after: CarryingMode, follows: bool, besides: float
+) -> None:
+    _, second = odometry_of(in_mode(TURNED, before), replace(in_mode(TURNED_MORE, after), follows_phone=follows))
+    sigma = np.hypot(0.05 * np.sqrt(0.5), besides)
+    np.testing.assert_allclose(second.covariance, step_covariance(0.7, 0.07, 0.2, sigma))
+
+
+def test_the_sigmas_of_a_mode_change_and_of_the_heading_stage_add_up() -> None:
+    later = replace(in_mode(TURNED_MORE, CarryingMode.POCKET), sigma_turn_rad=0.3)
+    _, second = odometry_of(TURNED, later)
+    sigma = np.sqrt(0.05**2 * 0.5 + PARAMETERS.sigma_mode_change_rad**2 + 0.3**2)
+    np.testing.assert_allclose(second.covariance, step_covariance(0.7, 0.07, 0.2, sigma))
+
+
+def test_a_step_on_a_straight_path_is_followed_by_a_heading_prior_in_the_first_segment_only() -> None:
+    def on_path(found: Step) -> Step:
+        return replace(found, path_heading_rad=0.25, sigma_path_heading_rad=0.08)
+
+    parameters = OdometryParams(sigma_straight_rad=0.15)
+    found = odometry_of(
+        step(1.0, 0.4), on_path(TURNED_MORE), on_path(step(4.0, 3.4, segment=1)), parameters=parameters
+    )
+    priors = [item for item in found if isinstance(item, HeadingPrior)]
+    assert priors == [HeadingPrior("left", 1.5, 0.25, pytest.approx(0.17), relative=True)]  # type: ignore[arg-type]
+    assert isinstance(found[found.index(priors[0]) - 1], StepOdometry)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdr_est.experiment.scoring.confusion import Confusion
+from pdr_est.experiment.suite import ConfusionMatrix
 from pdr_est.types.steps import Gait
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
@@ -74,7 +74,7 @@ def test_table_4_of_the_paper_gives_the_papers_accuracy():
 def test_table_4_takes_the_counts_of_the_suite():
     labels = dict.fromkeys(("walking", "jogging", "running", "unknown"), 0)
     counts = TABLE_4["counts_of"](
-        Confusion({"walking": labels | {"walking": 5}, "jogging": labels | {"running": 2, "unknown": 1}}, {})
+        ConfusionMatrix({"walking": labels | {"walking": 5}, "jogging": labels | {"running": 2, "unknown": 1}}, {})
     )
     assert counts[Gait.WALKING].tolist() == [0, 5, 0, 0]
     assert counts[Gait.JOGGING].tolist() == [1, 0, 0, 2]

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from partitions import content, cut, in_bursts, messy_device, run
 
 from pdr_est.frames import Array
 from pdr_est.preprocessing.resampling import ResampleParams, Resampler
+from pdr_est.testing import cut_block, exact_content, in_bursts, messy_device, run_stage
 from pdr_est.types.recording import Signal
 from pdr_est.types.sensors import Channel, ImuBlock, SensorBlock
 
@@ -29,7 +29,7 @@ def field(time_s: Array) -> SensorBlock:
 
 
 def resampled(*blocks: SensorBlock) -> tuple[list[ImuBlock], Resampler]:
-    outputs, stage = run(resampler(), blocks)
+    outputs, stage = run_stage(resampler(), blocks)
     return outputs, stage
 
 
@@ -86,7 +86,7 @@ def test_gaps_and_ends_are_unknown_and_no_gaps_of_the_device() -> None:
     ids=lambda block: f"{len(block.time_s)} from {block.time_s[:1]}",
 )
 def test_a_broken_one_changes_nothing_else(broken: SensorBlock) -> None:
-    alone, without = run(Resampler((FORCE, RATE), ResampleParams()), NEEDED)
+    alone, without = run_stage(Resampler((FORCE, RATE), ResampleParams()), NEEDED)
     blocks, stage = resampled(broken, *NEEDED)
     assert others(blocks) == others(alone)
     assert stage.gaps == without.gaps == ()
@@ -97,7 +97,7 @@ def test_a_broken_one_changes_nothing_else(broken: SensorBlock) -> None:
 def test_a_hard_recording_is_the_same_with_it_and_without(rate_hz: float) -> None:
     device = messy_device(rate_hz, seed=2)
     blocks, stage = resampled(*device.blocks())
-    alone, without = run(Resampler((FORCE, RATE), ResampleParams()), device.blocks())
+    alone, without = run_stage(Resampler((FORCE, RATE), ResampleParams()), device.blocks())
     assert len({block.segment for block in blocks}) == 4
     assert others(blocks) == others(alone)
     assert stage.gaps == without.gaps
@@ -110,11 +110,11 @@ def test_no_cut_matters_while_it_lags_no_more_than_it_may(stops_s: float, lag_s:
     rng = np.random.default_rng(4)
     time_s = TIME_S[(stops_s > TIME_S) & ~((TIME_S > 1.0) & (TIME_S < 1.6))]
     items = [field(time_s), *NEEDED]
-    expected = content(resampled(*items)[0])
+    expected = exact_content(resampled(*items)[0])
     for _ in range(3):  # in short pieces, for what comes with its last sample was late with its first
-        mixed = in_bursts([cut(item, rng, len(TIME_S)) for item in items], lag_s, rng)
-        outputs, _ = run(resampler(), mixed, restore_at=[5, 100])
-        assert content(outputs) == expected
+        mixed = in_bursts([cut_block(item, rng, len(TIME_S)) for item in items], lag_s, rng)
+        outputs, _ = run_stage(resampler(), mixed, restore_at=[5, 100])
+        assert exact_content(outputs) == expected
 
 
 @pytest.mark.parametrize("chunk", [1, 7, 100])

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from pdr_est.evaluate.paired_comparison import paired
+from pdr_est.evaluate.paired_comparison import compare_paired
 from pdr_est.report.comparison.page import ComparisonContent, render_comparison
 from pdr_est.report.comparison.plots import plot_distribution, plot_growth
 from pdr_est.report.comparison.tables import averages_table, groups_table, modes_table, steps_table
@@ -50,7 +50,7 @@ def content() -> ComparisonContent:
     far = [outcome(number, "far", float(number)) for number in range(1, 7)]
     near = [outcome(number, "near", 0.1 * number) for number in range(1, 7)]
     values = [{one.walk: one.metrics["error_heldout_m"] or 0.0 for one in rows} for rows in (far, near)]
-    pair = paired("error_heldout_m", "far", "near", *values)
+    pair = compare_paired("error_heldout_m", "far", "near", *values)
     assert pair is not None
     return ComparisonContent(
         title="Far & <near>",

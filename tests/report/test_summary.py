@@ -146,6 +146,6 @@ def test_the_scale_in_words(make_walk, scale, sigma, with_fixes, with_profile, w
 )
 def test_reckoned_tracks_are_aligned_with_fixes_and_do_not_use_them(make_walk, start, aligned_with) -> None:
     walk, recording = make_walk(steps=10)
-    reckoned = replace(walk, track=replace(walk.track, estimator="map-general"))
+    reckoned = replace(walk, track=replace(walk.track, estimator="map-general"), fixes_used=False)
     fixes = strict(summarise(reckoned, recording, CONFIG, {}, {}, start=start))["fixes"]
     assert fixes == {"given": 4, "used": 0, "aligned_with": aligned_with, "sources": {"waypoint": 4}}

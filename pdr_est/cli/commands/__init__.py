@@ -1,1 +1,1 @@
-"""Commands."""
+"""The commands of `pdr-est`, one module each."""

@@ -1,34 +1,33 @@
 """`pdr-est benchmark`: errors on public data sets, of one variant or of several side by side."""
 
 import json
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import Any
 
 import click
 from rich.console import Console
 
-from pdr_est.cli.error_context import naming
-from pdr_est.cli.options import PATH, Command, config_option, given, resolve_config
+from pdr_est.cli.error_context import prefix_errors
+from pdr_est.cli.options import PATH, Command, config_option, given_paths, resolve_config
 from pdr_est.cli.progress import progress_bar
 from pdr_est.config import Config
 from pdr_est.errors import OutputError, RecordingError
-from pdr_est.experiment.results.console_table import print_table
-from pdr_est.experiment.results.score_rows import BenchmarkResult
-from pdr_est.experiment.runners.score_walk import run_benchmark
-from pdr_est.experiment.suites import SUITES
-from pdr_est.experiment.variants.axes import AXES, EVERY, comparison_of_choices
+from pdr_est.experiment import SUITES, BenchmarkResult, print_benchmark, run_benchmark
+from pdr_est.experiment.variants.axes import AXES, EVERY, comparison_from_options
 from pdr_est.io.writers.atomic_output import staged_file
 from pdr_est.performance import LENGTHS_MIN, print_speed, run_speed
 from pdr_est.performance import NAME as SPEED
 
-_REASONS = 3  # told at once
+_REASONS = 3  # named in the error
 
 
 def _axis_options(command: Command) -> Command:
-    """An option for each axis, named after it, which takes one of its values or "all" of them."""
+    """Add an option for each axis, which takes one of its values or "all"."""
     for axis in reversed(AXES):
-        text = f"Default: {axis.of(Config())}; {EVERY} compares them."
-        command = click.option(f"--{axis.word}", type=click.Choice((*axis.names, EVERY)), help=text)(command)
+        text = f"Default: {axis.value_in(Config())}; {EVERY} compares them."
+        command = click.option(f"--{axis.name}", type=click.Choice((*axis.values, EVERY)), help=text)(command)
     return command
 
 
@@ -52,44 +51,38 @@ def benchmark(
     **options_of_axes: str | None,
 ) -> None:
     """Score the walks of SUITE in DIR and print a table of its metrics; SUITE speed measures what the chain costs."""
-    if suite == SPEED:
-        _speed(json_file, data, limit, config_file, quiet)
-        return
-    if data is None:
+    if data is None and suite != SPEED:
         raise click.MissingParameter(param_type="option", param_hint="'--data'")
-    choices = {name.replace("_", "-"): value for name, value in options_of_axes.items()}
     config = resolve_config(config_file)
-    with nullcontext() if config_file is None else naming(config_file):
-        comparison = comparison_of_choices(config, choices)
-    with ExitStack() as stack:
-        document = None if json_file is None else stack.enter_context(_staged_result(json_file, data, config_file))
-        bar = stack.enter_context(progress_bar(suite, total=None, quiet=quiet))
-        result = run_benchmark(suite, data, comparison, jobs, limit, on_progress=bar.at)
+    console = Console()
+    if data is None or suite == SPEED:
+        with _document(json_file, data, config_file) as document, progress_bar(SPEED, total=None, quiet=quiet) as bar:
+            speed = run_speed(config, LENGTHS_MIN[:limit], on_progress=bar.set_progress)
+            document.update(speed.to_dict())
+        print_speed(speed, console)
+        return
+    options = {name.replace("_", "-"): value for name, value in options_of_axes.items()}
+    with nullcontext() if config_file is None else prefix_errors(config_file):
+        comparison = comparison_from_options(config, options)
+    with _document(json_file, data, config_file) as document, progress_bar(suite, total=None, quiet=quiet) as bar:
+        result = run_benchmark(suite, data, comparison, jobs, limit, on_progress=bar.set_progress)
         _refuse_empty(result, data)
-        if document is not None:
-            document.write_text(json.dumps(result.to_dict(), indent=2) + "\n", encoding="utf-8")
-    print_table(result, Console())
+        document.update(result.to_dict())
+    print_benchmark(result, console)
 
 
-def _speed(
-    json_file: Path | None, data: Path | None, limit: int | None, config_file: Path | None, quiet: bool
-) -> None:
-    """The suite without walks. limit: how many of the lengths whose growth of cost is measured."""
-    config = resolve_config(config_file)
-    with ExitStack() as stack:
-        document = None if json_file is None else stack.enter_context(_staged_result(json_file, data, config_file))
-        bar = stack.enter_context(progress_bar(SPEED, total=None, quiet=quiet))
-        result = run_speed(config, LENGTHS_MIN[:limit], on_progress=bar.at)
-        if document is not None:
-            document.write_text(json.dumps(result.to_dict(), indent=2) + "\n", encoding="utf-8")
-    print_speed(result, Console())
-
-
-def _staged_result(json_file: Path, data: Path | None, config_file: Path | None) -> AbstractContextManager[Path]:
-    """The place of the JSON document, which may replace an earlier one. Raises OutputError for any other file."""
+@contextmanager
+def _document(json_file: Path | None, data: Path | None, config_file: Path | None) -> Iterator[dict[str, Any]]:
+    """Give a dictionary that becomes the JSON file, which may replace an earlier result but no other file."""
+    document: dict[str, Any] = {}
+    if json_file is None:
+        yield document
+        return
     if json_file.is_file() and not _is_result(json_file):
         raise OutputError(f"{json_file}: is no result of an earlier benchmark: name another file")
-    return staged_file(json_file, overwrite=True, inputs=given(data, config_file))
+    with staged_file(json_file, overwrite=True, inputs=given_paths(data, config_file)) as staging:
+        yield document
+        staging.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
 
 
 def _is_result(path: Path) -> bool:
@@ -101,10 +94,10 @@ def _is_result(path: Path) -> bool:
 
 
 def _refuse_empty(result: BenchmarkResult, data: Path) -> None:
-    """Raises RecordingError, with the first reasons, when no walk could be scored."""
+    """Raise RecordingError, with the first reasons, if no walk could be scored."""
     if result.rows:
         return
-    reasons = [f"{walk.walk}: {walk.reason}" for walk in result.skipped[:_REASONS]]
-    more = len(result.skipped) - len(reasons)
+    reasons = [f"{failure.walk}: {failure.reason}" for failure in result.failures[:_REASONS]]
+    more = len(result.failures) - len(reasons)
     words = "; ".join([*reasons, *([f"and {more} more"] if more else [])])
-    raise RecordingError(f"{data}: no walk of the suite {result.suite} could be scored: {words}")
+    raise RecordingError(f"{data}: no walk of the suite {result.suite.name} could be scored: {words}")

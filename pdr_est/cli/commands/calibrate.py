@@ -12,19 +12,19 @@ from pdr_est import pipeline
 from pdr_est.calibration.profile import Profile, ProfileNote, profile_to_yaml
 from pdr_est.calibration.step_length_fit import (
     Calibration,
-    Observation,
-    PacedSteps,
-    fit,
+    CalibrationSteps,
+    ScaleObservation,
+    fit_calibration,
     observe_distance,
     observe_fixes,
 )
-from pdr_est.cli.error_context import naming
-from pdr_est.cli.fix_options import RECORDED, chosen_fixes
+from pdr_est.cli.error_context import prefix_errors
+from pdr_est.cli.fix_options import RECORDED, load_fixes
 from pdr_est.cli.options import (
     PATH,
-    body_options,
     config_option,
-    given,
+    given_paths,
+    height_and_gender_options,
     length_model_option,
     overwrite_option,
     resolve_config,
@@ -35,7 +35,7 @@ from pdr_est.io import read
 from pdr_est.io.writers.atomic_output import staged_file
 
 
-@click.command()
+@click.command("calibrate")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING...")
 @click.option(
     "--distance",
@@ -43,20 +43,20 @@ from pdr_est.io.writers.atomic_output import staged_file
     type=float,
     multiple=True,
     metavar="M",
-    help="True length of the way in metres; once for each RECORDING, in their order.",
+    help="True length of the walk in metres; once for each RECORDING, in the same order.",
 )
 @click.option(
     "--fixes",
     multiple=True,
     metavar="FILE.csv|recording",
-    help="Or known positions: once for each RECORDING, or once `recording` for all.",
+    help="Known positions instead: once for each RECORDING, or once `recording` for all.",
 )
-@click.option("-o", "--output", type=PATH, required=True, metavar="FILE.yaml", help="The profile.")
+@click.option("-o", "--output", type=PATH, required=True, metavar="FILE.yaml", help="Profile to write.")
 @overwrite_option
 @length_model_option
-@body_options
+@height_and_gender_options
 @config_option
-def calibrate(
+def calibrate_command(
     recordings: tuple[Path, ...],
     distances_m: tuple[float, ...],
     fixes: tuple[str, ...],
@@ -67,58 +67,60 @@ def calibrate(
 ) -> None:
     """Fit a person's own step length to each RECORDING, and write it as a profile for `smooth --profile`.
 
-    A RECORDING should hold one walk of known length and no other steps. Several walks tell more than one; at
-    different speeds they also tell how the steps change with the pace.
+    A RECORDING should hold one walk of known length and no other steps. Several walks give a better estimate than
+    one; walks at different speeds also show how the steps change with the cadence.
     """
     if bool(distances_m) == bool(fixes):
         raise click.UsageError("give either --distance or --fixes")
     _refuse_repetition(recordings)
-    config = _impersonal(resolve_config(config_file, **settings))
+    config = _without_personal_constants(resolve_config(config_file, **settings))
     tables = [Path(choice) for choice in fixes if choice != RECORDED]
-    with staged_file(output, overwrite, [*given(*recordings, config_file), *tables]) as file:
+    with staged_file(output, overwrite, [*given_paths(*recordings, config_file), *tables]) as file:
         if distances_m:
-            _refuse_number("--distance", len(distances_m), len(recordings))
+            _refuse_wrong_count("--distance", len(distances_m), len(recordings))
             seen = [_by_distance(*pair, config) for pair in zip(recordings, distances_m, strict=True)]
         else:
             choices = fixes * len(recordings) if fixes == (RECORDED,) else fixes
-            _refuse_number("--fixes", len(choices), len(recordings))
+            _refuse_wrong_count("--fixes", len(choices), len(recordings))
             seen = [_by_fixes(*pair, config) for pair in zip(recordings, choices, strict=True)]
-        found = fit(seen)
+        found = fit_calibration(seen)
         file.write_text(profile_to_yaml(_profile(found, config, distances_m, len(recordings))), encoding="utf-8")
-    click.echo(f"{_in_words(found, seen)} -> {output}")
+    click.echo(f"{_describe(found, seen)} -> {output}")
 
 
-def _impersonal(config: Config) -> Config:
-    """Without the constants of an earlier calibration."""
+def _without_personal_constants(config: Config) -> Config:
+    """Remove the constants of an earlier calibration."""
     body = WalkerParams(height_m=config.walker.height_m, gender=config.walker.gender)
     return replace(config, walker=body)
 
 
 def _refuse_repetition(recordings: Sequence[Path]) -> None:
-    """A walk tells what it tells once; given again it would feign certainty."""
+    """Raise UsageError if a walk is given twice: it would count twice and make the result overconfident."""
     for i, path in enumerate(recordings):
         if path.resolve() in {earlier.resolve() for earlier in recordings[:i]}:
             raise click.UsageError(f"{path}: the same RECORDING is given twice: give each walk once")
 
 
-def _refuse_number(option: str, given: int, recordings: int) -> None:
-    if given != recordings:
-        raise click.UsageError(f"number of {option}: {given}, of recordings: {recordings}: give one for each")
+def _refuse_wrong_count(option: str, count: int, recordings: int) -> None:
+    if count != recordings:
+        raise click.UsageError(
+            f"{option} is given {count} times for {recordings} recording(s): give it once for each"
+        )
 
 
-def _by_distance(path: Path, distance_m: float, config: Config) -> Observation:
+def _by_distance(path: Path, distance_m: float, config: Config) -> ScaleObservation:
     recording = read(path)
-    with naming(path):
+    with prefix_errors(path):
         walks = pipeline.analyse(recording, config)
-    return observe_distance([PacedSteps.of(walk.steps) for walk in walks], distance_m, str(path))
+    return observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], distance_m, str(path))
 
 
-def _by_fixes(path: Path, choice: str, config: Config) -> Observation:
+def _by_fixes(path: Path, choice: str, config: Config) -> ScaleObservation:
     recording = read(path)
-    fixes = chosen_fixes(choice, recording, path)
-    with naming(path):
+    fixes = load_fixes(choice, recording, path)
+    with prefix_errors(path):
         walks = pipeline.analyse(recording, config)
-        # The place is named by `naming`, which knows the errors of the smoother as well.
+        # The place is named by `prefix_errors`, which knows the errors of the smoother as well.
         return observe_fixes(walks, config, fixes, recording.name)
 
 
@@ -133,7 +135,8 @@ def _profile(found: Calibration, config: Config, distances_m: Sequence[float], r
     return Profile(note=note, walker=found.walker(config.walker), sigma_length_scale=found.sigma_next)
 
 
-def _in_words(found: Calibration, seen: Sequence[Observation]) -> str:
+def _describe(found: Calibration, seen: Sequence[ScaleObservation]) -> str:
+    """Describe the calibration in one line."""
     walker = found.walker(WalkerParams())
     words = f"length scale {walker.length_scale:.3f} from {len(seen)} walk{'s' if len(seen) > 1 else ''}"
     words += f" at {walker.reference_cadence_hz:.2f} steps/s, cadence exponent {walker.cadence_exponent:+.2f}"

@@ -1,4 +1,4 @@
-"""`pdr-est config`: what settings and experiment files may hold, and what they mean when resolved."""
+"""`pdr-est config`: which settings there are, and what a file leaves to the defaults."""
 
 import json
 from pathlib import Path
@@ -6,13 +6,13 @@ from pathlib import Path
 import click
 
 from pdr_est.cli.options import PATH
-from pdr_est.config import config_to_yaml, load_config
+from pdr_est.config import commented, config_to_yaml, load_config
 from pdr_est.config.yaml_lines import load_yaml
 
 
 @click.group()
 def config() -> None:
-    """Schema of configuration files, and a file with all that it leaves to the defaults."""
+    """Print the schema of configuration files, or a file with all settings that it leaves to the defaults."""
 
 
 @config.command()
@@ -28,11 +28,16 @@ def schema(settings: bool) -> None:
 @click.argument("file", type=PATH)
 @click.option("--data", type=PATH, metavar="DIR", help="Folder of an experiment's recordings.")
 def show(file: Path, data: Path | None) -> None:
-    """Print FILE, of settings or of an experiment, with every setting; an experiment is checked as before a run."""
+    """Print FILE, of settings or of an experiment, with every setting and what it means.
+
+    An experiment is checked as before a run.
+    """
     content = load_yaml(file)
     if isinstance(content, dict) and "data" in content:
         from pdr_est.experiment import load_experiment
+        from pdr_est.experiment.config import ExperimentConfig
 
-        click.echo(load_experiment(file, data).to_yaml(), nl=False)
+        resolved = load_experiment(file, data).resolved()
+        click.echo(commented(resolved, ExperimentConfig, variants="variants"), nl=False)
     else:
-        click.echo(config_to_yaml(load_config(file)), nl=False)
+        click.echo(config_to_yaml(load_config(file), comments=True), nl=False)

@@ -1,4 +1,4 @@
-"""`pdr-est demo`: the whole path on a simulated walk, whose truth is known."""
+"""`pdr-est demo`: the whole processing on a simulated walk, whose truth is known."""
 
 from pathlib import Path
 from typing import Any
@@ -17,22 +17,22 @@ from pdr_est.types.ground_truth import Truth
 RECORDING = "simulated-walk.csv"
 
 
-@click.command()
+@click.command("demo")
 @click.option(
     "-o", "--output", type=PATH, default=Path("demo-out"), show_default=True, help="Folder for the results."
 )
-@click.option("--preset", "name", default="office_loop", show_default=True, help="Which simulated walk.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress bar and no closing lines.")
-def demo(output: Path, name: str, quiet: bool) -> None:
+@click.option("--preset", "name", default="office_loop", show_default=True, help="Simulated walk.")
+@click.option("-q", "--quiet", is_flag=True, help="Show no progress bar and no summary.")
+def demo_command(output: Path, name: str, quiet: bool) -> None:
     """Simulate a walk with a held phone, smooth it and write the report. No recording is needed."""
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
     with progress_bar("simulating", total=3, quiet=quiet) as bar, staged_folder(output, overwrite=True) as folder:
         recording = simulate_walk(preset(name)).recording
         write_plain_csv(recording, folder / RECORDING)
-        bar.doing("walking")
+        bar.start_part("smoothing")
         walk = pipeline.smooth(recording, Config())
-        bar.doing("writing")
+        bar.start_part("writing")
         summary = write_results(folder, walk, recording, Config(), {RECORDING: None})
     if not quiet:
         _report(name, output, summary, recording.truth)

@@ -1,4 +1,4 @@
-"""`pdr-est experiment`: compares variants on many walks, as a file describes it."""
+"""`pdr-est experiment`: comparison of variants on many walks, as a file describes it."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from pdr_est.cli.options import PATH
 from pdr_est.cli.progress import progress_bar
 from pdr_est.errors import RecordingError
 
-_REASONS = 3  # told at once
+_REASONS = 3  # named in the error
 
 
 @click.command()
@@ -38,16 +38,16 @@ def experiment(
 
     loaded = load_experiment(config, data, limit)
     with progress_bar(loaded.title, total=len(loaded.walks), quiet=quiet) as bar:
-        finished = run_experiment(loaded, output, workers, cluster, overwrite, on_progress=bar.at)
-    if finished.failed == len(finished.parts):
-        failures = [failure for part in finished.parts for failure in part.failures]
+        finished = run_experiment(loaded, output, workers, cluster, overwrite, on_progress=bar.set_progress)
+    if finished.failed == len(finished.results):
+        failures = [failure for result in finished.results for failure in result.failures]
         reasons = "; ".join(f"{failure.walk}: {failure.reason}" for failure in failures[:_REASONS])
         raise RecordingError(f"{config}: no walk could be scored: {reasons}; all reasons: {output / 'failed.csv'}")
     if quiet:
         return
     if finished.resumed:
-        click.echo(f"{finished.resumed} of {len(finished.parts)} walks were there from an earlier run.")
+        click.echo(f"{finished.resumed} of {len(finished.results)} walks were there from an earlier run.")
     if finished.failed:
-        click.echo(f"{finished.failed} of {len(finished.parts)} walks failed: {output / 'failed.csv'}", err=True)
-    click.echo(f"{len(finished.parts)} walks x {len(loaded.variants)} variants -> {output / 'report.html'}")
+        click.echo(f"{finished.failed} of {len(finished.results)} walks failed: {output / 'failed.csv'}", err=True)
+    click.echo(f"{len(finished.results)} walks x {len(loaded.variants)} variants -> {output / 'report.html'}")
     click.echo(f"Who is better: pdr-est compare {output}")

@@ -8,11 +8,11 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.calibration.profile import Profile, load_profile
-from pdr_est.cli.clock_options import clock_options, with_clocks, with_messages
-from pdr_est.cli.error_context import naming
-from pdr_est.cli.fix_options import chosen_fixes
-from pdr_est.cli.options import PATH, config_option, resolve_config, walker_options
-from pdr_est.cli.progress import Bar, progress_bar
+from pdr_est.cli.clock_options import apply_clock_messages, apply_clock_options, clock_options
+from pdr_est.cli.error_context import prefix_errors
+from pdr_est.cli.fix_options import load_fixes
+from pdr_est.cli.options import PATH, config_option, estimation_options, resolve_config
+from pdr_est.cli.progress import ProgressBar, progress_bar
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config
 from pdr_est.io import read
@@ -21,17 +21,19 @@ from pdr_est.io.writers.checksums import file_digests
 from pdr_est.preprocessing.merge import merge_recordings
 
 
-@click.command()
+@click.command("smooth")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING…")
 @click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="Folder for the results.")
-@click.option("--fixes", metavar="FILE.csv|recording", help="Known positions: a table, or those in the recording.")
-@click.option("--profile", type=PATH, metavar="FILE.yaml", help="The walker's own, made by `pdr-est calibrate`.")
+@click.option(
+    "--fixes", metavar="FILE.csv|recording", help="Known positions: a table, or those in the recording itself."
+)
+@click.option("--profile", type=PATH, metavar="FILE.yaml", help="Profile of the walker, made by `pdr-est calibrate`.")
 @config_option
-@walker_options
+@estimation_options
 @clock_options
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress bar and no closing lines; warnings are still shown.")
-def smooth(
+@click.option("-q", "--quiet", is_flag=True, help="Show no progress bar and no summary; warnings are still shown.")
+def smooth_command(
     recordings: tuple[Path, ...],
     output: Path,
     fixes: str | None,
@@ -45,10 +47,10 @@ def smooth(
 ) -> None:
     """Turn RECORDING (a file, a folder or a zip) into a track with uncertainty, its files and its report.
 
-    Several recordings are those of devices that one person carried at once.
+    Give several recordings for devices that one person carried at the same time.
     """
     walker = None if profile is None else load_profile(profile)
-    config = with_clocks(resolve_config(**settings, profile=walker), clock, clock_offsets, messages)
+    config = apply_clock_options(resolve_config(**settings, profile=walker), clock, clock_offsets, messages)
     with progress_bar("reading", total=4, quiet=quiet) as bar, staged_folder(output, overwrite) as folder:
         summary = smooth_into(folder, recordings, fixes, config, bar, walker, messages)
     for warning in summary["warnings"]:
@@ -62,26 +64,48 @@ def smooth_into(
     paths: Sequence[Path],
     fixes: str | None,
     config: Config,
-    bar: Bar,
+    bar: ProgressBar,
     profile: Profile | None = None,
     messages: Path | None = None,
 ) -> dict[str, Any]:
-    """Read, smooth and write the recordings of one walk; return the summary. profile: what the configuration was made
-    with. messages: by which the devices compared their clocks."""
+    """Read, smooth and write the recordings of one walk.
+
+    Parameters
+    ----------
+    folder : Path
+        Existing folder for the results.
+    paths : sequence of Path
+        Recordings of the walk.
+    fixes : str or None
+        Value of the option `--fixes`.
+    config : Config
+        Configuration.
+    bar : ProgressBar
+        Progress bar.
+    profile : Profile or None
+        Profile that the configuration was made with.
+    messages : Path or None
+        Table of messages by which the devices compared their clocks.
+
+    Returns
+    -------
+    dict
+        The summary.
+    """
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
-    recorded = with_messages(merge_recordings([read(path) for path in paths]), messages)
-    known = chosen_fixes(fixes, recorded, paths[0])
-    bar.doing("walking")
-    with naming(", ".join(map(str, paths))):
+    recorded = apply_clock_messages(merge_recordings([read(path) for path in paths]), messages)
+    known = load_fixes(fixes, recorded, paths[0])
+    bar.start_part("smoothing")
+    with prefix_errors(", ".join(map(str, paths))):
         walk = pipeline.smooth(recorded, config, known)
-    bar.doing("writing")
+    bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
     return write_results(folder, walk, recorded, config, digests, profile)
 
 
 def _digests(path: Path, several: bool) -> dict[str, str]:
-    """Checksums by file; of several recordings by the path of each, for folders of one app have files of one name."""
+    """Compute checksums by file; of several recordings by their paths, since files of one app have the same names."""
     digests = file_digests(path)
     if not several:
         return digests

@@ -1,4 +1,4 @@
-"""`pdr-est steps`: how many steps are in a recording, also in one without gyroscope."""
+"""`pdr-est steps`: number of steps in a recording, also in one without gyroscope."""
 
 import json
 from collections.abc import Sequence
@@ -9,8 +9,8 @@ from typing import Any
 import click
 
 from pdr_est import pipeline
-from pdr_est.cli.error_context import naming
-from pdr_est.cli.options import PATH, config_option, detector_option, given, overwrite_option, resolve_config
+from pdr_est.cli.error_context import prefix_errors
+from pdr_est.cli.options import PATH, config_option, detector_option, given_paths, overwrite_option, resolve_config
 from pdr_est.config import Config
 from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.io import read
@@ -20,19 +20,17 @@ from pdr_est.pipeline import DeviceWalk
 from pdr_est.pipeline.warnings import warnings_of
 from pdr_est.types.steps import Step
 
-Json = dict[str, Any]
 
-
-@click.command()
+@click.command("steps")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING...")
 @detector_option
 @config_option
 @click.option(
-    "-o", "--output", type=PATH, metavar="FILE.csv", help="Write the table of steps there, of one RECORDING."
+    "-o", "--output", type=PATH, metavar="FILE.csv", help="Write the table of steps to this file; for one RECORDING."
 )
 @overwrite_option
-@click.option("--json", "as_json", is_flag=True, help="Print JSON: a list with one object a device.")
-def steps(
+@click.option("--json", "as_json", is_flag=True, help="Print JSON: a list with one object for each device.")
+def steps_command(
     recordings: tuple[Path, ...],
     output: Path | None,
     overwrite: bool,
@@ -42,13 +40,15 @@ def steps(
 ) -> None:
     """Find the steps in each RECORDING: their number, the cadence, and how the phone was carried.
 
-    An accelerometer is enough; how the phone was carried is known only with a gyroscope.
+    An accelerometer is enough; how the phone was carried is recognised only with a gyroscope.
     """
     if output is not None and len(recordings) > 1:
-        raise click.UsageError(f"-o takes the steps of one RECORDING, not of {len(recordings)}: run once for each")
+        raise click.UsageError(
+            f"-o takes the steps of one RECORDING, but {len(recordings)} are given: run the command once for each"
+        )
     config = resolve_config(config_file, detector=detector)
     with ExitStack() as stack:
-        inputs = given(*recordings, config_file)
+        inputs = given_paths(*recordings, config_file)
         table = None if output is None else stack.enter_context(staged_file(output, overwrite, inputs))
         found = [(path, walk) for path in recordings for walk in _walks(path, config)]
         if table is not None:
@@ -58,20 +58,20 @@ def steps(
         click.echo(json.dumps(documents, indent=2, ensure_ascii=False, allow_nan=False))
         return
     for document in documents:
-        click.echo(_line(document))
+        click.echo(_format_line(document))
 
 
 def _walks(path: Path, config: Config) -> Sequence[DeviceWalk]:
-    """What the front end finds in a recording; what makes it doubtful goes to stderr."""
+    """Run the front end on a recording; warnings go to stderr."""
     recording = read(path)
-    with naming(path):
+    with prefix_errors(path):
         walks = pipeline.analyse(recording, config)
     for warning in warnings_of(recording, walks):
         click.echo(f"warning: {path}: {warning}", err=True)
     return walks
 
 
-def _document(path: Path, walk: DeviceWalk) -> Json:
+def _document(path: Path, walk: DeviceWalk) -> dict[str, Any]:
     start_s, end_s = walk.span_s
     cadence_hz = _cadence_hz(walk.steps)
     return {
@@ -85,14 +85,14 @@ def _document(path: Path, walk: DeviceWalk) -> Json:
 
 
 def _cadence_hz(found: Sequence[Step]) -> float | None:
-    """Steps a second while walking: the first step after a standstill has no interval before it."""
+    """Compute the steps per second while walking; the first step after a standstill has no interval before it."""
     intervals_s = [1.0 / step.frequency_hz for step in found if step.frequency_hz > 0.0]
     return len(intervals_s) / sum(intervals_s) if intervals_s else None
 
 
-def _line(document: Json) -> str:
+def _format_line(document: dict[str, Any]) -> str:
     words = [f"{document['steps']} steps in {document['duration_s']:.1f} s"]
     if document["cadence_per_min"] is not None:
-        words.append(f"{document['cadence_per_min']:.1f} a minute")
+        words.append(f"{document['cadence_per_min']:.1f} steps per minute")
     words += [f"{mode} {100.0 * share:.0f} %" for mode, share in document["modes"].items()]
     return f"{document['recording']}: {document['device']}: {', '.join(words)}"

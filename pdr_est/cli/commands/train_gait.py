@@ -1,4 +1,4 @@
-"""`pdr-est train-gait`: the shipped gait model from its data sets, or one from recordings of one's own."""
+"""`pdr-est train-gait`: the gait model from its data sets, or one from recordings of your own."""
 
 from datetime import date, datetime
 from pathlib import Path
@@ -19,17 +19,17 @@ from pdr_est.io.writers.atomic_output import staged_folder
     type=click.Choice(("auto", "uptime")),
     default="auto",
     show_default=True,
-    help="Of a stride, or the paper's of a step.",
+    help="Features of a stride (auto), or those of a step as in the paper (uptime).",
 )
 @click.option(
     "--date",
     "trained_on",
     type=click.DateTime(["%Y-%m-%d"]),
-    help="For the card. Default: today. The model has no date: the same recordings give the same bytes.",
+    help="Date on the model card. Default: today. The model has no date: the same recordings give the same bytes.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress bar.")
-def train_gait(
+@click.option("-q", "--quiet", is_flag=True, help="Show no progress bar.")
+def train_gait_command(
     data: Path, output: Path, features: FeatureSet, trained_on: datetime | None, overwrite: bool, quiet: bool
 ) -> None:
     """Train the classifier of walking, jogging and running on the recordings in DIR.
@@ -43,18 +43,20 @@ def train_gait(
     walk, and three must jog and run. Use the model with gait.model in a configuration file.
     """
     from pdr_est.training.gait_files import recordings_digest
-    from pdr_est.training.gait_training import train_gait as train  # scikit-learn loads slowly
-    from pdr_est.training.gait_training import write_trained
+    from pdr_est.training.gait_training import (
+        train_gait,  # scikit-learn loads slowly
+        write_trained,
+    )
 
     with staged_folder(output, overwrite) as folder:
         with progress_bar("gait", total=None, quiet=quiet) as bar:
-            trained = train(data, features, on_progress=bar.at)
+            trained = train_gait(data, features, on_progress=bar.set_progress)
         day = date.today() if trained_on is None else trained_on.date()
         write_trained(trained, folder, day, recordings_digest(data))
     metrics = trained.model.metrics
     if metrics is not None:
         click.echo(
-            f"{output}: {len(trained.model.people)} people; left out in turn, "
-            f"{100.0 * metrics.faster_accuracy['all']:.2f} % of steps right as walking or faster, "
-            f"{100.0 * metrics.balanced_accuracy['all']:.2f} % of three gaits (balanced)"
+            f"{output}: {len(trained.model.people)} people; leave-one-person-out accuracy "
+            f"{100.0 * metrics.faster_accuracy['all']:.2f} % for walking or faster, "
+            f"{100.0 * metrics.balanced_accuracy['all']:.2f} % (balanced) for the three gaits"
         )

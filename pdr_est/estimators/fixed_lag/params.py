@@ -9,6 +9,7 @@ from pdr_est.params import params
 
 @params
 class FixedLagParams:
-    """lag_s: each pose is estimated with what came up to this long after it."""
+    """Fixed-lag smoother."""
 
     lag_s: Annotated[float, Ge(0.5), Le(600.0)] = 10.0
+    """Lag, s: each pose is estimated from what was measured up to this long after it."""

@@ -42,12 +42,14 @@ _RIM = 0.75
 
 @params
 class MapFusionParams:
-    """feedback: dead reckoning goes on from the fused positions; otherwise each device's own reckoning, on which the
-    fusion leaves no trace, as the paper's "estimates reported by the two sets of sensors independently" reads.
-    silent_s: a device without a step for so long after its last one takes no part (ours)."""
+    """Fusion of several devices by Robust DR."""
 
     feedback: bool = False
+    """True if dead reckoning goes on from the fused positions. False leaves each device its own reckoning, on which
+    the fusion leaves no trace, as the paper's "estimates reported by the two sets of sensors independently" reads."""
+
     silent_s: Positive = 2.0
+    """Time after its last step, s, from which a device takes no part in the fusion (ours)."""
 
 
 def estimate_closed_form(

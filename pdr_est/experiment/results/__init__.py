@@ -1,1 +1,1 @@
-"""Results."""
+"""Results of benchmarks and experiments: records, files, tables, comparison and provenance."""

@@ -1,4 +1,4 @@
-"""Compares the variants of finished experiments walk by walk, from their tables of results."""
+"""Comparison of the variants of finished experiments walk by walk, from their tables of results."""
 
 import csv
 import io
@@ -12,14 +12,14 @@ import numpy as np
 from pdr_est.config.yaml_lines import load_yaml
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.evaluate.metric_definitions import unit_of
-from pdr_est.evaluate.paired_comparison import Paired, paired
+from pdr_est.evaluate.paired_comparison import PairedComparison, compare_paired
 from pdr_est.experiment.results.result_folder import CONFIG, PROVENANCE, RESULTS
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
 from pdr_est.io.writers.parquet import read_parquet
 from pdr_est.params.validation_messages import nearest
 
 Values = Mapping[str, Mapping[str, Mapping[str, float]]]
-"""metric -> variant -> walk -> value, the mean over the tracks of the walk."""
+"""Metric -> variant -> walk -> mean value over the tracks of the walk."""
 
 HEADINGS = (
     "metric",
@@ -37,32 +37,41 @@ HEADINGS = (
     "ties",
 )
 
-TEXTS = 4  # of these columns, from the left, are words; the others are numbers
+TEXTS = 4  # number of columns, from the left, that contain words; the others contain numbers
 
 
 def read_values(folders: Sequence[Path], track: str | None = None, metrics: Sequence[str] = ()) -> Values:
-    """The results in the folders of experiments. With several folders a variant is called `FOLDER:VARIANT`.
+    """Read the results of experiments; with several folders a variant is called `FOLDER:VARIANT`.
 
-    track: only that of this device, or of the person (`fused`), of walks with several phones; else a walk has the
-    mean over its tracks. metrics: only these, all if none is named.
+    Parameters
+    ----------
+    folders : sequence of Path
+        Folders of results.
+    track : str, optional
+        Device, or "fused" for the person, whose tracks are read; by default a walk has the mean over its tracks.
+    metrics : sequence of str
+        Metrics to read; all if none is named.
 
-    Raises OutputError for a folder without results, and for folders in which walks or data of one name, or the fixes
-    that a metric is of, differ: they cannot be compared walk by walk. Raises ConfigError for a track or a metric that
-    no folder has, and for a folder that is given twice.
+    Raises
+    ------
+    OutputError
+        For a folder without results, and for folders that cannot be compared walk by walk, because walks or data of
+        one name differ, or the fixes of a metric.
+    ConfigError
+        For a track or a metric that no folder has, and for a folder that is given twice.
     """
-    names = _names(folders)
+    prefixes = _prefixes(folders)
     _refuse_other_walks(folders)
     collected: dict[str, dict[str, dict[str, list[float]]]] = {}
     tracks: dict[str, None] = {}
     known: set[str] = set()
-    for folder, prefix in zip(folders, names, strict=True):
-        for metric, variant, walk, of, value in _rows(folder):
-            tracks[str(of)] = None
+    for folder, prefix in zip(folders, prefixes, strict=True):
+        for metric, variant, walk, name, value in _rows(folder):
+            tracks[str(name)] = None
             known.add(str(metric))
-            if track not in (None, of) or (metrics and metric not in metrics):
+            if track not in (None, name) or (metrics and metric not in metrics):
                 continue
-            name = f"{prefix}{variant}"
-            walks = collected.setdefault(str(metric), {}).setdefault(name, {})
+            walks = collected.setdefault(str(metric), {}).setdefault(f"{prefix}{variant}", {})
             if value is not None:
                 walks.setdefault(str(walk), []).append(float(value))
     if track is not None and track not in tracks:
@@ -81,7 +90,7 @@ def read_values(folders: Sequence[Path], track: str | None = None, metrics: Sequ
 
 
 def _rows(folder: Path) -> Iterator[tuple[str | float | None, ...]]:
-    """Metric, variant, walk, track and value of each row of a folder's results."""
+    """Return metric, variant, walk, track and value of each row of the results in a folder."""
     if not (folder / RESULTS).is_file():
         raise OutputError(f"{folder}: holds no {RESULTS}: run `pdr-est experiment CONFIG -o {folder}` to its end")
     table = read_parquet(folder / RESULTS)
@@ -93,7 +102,7 @@ def _rows(folder: Path) -> Iterator[tuple[str | float | None, ...]]:
 
 
 def _refuse_other_fixes(folders: Sequence[Path], metrics: Sequence[str]) -> None:
-    """Metrics at held-out positions are of the fixes that were given."""
+    """Raise OutputError if the folders used different fixes, which metrics at held-out positions depend on."""
     given: dict[str, Path] = {}
     for folder in folders if metrics else ():
         if (folder / CONFIG).is_file():
@@ -108,8 +117,8 @@ def _refuse_other_fixes(folders: Sequence[Path], metrics: Sequence[str]) -> None
         )
 
 
-def _names(folders: Sequence[Path]) -> list[str]:
-    """What to put before the names of each folder's variants."""
+def _prefixes(folders: Sequence[Path]) -> list[str]:
+    """Return what stands before the names of the variants of each folder."""
     if len(folders) == 1:
         return [""]
     resolved = [folder.resolve() for folder in folders]
@@ -122,6 +131,7 @@ def _names(folders: Sequence[Path]) -> list[str]:
 
 
 def _refuse_other_walks(folders: Sequence[Path]) -> None:
+    """Raise OutputError if a recording or a scenario of one name differs between the folders."""
     seen: dict[str, tuple[str, Path]] = {}
     for folder in folders:
         try:
@@ -135,10 +145,13 @@ def _refuse_other_walks(folders: Sequence[Path]) -> None:
                 raise OutputError(f"{where} and {folder}: {name} is not the same in both: compare runs on equal data")
 
 
-def compare_variants(values: Values, reference: str | None = None) -> tuple[Paired, ...]:
-    """Each pair of variants on each metric, or each variant with a reference only.
+def compare_variants(values: Values, reference: str | None = None) -> tuple[PairedComparison, ...]:
+    """Compare each pair of variants on each metric, or each variant with a reference only.
 
-    Raises ConfigError for an unknown reference, and when there is nothing to compare.
+    Raises
+    ------
+    ConfigError
+        For an unknown reference, and if there is only one variant.
     """
     if all(len(of_metric) < 2 for of_metric in values.values()):
         raise ConfigError("there is one variant only: give several, or the folders of several experiments")
@@ -151,13 +164,13 @@ def compare_variants(values: Values, reference: str | None = None) -> tuple[Pair
         if reference is not None:
             pairs = ((reference, other) for other in variants if other != reference)
         for first, second in pairs:
-            pair = paired(metric, first, second, values[metric][first], values[metric][second])
+            pair = compare_paired(metric, first, second, values[metric][first], values[metric][second])
             found += [] if pair is None else [pair]
     return tuple(found)
 
 
-def as_rows(pairs: Iterable[Paired]) -> list[tuple[str, ...]]:
-    """The comparisons as texts under `HEADINGS`."""
+def as_rows(pairs: Iterable[PairedComparison]) -> list[tuple[str, ...]]:
+    """Format the comparisons as texts under `HEADINGS`."""
     return [
         (
             pair.metric,
@@ -174,16 +187,16 @@ def as_rows(pairs: Iterable[Paired]) -> list[tuple[str, ...]]:
     ]
 
 
-def as_csv(pairs: Iterable[Paired]) -> str:
-    """The comparisons as a CSV table."""
+def as_csv(pairs: Iterable[PairedComparison]) -> str:
+    """Format the comparisons as a CSV table."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerows([HEADINGS, *as_rows(pairs)])
     return text.getvalue()
 
 
-def as_markdown(pairs: Iterable[Paired]) -> str:
-    """The comparisons as a Markdown table, with what its columns mean."""
+def as_markdown(pairs: Iterable[PairedComparison]) -> str:
+    """Format the comparisons as a Markdown table, with an explanation of its columns."""
     rows = [HEADINGS, tuple("---" if i < TEXTS else "---:" for i in range(len(HEADINGS))), *as_rows(pairs)]
     lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
     return "\n".join(lines) + f"\n\n{NOTE}\n"

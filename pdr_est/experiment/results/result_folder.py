@@ -1,30 +1,46 @@
-"""The folder of an experiment's results: begun, continued or refused."""
+"""Folder of an experiment's results: new, continued or refused."""
 
 import json
 from pathlib import Path
 from typing import Any
 
 from pdr_est.errors import OutputError
-from pdr_est.experiment.runners.walk_result import SUFFIX
+from pdr_est.experiment.results.walk_result import SUFFIX
+from pdr_est.io.writers.atomic_output import staged_file
 
 PROVENANCE, CONFIG, RESULTS, TIMINGS = "provenance.json", "config.yaml", "results.parquet", "timings.parquet"
 FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT = "failed.csv", "report.html", "compare.csv", "compare.md"
 PARTS = "parts"
 _FILES = (CONFIG, RESULTS, TIMINGS, FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT, PROVENANCE)
+_UNFINISHED = ".*.partial"  # files that a killed run leaves
 
 
-def begin(folder: Path, document: dict[str, Any], config: str, overwrite: bool) -> Path:
-    """Make the folder ready and give the one of its parts; document: the provenance of this run.
+def open_result_folder(folder: Path, provenance: dict[str, Any], config: str, overwrite: bool) -> Path:
+    """Prepare the folder of the results and return the folder of the walks' results inside it.
 
-    Parts without provenance are of a run of which nothing is known, and are removed. Raises OutputError when the
-    folder holds something else: files of other origin, or the results of another configuration, other data or other
-    code, which are removed if they may be overwritten.
+    Results of walks without provenance have an unknown origin and are removed.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the results; it is made if it does not exist.
+    provenance : dict
+        Provenance of this run.
+    config : str
+        Resolved experiment file.
+    overwrite : bool
+        True if results of another configuration, other data or other code may be removed; then nothing is reused.
+
+    Raises
+    ------
+    OutputError
+        If the folder contains files of other origin, or other results that must not be overwritten.
     """
     earlier = _earlier(folder)
-    if earlier is not None and earlier.get("fingerprint") != document["fingerprint"]:
+    if earlier is not None and earlier.get("fingerprint") != provenance["fingerprint"]:
         if not overwrite:
             raise OutputError(
-                f"{folder}: holds results of {_difference(earlier, document)}: allow overwriting (--overwrite) or "
+                f"{folder}: holds results of {_difference(earlier, provenance)}: allow overwriting (--overwrite) or "
                 "choose another folder"
             )
         earlier = None
@@ -34,21 +50,22 @@ def begin(folder: Path, document: dict[str, Any], config: str, overwrite: bool) 
         (folder / PARTS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{folder}: cannot be made ({error.strerror}): choose another folder") from error
+    for path in [*(folder / PARTS).glob(_UNFINISHED), *folder.glob(_UNFINISHED)]:
+        path.unlink(missing_ok=True)
     if earlier is None or overwrite:
         write(folder / CONFIG, config)
-        write(folder / PROVENANCE, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+        write(folder / PROVENANCE, json.dumps(provenance, indent=2, ensure_ascii=False) + "\n")
     return folder / PARTS
 
 
 def write(path: Path, text: str) -> None:
-    """Write a file so that it is there whole or not at all."""
-    half = path.with_name(f".{path.name}.half")
-    half.write_text(text, encoding="utf-8", errors="backslashreplace")
-    half.replace(path)
+    """Write a text file, completely or not at all."""
+    with staged_file(path, overwrite=True) as staging:
+        staging.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def _earlier(folder: Path) -> dict[str, Any] | None:
-    """The provenance of the run whose results are in the folder; None when there is nothing."""
+    """Read the provenance of the results in the folder; None if there are none."""
     if not folder.exists():
         return None
     if not folder.is_dir():
@@ -64,24 +81,23 @@ def _earlier(folder: Path) -> dict[str, Any] | None:
 
 
 def _refuse_foreign(folder: Path) -> None:
-    """What is not from a run that was killed in its first moment stays untouched."""
+    """Raise OutputError if the folder contains more than what a run leaves that was killed at its start."""
     inside = list((folder / PARTS).iterdir()) if (folder / PARTS).is_dir() else []
-    names = [path.name for path in folder.iterdir() if path.name not in (PARTS, CONFIG)]
-    names += [f"{PARTS}/{path.name}" for path in inside if not path.name.endswith(SUFFIX)]
-    foreign = sorted(name for name in names if not name.endswith(".half"))
+    paths = [path for path in folder.iterdir() if path.name not in (PARTS, CONFIG)]
+    paths += [path for path in inside if not path.name.endswith(SUFFIX)]
+    foreign = sorted(path.relative_to(folder).as_posix() for path in paths if not path.match(_UNFINISHED))
     if foreign:
         raise OutputError(f"{folder}: holds files of other origin ({foreign[0]}): choose a new or an empty folder")
 
 
 def _clear(folder: Path) -> None:
-    """Remove the results, the provenance last: a run that is killed meanwhile leaves no part without its origin."""
-    parts = [*(folder / PARTS).glob(f"*{SUFFIX}"), *(folder / PARTS).glob("*.half")]
-    for path in [*parts, *(folder / name for name in _FILES)]:
+    """Remove the results, the provenance last, so that a killed run leaves no result without its origin."""
+    for path in [*(folder / PARTS).glob(f"*{SUFFIX}"), *(folder / name for name in _FILES)]:
         path.unlink(missing_ok=True)
 
 
-def _difference(earlier: dict[str, Any], document: dict[str, Any]) -> str:
-    """What another fingerprint means, in words."""
+def _difference(earlier: dict[str, Any], provenance: dict[str, Any]) -> str:
+    """Say what differs between two fingerprints."""
     words = {
         "config": "another configuration",
         "data": "other data",
@@ -90,5 +106,5 @@ def _difference(earlier: dict[str, Any], document: dict[str, Any]) -> str:
     }
     before = earlier.get("fingerprint")
     known = before if isinstance(before, dict) else {}
-    different = [text for name, text in words.items() if known.get(name) != document["fingerprint"][name]]
+    different = [text for name, text in words.items() if known.get(name) != provenance["fingerprint"][name]]
     return ", ".join(different)

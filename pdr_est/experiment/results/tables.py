@@ -1,4 +1,4 @@
-"""The tables of an experiment, from the parts of its walks: the same parts, the same bytes."""
+"""Tables of an experiment: results.parquet, timings.parquet and failed.csv."""
 
 import csv
 import io
@@ -7,21 +7,31 @@ from pathlib import Path
 
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.results.result_folder import FAILED, RESULTS, TIMINGS, write
-from pdr_est.experiment.runners.walk_result import WalkResult
+from pdr_est.experiment.results.walk_result import WalkResult
+from pdr_est.io.writers.atomic_output import staged_file
 from pdr_est.io.writers.parquet import write_parquet
 from pdr_est.types.outcome import TrackOutcome
 
 
-def write_tables(folder: Path, experiment: Experiment, parts: Sequence[WalkResult]) -> None:
-    """Write results.parquet, timings.parquet and failed.csv. parts: in the order of the experiment's walks.
+def write_tables(folder: Path, experiment: Experiment, results: Sequence[WalkResult]) -> None:
+    """Write the tables; equal results give equal bytes.
 
     results.parquet is long: walk, track, variant, the keys to group by, mode, metric, value. CPU times are never the
     same twice and have a table of their own.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the results.
+    experiment : Experiment
+        The experiment.
+    results : sequence of WalkResult
+        One for each walk, in the order of the experiment.
     """
-    outcomes = ordered(experiment, parts)
+    outcomes = ordered(experiment, results)
     keys = list(dict.fromkeys(key for outcome in outcomes for key in outcome.labels))
     rows = [(outcome, metric) for outcome in outcomes for metric in experiment.metrics]
-    _table(
+    _write_table(
         folder / RESULTS,
         {
             "walk": [outcome.walk for outcome, _ in rows],
@@ -34,35 +44,40 @@ def write_tables(folder: Path, experiment: Experiment, parts: Sequence[WalkResul
         {"value": [outcome.metrics[metric] for outcome, metric in rows]},
     )
     timed = [
-        (part, variant.name) for part in parts for variant in experiment.variants if variant.name in part.seconds
+        (result, variant.name)
+        for result in results
+        for variant in experiment.variants
+        if variant.name in result.seconds
     ]
-    _table(
+    _write_table(
         folder / TIMINGS,
-        {"walk": [part.walk for part, _ in timed], "variant": [name for _, name in timed]},
-        {"chain_s": [part.seconds[name] for part, name in timed], "walk_s": [part.work_s for part, _ in timed]},
+        {"walk": [result.walk for result, _ in timed], "variant": [name for _, name in timed]},
+        {
+            "chain_s": [result.seconds[name] for result, name in timed],
+            "walk_s": [result.work_s for result, _ in timed],
+        },
     )
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(("walk", "what", "reason"))
-    for part in parts:
-        for failure in part.failures:
+    for result in results:
+        for failure in result.failures:
             writer.writerow((failure.walk, "walk" if failure.whole else "metric", failure.reason))
     write(folder / FAILED, text.getvalue())
 
 
-def ordered(experiment: Experiment, parts: Sequence[WalkResult]) -> list[TrackOutcome]:
-    """All tracks: by walk, then by track, then by variant in the order of the experiment."""
+def ordered(experiment: Experiment, results: Sequence[WalkResult]) -> list[TrackOutcome]:
+    """Sort all tracks by walk, then by track, then by variant in the order of the experiment."""
     place = {variant.name: number for number, variant in enumerate(experiment.variants)}
     outcomes = []
-    for part in parts:
-        tracks = list(dict.fromkeys(track.track for track in part.tracks))
-        outcomes += sorted(part.tracks, key=lambda one: (tracks.index(one.track), place[one.variant]))
+    for result in results:
+        tracks = list(dict.fromkeys(track.track for track in result.tracks))
+        outcomes += sorted(result.tracks, key=lambda one: (tracks.index(one.track), place[one.variant]))
     return outcomes
 
 
-def _table(
+def _write_table(
     path: Path, texts: dict[str, list[str] | list[str | None]], numbers: dict[str, list[float] | list[float | None]]
 ) -> None:
-    half = path.with_name(f".{path.name}.half")
-    write_parquet(half, texts, numbers)
-    half.replace(path)
+    with staged_file(path, overwrite=True) as staging:
+        write_parquet(staging, texts, numbers)

@@ -1,4 +1,4 @@
-"""The work on a Dask cluster."""
+"""Scoring of walks on a Dask cluster."""
 
 import asyncio
 import logging
@@ -9,19 +9,23 @@ from contextlib import contextmanager
 from typing import Any
 
 from pdr_est.errors import ConfigError, EstimationError
-from pdr_est.experiment.runners.processes import Done, lost
-from pdr_est.experiment.runners.walk_job import Work, do
+from pdr_est.experiment.runners.processes import FinishedWalk, lost
+from pdr_est.experiment.runners.scoring_job import ScoringJob, score_walk
 from pdr_est.experiment.walks import Walk
 
-PATIENCE_S = 5.0  # until the scheduler must have answered
+PATIENCE_S = 5.0  # time within which the scheduler must answer
 
 
 @contextmanager
 def connected(address: str) -> Iterator[Any]:
-    """A Dask client of the scheduler at an address, `tcp://HOST:PORT`.
+    """Connect to the Dask scheduler at an address, `tcp://HOST:PORT`, and give its client.
 
-    Warns when it has no workers yet, for which the walks wait. Raises ConfigError when Dask is not installed or no
-    scheduler answers within `PATIENCE_S`.
+    Warns if the scheduler has no workers yet; the walks wait for them.
+
+    Raises
+    ------
+    ConfigError
+        If Dask is not installed or no scheduler answers within `PATIENCE_S`.
     """
     try:
         from distributed import Client
@@ -29,8 +33,8 @@ def connected(address: str) -> Iterator[Any]:
         raise ConfigError("--cluster: needs Dask: install pdr-est[dask]") from error
     try:
         # Asked before there is a client: one that fails to connect takes long to end, and with a traceback.
-        with _silent("distributed"):
-            kind = _asked(address)
+        with _log_silenced("distributed"):
+            kind = _server_kind(address)
     except Exception as error:  # of any kind, for what answers there may be anything
         raise ConfigError(
             f"--cluster {address!r}: no Dask scheduler answers there within {PATIENCE_S:g} s: give the address that "
@@ -44,14 +48,14 @@ def connected(address: str) -> Iterator[Any]:
         yield client
 
 
-def _asked(address: str) -> str:
-    """What `_kind` says; in a thread of its own, for this one may have an event loop, as notebooks do."""
+def _server_kind(address: str) -> str:
+    """Ask the server in a thread of its own, because this one may have an event loop, as notebooks do."""
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, asyncio.wait_for(_kind(address), PATIENCE_S)).result()
+        return thread.submit(asyncio.run, asyncio.wait_for(_identity(address), PATIENCE_S)).result()
 
 
-async def _kind(address: str) -> str:
-    """What sort of Dask server answers at an address."""
+async def _identity(address: str) -> str:
+    """Return the type of the Dask server at an address, such as "Scheduler"."""
     from distributed.comm.core import connect
     from distributed.security import Security
 
@@ -64,19 +68,33 @@ async def _kind(address: str) -> str:
         comm.abort()
 
 
-def run_on_cluster(work: Work, walks: Sequence[Walk], client: Any) -> Iterator[Done]:
-    """The parts of walks in the order in which they are done. client: from `connected`.
+def run_on_cluster(job: ScoringJob, walks: Sequence[Walk], client: Any) -> Iterator[FinishedWalk]:
+    """Score walks and yield them in the order in which they end.
 
     The workers need this package and, for recorded walks, the same files under the same names. Dask gives the work of
-    a worker that dies to another one. Raises EstimationError when the connection is lost.
+    a worker that dies to another one.
+
+    Parameters
+    ----------
+    job : ScoringJob
+        Work to do on every walk.
+    walks : sequence of Walk
+        The walks.
+    client : distributed.Client
+        Client from `connected`.
+
+    Raises
+    ------
+    EstimationError
+        If the connection is lost.
     """
     from distributed import as_completed
 
-    futures = {client.submit(do, work, walk, pure=False): walk for walk in walks}
+    futures = {client.submit(score_walk, job, walk, pure=False): walk for walk in walks}
     for future in as_completed(list(futures), loop=client.loop):  # type: ignore[no-untyped-call]
         walk = futures.pop(future)
         if future.status == "finished":
-            yield Done(walk, future.result())
+            yield FinishedWalk(walk, future.result())
         elif future.status == "cancelled":
             raise EstimationError("--cluster: the connection to the scheduler was lost: run again to continue")
         else:
@@ -85,8 +103,8 @@ def run_on_cluster(work: Work, walks: Sequence[Walk], client: Any) -> Iterator[D
 
 
 @contextmanager
-def _silent(name: str) -> Iterator[None]:
-    """A library's log is switched off: what it would say of a failure is said by the error."""
+def _log_silenced(name: str) -> Iterator[None]:
+    """Switch the log of a library off: the error says what the log would say."""
     logger = logging.getLogger(name)
     before = logger.level
     logger.setLevel(logging.CRITICAL + 1)

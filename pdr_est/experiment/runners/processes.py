@@ -1,93 +1,119 @@
-"""The work in processes of this computer."""
+"""Scoring of walks in processes of this computer."""
 
 import multiprocessing
 import os
+import signal
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 
-from pdr_est.experiment.runners.score_walk import without_interrupts
-from pdr_est.experiment.runners.walk_job import Work, do, prepare
-from pdr_est.experiment.runners.walk_result import Failure, WalkResult, encode
+from pdr_est.experiment.results.walk_result import WalkResult
+from pdr_est.experiment.runners.scoring_job import ScoringJob, preload, score_walk
 from pdr_est.experiment.walks import Walk
 
-_AHEAD = 2  # walks given to each process: enough that none waits, few enough to stop soon
+_QUEUED = 2  # walks given to each process: enough that none waits, few enough to stop soon
 
 
 @dataclass(frozen=True)
-class Done:
-    """An encoded part. keep: whether it is final; what a dying process leaves is tried again by the next run."""
+class FinishedWalk:
+    """A walk whose work has ended.
+
+    Attributes
+    ----------
+    walk : Walk
+        The walk.
+    result : WalkResult
+        Its result.
+    final : bool
+        False if the process died, so that the next run shall try again.
+    """
 
     walk: Walk
-    content: bytes
-    keep: bool = True
+    result: WalkResult
+    final: bool = True
 
 
-def run_locally(work: Work, walks: Sequence[Walk], workers: int) -> Iterator[Done]:
-    """The parts of walks in the order in which they are done.
+def run_in_processes(job: ScoringJob, walks: Sequence[Walk], workers: int) -> Iterator[FinishedWalk]:
+    """Score walks and yield them in the order in which they end; one worker is this process.
 
-    When a process dies, the walks that were under way are done one by one, so that the one to blame is found.
+    When a process dies, the walks that were under way are scored one by one, so that the one to blame is found.
     """
     if workers == 1:
-        prepare(work)
+        preload(job)
         for walk in walks:
-            yield Done(walk, do(work, walk))
+            yield FinishedWalk(walk, score_walk(job, walk))
         return
     waiting = deque(walks)
     while waiting:
-        under_way: dict[Future[bytes], Walk] = {}
+        under_way: dict[Future[WalkResult], Walk] = {}
         try:
-            yield from _in_pool(work, waiting, workers, under_way)
+            yield from _run_in_pool(job, waiting, workers, under_way)
         except BrokenProcessPool:
             for walk in under_way.values():
-                yield _alone(work, walk)
+                yield _run_alone(job, walk)
 
 
-def lost(walk: Walk, why: str) -> Done:
-    """What is told of a walk whose process died."""
-    return Done(walk, encode(WalkResult(walk.name, failures=(Failure(walk.name, why, whole=True),))), keep=False)
+def lost(walk: Walk, reason: str) -> FinishedWalk:
+    """Make the result of a walk whose process died."""
+    return FinishedWalk(walk, WalkResult.failed(walk.name, reason), final=False)
 
 
-def _in_pool(work: Work, waiting: deque[Walk], workers: int, under_way: dict[Future[bytes], Walk]) -> Iterator[Done]:
-    with _pool(work, min(workers, len(waiting))) as pool:
+def _run_in_pool(
+    job: ScoringJob, waiting: deque[Walk], workers: int, under_way: dict[Future[WalkResult], Walk]
+) -> Iterator[FinishedWalk]:
+    with _pool(job, min(workers, len(waiting))) as pool:
         try:
             while waiting or under_way:
-                with without_interrupts():
-                    while waiting and len(under_way) < _AHEAD * workers:
-                        under_way[pool.submit(do, work, waiting[0])] = waiting[0]
+                with _interrupts_ignored():
+                    while waiting and len(under_way) < _QUEUED * workers:
+                        under_way[pool.submit(score_walk, job, waiting[0])] = waiting[0]
                         waiting.popleft()
                 for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-                    content = future.result()
-                    yield Done(under_way.pop(future), content)
+                    result = future.result()
+                    yield FinishedWalk(under_way.pop(future), result)
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _alone(work: Work, walk: Walk) -> Done:
-    with _pool(work, 1) as pool:
+def _run_alone(job: ScoringJob, walk: Walk) -> FinishedWalk:
+    with _pool(job, 1) as pool:
         try:
-            return Done(walk, pool.submit(do, work, walk).result())
+            return FinishedWalk(walk, pool.submit(score_walk, job, walk).result())
         except BrokenProcessPool:
             return lost(walk, "the process that worked on it died, for lack of memory perhaps: run it again alone")
 
 
-def _pool(work: Work, workers: int) -> ProcessPoolExecutor:
+def _pool(job: ScoringJob, workers: int) -> ProcessPoolExecutor:
     # Spawned and not forked: the same on every platform, and safe with the threads of numpy and GTSAM.
     context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(work,))
+    return ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(job,))
 
 
-def _begin(work: Work) -> None:
+def _start_worker(job: ScoringJob) -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    prepare(work)
+    preload(job)
 
 
 def _end_with_parent() -> None:
-    """A process that waits for work does not notice that nobody is left to give any."""
+    """End this process with its parent; a process that waits for work would not notice the end of the parent."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
         os._exit(1)
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Make processes that start within ignore Ctrl-C, which reaches all of them: only this one ends the work."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may set signal handlers
+        return
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)

@@ -1,18 +1,30 @@
-"""Metrics of a device whose steps, and perhaps turns, are annotated."""
+"""Scores of steps and headings against annotated steps and turns."""
 
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.heading_errors import HEADING_METRICS, heading_net_error_deg, turn_error_deg
 from pdr_est.evaluate.step_detection import score_steps
+from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.scoring.track_scores import MetricPart
-from pdr_est.experiment.suite import AnalysedWalk
 from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TrueSteps
 from pdr_est.types.track import Track
 
 
 def step_part(walk: AnalysedWalk, step_s: Array) -> MetricPart:
-    """`STEP_METRICS` of detected steps (n,) over the annotated time span. Raises RecordingError when no step is
-    annotated."""
+    """Compute `STEP_METRICS` over the annotated time span.
+
+    Parameters
+    ----------
+    walk : AnalysedWalk
+        The walk.
+    step_s : ndarray
+        Times (n,) of the detected steps, s.
+
+    Raises
+    ------
+    RecordingError
+        If no step is annotated.
+    """
     score = score_steps(step_s, _true_steps(walk).time_s)
     return MetricPart(
         values=score.values(),
@@ -22,7 +34,7 @@ def step_part(walk: AnalysedWalk, step_s: Array) -> MetricPart:
 
 
 def heading_part(walk: AnalysedWalk, track: Track) -> MetricPart:
-    """`HEADING_METRICS` of one device's track; missing when no turn is annotated."""
+    """Compute `HEADING_METRICS` of the track of one device; they are missing if no turn is annotated."""
     turns, steps_s = walk.recording.truth.turns, _true_steps(walk).time_s
     if turns is None or not len(turns.time_s):
         return MetricPart(missing=dict.fromkeys(HEADING_METRICS, "no annotated turn"))

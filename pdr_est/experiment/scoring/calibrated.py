@@ -1,56 +1,62 @@
-"""Metrics of a walk whose walker was calibrated on other walks of the same set."""
+"""Metrics of a walk whose walker was calibrated on other walks of the same suite."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import Protocol
 
 import numpy as np
 
-from pdr_est.calibration.step_length_fit import Calibration, Observation, fit
-from pdr_est.experiment.results.score_rows import SkippedWalk, WalkRow
-
-
-class CalibrationCase(Protocol):
-    """A scored walk as it takes part in calibrations; goes between processes."""
-
-    @property
-    def observation(self) -> Observation:
-        """What the walk tells about its walker, for the calibration of others."""
-
-    def errors(self, calibration: Calibration) -> Mapping[str, float]:
-        """Metrics by name, of this walk with a walker's constants."""
+from pdr_est.calibration.step_length_fit import fit_calibration
+from pdr_est.experiment.suite import CalibrationCase
+from pdr_est.types.outcome import TrackOutcome
 
 
 def with_calibrated(
-    rows: Sequence[WalkRow], cases: Sequence[CalibrationCase | None], number: int, metrics: Sequence[str]
-) -> tuple[tuple[WalkRow, ...], tuple[SkippedWalk, ...]]:
-    """The rows with their metrics after a calibration on other walks of the same variant, and what lacks them.
+    rows: Sequence[TrackOutcome], cases: Sequence[CalibrationCase | None], number: int, metrics: Sequence[str]
+) -> tuple[tuple[TrackOutcome, ...], dict[str, str]]:
+    """Add the metrics after a calibration on other walks, with the same variant, to the rows.
 
-    cases: of each row, None where it has none, of which the suite has told the reason. number: of walks to calibrate
-    on, 0 for suites that do not. metrics: names of those that are calibrated.
+    Parameters
+    ----------
+    rows : sequence of TrackOutcome
+        Scored tracks of all walks.
+    cases : sequence of CalibrationCase or None
+        Calibration case of each row; None where the suite has already given the reason why there is none.
+    number : int
+        Number of walks to calibrate on, 0 for a suite that does not calibrate.
+    metrics : sequence of str
+        Names of the calibrated metrics.
+
+    Returns
+    -------
+    rows : tuple of TrackOutcome
+        The completed rows.
+    missing : dict
+        Walk -> reason why its calibrated metrics are missing.
     """
-    completed, skipped = list(rows), {}
+    completed, missing = list(rows), {}
     for i, (row, case) in enumerate(zip(rows, cases, strict=True)):
         if case is None:
             continue
         others = [
             other
-            for of, other in zip(rows, cases, strict=True)
-            if other is not None and of.walk != row.walk and of.settings == row.settings
+            for candidate, other in zip(rows, cases, strict=True)
+            if other is not None and candidate.walk != row.walk and candidate.variant == row.variant
         ]
         if len(others) < number:
-            reason = f"{', '.join(metrics)}: fewer than {number} other walks to calibrate on"
-            skipped[row.walk] = SkippedWalk(row.walk, reason)  # once, whatever the number of variants
-            continue
-        completed[i] = replace(row, metrics={**row.metrics, **calibrated_metrics(case, others, number)})
-    return tuple(completed), tuple(skipped.values())
+            missing[row.walk] = f"{', '.join(metrics)}: fewer than {number} other walks to calibrate on"
+        else:
+            completed[i] = replace(row, metrics={**row.metrics, **calibrated_metrics(case, others, number)})
+    return tuple(completed), missing
 
 
 def calibrated_metrics(case: CalibrationCase, others: Sequence[CalibrationCase], number: int) -> dict[str, float]:
-    """The metrics of a walk, each the mean over every choice of `number` of the other walks to calibrate on.
+    """Average the metrics of a walk over every choice of `number` of the other walks to calibrate on.
 
-    Nothing of the walk itself is seen by a calibration, and no choice is preferred.
+    A calibration sees nothing of the walk itself, and no choice is preferred.
     """
-    errors = [case.errors(fit([other.observation for other in chosen])) for chosen in combinations(others, number)]
+    errors = [
+        case.errors(fit_calibration([other.observation for other in chosen]))
+        for chosen in combinations(others, number)
+    ]
     return {name: float(np.mean([found[name] for found in errors])) for name in errors[0]}

@@ -1,4 +1,4 @@
-"""What the suites say of one track of a walk, put together from parts: each metric family makes one."""
+"""Assembly of the scores of a track from groups of metrics."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pdr_est.estimators.person.track import NAME as FUSED
-from pdr_est.evaluate import position_errors as metrics
-from pdr_est.evaluate.carrying_modes import durations_s, mode_shares
-from pdr_est.experiment.suite import AnalysedWalk, Scores
+from pdr_est.evaluate.carrying_modes import mode_shares, step_durations_s
+from pdr_est.evaluate.position_errors import mode_accuracy
+from pdr_est.experiment.analysed_walk import AnalysedWalk
+from pdr_est.experiment.suite import TrackScores
 from pdr_est.frames import Array
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import TrueModes, Truth
@@ -19,7 +20,13 @@ MODE_METRIC = "mode_accuracy"
 
 @dataclass(frozen=True)
 class MetricPart:
-    """Some metrics of a device; the fields are those of `suite.Scores`."""
+    """A group of metrics of one track, such as those of its steps.
+
+    Attributes
+    ----------
+    values, counts, missing, predicted : Mapping
+        As in `suite.TrackScores`.
+    """
 
     values: Mapping[str, float] = field(default_factory=dict)
     counts: Mapping[str, int] = field(default_factory=dict)
@@ -27,29 +34,20 @@ class MetricPart:
     predicted: Mapping[str, int] = field(default_factory=dict)
 
 
-def device_scores(walk: AnalysedWalk, device: DeviceWalk, *parts: MetricPart) -> Scores:
-    """The scores of a device, from its parts."""
+def device_scores(walk: AnalysedWalk, device: DeviceWalk, *parts: MetricPart) -> TrackScores:
+    """Assemble the scores of a device."""
     name = device.device if len(walk.devices) > 1 else "device"
-    return track_scores(name, _mode_of(device), *parts)
+    return track_scores(name, _main_mode(device), *parts)
 
 
-def person_scores(walk: AnalysedWalk, *parts: MetricPart) -> Scores:
-    """The scores of the person who carries several devices, from their parts; the mode is that of the first one."""
-    return track_scores(FUSED, _mode_of(walk.devices[0]), *parts)
+def person_scores(walk: AnalysedWalk, *parts: MetricPart) -> TrackScores:
+    """Assemble the scores of the person who carries several devices; the mode is that of the first device."""
+    return track_scores(FUSED, _main_mode(walk.devices[0]), *parts)
 
 
-def _mode_of(device: DeviceWalk) -> str:
-    return next(iter(mode_shares(device.steps)), CarryingMode.UNKNOWN).name
-
-
-def step_times_s(device: DeviceWalk) -> Array:
-    """When a device saw steps, (n,)."""
-    return np.array([step.event.time_s for step in device.steps])
-
-
-def track_scores(track: str, mode: str, *parts: MetricPart) -> Scores:
-    """The scores of a track of that name, carried mostly in that mode, from its parts."""
-    return Scores(
+def track_scores(track: str, mode: str, *parts: MetricPart) -> TrackScores:
+    """Assemble the scores of the track of that name, which was carried in that mode most of the time."""
+    return TrackScores(
         track=track,
         mode=mode,
         values={name: value for part in parts for name, value in part.values.items()},
@@ -59,8 +57,17 @@ def track_scores(track: str, mode: str, *parts: MetricPart) -> Scores:
     )
 
 
+def _main_mode(device: DeviceWalk) -> str:
+    return next(iter(mode_shares(device.steps)), CarryingMode.UNKNOWN).name
+
+
+def step_times_s(device: DeviceWalk) -> Array:
+    """Return the times (n,), s, of the steps that a device detected."""
+    return np.array([step.event.time_s for step in device.steps])
+
+
 def mode_part(walk: AnalysedWalk, device: DeviceWalk) -> MetricPart:
-    """`mode_accuracy` against the walk's true modes; missing when they are not known or no step was found."""
+    """Compute `mode_accuracy`; it is missing if the true modes are not known or no step was found."""
     truth = walk.recording.truth.modes
     if truth is None:
         return MetricPart(missing={MODE_METRIC: "the true mode is not known"})
@@ -68,9 +75,9 @@ def mode_part(walk: AnalysedWalk, device: DeviceWalk) -> MetricPart:
         return MetricPart(missing={MODE_METRIC: "no step found"})
     labels = [step.event.mode for step in device.steps]
     true_modes = truth.at(step_times_s(device))
-    return MetricPart({MODE_METRIC: metrics.mode_accuracy(durations_s(device.steps), labels, true_modes)})
+    return MetricPart({MODE_METRIC: mode_accuracy(step_durations_s(device.steps), labels, true_modes)})
 
 
 def mode_truth(mode: CarryingMode) -> Truth:
-    """What is known of a walk whose phone was carried in one mode all the time."""
+    """Make the ground truth of a walk whose phone was carried in one mode all the time."""
     return Truth(modes=TrueModes(start_s=np.array([-np.inf]), mode=np.array([mode], dtype=np.int8)))

@@ -1,4 +1,4 @@
-"""The benchmark suites, one module each."""
+"""Benchmark suites on public data sets, one module each."""
 
 from pdr_est.errors import ConfigError
 from pdr_est.experiment.suite import Suite
@@ -30,7 +30,13 @@ SUITES: tuple[Suite, ...] = (
 
 
 def suite_named(name: str) -> Suite:
-    """The suite of that name. Raises ConfigError that lists the known ones."""
+    """Return the suite of that name.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown name; the message lists the known ones.
+    """
     for suite in SUITES:
         if suite.name == name:
             return suite

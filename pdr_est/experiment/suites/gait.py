@@ -1,15 +1,16 @@
 """MotionSense (phone in the front trouser pocket) and SisFall (box at the belt): the gait of each step.
 
 * `gait_accuracy`: share of steps with the right gait of walking, jogging and running.
-* `walking_accuracy`: the same with jogging and running as one gait: what the labels of both data sets agree on.
-  SisFall's jogging and running are what each person took for slow and quick; MotionSense has jogging of any speed.
-* `false_steps_per_min`: of those who stand or sit.
-* `count_plausibility`: detected steps over those that the spectrum tells (`evaluate.cadence`); no step is annotated.
+* `walking_accuracy`: the same with jogging and running as one gait, on which the labels of both data sets agree: the
+  persons of SisFall jogged slowly and quickly as they understood it, MotionSense has jogging of any speed.
+* `false_steps_per_min`: detected steps of people who stand or sit.
+* `count_plausibility`: detected steps over the number that the spectrum shows (`evaluate.cadence_check`); no step is
+  annotated.
 
-Every step of a file has the gait of the file, also when people start, turn or stop. Stairs have no true class: their
-rows list what they were taken for. People whom the shipped model has seen are labelled by a model that was trained
-in the same way without them (`shipped_folds`), all others by the shipped one as it is. A model of one's own labels
-those whom it has not seen; the others have no accuracy. Without any model every gait is unknown.
+Every step of a file has the gait of the file, also when people start, turn or stop. Stairs have no true class; their
+rows list the labels. People in the training data of the shipped model are labelled by a model that was trained in
+the same way without them (`shipped_folds`), all others by the shipped model. A user's own model labels the people
+that are not in its training data; the others have no accuracy. Without any model every gait is unknown.
 """
 
 import re
@@ -22,22 +23,22 @@ from numpy.typing import NDArray
 from pdr_est.evaluate import gait_recognition as gaits
 from pdr_est.evaluate.cadence_check import PLAUSIBILITY_METRIC, count_plausibility
 from pdr_est.evaluate.step_detection import FALSE_STEPS_METRIC, steps_per_minute
+from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
-from pdr_est.experiment.results.score_rows import WalkRow
-from pdr_est.experiment.scoring.confusion import Confusion
 from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores
-from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
+from pdr_est.experiment.suite import ConfusionMatrix, Suite, TrackScores, WalkFile
 from pdr_est.front_end.gait import GaitClassifier, gait_model, is_shipped, shipped_folds
 from pdr_est.io.formats import motionsense, sisfall
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import Truth
+from pdr_est.types.outcome import TrackOutcome
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import Gait, Step
 
 METRICS = (gaits.GAIT_METRIC, gaits.WALKING_METRIC, FALSE_STEPS_METRIC, PLAUSIBILITY_METRIC)
 TRUE_CLASS = "true_class"
 EVERYWHERE = "all"
-"""The confusion over all data sets, beside that of each."""
+"""Name of the confusion matrix over all data sets, beside that of each."""
 
 _MOTIONSENSE, _SISFALL = "motionsense", "sisfall"
 _MOTIONSENSE_FILE = re.compile(r"(?P<code>wlk|jog|ups|dws|std|sit)_\d+/sub_(?P<person>\d+)")
@@ -48,8 +49,8 @@ _RESTING = ("standing", "sitting")
 _LABELS = {**gaits.KNOWN_BY_NAME, "unknown": Gait.UNKNOWN}
 
 
-def find(folder: Path) -> list[WalkFile]:
-    """The tables `motionsense/ACTIVITY_N/sub_S.csv` and `sisfall/PERSON/D0x_PERSON_Rnn.txt` of a folder."""
+def _find(folder: Path) -> list[WalkFile]:
+    """List the tables `motionsense/ACTIVITY_N/sub_S.csv` and `sisfall/PERSON/D0x_PERSON_Rnn.txt`."""
     walks = []
     for data_set, pattern, name_of in (
         (_MOTIONSENSE, "sub_*.csv", _MOTIONSENSE_FILE),
@@ -62,22 +63,22 @@ def find(folder: Path) -> list[WalkFile]:
     return walks
 
 
-def score(walk: AnalysedWalk) -> list[Scores]:
-    """Gaits and plausibility of those who move, false steps of those who rest; no estimator runs."""
+def _score(walk: AnalysedWalk) -> list[TrackScores]:
+    """Score gaits and step counts of people who move, false steps of people who rest; no estimator runs."""
     return [device_scores(walk, device, _part(walk, device)) for device in walk.devices]
 
 
-def confusions(rows: Sequence[WalkRow]) -> dict[str, Confusion]:
-    """Steps by true and recognised gait, of all rows and of each data set, with recalls and accuracies."""
-    true = [row for row in rows if row.labels[TRUE_CLASS] is not None]
+def _confusions(rows: Sequence[TrackOutcome]) -> dict[str, ConfusionMatrix]:
+    """Count the steps by true and recognised gait, over all rows and over each data set."""
+    true = [row for row in rows if row.labels[TRUE_CLASS] in gaits.KNOWN_BY_NAME]
     chosen = {EVERYWHERE: true}
     for row in true:
-        chosen.setdefault(str(row.labels["data_set"]), []).append(row)
+        chosen.setdefault(row.labels["data_set"], []).append(row)
     return {name: _confusion(of_these) for name, of_these in chosen.items() if of_these}
 
 
 def person_of(recording: Recording) -> str:
-    """Who walks, by the name that the models know the person by."""
+    """Return the name of the person who walks, as in the training data of the models."""
     if recording.format == sisfall.NAME:
         return f"{_SISFALL}/{recording.name.split('_')[1]}"
     return f"{_MOTIONSENSE}/{recording.name.removeprefix('sub_')}"
@@ -126,7 +127,7 @@ def _part(walk: AnalysedWalk, device: DeviceWalk) -> MetricPart:
 
 
 def _labelled(steps: Sequence[Step], walk: AnalysedWalk) -> Sequence[Step] | None:
-    """The steps with gaits of a model that has not seen the person; None when there is no such model."""
+    """Label the steps by a model without this person in its training data; None if there is no such model."""
     configured, person = gait_model(walk.config.gait), person_of(walk.recording)
     if configured is None:
         return steps
@@ -140,18 +141,18 @@ def _labelled(steps: Sequence[Step], walk: AnalysedWalk) -> Sequence[Step] | Non
 
 
 def _by_label(row: NDArray[np.int64]) -> dict[str, int]:
-    """Steps by label, from a row of a matrix."""
+    """Return the steps by label, from a row of a matrix."""
     return {label: int(row[gait]) for label, gait in _LABELS.items()}
 
 
-def _confusion(rows: Sequence[WalkRow]) -> Confusion:
+def _confusion(rows: Sequence[TrackOutcome]) -> ConfusionMatrix:
     counts = np.zeros((len(Gait), len(Gait)), dtype=np.int64)
     for row in rows:
-        true = gaits.KNOWN_BY_NAME[str(row.labels[TRUE_CLASS])]
+        true = gaits.KNOWN_BY_NAME[row.labels[TRUE_CLASS]]
         for label, steps in row.predicted.items():
             counts[true, _LABELS[label]] += steps
     recalls = {f"recall_{gait.name.lower()}": share for gait, share in gaits.recalls(counts).items()}
-    return Confusion(
+    return ConfusionMatrix(
         counts={true: _by_label(counts[gait]) for true, gait in gaits.KNOWN_BY_NAME.items()},
         shares={**gaits.accuracies(counts), **recalls},
     )
@@ -161,8 +162,7 @@ SUITE = Suite(
     name="gait",
     folder=".",
     metrics=METRICS,
-    find=find,
-    prepare=as_recorded,
-    score=score,
-    pool=confusions,
+    find=_find,
+    score=_score,
+    confusions=_confusions,
 )

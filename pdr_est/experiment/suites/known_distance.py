@@ -1,24 +1,25 @@
 """Held phones over a known distance, with the steps counted by hand; a table `truth.csv` gives both for each file.
 
 `scale_coverage68` is the share of the walks whose length is right within the standard deviation that the
-configuration states for the scale of their steps (`odometry.sigma_length_scale`).
+configuration states for the scale of the step lengths (`odometry.sigma_length_scale`).
 
-`distance_error_calibrated` is `distance_error` after calibrating the walker (`calibrate.fit`) on two other walks of
-the set: the mean over all pairs of them. So is `scale_coverage68_calibrated`, with the standard deviation that the
-calibration states (`Calibration.sigma_next`).
+`distance_error_calibrated` is `distance_error` after calibrating the walker (`calibration.step_length_fit.fit`) on
+two other walks of the set: the mean over all pairs of them. `scale_coverage68_calibrated` is computed in the same
+way with the standard deviation that the calibration states (`Calibration.sigma_next`).
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pdr_est.calibration.step_length_fit import Calibration, Observation, PacedSteps, observation
+from pdr_est.calibration.step_length_fit import Calibration, CalibrationSteps, ScaleObservation, observe_scale
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import distance_error, within_sigma
 from pdr_est.evaluate.step_detection import count_error
+from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores
-from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
+from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io.side_tables.known_distances import KnownDistance, read_known_distances
 from pdr_est.pipeline import DeviceWalk
@@ -30,30 +31,38 @@ _CALIBRATED = ("distance_error_calibrated", "scale_coverage68_calibrated")
 
 @dataclass(frozen=True)
 class DistanceCase:
-    """The steps of a walk of known length; at least one."""
+    """A walk of known length as it takes part in calibrations.
 
-    steps: PacedSteps
+    Attributes
+    ----------
+    steps : PacedSteps
+        At least one step.
+    distance_m : float
+        Length of the walk, m.
+    """
+
+    steps: CalibrationSteps
     distance_m: float
 
     @property
-    def observation(self) -> Observation:
-        return observation([self.steps], self.distance_m / float(self.steps.length_m.sum()))
+    def observation(self) -> ScaleObservation:
+        """Return the ratio of the true length to the modelled one."""
+        return observe_scale([self.steps], self.distance_m / float(self.steps.length_m.sum()))
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
-        steps = self.steps.personal(calibration.walker(WalkerParams()))
+        """Compute the calibrated metrics of the walk."""
+        steps = self.steps.with_personal_constants(calibration.walker(WalkerParams()))
         return dict(zip(_CALIBRATED, _distance_metrics(steps, self.distance_m, calibration.sigma_next), strict=True))
 
 
-def _distance_metrics(steps: PacedSteps, distance_m: float, sigma_log: float) -> tuple[float, float]:
-    """How far the length is off, and whether that is within its sigma."""
+def _distance_metrics(steps: CalibrationSteps, distance_m: float, sigma_log: float) -> tuple[float, float]:
+    """Compute the relative error of the length, and if it is within its standard deviation."""
     length_m = float(steps.length_m.sum())
     return distance_error(length_m, distance_m), within_sigma(length_m, distance_m, sigma_log)
 
 
-def find(folder: Path) -> list[WalkFile]:
-    """The tables `*.csv` beside a truth.csv in the suite's folder. Raises RecordingError when that is missing or
-    damaged.
-    """
+def _find(folder: Path) -> list[WalkFile]:
+    """List the tables `*.csv` beside a truth.csv; raise RecordingError if that is missing or damaged."""
     tables = [(name, path) for name, path in recordings(folder, "*.csv") if path.parent == folder]
     truth_path = dict(tables).get(_TRUTH)
     if truth_path is None and tables:
@@ -66,21 +75,18 @@ def find(folder: Path) -> list[WalkFile]:
     return [WalkFile(name, path, truth=_truth(known.get(name))) for name, path in tables if name != _TRUTH]
 
 
-def score(walk: AnalysedWalk) -> list[Scores]:
-    """Length and number of all steps of the recording; no estimator runs.
-
-    Raises RecordingError for a file that truth.csv does not name.
-    """
-    return [_scores(walk, device) for device in walk.devices]
+def _score(walk: AnalysedWalk) -> list[TrackScores]:
+    """Score length and number of all steps; no estimator runs. Raises RecordingError without known distance."""
+    return [_device_scores(walk, device) for device in walk.devices]
 
 
-def _scores(walk: AnalysedWalk, device: DeviceWalk) -> Scores:
+def _device_scores(walk: AnalysedWalk, device: DeviceWalk) -> TrackScores:
     truth = walk.recording.truth
     if truth.distance_m is None or truth.step_count is None:
         raise RecordingError(
             f"{walk.recording.name}: not in {_TRUTH}.csv: no distance and step count to compare with"
         )
-    steps = PacedSteps.of(device.steps)
+    steps = CalibrationSteps.from_steps(device.steps)
     error, covered = _distance_metrics(steps, truth.distance_m, walk.config.odometry.sigma_length_scale)
     part = MetricPart(
         {
@@ -103,9 +109,8 @@ SUITE = Suite(
     name="known-distance",
     folder="known-distance",
     metrics=("distance_error", "scale_coverage68", *_CALIBRATED, "count_error"),
-    find=find,
-    prepare=as_recorded,
-    score=score,
+    find=_find,
+    score=_score,
     calibrated_on=2,
     calibrated=_CALIBRATED,
 )

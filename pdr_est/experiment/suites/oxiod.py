@@ -1,7 +1,7 @@
-"""Oxford Inertial Odometry Dataset: an iPhone carried in several ways, with poses row by row.
+"""Oxford Inertial Odometry Dataset: an iPhone carried in several ways, with a true pose for every sample.
 
-The headline are the large-scale office loops; the walks in a small Vicon room are averaged apart. Both are grouped by
-the position of the phone.
+The summary averages the large-scale office loops; the walks in a small Vicon room are averaged apart. Both are
+grouped by the position of the phone.
 """
 
 import re
@@ -9,21 +9,21 @@ from pathlib import Path
 
 from pdr_est.evaluate.position_errors import OPEN_METRICS
 from pdr_est.experiment.recording_files import recordings
-from pdr_est.experiment.scoring.positions import score_open
+from pdr_est.experiment.scoring.positions import score_positions
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth
-from pdr_est.experiment.suite import Suite, WalkFile, as_recorded
+from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.steps import CarryingMode
 
 _LARGE_SCALE = "large-scale"
 
-# What folders of the data set say of the position of the phone in all their walks.
+# Folder of the data set -> position of the phone in all its walks.
 _POSITION_OF_FOLDER = {"handheld": "hand", "pocket": "pocket", "handbag": "bag", "trolley": "trolley"}
 
-# The carrying modes that a position tells; a phone in a bag or on a trolley is in none that has a name.
+# Position -> carrying mode; a phone in a bag or on a trolley has no mode of ours.
 _MODE_OF_POSITION = {"hand": CarryingMode.HOLDING, "pocket": CarryingMode.POCKET}
 
-# In folders of mixed walks the position is known from the statistics of the signals, by number of the walk.
+# Folder of mixed walks -> number of the walk -> position, found from the statistics of the signals.
 _POSITION_OF_WALK = {
     "large-scale/floor1": {
         1: "hand",
@@ -39,14 +39,14 @@ _POSITION_OF_WALK = {
 }
 
 
-def find(folder: Path) -> list[WalkFile]:
-    """The tables `…/imuN.csv`, but not those of the folders `raw`, whose rows are not paired with poses."""
+def _find(folder: Path) -> list[WalkFile]:
+    """List the tables `…/imuN.csv`, without those of the folders `raw`, whose rows are not paired with poses."""
     walks = recordings(folder, "imu*.csv")
     return [_walk(name, path) for name, path in walks if "raw" not in Path(name).parts]
 
 
 def position_of(name: str) -> str | None:
-    """Where the phone was carried in the walk of this name; None when nothing tells."""
+    """Return the position of the phone in the walk of this name; None if it is not known."""
     for part in Path(name).parts:
         if part in _POSITION_OF_FOLDER:
             return _POSITION_OF_FOLDER[part]
@@ -75,7 +75,7 @@ SUITE = Suite(
     name="oxiod",
     folder="oxiod",
     metrics=(*OPEN_METRICS, MODE_METRIC),
-    find=find,
-    prepare=as_recorded,
-    score=score_open,
+    find=_find,
+    score=score_positions,
+    fixes="none",
 )

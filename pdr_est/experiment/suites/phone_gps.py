@@ -1,4 +1,4 @@
-"""One Android phone on playing fields, swung in the hand or held, with the GPS fixes of the recorder as truth."""
+"""An Android phone on playing fields, swung in the hand or held, with the recorded GPS fixes as ground truth."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,7 +7,7 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.experiment.recording_files import recordings
-from pdr_est.experiment.scoring.positions import score_open
+from pdr_est.experiment.scoring.positions import score_positions
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth
 from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.types.ground_truth import TruePositions
@@ -15,15 +15,18 @@ from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode
 
 
-def find(folder: Path) -> list[WalkFile]:
-    """The tables `*.csv`; in those with "swing" in their name the phone was swung, in the others held."""
+def _find(folder: Path) -> list[WalkFile]:
+    """List the tables `*.csv`; if the name contains "swing" the phone was swung, otherwise held."""
     return [_walk(name, path) for name, path in recordings(folder, "*.csv")]
 
 
 def with_fixes_as_truth(recording: Recording) -> Recording:
-    """The recording with its GPS fixes as true positions, and without fixes, so that no stage can see them.
+    """Turn the GPS fixes into true positions, and remove all fixes, so that no stage can see them.
 
-    Raises RecordingError when it has none.
+    Raises
+    ------
+    RecordingError
+        If there is no GPS fix.
     """
     fixes = [fix for fix in recording.fixes if fix.source == "gps"]
     if not fixes:
@@ -46,7 +49,8 @@ SUITE = Suite(
     name="phone-gps",
     folder="phone-gps",
     metrics=("ate_rigid_m", "length_ratio", "final_drift", MODE_METRIC),
-    find=find,
+    find=_find,
     prepare=with_fixes_as_truth,
-    score=score_open,
+    score=score_positions,
+    fixes="none",
 )

@@ -1,7 +1,7 @@
 """WeAllWalk: two iPhones at once in clothing pockets, corridors with turns, every heel strike annotated.
 
-Each phone is a row. The walks are grouped by what the walker held, as the file names have it: `NA` nothing, else a
-kind of cane or a dog.
+Each phone is a row. The walks are grouped by the walking aid in the file names: a kind of cane, a dog, or `NA` for
+none.
 """
 
 import re
@@ -10,16 +10,17 @@ from pathlib import Path
 from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate.heading_errors import HEADING_METRICS
 from pdr_est.evaluate.step_detection import STEP_METRICS
+from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.annotated_steps import heading_part, step_part
 from pdr_est.experiment.scoring.track_scores import device_scores, person_scores, step_times_s
-from pdr_est.experiment.suite import AnalysedWalk, Scores, Suite, WalkFile, as_recorded
+from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
 
 _TABLE = re.compile(r"(?P<path>iPhoneSensors_T\d+_ID\d+)_(?:1L|2R)_(?P<aid>\w+)")
 
 
-def find(folder: Path) -> list[WalkFile]:
-    """The walks of the tables `iPhoneSensors_*.csv`: both phones are one walk, named after the left phone's table."""
+def _find(folder: Path) -> list[WalkFile]:
+    """List the tables `iPhoneSensors_*.csv`; both phones are one walk with the name of the left phone's table."""
     walks: dict[tuple[Path, str, str], WalkFile] = {}
     for name, path in recordings(folder, "iPhoneSensors_*.csv"):
         match = _TABLE.fullmatch(Path(name).name)
@@ -29,8 +30,8 @@ def find(folder: Path) -> list[WalkFile]:
     return list(walks.values())
 
 
-def score(walk: AnalysedWalk) -> list[Scores]:
-    """Steps and headings of each phone, and of the person whom both carry, against the annotated ones."""
+def _score(walk: AnalysedWalk) -> list[TrackScores]:
+    """Score steps and headings of each phone, and of the person who carries both."""
     track = walk.track()
     scores = [
         device_scores(
@@ -51,7 +52,6 @@ SUITE = Suite(
     name="weallwalk",
     folder="weallwalk",
     metrics=(*STEP_METRICS, *HEADING_METRICS),
-    find=find,
-    prepare=as_recorded,
-    score=score,
+    find=_find,
+    score=_score,
 )

@@ -1,4 +1,4 @@
-"""What a benchmark compares: configurations that differ in one setting."""
+"""Settings whose values a benchmark compares, and the variants that differ in one of them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,21 +15,36 @@ EVERY = "all"
 
 @dataclass(frozen=True)
 class Axis:
-    """A setting whose values can be compared. word: its name in options, tables and documents. names: its values.
-    section, key: where it stands in the configuration."""
+    """A setting whose values can be compared.
 
-    word: str
-    names: tuple[str, ...]
+    Attributes
+    ----------
+    name : str
+        Name in options, tables and documents.
+    values : tuple of str
+        Values of the setting.
+    section, key : str
+        Place of the setting in the configuration.
+    """
+
+    name: str
+    values: tuple[str, ...]
     section: str
     key: str
 
-    def of(self, config: Config) -> str:
-        """The value in a configuration."""
+    def value_in(self, config: Config) -> str:
+        """Return the value in a configuration."""
         return str(config_to_dict(config)[self.section][self.key])
 
-    def chosen(self, config: Config, name: str) -> Config:
-        """The configuration with this value. Raises ConfigError for a value that is unknown or contradicts others."""
-        return config_with(config, {f"{self.section}.{self.key}": name}, f"--{self.word}")
+    def with_value(self, config: Config, value: str) -> Config:
+        """Return the configuration with this value.
+
+        Raises
+        ------
+        ConfigError
+            For a value that is unknown or contradicts other settings.
+        """
+        return config_with(config, {f"{self.section}.{self.key}": value}, f"--{self.name}")
 
 
 AXES: tuple[Axis, ...] = (
@@ -42,19 +57,37 @@ AXES: tuple[Axis, ...] = (
 
 @dataclass(frozen=True)
 class Variant:
-    """One configuration under comparison. name: its value on the axis of the comparison."""
+    """One configuration under comparison.
+
+    Attributes
+    ----------
+    name : str
+        Name in the results; in a benchmark the value on the axis of the comparison.
+    config : Config
+        The settings.
+    """
 
     name: str
     config: Config
 
     def settings(self) -> dict[str, str]:
-        """Its value on every axis, by the axis' word."""
-        return {axis.word: axis.of(self.config) for axis in AXES}
+        """Return the value on every axis, by name of the axis."""
+        return {axis.name: axis.value_in(self.config) for axis in AXES}
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Variants that differ on one axis. main: the one of them that the plain summary is of."""
+    """Variants that differ on one axis.
+
+    Attributes
+    ----------
+    axis : str
+        Name of the axis.
+    variants : tuple of Variant
+        The variants.
+    main : Variant
+        The one that the summary is computed for.
+    """
 
     axis: str
     variants: tuple[Variant, ...]
@@ -62,51 +95,70 @@ class Comparison:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The values that are compared."""
+        """Names of the variants: the values that are compared."""
         return tuple(variant.name for variant in self.variants)
 
 
-def compare(config: Config, word: str = "estimator", names: Sequence[str] | None = None) -> Comparison:
-    """Variants of a configuration on the axis of that word: the configured one alone, or one for each name.
+def comparison_on_axis(config: Config, axis: str = "estimator", values: Sequence[str] | None = None) -> Comparison:
+    """Make the variants of a configuration on an axis: one for each value, or the configured one alone.
 
-    Raises ConfigError for an unknown axis, for no name or an unknown one.
+    Raises
+    ------
+    ConfigError
+        For an unknown axis, for no value or an unknown one.
     """
-    axis = axis_named(word)
-    configured = axis.of(config)
-    wanted = (configured,) if names is None else tuple(names)
+    chosen = axis_named(axis)
+    configured = chosen.value_in(config)
+    wanted = (configured,) if values is None else tuple(values)
     if not wanted:
-        raise ConfigError(f"no {word} to compare: name at least one")
-    variants = tuple(Variant(name, axis.chosen(config, name)) for name in wanted)
+        raise ConfigError(f"no {axis} to compare: name at least one")
+    variants = tuple(Variant(value, chosen.with_value(config, value)) for value in wanted)
     main = next((variant for variant in variants if variant.name == configured), variants[0])
-    return Comparison(word, variants, main)
+    return Comparison(axis, variants, main)
 
 
-def comparison_of_choices(config: Config, choices: Mapping[str, str | None]) -> Comparison:
-    """What the values given for some axes ask for. choices: by the axis' word, None for what is configured, or "all".
+def comparison_from_options(config: Config, options: Mapping[str, str | None]) -> Comparison:
+    """Make the variants that command-line options ask for.
 
-    Raises ConfigError when more than one is "all", and as `compare` does.
+    Parameters
+    ----------
+    config : Config
+        The configuration that the options change.
+    options : Mapping
+        Name of an axis -> its value, "all" for every value, None for the configured one.
+
+    Raises
+    ------
+    ConfigError
+        If more than one option is "all", and as `comparison_on_axis` does.
     """
-    every = [axis for axis in AXES if choices.get(axis.word) == EVERY]
+    every = [axis for axis in AXES if options.get(axis.name) == EVERY]
     if len(every) > 1:
-        words = " and ".join(f"--{axis.word} {EVERY}" for axis in every)
+        words = " and ".join(f"--{axis.name} {EVERY}" for axis in every)
         raise ConfigError(f"{words}: only one setting is compared at a time: name one value of the other")
     compared = every[0] if every else AXES[0]
     for axis in AXES:
-        name = choices.get(axis.word)
-        if name is not None and axis not in every:
-            config = axis.chosen(config, name)
+        value = options.get(axis.name)
+        if value is not None and axis not in every:
+            config = axis.with_value(config, value)
             compared = compared if every else axis
-    return compare(config, compared.word, compared.names if every else None)
+    return comparison_on_axis(config, compared.name, compared.values if every else None)
 
 
 def same_front_end(a: Config, b: Config) -> bool:
-    """Whether two configurations differ in nothing but the estimator, so that one analysis serves both."""
+    """Check if two configurations differ in nothing but the estimator, so that one analysis serves both."""
     return replace(a, estimator=EstimatorParams()) == replace(b, estimator=EstimatorParams())
 
 
-def axis_named(word: str) -> Axis:
-    """The axis of that word. Raises ConfigError that lists the known ones."""
+def axis_named(name: str) -> Axis:
+    """Return the axis of that name.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown name; the message lists the known ones.
+    """
     for axis in AXES:
-        if axis.word == word:
+        if axis.name == name:
             return axis
-    raise ConfigError(f"unknown axis {word!r}: choose one of {', '.join(axis.word for axis in AXES)}")
+    raise ConfigError(f"unknown axis {name!r}: choose one of {', '.join(axis.name for axis in AXES)}")

@@ -1,4 +1,4 @@
-"""From the settings, variants and sweeps of an experiment file to the configurations that are compared."""
+"""Configurations from the settings, variants and sweeps of an experiment file."""
 
 from collections.abc import Iterator, Mapping
 from itertools import product
@@ -16,17 +16,29 @@ from pdr_est.params.validation_messages import Location
 from pdr_est.parts import importable
 
 _FILE_KEY = "settings_file"
-_CHOICES = ("name", "method", "detector", "model")  # keys whose value speaks for itself
+_CHOICES = ("name", "method", "detector", "model")  # keys whose value is a name that needs no key
 _MOST_VARIANTS = 10_000
 
 
 def expand(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Variant, ...]:
-    """The variants in the order of the file, sweeps inside. path: of the file; lines: where its values stand.
+    """Make the variants in the order of the file, with the combinations of the sweep inside each.
 
     Modules that the file names for parts of the user's own may lie in its folder.
 
-    Raises ConfigError for settings that are unknown, out of range or contradict each other, in the line where they
-    stand, and for names that stand for two variants.
+    Parameters
+    ----------
+    config : ExperimentConfig
+        Sections of the file.
+    path : Path
+        The file.
+    lines : Lines
+        Line numbers of its values.
+
+    Raises
+    ------
+    ConfigError
+        For settings that are unknown, out of range or contradict each other, with their line, and for two variants of
+        one name.
     """
     with importable([path.resolve().parent]):
         return _expanded(config, path, lines)
@@ -54,7 +66,7 @@ def _expanded(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Varia
 
 
 def _from_file(file: Any, path: Path, place: Location, lines: Lines, base: Config) -> Config:
-    """The settings of a file that lies relative to the experiment's."""
+    """Read a settings file whose path is relative to the experiment file."""
     if file is None:
         return base
     if not isinstance(file, str) or not (path.parent / file).is_file():
@@ -66,7 +78,7 @@ def _from_file(file: Any, path: Path, place: Location, lines: Lines, base: Confi
 def _combinations(
     sweep: Mapping[str, tuple[Any, ...]], path: Path, lines: Lines
 ) -> Iterator[tuple[tuple[str, ...], Settings]]:
-    """Each combination of the sweep's values: how it is called, and its settings."""
+    """Yield each combination of the values of the sweep: the words of its name, and its settings."""
     count = 1
     for key, values in sweep.items():
         count *= len(values)
@@ -77,13 +89,13 @@ def _combinations(
         words, settings = [], Settings({}, {})
         for (key, values), number in zip(sweep.items(), chosen, strict=True):
             place: Location = ("sweep", key, number)
-            words.append(_called(key, values[number]))
+            words.append(_value_name(key, values[number]))
             nested, location = nested_by(key, values[number])
             line = lines.of(place)
             settings = Settings(nested, {} if line is None else {location: line}).over(settings)
         yield tuple(words), settings
 
 
-def _called(key: str, value: Any) -> str:
+def _value_name(key: str, value: Any) -> str:
     short = key.rpartition(".")[2]
     return str(value) if short in _CHOICES else f"{short}={value}"

@@ -52,7 +52,9 @@ def vertical_mismatch_warnings(attitude: Array, up: Array) -> tuple[str, ...]:
     mismatch = vertical_mismatch(attitude, up)
     if mismatch < _AGREEMENT:
         return ()
-    return (f"the up directions of recorded attitude and gravity differ by {mismatch:.2f} (of unit vectors)",)
+    return (
+        f"the up directions of recorded attitude and gravity differ by {mismatch:.2f} (distance of unit vectors)",
+    )
 
 
 def add_gravity(linear: Signal, gravity: Signal) -> tuple[Signal, tuple[str, ...]]:

@@ -1,4 +1,4 @@
-"""Detect sign conventions: does the acceleration point up at rest, and which way does the attitude rotate?
+"""Detect sign conventions: that of the acceleration at rest, and the direction of the attitude.
 
 Android's specific force points up when the device lies still, Apple's points down. Attitudes are recorded from device
 to level axes or the other way round. Gravity in the acceleration decides, with the attitude or, without one, with

@@ -1,4 +1,9 @@
-"""GetSensorData logs, the format of the IPIN competition: `TYPE;AppTimestamp;SensorTimestamp;values` rows."""
+"""Read logs of GetSensorData, the app of the IPIN competition.
+
+A log is a text file with rows `TYPE;AppTimestamp;SensorTimestamp;values` of one phone. Rows ACCE, GYRO, MAGN, PRES
+(hPa) and AHRS (rotation vector) are read; POSI rows are surveyed points, the ground truth, and GNSS rows are fixes.
+iPhones record the acceleration in g with Apple's sign, Android phones in m/s^2, up at rest.
+"""
 
 import re
 from dataclasses import replace
@@ -13,8 +18,8 @@ from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
 from pdr_est.io.conversion.signs import detect_force_sign
 from pdr_est.io.conversion.units import detect_acceleration_unit
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import finite_signal
 from pdr_est.io.text.tagged_lines import TaggedLog
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.measurements import PositionFix
@@ -30,17 +35,22 @@ _HEADER_VALUE = re.compile(r"^%\s*(Manufacturer|Model):\s*(\S.*?)\s*$", re.MULTI
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member has rows of this format."""
-    return bool(find_members(source, _looks_right))
+    """Tell whether a member of the source is a log of this format."""
+    return bool(find_members(source, _is_log))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of a GetSensorData log: one phone, surveyed points as truth, GNSS rows as fixes.
+    """Read the walk of a GetSensorData log: one phone, surveyed points as truth, GNSS rows as fixes.
 
-    Time is the app's clock; the map frame's origin is the first surveyed point, else the first GNSS position.
-    Raises RecordingError when there are several walks or no accelerometer rows.
+    Time is the clock of the app; the origin of the map frame is the first surveyed point, else the first GNSS
+    position.
+
+    Raises
+    ------
+    RecordingError
+        When there are several walks or no accelerometer rows.
     """
-    member = require_single_walk(source, find_members(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _is_log), NAME)
     data = source.read(member)
     log = TaggedLog.parse(data, source.place(member), separator=";", tag_field=0, n_fields=_N_FIELDS)
     points, floors = _surveyed_points(log)
@@ -52,18 +62,15 @@ def read_source(source: Source) -> Recording:
         format=NAME,
         devices=(_device(log, data),),
         truth=Truth(positions=_truth(points, origin)),
-        fixes=_about(gps, origin),
+        fixes=_relative_to_origin(gps, origin),
         origin=origin,
         epoch_s=_epoch_s(gnss),
         notes=(*floors, *gps.warnings),
     )
 
 
-def _looks_right(head: bytes) -> bool:
+def _is_log(head: bytes) -> bool:
     return _ROW.search(head) is not None
-
-
-# --- sensors ---------------------------------------------------------------------------------------------------
 
 
 def _device(log: TaggedLog, data: bytes) -> DeviceRecording:
@@ -72,12 +79,14 @@ def _device(log: TaggedLog, data: bytes) -> DeviceRecording:
     warnings: list[str] = []
     force = _signal(log, "ACCE", (3, 4, 5), decisions, warnings)
     if force is None:
-        raise RecordingError(f"{log.place}: no accelerometer (ACCE) rows; record again with the accelerometer on")
+        raise RecordingError(
+            f"{log.place}: no accelerometer (ACCE) rows; record again with the accelerometer switched on"
+        )
     attitude = _attitude(log, decisions, warnings)
     force, is_apple = _in_si_upwards(force, attitude, decisions, warnings)
     rate = _signal(log, "GYRO", (3, 4, 5), decisions, warnings)
     if rate is None:
-        warnings.append("no gyroscope (GYRO) rows: steps can be found, headings cannot")
+        warnings.append("no gyroscope (GYRO) rows: steps can be found, but headings cannot")
     pressure = _signal(log, "PRES", (3,), decisions, warnings)
     return DeviceRecording(
         model=" ".join(header[key] for key in ("Manufacturer", "Model") if key in header),
@@ -106,7 +115,7 @@ def _signal(
 
 
 def _on_app_clock(tag: str, app_s: Array, sensor_s: Array) -> tuple[Array, str]:
-    """Sample times with the sensor clock's even spacing, shifted to the app clock on which the truth is."""
+    """Shift the evenly spaced times of the sensor clock to the app clock, which the truth uses."""
     offset_s = app_s - sensor_s
     finite = np.isfinite(offset_s)
     if finite.any():
@@ -115,13 +124,13 @@ def _on_app_clock(tag: str, app_s: Array, sensor_s: Array) -> tuple[Array, str]:
         if spread_s <= _CLOCK_SPREAD_S:
             return (
                 sensor_s + median_s,
-                f"{tag}: SensorTimestamp shifted by the median of App - Sensor, {median_s:.4f} s",
+                f"{tag}: times are SensorTimestamp + {median_s:.4f} s, the median of AppTimestamp - SensorTimestamp",
             )
-    return app_s, f"{tag}: AppTimestamp, because SensorTimestamp does not keep pace with it"
+    return app_s, f"{tag}: times are AppTimestamp, because SensorTimestamp does not run in step with it"
 
 
 def _magnetic_fields(log: TaggedLog) -> tuple[int, int, int]:
-    """The documented layout has an empty field after x, real files have none."""
+    """Choose the field indices: the documented layout has an empty field after x, real files have none."""
     second = log.numbers("MAGN", (4,))
     return (3, 5, 6) if len(second) and np.isnan(second).all() else (3, 4, 5)
 
@@ -139,27 +148,24 @@ def _attitude(log: TaggedLog, decisions: list[str], warnings: list[str]) -> Sign
 def _in_si_upwards(
     raw: Signal, attitude: Signal | None, decisions: list[str], warnings: list[str]
 ) -> tuple[Signal, bool]:
-    """Specific force in m/s^2 that points up at rest, and whether it was recorded in g, as iPhones do."""
+    """Convert to m/s^2 up at rest; the flag tells whether the values were in g, as iPhones record."""
     unit = detect_acceleration_unit(raw.values)
     in_g = unit.factor != 1.0
     expected, reason = (-1.0, "iPhones record in g") if in_g else (1.0, "Android phones record in m/s^2")
     sign = detect_force_sign(raw, attitude, expected, reason)
-    for finding in (unit, sign):
-        decisions.append(finding.decision)
-        warnings.extend(finding.warnings)
+    for conversion in (unit, sign):
+        decisions.append(conversion.decision)
+        warnings.extend(conversion.warnings)
     return Signal(raw.time_s, raw.values * (unit.factor * sign.factor)), in_g
 
 
-# --- positions -------------------------------------------------------------------------------------------------
-
-
 def _surveyed_points(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:
-    """Rows (time s, latitude deg, longitude deg) of the surveyed points, and notes on their floors and gaps."""
+    """Read the surveyed points (time s, latitude deg, longitude deg), with notes on floors and gaps."""
     rows = log.numbers("POSI", (1, 3, 4, 5))
     finite = np.isfinite(rows[:, :3]).all(axis=1)
     notes = []
     if not finite.all():
-        notes.append(f"{np.count_nonzero(~finite)} of {len(rows)} surveyed points are incomplete and left out")
+        notes.append(f"{np.count_nonzero(~finite)} of {len(rows)} surveyed points are incomplete and are left out")
     known_floors = rows[finite & np.isfinite(rows[:, 3]), 3].tolist()
     floors = [f"{floor:g}" for floor in dict.fromkeys(known_floors)]
     if len(floors) > 1:
@@ -174,13 +180,13 @@ def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:
     return TruePositions(points[:, 0], position_m, _POSI_SIGMA_M, "surveyed points")
 
 
-def _about(found: GnssFixes, origin: GeoOrigin | None) -> tuple[PositionFix, ...]:
-    """Fixes moved from their own origin to another one; over a walk's extent a shift is exact to a millimetre."""
-    if origin is None or found.origin is None:
-        return found.fixes
-    own = found.origin
+def _relative_to_origin(gnss: GnssFixes, origin: GeoOrigin | None) -> tuple[PositionFix, ...]:
+    """Move fixes from their own origin to another one; over the extent of a walk a shift is exact to 1 mm."""
+    if origin is None or gnss.origin is None:
+        return gnss.fixes
+    own = gnss.origin
     shift_m = _east_north(np.array([own.latitude_deg]), np.array([own.longitude_deg]), origin)[0]
-    return tuple(replace(fix, position_m=fix.position_m + shift_m) for fix in found.fixes)
+    return tuple(replace(fix, position_m=fix.position_m + shift_m) for fix in gnss.fixes)
 
 
 def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) -> Array:
@@ -191,7 +197,7 @@ def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) ->
 
 
 def _epoch_s(gnss: Array) -> float | None:
-    """Unix time of the app's time zero, to about a second: GNSS rows carry whole Unix seconds."""
+    """Find the Unix time of time zero to about a second: GNSS rows carry whole Unix seconds."""
     offset_s = gnss[:, 1] - gnss[:, 0]
     offset_s = offset_s[np.isfinite(offset_s)]
     return float(np.median(offset_s)) if len(offset_s) else None

@@ -1,4 +1,8 @@
-"""Indoor Location Competition 2.0 logs: tab-separated rows `Unix ms, TYPE_…, values`, with clicked waypoints."""
+"""Read logs of the Indoor Location Competition 2.0 (ILC20).
+
+A log is a text file with tab-separated rows `Unix ms, TYPE_…, values` of one Android phone, a header of `#` lines,
+and waypoints that the surveyor clicked on the floor map. Units and signs are Android's: m/s^2 up at rest, rad/s, uT.
+"""
 
 import re
 
@@ -7,8 +11,8 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import finite_signal
 from pdr_est.io.text.tagged_lines import TaggedLog
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
@@ -18,41 +22,45 @@ NAME = "ILC20"
 _WAYPOINT_SIGMA_M = 0.7  # clicked by the surveyor on the floor map
 _START_BEFORE_SAMPLES_MS = 60_000
 _ROW = re.compile(rb"^\d{13}\tTYPE_[A-Z]", re.MULTILINE)
-_GLUED = re.compile(rb"(?<=[^\n])(?=\d{13}\tTYPE_)")
+_JOINED = re.compile(rb"(?<=[^\n])(?=\d{13}\tTYPE_)")
 _HEADER_VALUE = re.compile(r"\b(startTime|Brand|Model|FloorName|SiteName):([^\t\r\n]*)")
-_NO_GYROSCOPE = "no gyroscope rows: steps can be found, headings cannot"
+_NO_GYROSCOPE = "no gyroscope rows: steps can be found, but headings cannot"
 _N_FIELDS = 8  # time, type and the six values of the uncalibrated sensors
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member has rows of this format."""
-    return bool(find_members(source, _looks_right))
+    """Tell whether a member of the source is a log of this format."""
+    return bool(find_members(source, _is_log))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of an ILC20 log: one Android phone, with truth positions if waypoints were clicked.
+    """Read the walk of an ILC20 log: one phone, with waypoints as true positions.
 
-    Time zero is the header's startTime, or the first accelerometer row when the header has none that fits.
-    Raises RecordingError when there are several walks or no accelerometer rows.
+    Time zero is the startTime of the header, or the first accelerometer row when the header has none that fits.
+
+    Raises
+    ------
+    RecordingError
+        When there are several walks or no accelerometer rows.
     """
-    member = require_single_walk(source, find_members(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _is_log), NAME)
     place = source.place(member)
     data = source.read(member)
-    log, glued = _split_log(data, place)
+    log, joined = _split_log(data, place)
     header = dict(_HEADER_VALUE.findall(_header_text(data)))
     epoch_ms, zero = _time_zero(log, header)
     waypoints, incomplete = _waypoints(log, epoch_ms)
     return Recording(
         name=member_stem(member),
         format=NAME,
-        devices=(_device(log, header, epoch_ms, zero, glued),),
+        devices=(_device(log, header, epoch_ms, zero, joined),),
         truth=Truth(positions=waypoints),
         epoch_s=epoch_ms / 1e3,
         notes=(*_notes(header), *incomplete),
     )
 
 
-def _looks_right(head: bytes) -> bool:
+def _is_log(head: bytes) -> bool:
     return _ROW.search(head) is not None
 
 
@@ -62,13 +70,13 @@ def _header_text(data: bytes) -> str:
 
 
 def _split_log(data: bytes, place: str) -> tuple[TaggedLog, int]:
-    """The rows of a log, and how many of them had been glued to the end of another row."""
+    """Parse the rows of a log, and count those that had been joined to the end of another row."""
     log = _parse(data, place)
-    # A cheap count tells whether the slow search for glued rows is needed.
+    # A cheap count decides whether the slow search for joined rows is needed.
     if data.count(b"\tTYPE_") <= log.count("TYPE_"):
         return log, 0
-    repaired, glued = _GLUED.subn(b"\n", data)
-    return _parse(repaired, place), glued
+    repaired, joined = _JOINED.subn(b"\n", data)
+    return _parse(repaired, place), joined
 
 
 def _parse(data: bytes, place: str) -> TaggedLog:
@@ -76,12 +84,12 @@ def _parse(data: bytes, place: str) -> TaggedLog:
 
 
 def _time_zero(log: TaggedLog, header: dict[str, str]) -> tuple[float, str]:
-    """Unix time of time zero, ms, and what it is in words."""
+    """Find the Unix time, ms, of time zero, and how it was found."""
     times_ms = log.numbers("TYPE_ACCELEROMETER", (0,))
     if not len(times_ms):
         times_ms = log.numbers("TYPE_ACCELEROMETER_UNCALIBRATED", (0,))
     if not len(times_ms):
-        raise RecordingError(f"{log.place}: no accelerometer rows; record again with the accelerometer on")
+        raise RecordingError(f"{log.place}: no accelerometer rows; record again with the accelerometer switched on")
     # A row without a time is dropped with the others of its sensor later on.
     first_ms = float(times_ms[np.argmax(np.isfinite(times_ms)), 0])
     start = header.get("startTime", "").strip()
@@ -90,9 +98,9 @@ def _time_zero(log: TaggedLog, header: dict[str, str]) -> tuple[float, str]:
     return first_ms, "time zero is the first accelerometer row: the header has no startTime that fits"
 
 
-def _device(log: TaggedLog, header: dict[str, str], epoch_ms: float, zero: str, glued: int) -> DeviceRecording:
+def _device(log: TaggedLog, header: dict[str, str], epoch_ms: float, zero: str, joined: int) -> DeviceRecording:
     decisions = [zero, "units and signs are Android's: m/s^2 upwards at rest, rad/s, uT"]
-    warnings = [f"{glued} rows were glued to the end of another row and were split off"] if glued else []
+    warnings = [f"{joined} rows were joined to the end of another row and have been split off"] if joined else []
     signals: dict[str, Signal | None] = {}
     for name in ("ACCELEROMETER", "GYROSCOPE", "MAGNETIC_FIELD"):
         signals[name], decision, warning = _three_axes(log, name, epoch_ms)
@@ -114,7 +122,7 @@ def _device(log: TaggedLog, header: dict[str, str], epoch_ms: float, zero: str, 
 
 
 def _three_axes(log: TaggedLog, name: str, epoch_ms: float) -> tuple[Signal | None, tuple[str, ...], tuple[str, ...]]:
-    """A sensor's calibrated rows, else its uncalibrated rows without the recorded bias; decisions and warnings."""
+    """Read the calibrated rows of a sensor, else its uncalibrated rows less the recorded bias."""
     rows = log.numbers(f"TYPE_{name}", (0, 2, 3, 4))
     decisions: tuple[str, ...] = ()
     if not len(rows):
@@ -137,11 +145,13 @@ def _attitude(log: TaggedLog, epoch_ms: float) -> tuple[Signal | None, tuple[str
 
 
 def _waypoints(log: TaggedLog, epoch_ms: float) -> tuple[TruePositions | None, tuple[str, ...]]:
-    """The clicked positions, and a note on rows that hold none."""
+    """Read the clicked positions, and note rows that have none."""
     rows = log.numbers("TYPE_WAYPOINT", (0, 2, 3))
     finite = np.isfinite(rows).all(axis=1)
     note = (
-        () if finite.all() else (f"{np.count_nonzero(~finite)} of {len(rows)} waypoints are incomplete and left out",)
+        ()
+        if finite.all()
+        else (f"{np.count_nonzero(~finite)} of {len(rows)} waypoints are incomplete and are left out",)
     )
     if not finite.any():
         return None, note

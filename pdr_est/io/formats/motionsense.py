@@ -1,4 +1,8 @@
-"""MotionSense: tables of Core Motion at 50 Hz with a header, without time; the activity is the folder's name."""
+"""Read the MotionSense data set: one table of an iPhone for each activity of a person.
+
+A table has a header and columns of Core Motion (attitude as roll, pitch and yaw in rad, gravity and user acceleration
+in g with Apple's sign, rotation rate in rad/s) at 50 Hz, without time. The name of its folder tells the activity.
+"""
 
 import re
 
@@ -7,8 +11,9 @@ import numpy as np
 from pdr_est.frames import quaternion_from_core_motion
 from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch_warnings
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -31,16 +36,21 @@ ACTIVITIES = {
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member has the header of this format."""
-    return bool(find_members(source, _looks_right))
+    """Tell whether a member of the source is a table with the header of this data set."""
+    return bool(find_members(source, _is_table))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of a MotionSense table: one iPhone, with the activity if the folder's name tells it.
+    """Read the walk of a MotionSense table: one iPhone, with the activity if the name of the folder tells it.
 
-    Time is the row number at 50 Hz. Raises RecordingError when there are several walks or the table is damaged.
+    Time is the row number at 50 Hz.
+
+    Raises
+    ------
+    RecordingError
+        When there are several walks or the table is damaged.
     """
-    member = require_single_walk(source, find_members(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _is_table), NAME)
     table = read_table(source.read(member), source.place(member), columns=_COLUMNS)
     folder = source.folder_name(member)
     return Recording(
@@ -51,7 +61,7 @@ def read_source(source: Source) -> Recording:
     )
 
 
-def _looks_right(head: bytes) -> bool:
+def _is_table(head: bytes) -> bool:
     header = head.splitlines()[0].decode("utf-8", "replace") if head else ""
     names = {name.strip().strip('"') for name in header.split(",")}
     # A table with a time of its own is read by its header, not at an assumed rate.

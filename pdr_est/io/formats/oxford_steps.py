@@ -1,7 +1,8 @@
-"""Oxford step counting data set (Salvi et al. 2018): an Android phone's accelerometer, and when each foot was down.
+"""Read the Oxford step counting data set (Salvi et al. 2018): an Android phone and foot contacts.
 
-A walk is a folder with `accelerometer.csv` (nanoseconds, accuracy, x, y, z) and `stepcounter.csv` (nanoseconds, left,
-right: 1 while the sensor under that foot is pressed, about ten times a second), both without header and on one clock.
+A walk is a folder with `accelerometer.csv` (nanoseconds, accuracy, x, y, z in m/s^2, up at rest) and
+`stepcounter.csv` (nanoseconds, left, right: 1 while the sensor under that foot is pressed, about ten times a second),
+both without header and on one clock.
 """
 
 import io
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import TrueSteps, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -34,21 +36,24 @@ _FORCES_MPS2 = (5.0, 20.0)
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member is an accelerometer table of this data set."""
-    return bool(find_members(source, _looks_right))
+    """Tell whether a member of the source is an accelerometer table of this data set."""
+    return bool(find_members(source, _is_table))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of an accelerometer table, with true steps if `stepcounter.csv` lies beside it.
+    """Read the walk of an accelerometer table, with true steps if `stepcounter.csv` is beside it.
 
-    Times are seconds since the first accelerometer sample. A true step is a foot contact that begins: the state of
-    a foot going from 0 to 1. The contact of a foot flickers while it rolls, so a contact counts only if the last one
-    of that foot that counted began at least 0.5 s earlier; no walking foot lands twice in that time (four steps a
+    Times are seconds since the first accelerometer sample. A true step is the beginning of a foot contact: the state
+    of a foot goes from 0 to 1. The contact flickers while the foot rolls, so a contact counts only if the previous
+    counted one of that foot began at least 0.5 s earlier; no walking foot lands twice in that time (four steps a
     second). A foot that is down when the recording begins is no step.
 
-    Raises RecordingError when there are several walks, or a table is damaged or of another walk.
+    Raises
+    ------
+    RecordingError
+        When there are several walks, or a table is damaged or of another walk.
     """
-    member = require_single_walk(source, find_members(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _is_table), NAME)
     table = read_table(source.read(member), source.place(member), has_header=False, columns=_COLUMNS)
     start_s, time_s = table.relative_time("time", _TICKS_PER_S)
     force, warnings = finite_signal(time_s, table.stack(("x", "y", "z")), "specific force", table.place)
@@ -68,12 +73,12 @@ def read_source(source: Source) -> Recording:
         format=NAME,
         devices=(device,),
         truth=Truth() if steps is None else Truth(steps=steps, step_count=len(steps.time_s)),
-        notes=(*notes, *_walkers_note(source, member)),
+        notes=(*notes, *_remarks(source, member)),
     )
 
 
-def _looks_right(head: bytes) -> bool:
-    """Nanoseconds, an accuracy and three numbers a row; a clock that runs as a sensor's does, and gravity."""
+def _is_table(head: bytes) -> bool:
+    """Look for nanoseconds, an accuracy and three numbers a row, the rate of a sensor, and gravity."""
     lines = head.splitlines()[:-1][:20]
     if len(lines) < 2 or not all(_ROW.fullmatch(line.strip()) for line in lines):
         return False
@@ -88,10 +93,10 @@ def _looks_right(head: bytes) -> bool:
 def _true_steps(
     source: Source, member: str, start_s: float, end_s: float
 ) -> tuple[TrueSteps | None, tuple[str, ...]]:
-    """Contacts that begin, in order of time, and what to say of them. start_s: the phone's clock at time zero."""
+    """Read the beginnings of contacts in order of time, with a note; start_s is the phone's clock at time zero."""
     beside = source.sibling(member, _CONTACT_FILE)
     if beside is None:
-        return None, (f"no {_CONTACT_FILE} beside the accelerometer: no true steps",)
+        return None, (f"no {_CONTACT_FILE} beside the accelerometer table: no true steps",)
     (contact_member,) = beside.members
     place = beside.place(contact_member)
     table = read_table(beside.read(contact_member), place, has_header=False, columns=_CONTACT_COLUMNS)
@@ -99,19 +104,21 @@ def _true_steps(
     time_s = first_s - start_s + since_s
     if not (time_s[0] < end_s and time_s[-1] > 0.0):
         raise RecordingError(
-            f"{place}: its times do not overlap those of the accelerometer: put the file of the same walk there"
+            f"{place}: the times do not overlap those of the accelerometer: put the file of the same walk there"
         )
-    begun, flickers = [], 0
+    contacts, flickers = [], 0
     for foot, column in _FEET:
         every = _beginnings(time_s, _contact(table, column))
         counted = _spaced(every)
         flickers += len(every) - len(counted)
-        begun += [(time, foot) for time in counted]
-    begun.sort()
-    steps = TrueSteps(np.array([time for time, _ in begun]), np.array([foot for _, foot in begun], dtype=np.str_))
+        contacts += [(time, foot) for time in counted]
+    contacts.sort()
+    steps = TrueSteps(
+        np.array([time for time, _ in contacts]), np.array([foot for _, foot in contacts], dtype=np.str_)
+    )
     note = (
-        f"true steps: {len(begun)} contacts that begin, {flickers} more left out as flicker because the same foot's "
-        f"last one began less than {_SHORTEST_STRIDE_S:g} s earlier"
+        f"true steps: {len(contacts)} beginnings of a foot contact; left out as flicker, less than "
+        f"{_SHORTEST_STRIDE_S:g} s after the previous one of the same foot: {flickers}"
     )
     return steps, (note,)
 
@@ -128,12 +135,12 @@ def _contact(table: NumberTable, column: str) -> NDArray[np.bool_]:
 
 
 def _beginnings(time_s: Array, contact: NDArray[np.bool_]) -> Array:
-    begun: Array = time_s[1:][contact[1:] & ~contact[:-1]]
-    return begun
+    beginnings: Array = time_s[1:][contact[1:] & ~contact[:-1]]
+    return beginnings
 
 
 def _spaced(time_s: Array) -> list[float]:
-    """The times that lie a shortest stride or more after the last one kept."""
+    """Keep the times that are at least a shortest stride after the last one kept."""
     kept: list[float] = []
     for time in time_s.tolist():
         if not kept or time - kept[-1] >= _SHORTEST_STRIDE_S:
@@ -141,8 +148,8 @@ def _spaced(time_s: Array) -> list[float]:
     return kept
 
 
-def _walkers_note(source: Source, member: str) -> tuple[str, ...]:
-    """What was written down at the walk, which is sometimes a count by hand."""
+def _remarks(source: Source, member: str) -> tuple[str, ...]:
+    """Read the remarks written down at the walk, which sometimes have a count by hand."""
     beside = source.sibling(member, _NOTES_FILE)
     if beside is None:
         return ()

@@ -1,4 +1,9 @@
-"""Oxford Inertial Odometry Dataset: header-less tables of Core Motion at 100 Hz, with poses in a file beside them."""
+"""Read the Oxford Inertial Odometry Dataset (OxIOD): an iPhone, with true poses in a file beside it.
+
+An `imuN` table has no header and 16 columns of Core Motion at 100 Hz: time, roll, pitch, yaw (rad), rotation rate
+(rad/s), gravity and user acceleration (g, Apple's sign), magnetic field (uT). Poses are in `tangoN` or `viN`, row by
+row.
+"""
 
 import io
 import re
@@ -9,8 +14,9 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array, quaternion_from_core_motion
 from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch, vertical_mismatch_warnings
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, discard_huge_values, finite_signal, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -28,17 +34,21 @@ _LARGEST_MISMATCH = 0.01
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member is such a table."""
-    return bool(find_members(source, _looks_right))
+    """Tell whether a member of the source is a sensor table of this data set."""
+    return bool(find_members(source, _is_table))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of an `imuN` table: one iPhone, with truth positions if `tangoN` or `viN` lies beside it.
+    """Read the walk of an `imuN` table: one iPhone, with true positions if `tangoN` or `viN` is beside it.
 
-    Time is the row number at 100 Hz: the printed time is rounded. Raises RecordingError when there are several
-    walks or the table is damaged.
+    Time is the row number at 100 Hz, because the printed time is rounded.
+
+    Raises
+    ------
+    RecordingError
+        When there are several walks or the table is damaged.
     """
-    member = require_single_walk(source, find_members(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _is_table), NAME)
     place = source.place(member)
     table = read_table(source.read(member), place, has_header=False, columns=_COLUMNS)
     truth, note = _poses(source, member, len(table))
@@ -52,8 +62,8 @@ def read_source(source: Source) -> Recording:
     )
 
 
-def _looks_right(head: bytes) -> bool:
-    """Sixteen numbers a row, a unit gravity, and angles whose vertical is that gravity."""
+def _is_table(head: bytes) -> bool:
+    """Look for sixteen numbers a row, a unit gravity, and angles that agree with that gravity."""
     lines = head.splitlines()[:-1][:20]
     if not lines or any(line.count(b",") != len(_COLUMNS) - 1 for line in lines):
         return False
@@ -102,7 +112,7 @@ def _epoch_s(table: NumberTable) -> float | None:
 
 
 def _poses(source: Source, member: str, n_rows: int) -> tuple[TruePositions | None, tuple[str, ...]]:
-    """Positions row by row with the sensor table; a file that is longer or shorter is paired from its first row."""
+    """Pair the poses with the sensor rows, from the first row on; either file may be longer."""
     number = re.search(r"\d+$", member_stem(member))
     files = [source.sibling(member, f"{name}{number.group()}.csv") for name in _POSE_FILES] if number else []
     beside = next((file for file in files if file is not None), None)
@@ -118,5 +128,5 @@ def _poses(source: Source, member: str, n_rows: int) -> tuple[TruePositions | No
 def _finite_positions(position_m: Array, place: str) -> TruePositions:
     finite = np.isfinite(position_m).all(axis=1)
     if not finite.any():
-        raise RecordingError(f"{place}: no finite position; restore the file or move it away")
+        raise RecordingError(f"{place}: no finite position; restore the file or move it elsewhere")
     return TruePositions(np.flatnonzero(finite) / _RATE_HZ, position_m[finite], _POSE_SIGMA_M, "poses")

@@ -1,4 +1,4 @@
-"""Reads a recording of any known format, recognised by its content."""
+"""Find the format of a recording by its content, and read it."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,16 +16,30 @@ from pdr_est.types.recording import Recording
 
 
 class Format(Protocol):
-    """A module that reads one recorder's files."""
+    """Interface of a module that reads one format.
+
+    Attributes
+    ----------
+    NAME
+        Name of the format, for messages.
+    """
 
     NAME: str
 
     def sniff(self, source: Source) -> bool:
-        """Whether the content of the source is of this format."""
+        """Tell whether the content of a source is of this format."""
 
     def read_source(self, source: Source) -> Recording:
-        """The recording; raises RecordingError when it cannot be used."""
+        """Read the recording.
 
+        Raises
+        ------
+        RecordingError
+            When it cannot be used.
+        """
+
+
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 
 # Asked in this order: formats with unmistakable marks first, header-less tables of numbers after them.
 FORMATS: tuple[Format, ...] = (
@@ -43,22 +57,24 @@ FORMATS: tuple[Format, ...] = (
 )
 
 
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
-
-
 def read(path: str | Path) -> Recording:
-    """Read the recording in a file, a folder or a zip, plain or gzipped.
+    """Read the recording in a file, a folder or a zip archive, plain or gzipped.
 
-    Raises RecordingError, in one line with the file, the place and a remedy, when the format is unknown, when
-    several walks are inside, or when the data are damaged.
+    Raises
+    ------
+    RecordingError
+        When the format is unknown, several walks are inside, or the data are damaged: one line that names the file,
+        the place and a remedy.
     """
     source, messages = split_off_clock_messages(Source.open(path))
     if not any(source.head(member, 1) for member in source.members):
-        raise RecordingError(f"{source.path}: empty (0 bytes of content); export the recording again")
+        raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
     for known in FORMATS:
         if known.sniff(source):
             return replace(known.read_source(source), messages=messages)
     if any(source.head(member, 2) in _UTF16_MARKS for member in source.members):
-        raise RecordingError(f"{source.path}: UTF-16 text; save it as UTF-8")
+        raise RecordingError(f"{source.path}: the text is encoded as UTF-16; save it as UTF-8")
     names = ", ".join(known.NAME for known in FORMATS)
-    raise RecordingError(f"{source.path}: unknown format; known are {names}; see the README for their layouts")
+    raise RecordingError(
+        f"{source.path}: unknown format; known formats are {names}; see docs/recorder-formats.md for the layouts"
+    )

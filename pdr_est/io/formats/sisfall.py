@@ -1,6 +1,8 @@
-"""SisFall (Sucerquia et al. 2017): a box with two accelerometers and a gyroscope at the belt, one activity a file.
+"""Read the SisFall data set (Sucerquia et al. 2017): a box at the belt with two accelerometers and a gyroscope.
 
-A file `ACTIVITY_PERSON_TRIAL.txt` has no header: nine integers a row, three of each sensor, and ";" at its end.
+A file `ACTIVITY_PERSON_TRIAL.txt` has no header: nine integers a row, three of each sensor, at 200 Hz, and ";" at its
+end. The ADXL345 accelerometer counts 1/256 g, the ITG3200 gyroscope 4000/65536 deg/s; at rest the acceleration points
+up.
 """
 
 import re
@@ -10,8 +12,9 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
@@ -22,7 +25,7 @@ _RATE = ("ITG3200 x", "ITG3200 y", "ITG3200 z")
 _SECOND_FORCE = ("MMA8451Q x", "MMA8451Q y", "MMA8451Q z")
 _COLUMNS = (*_FORCE, *_RATE, *_SECOND_FORCE)
 _BITS = ((_FORCE, 13), (_RATE, 16), (_SECOND_FORCE, 14))
-_CUT = "the last row has no ';': the file was cut there, and what followed is missing"
+_CUT = "the last row has no ';': the file is cut off there and its end is missing"
 _RATE_HZ = 200.0
 _FORCE_MPS2_PER_BIT = 2 * 16 / 2**13 * STANDARD_GRAVITY_MPS2  # +-16 g in 13 bits
 _RATE_RADPS_PER_BIT = np.deg2rad(2 * 2000 / 2**16)  # +-2000 deg/s in 16 bits
@@ -40,32 +43,38 @@ ACTIVITIES = {
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member is a table of this data set."""
-    return bool(find_members(source, _looks_right))
+    """Tell whether a member of the source is a table of this data set."""
+    return bool(find_members(source, _is_table))
 
 
 def read_source(source: Source) -> Recording:
-    """The recording of a SisFall table, with the activity if the file's name tells it.
+    """Read the recording of a SisFall table, with the activity if the name of the file tells it.
 
     Slow and quick walking (D01, D02) are "walking", slow jogging (D03) is "jogging", quick jogging (D04) "running".
     Slow and quick are what the person took them for: one person's running can be another's jogging. Stairs (D05, D06)
-    are "stairs", falls (F01 to F15) "fall"; sitting, lying, bending and jumping have no word here.
+    are "stairs", falls (F01 to F15) "fall"; sitting, lying, bending and jumping have no activity here.
 
-    Time is the row number at 200 Hz. Raises RecordingError when there are several recordings, the table is damaged or
-    a number is beyond the range of its sensor. A file that ends within a row's last number has a warning.
+    Time is the row number at 200 Hz. A file that ends within the last number of a row has a warning.
+
+    Raises
+    ------
+    RecordingError
+        When there are several recordings, the table is damaged or a number is beyond the range of its sensor.
     """
-    member = require_single_walk(source, find_members(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _is_table), NAME)
     # A blank and not nothing, so that a ";" within a row does not join two numbers into one.
     rows = source.read(member).replace(b";", b" ")
     table = read_table(rows, source.place(member), has_header=False, columns=_COLUMNS)
-    _refuse_impossible(table)
+    _check_bits(table)
     name = member_stem(member)
-    cut = () if source.read(member).rstrip().endswith(b";") else (_CUT,)
-    return Recording(name=name, format=NAME, devices=(_device(table, cut),), truth=Truth(activity=_activity(name)))
+    cut_warning = () if source.read(member).rstrip().endswith(b";") else (_CUT,)
+    return Recording(
+        name=name, format=NAME, devices=(_device(table, cut_warning),), truth=Truth(activity=_activity(name))
+    )
 
 
-def _looks_right(head: bytes) -> bool:
-    """Nothing but rows of nine integers with a ";" at the end; the last line of the head may be cut."""
+def _is_table(head: bytes) -> bool:
+    """Look for rows of nine integers with a ";" at the end; the last line of the head may be cut."""
     rows = [line for line in head.splitlines()[:-1] if line.strip()]
     return len(rows) >= _FEWEST_ROWS and all(_ROW.fullmatch(row) for row in rows)
 
@@ -78,7 +87,8 @@ def _activity(name: str) -> str | None:
     return "fall" if code.startswith("F") else ACTIVITIES.get(code)
 
 
-def _refuse_impossible(table: NumberTable) -> None:
+def _check_bits(table: NumberTable) -> None:
+    """Refuse numbers that have more bits than the sensor."""
     for names, bits in _BITS:
         for name in names:
             numbers = table.numbers(name)
@@ -91,7 +101,7 @@ def _refuse_impossible(table: NumberTable) -> None:
                 )
 
 
-def _device(table: NumberTable, cut: tuple[str, ...]) -> DeviceRecording:
+def _device(table: NumberTable, cut_warning: tuple[str, ...]) -> DeviceRecording:
     written = table.has_values(_COLUMNS)  # a blank line is no sample and takes no time
     time_s = np.arange(int(written.sum())) / _RATE_HZ
     force_mps2 = _FORCE_MPS2_PER_BIT * table.stack(_FORCE)[written]
@@ -104,9 +114,9 @@ def _device(table: NumberTable, cut: tuple[str, ...]) -> DeviceRecording:
         rotation_rate=rate,
         decisions=(
             "time is the row number at 200 Hz: the table has no time column",
-            "specific force from the ADXL345, 1/256 g a bit; its sign as written, which points up at rest",
+            "specific force from the ADXL345, 1/256 g a bit; with the sign as written, which points up at rest",
             "rotation rate from the ITG3200, 4000/65536 deg/s a bit",
-            "the second accelerometer (MMA8451Q) is not used: it says the same in a smaller range",
+            "the second accelerometer (MMA8451Q) is not used: it measures the same in a smaller range",
         ),
-        warnings=(*force_warnings, *rate_warnings, *cut),
+        warnings=(*force_warnings, *rate_warnings, *cut_warning),
     )

@@ -1,1 +1,10 @@
-"""Side tables."""
+"""Tables that a user or a data set puts beside a recording.
+
+===============  =======================================================================================
+file             content
+===============  =======================================================================================
+position_fixes   known positions of the walker (`--fixes`)
+clock_messages   messages by which devices compared their clocks (`--messages`, Robust DR section V-B)
+known_distances  length and step count of walks, measured by hand
+===============  =======================================================================================
+"""

@@ -1,7 +1,7 @@
-"""Messages by which devices compared their clocks: a table with a row an exchange.
+"""Read the messages by which devices compared their clocks: a table with one row for each exchange.
 
-Robust DR section V-B: the manager sends at T1 of its clock, a worker receives and answers at T2 of its own, and the
-answer arrives at T3 of the manager's. The manager is the first device of the recording.
+Robust DR section V-B: the manager, which is the first device of the recording, sends at T1 of its clock, a worker
+receives and answers at T2 of its own clock, and the answer arrives at T3 of the manager's clock.
 """
 
 from dataclasses import replace
@@ -16,38 +16,52 @@ from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import read_table
 from pdr_est.types.recording import ClockMessages
 
-RECORDED_NAME = "clock_messages"  # of the table in a folder or zip, with any extension
+RECORDED_NAME = "clock_messages"
+"""Name, with any extension, of the table of clock messages in a folder or zip."""
+
 _STAMPS = ("t1_s", "t2_s", "t3_s")
-_FIRST_LINE = 2  # of the rows, behind the header
+_FIRST_LINE = 2  # of the data; line 1 is the header
 _HEAD_BYTES = 4096
-_MILLISECONDS_FROM_S = 1e11  # larger ones are no seconds of our days
+_MILLISECONDS_FROM_S = 1e11  # larger times cannot be seconds
 
 
 def read_clock_messages(path: str | Path) -> ClockMessages:
-    """The exchanges of a table with the header `device,t1_s,t2_s,t3_s`; separators as in any CSV.
+    """Read the exchanges of a table with the header `device,t1_s,t2_s,t3_s`; separators as in any CSV file.
 
     t1_s and t3_s are on the clock of the first device, t2_s on that of `device`; each in seconds as in the recording
-    of that device, or in Unix time where the recording tells it. Raises RecordingError that names file, line, value
-    and remedy.
+    of that device, or in Unix time where the recording tells it.
+
+    Raises
+    ------
+    RecordingError
+        For a missing or damaged table, naming file, line, value and remedy.
     """
     source = Source.open(path)
     if len(source.members) != 1:
         raise RecordingError(
-            f"{source.path}: {len(source.members)} files inside: give the table of the clock messages itself"
+            f"{source.path}: contains {len(source.members)} files: give the table of the clock messages itself"
         )
-    return _read(source, source.members[0])
+    return _read_exchanges(source, source.members[0])
 
 
 def split_off_clock_messages(source: Source) -> tuple[Source, tuple[ClockMessages, ...]]:
-    """A folder or zip without its table `clock_messages`, and what that tells; nothing where there is none."""
+    """Separate the table `clock_messages` from the other files of a folder or zip.
+
+    Returns
+    -------
+    Source
+        The source without that table.
+    tuple of ClockMessages
+        The exchanges of the table; empty where there is none.
+    """
     members = [name for name in source.members if member_stem(name).casefold() == RECORDED_NAME]
     if source.kind is SourceKind.FILE or not members or len(members) == len(source.members):
         return source, ()
     rest = {name: stored for name, stored in source.stored.items() if name not in members}
-    return replace(source, stored=rest), tuple(_read(source, member) for member in members)
+    return replace(source, stored=rest), tuple(_read_exchanges(source, member) for member in members)
 
 
-def _read(source: Source, member: str) -> ClockMessages:
+def _read_exchanges(source: Source, member: str) -> ClockMessages:
     data, place = source.read(member), source.place(member)
     dialect = detect_dialect(data[:_HEAD_BYTES])
     if dialect is None:
@@ -68,27 +82,30 @@ def _read(source: Source, member: str) -> ClockMessages:
         text_columns=[titles["device"]],
     )
     if not len(table):
-        raise RecordingError(f"{place}: holds no exchange: add a row or leave the table out")
+        raise RecordingError(f"{place}: contains no exchange: add a row or leave the table out")
     t1_s, t2_s, t3_s = (table.numbers(titles[name]) for name in _STAMPS)
     names = np.char.strip(table.texts(titles["device"]))
     messages = ClockMessages(place, tuple(str(name) for name in names), t1_s, t2_s, t3_s)
-    _refuse_bad_rows(messages)
+    _check_rows(messages)
     return messages
 
 
-def _refuse_bad_rows(messages: ClockMessages) -> None:
+def _check_rows(messages: ClockMessages) -> None:
+    """Refuse rows without a device, with times that are not finite or not in seconds, or with T3 before T1."""
     rows = zip(messages.device, messages.t1_s, messages.t2_s, messages.t3_s, strict=True)
     for line, (device, *stamps) in enumerate(rows, start=_FIRST_LINE):
         where = f"{messages.place}, line {line}"
         if not device:
-            raise RecordingError(f"{where}: no device: name the one that answered")
+            raise RecordingError(f"{where}: no device name: name the device that answered")
         for name, stamp in zip(_STAMPS, stamps, strict=True):
             if not np.isfinite(stamp):
                 raise RecordingError(f"{where}: {name} = {stamp}: give a number of seconds or remove the row")
             if abs(stamp) > _MILLISECONDS_FROM_S:
-                raise RecordingError(f"{where}: {name} = {stamp:.6g} is no time in seconds: divide milliseconds")
+                raise RecordingError(
+                    f"{where}: {name} = {stamp:.6g} is not a time in seconds: convert milliseconds to seconds"
+                )
         if stamps[2] < stamps[0]:
             raise RecordingError(
-                f"{where}: t3_s = {stamps[2]:.6f} is before t1_s = {stamps[0]:.6f}, an answer before its question: "
-                "are the columns exchanged?"
+                f"{where}: t3_s = {stamps[2]:.6f} is before t1_s = {stamps[0]:.6f}, the answer before the request: "
+                "check whether the columns are exchanged"
             )

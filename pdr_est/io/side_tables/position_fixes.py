@@ -15,42 +15,59 @@ from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Recording
 
 DEFAULT_SIGMA_M = 1.0
-SLACK_S = 1.0  # a fix this far outside the recording still belongs to its first or last pose
-_ON_MAP = ("x_m", "y_m")
-_ON_GLOBE = ("latitude_deg", "longitude_deg")
-_FIRST_LINE = 2  # of the rows, behind the header
+"""Standard deviation, m, of each axis where the table has none."""
+
+TIME_MARGIN_S = 1.0
+"""A fix this far, s, outside the recording still belongs to its first or last pose."""
+
+_MAP_COLUMNS = ("x_m", "y_m")
+_GEODETIC_COLUMNS = ("latitude_deg", "longitude_deg")
+_FIRST_LINE = 2  # of the data; line 1 is the header
 _HEAD_BYTES = 4096
 _EPOCH_FROM_S = 1e9  # larger times are Unix times
-_MILLISECONDS_FROM_S = 1e11  # larger ones are no seconds of our days
+_MILLISECONDS_FROM_S = 1e11  # larger times cannot be seconds
 _SIGMA_RANGE_M = (1e-3, 1e5)
 _FARTHEST_M = 1e8  # of map coordinates, which may be UTM
-_FARTHEST_FROM_ORIGIN_M = 1e5  # latitude and longitude that were swapped lie further away than anybody walks
+_FARTHEST_FROM_ORIGIN_M = 1e5  # swapped latitude and longitude lie further away than anybody walks
 
 
 def recorded_fixes(recording: Recording) -> tuple[PositionFix, ...]:
-    """The recorder's own fixes. Raises RecordingError when it kept none."""
+    """Return the recorder's own fixes.
+
+    Raises
+    ------
+    RecordingError
+        When it kept none.
+    """
     if not recording.fixes:
         raise RecordingError(
-            f"{recording.name}: the recording holds no position fixes: give a file with --fixes FILE.csv, or none"
+            f"{recording.name}: the recording has no position fixes: give a file with --fixes "
+            "FILE.csv, or leave --fixes out"
         )
     return recording.fixes
 
 
 def read_position_fixes(path: str | Path, recording: Recording) -> tuple[PositionFix, ...]:
-    """Fixes of a table with a header: `time_s`, then `x_m,y_m` or `latitude_deg,longitude_deg`, and optionally
-    `sigma_m` (default 1 m per axis) and `robust` (1: may be an outlier). Separators as in any CSV.
+    """Read fixes from a table with a header.
 
-    time_s is on the recording's clock, or Unix time. Latitude and longitude need a recording whose origin is known.
-    Raises RecordingError that names file, row and remedy, also for fixes outside the recording's time.
+    The columns are `time_s`, then `x_m,y_m` (map frame, m) or `latitude_deg,longitude_deg`, and optionally `sigma_m`
+    (standard deviation of each axis, default 1 m) and `robust` (1: may be an outlier). Separators as in any CSV file.
+    time_s is on the clock of the recording, or Unix time. Latitude and longitude need a recording whose origin is
+    known.
+
+    Raises
+    ------
+    RecordingError
+        For a missing or damaged table and for fixes outside the recording's time, naming file, line and remedy.
     """
-    table = _read(path)
+    table = _read_columns(path)
     rows = _Rows(
         time_s=_times(table, recording),
         position_m=_positions(table, recording),
         sigma_m=table.numbers("sigma_m") if "sigma_m" in table else np.full(len(table), DEFAULT_SIGMA_M),
         robust=table.numbers("robust") if "robust" in table else np.zeros(len(table)),
     )
-    _refuse_bad_rows(rows, table.place, recording)
+    _check_rows(rows, table.place, recording)
     return tuple(
         PositionFix(float(t), p, np.eye(2) * s**2, source="file", robust=bool(r))
         for t, p, s, r in zip(rows.time_s, rows.position_m, rows.sigma_m, rows.robust, strict=True)
@@ -59,8 +76,8 @@ def read_position_fixes(path: str | Path, recording: Recording) -> tuple[Positio
 
 def refuse_fix_outside(time_s: float, place: str, recording: Recording) -> None:
     """Raise RecordingError for a fix outside the time of the recording. place: what to call the fix in messages."""
-    start_s, end_s = _span_s(recording)
-    if not start_s - SLACK_S <= time_s <= end_s + SLACK_S:
+    start_s, end_s = _time_span_s(recording)
+    if not start_s - TIME_MARGIN_S <= time_s <= end_s + TIME_MARGIN_S:
         raise RecordingError(
             f"{place}: time {time_s:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s): "
             "use the recording's clock"
@@ -69,7 +86,7 @@ def refuse_fix_outside(time_s: float, place: str, recording: Recording) -> None:
 
 @dataclass(frozen=True)
 class _Rows:
-    """The columns of the table, one entry a fix."""
+    """Columns of the table, one entry a fix."""
 
     time_s: Array
     position_m: Array
@@ -77,11 +94,13 @@ class _Rows:
     robust: Array
 
 
-def _read(path: str | Path) -> NumberTable:
-    """The known columns, with their titles in small letters. Raises RecordingError when one is missing."""
+def _read_columns(path: str | Path) -> NumberTable:
+    """Read the known columns, with their titles in lower case."""
     source = Source.open(path)
     if len(source.members) != 1:
-        raise RecordingError(f"{source.path}: {len(source.members)} files inside: give the table of the fixes itself")
+        raise RecordingError(
+            f"{source.path}: contains {len(source.members)} files: give the table of the fixes itself"
+        )
     member = source.members[0]
     data, place = source.read(member), source.place(member)
     dialect = detect_dialect(data[:_HEAD_BYTES])
@@ -89,75 +108,81 @@ def _read(path: str | Path) -> NumberTable:
         raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
     titles = {title.casefold(): title for title in dialect.titles}
     if "time_s" not in titles:
-        raise RecordingError(f"{place}: no column time_s among {', '.join(dialect.titles)}: name it so")
-    if not (titles.keys() >= {*_ON_MAP} or titles.keys() >= {*_ON_GLOBE}):
         raise RecordingError(
-            f"{place}: needs the columns {' and '.join(_ON_MAP)}, or {' and '.join(_ON_GLOBE)}; has "
+            f"{place}: no column time_s among {', '.join(dialect.titles)}: name the time column time_s"
+        )
+    if not (titles.keys() >= {*_MAP_COLUMNS} or titles.keys() >= {*_GEODETIC_COLUMNS}):
+        raise RecordingError(
+            f"{place}: needs the columns {' and '.join(_MAP_COLUMNS)}, or {' and '.join(_GEODETIC_COLUMNS)}; it has "
             f"{', '.join(dialect.titles)}"
         )
-    known = [titles[name] for name in ("time_s", *_ON_MAP, *_ON_GLOBE, "sigma_m", "robust") if name in titles]
+    known = [
+        titles[name] for name in ("time_s", *_MAP_COLUMNS, *_GEODETIC_COLUMNS, "sigma_m", "robust") if name in titles
+    ]
     table = read_table(data, place, separator=dialect.separator, decimal_comma=dialect.decimal_comma, columns=known)
     if not len(table):
-        raise RecordingError(f"{place}: holds no fix: add a row or leave --fixes out")
+        raise RecordingError(f"{place}: contains no fix: add a row or leave --fixes out")
     return NumberTable(place, {name.casefold(): column for name, column in table.columns.items()})
 
 
 def _times(table: NumberTable, recording: Recording) -> Array:
-    """Times on the recording's clock."""
+    """Convert the times to the recording's clock."""
     time_s = table.numbers("time_s")
     finite = time_s[np.isfinite(time_s)]
     middle_s = float(np.median(finite)) if len(finite) else 0.0
-    start_s, end_s = _span_s(recording)
-    if middle_s < _EPOCH_FROM_S or start_s - SLACK_S <= middle_s <= end_s + SLACK_S:
+    start_s, end_s = _time_span_s(recording)
+    if middle_s < _EPOCH_FROM_S or start_s - TIME_MARGIN_S <= middle_s <= end_s + TIME_MARGIN_S:
         return time_s
     if middle_s > _MILLISECONDS_FROM_S:
         raise RecordingError(
-            f"{table.place}: time_s = {middle_s:.6g} is no time in seconds: milliseconds must be divided"
+            f"{table.place}: time_s = {middle_s:.6g} is not a time in seconds: convert milliseconds to seconds"
         )
     if recording.epoch_s is None:
         raise RecordingError(
-            f"{table.place}: time_s is Unix time, but {recording.name} tells none: give seconds on its own clock, "
-            f"{start_s:.3f} to {end_s:.3f}"
+            f"{table.place}: time_s is Unix time, but that of {recording.name} is unknown: give seconds on its own "
+            f"clock, {start_s:.3f} to {end_s:.3f}"
         )
     return time_s - recording.epoch_s
 
 
-def _span_s(recording: Recording) -> tuple[float, float]:
-    """When the first and the last sample of any sensor was taken."""
+def _time_span_s(recording: Recording) -> tuple[float, float]:
+    """Return the times of the first and the last sample of any sensor."""
     spans = [span for device in recording.devices if (span := device.span_s) is not None]
     return min((begin for begin, _ in spans), default=-np.inf), max((end for _, end in spans), default=np.inf)
 
 
 def _positions(table: NumberTable, recording: Recording) -> Array:
-    if all(name in table for name in _ON_MAP):
-        return table.stack(_ON_MAP)
+    if all(name in table for name in _MAP_COLUMNS):
+        return table.stack(_MAP_COLUMNS)
     if recording.origin is None:
         raise RecordingError(
-            f"{table.place}: {recording.name} has no known origin on the globe: give x_m and y_m instead"
+            f"{table.place}: the origin of {recording.name} on the Earth is unknown: give x_m and y_m instead"
         )
-    return _on_the_map(table.stack(_ON_GLOBE), recording.origin, table.place)
+    return _to_map(table.stack(_GEODETIC_COLUMNS), recording.origin, table.place)
 
 
-def _on_the_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
-    """Map positions (n, 2) of latitudes and longitudes (n, 2). Raises RecordingError for one far away."""
-    usable = np.where(np.isfinite(degrees), degrees, np.nan)  # what is not finite is refused with its row later on
+def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
+    """Convert latitudes and longitudes (n, 2) to map positions (n, 2); refuse one far away."""
+    usable = np.where(np.isfinite(degrees), degrees, np.nan)  # rows that are not finite are refused later
     latitude, longitude = usable.T
     east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
     far = np.flatnonzero((np.hypot(east, north) > _FARTHEST_FROM_ORIGIN_M) | (np.abs(latitude) > 90.0))
     if len(far):
         raise RecordingError(
             f"{place}, line {far[0] + _FIRST_LINE}: latitude {latitude[far[0]]:g}, longitude {longitude[far[0]]:g} "
-            f"lies far from the recording at {origin.latitude_deg:.4f}, {origin.longitude_deg:.4f}: are they swapped?"
+            f"lies far from the recording at {origin.latitude_deg:.4f}, {origin.longitude_deg:.4f}: "
+            "check whether they are swapped"
         )
     return np.column_stack([east, north])
 
 
-def _refuse_bad_rows(rows: _Rows, place: str, recording: Recording) -> None:
+def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:
+    """Refuse impossible values and times outside the recording, row by row."""
     fixes = zip(rows.time_s, rows.position_m, rows.sigma_m, rows.robust, strict=True)
     for line, (t, p, s, r) in enumerate(fixes, start=_FIRST_LINE):
         where = f"{place}, line {line}"
         if not (np.isfinite(t) and np.isfinite(p).all()):
-            raise RecordingError(f"{where}: time or position is not a finite number: mend or remove the row")
+            raise RecordingError(f"{where}: time or position is not a finite number: correct or remove the row")
         if np.abs(p).max() > _FARTHEST_M:
             raise RecordingError(f"{where}: position {p[0]:g}, {p[1]:g} is beyond {_FARTHEST_M:g} m: give metres")
         if not _SIGMA_RANGE_M[0] <= s <= _SIGMA_RANGE_M[1]:

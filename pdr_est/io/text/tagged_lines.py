@@ -8,7 +8,7 @@ import polars as pl
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.text.number_table import discard_huge_values
+from pdr_est.io.text.finite_values import discard_huge_values
 
 
 @dataclass(frozen=True)

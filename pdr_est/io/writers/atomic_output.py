@@ -1,4 +1,4 @@
-"""Results that appear complete or not at all: a folder, or a single file."""
+"""Write results that appear completely or not at all: a folder, or a single file."""
 
 import errno
 import json
@@ -13,20 +13,29 @@ from pdr_est.errors import OutputError
 MANIFEST = ".pdr_est-files.json"
 """Hidden file in every result folder that lists what was written; anything else in the folder is foreign."""
 
-_NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
+_DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 @contextmanager
 def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
-    """Give a temporary folder beside `target` that takes its place when the block ends well.
+    """Provide a temporary folder beside `target` that takes its place when the block ends without an error.
 
-    When the block raises, Ctrl-C included, the temporary folder is removed and an existing target stays as it
-    was. An existing target is replaced as a whole when it is empty, or when `overwrite` is set and it holds
-    nothing but files of an earlier run (listed in its manifest).
+    When the block raises, Ctrl-C included, the temporary folder is removed and an existing target stays as it was. An
+    existing target is replaced as a whole when it is empty, or when `overwrite` is set and it contains nothing but
+    files of an earlier run (listed in its manifest).
 
-    Raises OutputError, before the block runs, when the target is a file, holds other files, is in use as the
-    current folder, or when its parent is missing or not writable; and afterwards when the disk is full or the
-    target has meanwhile been changed.
+    Parameters
+    ----------
+    target
+        Folder of the results.
+    overwrite
+        True when results of an earlier run may be replaced.
+
+    Raises
+    ------
+    OutputError
+        Before the block runs, when the target is a file, contains other files or is the current folder, or when its
+        parent is missing or not writable; afterwards, when the disk is full or the target has been changed meanwhile.
     """
     target = Path(target).expanduser()
     resolved = _resolved(target)
@@ -39,8 +48,8 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
         _check_target(target, overwrite)
         _publish(staging, resolved)
     except OSError as error:
-        if error.errno in _NO_ROOM:
-            raise OutputError(f"{target}: no room left on the disk: free some or choose another folder") from error
+        if error.errno in _DISK_FULL:
+            raise OutputError(f"{target}: the disk is full: free some space or choose another folder") from error
         raise
     finally:
         shutil.rmtree(staging, ignore_errors=True)
@@ -48,27 +57,37 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
 
 @contextmanager
 def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> Iterator[Path]:
-    """Give an empty file beside `target` that takes its place when the block ends well.
+    """Provide an empty file beside `target` that takes its place when the block ends without an error.
 
-    overwrite: whether an existing file may be replaced. inputs: files and folders that are read.
+    Parameters
+    ----------
+    target
+        File of the result.
+    overwrite
+        True when an existing file may be replaced.
+    inputs
+        Files and folders that are read, which are never overwritten.
 
-    Raises OutputError, before the block runs, when the target is a folder or a device, is one of the inputs or lies
-    inside one, exists and may not be replaced, or when no file can be made beside it.
+    Raises
+    ------
+    OutputError
+        Before the block runs, when the target is a folder or a device, is one of the inputs or lies inside one,
+        exists and may not be replaced, or when no file can be made beside it.
     """
     resolved = _resolved(Path(target).expanduser())
     if resolved.exists() and not resolved.is_file():
-        raise OutputError(f"{target}: is no plain file: name another one")
+        raise OutputError(f"{target}: not a regular file: choose another file name")
     for source in inputs:
         if resolved.is_relative_to(_resolved(source)) or (resolved.exists() and _same_file(resolved, source)):
-            raise OutputError(f"{target}: is the input {source} or lies inside it: name a file elsewhere")
+            raise OutputError(f"{target}: is the input {source} or lies inside it: choose a file elsewhere")
     if resolved.exists() and not overwrite:
-        raise OutputError(f"{target}: exists already: allow overwriting (--overwrite) or name another file")
+        raise OutputError(f"{target}: exists already: allow overwriting (--overwrite) or choose another file")
     staging = _sibling(resolved, "partial")
     try:
         try:
             staging.touch()
         except OSError as error:
-            raise OutputError(f"{target}: cannot be written ({error.strerror}): name a file elsewhere") from error
+            raise OutputError(f"{target}: cannot be written ({error.strerror}): choose a file elsewhere") from error
         yield staging
         staging.replace(resolved)
     finally:
@@ -76,22 +95,22 @@ def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> I
 
 
 def _same_file(a: Path, b: Path) -> bool:
-    """Whether two names, perhaps hard links, are of one file."""
+    """Tell whether two names, perhaps hard links, refer to one file."""
     return b.exists() and a.samefile(b)
 
 
 def _resolved(target: Path) -> Path:
-    """The path behind symbolic links. Raises OutputError for one that cannot exist."""
+    """Follow symbolic links; raise OutputError for a path that cannot exist."""
     try:
         resolved = target.resolve()
         resolved.exists()
     except (OSError, RuntimeError, ValueError) as error:  # too long a name, a loop of links, a null character
-        raise OutputError(f"{target}: is no usable path ({error}): choose another one") from error
+        raise OutputError(f"{target}: not a usable path ({error}): choose another one") from error
     return resolved
 
 
 def _check_target(target: Path, overwrite: bool) -> None:
-    """Raise OutputError unless a result may be put at `target`."""
+    """Raise OutputError unless results may be put at `target`."""
     resolved = target.resolve()
     if not resolved.parent.is_dir():
         raise OutputError(f"{target}: the folder {target.parent} does not exist: create it or choose another one")
@@ -100,22 +119,23 @@ def _check_target(target: Path, overwrite: bool) -> None:
     if not resolved.is_dir():
         raise OutputError(f"{target}: is a file, not a folder: choose another output folder")
     if Path.cwd().is_relative_to(resolved):
-        raise OutputError(f"{target}: is the current folder and cannot be replaced: name a folder inside it")
+        raise OutputError(f"{target}: is the current folder and cannot be replaced: choose a folder inside it")
     present = _files_in(target)
     foreign = sorted(present - _manifest_of(target))
     if foreign:
         others = f" and {len(foreign) - 1} more" if len(foreign) > 1 else ""
         raise OutputError(
-            f"{target}: holds files of other origin ({foreign[0]}{others}): choose a new or an empty folder"
+            f"{target}: contains files of other origin ({foreign[0]}{others}): choose a new or an empty folder"
         )
     if present and not overwrite:
         raise OutputError(
-            f"{target}: holds the results of an earlier run: allow overwriting (--overwrite) or choose another folder"
+            f"{target}: contains the results of an earlier run: allow overwriting (--overwrite) or choose "
+            "another folder"
         )
 
 
 def _files_in(folder: Path) -> set[str]:
-    """Everything below `folder` but plain folders with content, as paths relative to it."""
+    """List everything below `folder` except folders with content, as paths relative to it."""
     try:
         return {
             path.relative_to(folder).as_posix()
@@ -127,7 +147,7 @@ def _files_in(folder: Path) -> set[str]:
 
 
 def _manifest_of(folder: Path) -> set[str]:
-    """The files that an earlier run wrote into `folder`; nothing when there is no readable manifest."""
+    """List the files that an earlier run wrote into `folder`; none when there is no readable manifest."""
     try:
         names = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["files"]
         return {*(str(name) for name in names), MANIFEST}
@@ -141,7 +161,7 @@ def _write_manifest(folder: Path) -> None:
 
 
 def _sibling(target: Path, purpose: str) -> Path:
-    """A new hidden name beside `target`: on the same disk, so that it can be renamed into place."""
+    """Make a new hidden name beside `target`, on the same disk, so that it can be renamed into place."""
     return target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.{purpose}")
 
 
@@ -167,7 +187,7 @@ def _publish(staging: Path, target: Path) -> None:
             target.rename(old / target.name)
         except OSError as error:
             raise OutputError(
-                f"{target}: cannot be replaced ({error.strerror}): name a new folder inside it or beside it"
+                f"{target}: cannot be replaced ({error.strerror}): choose a new folder inside it or beside it"
             ) from error
         staging.rename(target)
     except BaseException:

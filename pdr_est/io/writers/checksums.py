@@ -1,4 +1,4 @@
-"""Checksums of input files, so that a result says exactly what it was made from."""
+"""Compute checksums of input files, so that a result tells exactly what it was made from."""
 
 import hashlib
 from pathlib import Path
@@ -7,7 +7,13 @@ from pdr_est.errors import RecordingError
 
 
 def file_digests(path: Path) -> dict[str, str]:
-    """SHA-256 of a file, or of every file in a folder by its relative name. Raises RecordingError."""
+    """Compute the SHA-256 of a file, or of every file in a folder, by relative name.
+
+    Raises
+    ------
+    RecordingError
+        When a file cannot be read.
+    """
     if path.is_file():
         return {path.name: _digest(path)}
     return {str(file.relative_to(path)): _digest(file) for file in sorted(path.rglob("*")) if file.is_file()}

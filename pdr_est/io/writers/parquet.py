@@ -1,4 +1,4 @@
-"""Tables as Parquet files: columns of texts and of numbers."""
+"""Write and read tables of text and number columns as Parquet files."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,15 +12,31 @@ Column = Sequence[str | None] | Sequence[float | None]
 
 
 def write_parquet(path: Path, texts: Mapping[str, Sequence[str | None]], numbers: Mapping[str, Column]) -> None:
-    """Write the columns, texts first, all of one length; None is a missing value. Equal columns give equal bytes."""
+    """Write a table; equal columns give equal bytes.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    texts
+        Text columns by name, which come first; None is a missing value.
+    numbers
+        Number columns by name, all of the same length; None is a missing value.
+    """
     columns = [pl.Series(name, list(values), dtype=pl.String) for name, values in texts.items()]
     columns += [pl.Series(name, list(values), dtype=pl.Float64) for name, values in numbers.items()]
     pl.DataFrame(columns).write_parquet(path, statistics=False)
 
 
 def read_parquet(path: Path) -> dict[str, list[str | float | None]]:
-    """The columns of a table by name. Raises RecordingError when the file cannot be read."""
+    """Read the columns of a table by name.
+
+    Raises
+    ------
+    RecordingError
+        When the file cannot be read.
+    """
     try:
         return pl.read_parquet(path).to_dict(as_series=False)
     except (OSError, PolarsError) as error:
-        raise RecordingError(f"{path}: is no Parquet table that can be read: write it again") from error
+        raise RecordingError(f"{path}: cannot be read as a Parquet table: write it again") from error

@@ -1,6 +1,7 @@
-"""Files of a finished walk: TUM and GeoJSON tracks, and the table of steps.
+"""Write the files of a finished walk: TUM and GeoJSON tracks, and the table of steps.
 
-The table of the track itself is `Track.to_csv`. Every writer raises OutputError when the file cannot be written.
+The table of the track itself is written by `Track.to_csv`. Every writer raises OutputError when the file cannot be
+written.
 """
 
 import csv
@@ -43,9 +44,22 @@ Json = dict[str, Any]
 def write_tum(track: Track, path: str | Path, epoch_s: float | None = None) -> tuple[Path, ...]:
     """Write the poses as `time x y z qx qy qz qw` lines, the format of the TUM RGB-D benchmark that evo reads.
 
-    z is 0 and the quaternion turns by the heading about z. Times are Unix times when `epoch_s` is given, else
-    seconds of the recording. The format knows one trajectory a file: the first device goes to `path`, every
-    further one beside it to `<stem>-<device><suffix>`. Returns the files written.
+    z is 0, and the quaternion rotates by the heading about z.
+
+    Parameters
+    ----------
+    track
+        Track of one or more devices.
+    path
+        File of the first device. The format has one trajectory a file, so every further device is written beside it
+        to `<stem>-<device><suffix>`.
+    epoch_s
+        Unix time of time zero. When it is given, times are Unix times, else seconds of the recording.
+
+    Returns
+    -------
+    tuple of Path
+        The files written.
     """
     first = Path(path)
     files: dict[Path, str] = {}
@@ -81,10 +95,22 @@ def write_geojson(
 ) -> None:
     """Write the track as a GeoJSON FeatureCollection (RFC 7946).
 
-    A LineString for each device (a Point when there is a single pose), a Point for each fix, and with
-    `with_steps` a Point for each pose with its time, heading, covariance and mode. Coordinates are WGS 84
-    longitude and latitude when the origin is known, else metres east and north; the member `crs_note` of the
-    collection says which, and `coordinate_unit` is "degree" or "metre".
+    It has a LineString for each device (a Point for a single pose) and a Point for each fix. Coordinates are WGS 84
+    longitude and latitude when the origin is known, else metres east and north; the members `crs_note` and
+    `coordinate_unit` ("degree" or "metre") of the collection say which.
+
+    Parameters
+    ----------
+    track
+        Track of one or more devices.
+    path
+        File to write.
+    origin
+        Latitude and longitude of the origin of the map frame.
+    fixes
+        Position fixes to draw.
+    with_steps
+        True to add a Point for each pose with its time, heading, covariance and carrying mode.
     """
     features = [_line_feature(track.of_device(device), origin) for device in track.devices]
     if fixes:
@@ -116,7 +142,7 @@ def _crs_note(origin: GeoOrigin | None) -> str:
 
 
 def _coordinates(position_m: Array, origin: GeoOrigin | None) -> list[list[float]]:
-    """Map positions (n, 2) as GeoJSON coordinates: to 0.1 mm in metres, to about 1 mm in degrees."""
+    """Convert map positions (n, 2) to GeoJSON coordinates, to 0.1 mm in metres or about 1 mm in degrees."""
     if origin is None:
         return [[float(x), float(y)] for x, y in np.round(position_m, 4)]
     east, north = position_m.T
@@ -181,16 +207,23 @@ def _pose_features(track: Track, origin: GeoOrigin | None) -> list[Json]:
 
 
 def _number(value: float, digits: int) -> float | None:
-    """A rounded number for JSON, None where there is no finite value (JSON has neither NaN nor infinity)."""
+    """Round a number for JSON, which has neither NaN nor infinity; those become None."""
     return round(float(value), digits) if math.isfinite(value) else None
 
 
 def write_steps_csv(steps: Mapping[str, Sequence[Step]], path: str | Path) -> None:
-    """Write what the front end found of each step: a row a step, columns `STEP_COLUMNS`, device by device.
+    """Write one row for each step, with the columns `STEP_COLUMNS`, device by device.
 
-    steps: device name -> its steps. `heading_rad` is the mean device yaw over the step (arbitrary zero in each
-    segment) and not the heading of the track. `gait_probability` is that of the gait in the cell before. What was
-    not determined is an empty cell, an unknown mode or gait UNKNOWN.
+    `heading_rad` is the mean yaw of the device over the step (arbitrary zero in each segment), not the heading of the
+    track. `gait_probability` is that of the gait in the cell before it. A value that was not determined is an empty
+    cell, an unknown mode or gait is UNKNOWN.
+
+    Parameters
+    ----------
+    steps
+        Device name -> its steps.
+    path
+        File to write.
     """
     with _open_output(Path(path)) as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -228,5 +261,5 @@ def _open_output(path: Path) -> Iterator[TextIO]:
     except OSError as error:
         raise OutputError(
             f"{path}: cannot be written ({error.strerror or error}): check that the folder exists, is writable "
-            "and has room, or choose another one"
+            "and has free space, or choose another one"
         ) from error

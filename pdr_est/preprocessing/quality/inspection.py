@@ -169,7 +169,7 @@ def _inspect_device(device: DeviceRecording) -> DeviceInspection:
     force, rate, attitude = (signals.get(name) for name in ("specific_force", "rotation_rate", "attitude"))
     correlation = None if attitude is None or rate is None else attitude_rate_correlation(attitude, rate)
     overlap = None if force is None or rate is None else _overlap(force, rate)
-    findings = [words for channel in channels for words in _channel_findings(channel)]
+    findings = [finding for channel in channels for finding in _channel_findings(channel)]
     if force is not None and rate is not None and overlap is None:
         findings.append("accelerometer and gyroscope never run at the same time: no track is possible")
     if correlation is not None and correlation < _LEAST_CORRELATION:
@@ -259,32 +259,32 @@ def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tu
 
 def _summarise_truth(recording: Recording) -> tuple[str, ...]:
     truth = recording.truth
-    words = []
+    summary = []
     if truth.positions is not None:
-        words.append(f"{len(truth.positions.time_s)} positions ({truth.positions.source})")
+        summary.append(f"{len(truth.positions.time_s)} positions ({truth.positions.source})")
     if truth.steps is not None:
-        words.append(f"{len(truth.steps.time_s)} annotated steps")
+        summary.append(f"{len(truth.steps.time_s)} annotated steps")
     if truth.turns is not None:
-        words.append(f"{len(truth.turns.time_s)} annotated turns")
+        summary.append(f"{len(truth.turns.time_s)} annotated turns")
     if truth.step_count is not None:
-        words.append(f"step count {truth.step_count}")
+        summary.append(f"step count {truth.step_count}")
     if truth.distance_m is not None:
-        words.append(f"distance {truth.distance_m:.1f} m")
+        summary.append(f"distance {truth.distance_m:.1f} m")
     if truth.activity is not None:
-        words.append(f"activity {truth.activity}")
-    return tuple(words)
+        summary.append(f"activity {truth.activity}")
+    return tuple(summary)
 
 
 def _summarise_fixes(recording: Recording) -> tuple[str, ...]:
     """Summarise the fixes of each source: count, time span and median standard deviation."""
-    words = []
+    summary = []
     for source in dict.fromkeys(fix.source for fix in recording.fixes):
         fixes = [fix for fix in recording.fixes if fix.source == source]
         times_s = [fix.time_s for fix in fixes]
         sigma_m = math.sqrt(float(np.median([np.trace(fix.covariance_m2) / 2.0 for fix in fixes])))
         span = f"{min(times_s):.1f} s to {max(times_s):.1f} s"
-        words.append(f"{len(fixes)} fixes ({source}), {span}, sigma about {sigma_m:.1f} m")
-    return tuple(words)
+        summary.append(f"{len(fixes)} fixes ({source}), {span}, sigma about {sigma_m:.1f} m")
+    return tuple(summary)
 
 
 def _plain(value: Any) -> Any:

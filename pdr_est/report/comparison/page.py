@@ -9,7 +9,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
-from pdr_est.evaluate.paired_comparison import Paired
+from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.report.comparison import tables
 from pdr_est.report.comparison.plots import plot_coverage, plot_distribution, plot_growth, plot_tracks, variant_styles
 from pdr_est.report.plots import figure as svg
@@ -52,7 +52,7 @@ class ComparisonContent:
     metrics: tuple[str, ...]
     group_by: tuple[str, ...]
     outcomes: tuple[TrackOutcome, ...]
-    pairs: tuple[Paired, ...]
+    pairs: tuple[PairedComparison, ...]
     failed: int
     failures: tuple[tuple[str, str], ...]
     config: str

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
-from pdr_est.evaluate.paired_comparison import ROUNDING, Paired
+from pdr_est.evaluate.paired_comparison import ROUNDING, PairedComparison
 from pdr_est.evaluate.statistics import Average
 from pdr_est.report.walk.page import NO_VALUE, format_number, format_percent
 from pdr_est.types.outcome import TrackOutcome
@@ -129,7 +129,7 @@ def _groups_aside(
     return ReportTable(f"Means by {key}", headings, tuple(rows), texts=2, note=f"Number of tracks: {tracks}.")
 
 
-def pairs_table(found: Iterable[Paired], note: str = "") -> ReportTable:
+def pairs_table(found: Iterable[PairedComparison], note: str = "") -> ReportTable:
     """Tabulate the comparisons of two variants each; `note` is added to the remark below the table."""
     rows = tuple(
         (

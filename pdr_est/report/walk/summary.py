@@ -60,10 +60,8 @@ def summarise(
 
     Parameters
     ----------
-    walk : SmoothedWalk
-        Finished walk.
-    recording : Recording
-        Recording that it was made from.
+    walk, recording : SmoothedWalk, Recording
+        Finished walk and the recording that it was made from.
     config_dict : mapping
         Resolved configuration.
     inputs : mapping of str to str or None
@@ -73,12 +71,8 @@ def summarise(
     start : StartPose or None
         Start pose that was asked for. It decides, with the fixes, whether the track lies in the map frame or in a
         frame of its own.
-    errors : mapping of str to float or None
-        Metrics against the truth by name.
-    profile : Profile or None
-        Profile of the walker; None without a calibration.
-    gait_model_sha256 : str or None
-        Digest of the gait model; None where gaits are not recognised.
+    errors, profile, gait_model_sha256 : optional
+        Metrics against the truth by name; profile of the walker; digest of the gait model. None if there is none.
     """
     track = walk.track
     summary = {
@@ -94,11 +88,7 @@ def summarise(
         "carrying_modes": [use for device in walk.devices for use in mode_statistics(device)],
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
         "headings": [_heading(device, config_dict) for device in walk.devices],
-        "length_scale": {
-            "value": track.length_scale,
-            "sigma": track.sigma_length_scale,
-            "meaning": describe_length_scale(track, bool(walk.fixes), profile is not None),
-        },
+        "length_scale": _length_scale(walk, profile),
         "profile": profile,
         "gait_model_sha256": gait_model_sha256,
         "start": start,
@@ -138,6 +128,16 @@ def to_json(value: Any) -> Any:
     if value is None or isinstance(value, str | int):
         return value
     raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
+
+
+def _length_scale(walk: SmoothedWalk, profile: Profile | None) -> Json:
+    """Describe the length scale of the track."""
+    track = walk.track
+    return {
+        "value": track.length_scale,
+        "sigma": track.sigma_length_scale,
+        "meaning": describe_length_scale(track, bool(walk.fixes), profile is not None),
+    }
 
 
 def _recording(recording: Recording) -> Json:

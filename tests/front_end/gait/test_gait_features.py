@@ -34,6 +34,33 @@ def test_uptime_features_of_numbers_worked_out_by_hand() -> None:
     assert found == pytest.approx(expected)
 
 
+def test_the_peak_is_the_highest_value_and_not_the_largest_size() -> None:
+    """UPTIME's peak of m = 1, -3, 0, 2: a trough below -2 is none."""
+    found = by_name(UptimeFeatures(), second_step(np.array([1.0, -3.0, 0.0, 2.0])))
+    assert found["peak"] == pytest.approx(2.0)
+    assert found["range"] == pytest.approx(5.0)
+
+
+def test_a_stride_takes_the_lowest_value_and_the_samples_upwards_of_both_steps() -> None:
+    features = StrideFeatures()
+    features.push(step(0.5, 0.0, vertical_mps2=np.array([-6.0, 1.0, 1.0, 1.0])))
+    found = by_name(features, second_step(np.array([-2.0, -1.0, -1.0, 1.0])))
+    assert found["lowest_vertical"] == -6.0
+    assert found["up_share"] == pytest.approx(4.0 / 8.0)
+
+
+def test_a_stride_takes_the_horizontal_movement_of_both_steps() -> None:
+    def sideways(one: Step, mps2: float) -> Step:
+        samples = one.samples
+        moved = samples.acceleration_mps2 + np.array([mps2, 0.0, 0.0])
+        return replace(one, samples=replace(samples, acceleration_mps2=moved))
+
+    features = StrideFeatures()
+    features.push(sideways(step(0.5, 0.0, vertical_mps2=bounce(24)), 4.0))
+    found = by_name(features, sideways(second_step(bounce(24)), 3.0))
+    assert found["log_horizontal_rms"] == pytest.approx(0.5 * np.log((16.0 + 9.0) / 2.0))
+
+
 def test_stride_features_of_a_first_step() -> None:
     found = by_name(StrideFeatures(), step(0.5, 0.0, vertical_mps2=bounce(24)))
     assert tuple(found) == STRIDE_NAMES

@@ -6,15 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gait_people import walks_of
-from signals import step
+from signals import run, step
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC, LinearSVC
 
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.gait.classifier import GaitClassifier
 from pdr_est.front_end.gait.evaluation import balanced_accuracy, gait_metrics, gait_probabilities
+from pdr_est.front_end.gait.features import UPTIME_NAMES
 from pdr_est.front_end.gait.folds import load_folds, save_folds
-from pdr_est.front_end.gait.model import SupportVectorMachine, save_model
+from pdr_est.front_end.gait.model import GaitModel, SupportVectorMachine, model_from_dict, save_model
 from pdr_est.front_end.gait.svm_scorer import GaitScorer, scorer
 from pdr_est.front_end.gait.training import TrainedGait, fit_platt_sigmoid, train_gait_model
 from pdr_est.front_end.gait.training_data import step_table
@@ -119,18 +120,42 @@ def test_the_pooled_scores_are_those_of_the_step_and_the_one_before() -> None:
     assert pooled[[0, 1, 7, 8, 9, 20]].tolist() == [0.0, 0.125, 1.625, 1.875, 2.0, 2.0]
 
 
-def test_the_classifier_pools_as_training_does(trained: TrainedGait) -> None:
+def peak_and_range() -> GaitModel:
+    """A model whose first score is UPTIME's peak and whose second one is its range less 1."""
+    machines = [
+        {
+            "columns": [UPTIME_NAMES.index(name)],
+            "mean": [mean],
+            "scale": [1.0],
+            "kernel": "linear",
+            "gamma": 0.0,
+            "support": [[1.0]],
+            "dual": [1.0],
+            "intercept": 0.0,
+            "sigmoid": [1.5, 0.1],
+        }
+        for name, mean in (("peak", 0.0), ("range", 1.0))
+    ]
+    content = {"features": "uptime", "faster": machines[0], "running": machines[1], "people": [], "data": []}
+    return model_from_dict(content, "made up")
+
+
+def test_the_classifier_pools_as_training_does() -> None:
     """Steps of both gaits by turns: means, clear changes and beginnings."""
-    steps = [step(0.5 * i + 0.5, 0.5 * i, frequency_hz=0.0 if i % 11 == 0 else 2.0) for i in range(60)]
-    rng = np.random.default_rng(5)
-    scores = rng.uniform(-1.5, 1.5, (60, 2))
-    rows = iter(scores.tolist())
-    stage = GaitClassifier(trained.model)
-    stage._scorer.scores = lambda _features: tuple(next(rows))  # type: ignore[method-assign]
-    found = [labelled.gait_probability for each in steps for labelled in stage.push(each)]
+    scores = np.random.default_rng(5).uniform([-1.5, -0.9], 1.5, (60, 2))
+    steps = [
+        step(
+            0.5 * i + 0.5,
+            0.5 * i,
+            frequency_hz=0.0 if i % 11 == 0 else 2.0,
+            vertical_mps2=np.array([peak, peak - (second + 1.0)]),
+        )
+        for i, (peak, second) in enumerate(scores.tolist())
+    ]
+    found = [each.gait_probability for each in run(GaitClassifier(peak_and_range()), steps)]
     table = replace(step_table(walks_of(people=1, steps=60)[:1]), begins=np.arange(60) % 11 == 0)
     pooled = table.pooled(scores)
-    np.testing.assert_allclose(found, gait_probabilities(trained.model, pooled), rtol=1e-12)
+    np.testing.assert_allclose(found, gait_probabilities(peak_and_range(), pooled), rtol=1e-9)
     alone = np.all(pooled == scores, axis=1)
     assert 11 < alone.sum() < 55
 

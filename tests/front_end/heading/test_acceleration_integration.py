@@ -9,6 +9,7 @@ from signals import RATE_HZ, run
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.signal.blocks import part
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import Step
 
@@ -91,3 +92,22 @@ def test_a_sample_of_two_steps_counts_once() -> None:
         first_index=overlapping.first_index - 1,
     )
     assert headings(first, second, doubled) == headings(first, second, overlapping)
+
+
+UNFILTERED = AccelerationIntegrationParams(pre_window_s=0.02, post_window_s=0.02, integration_s=0.04)
+
+
+def test_the_trapezoidal_rule_takes_both_ends_of_the_window() -> None:
+    """Of three samples 0.02 s apart the middle one counts once and the others half."""
+    force = np.zeros((SAMPLES, 3))
+    force[-4:] = [(-100.0, 0.0, 0.0), (0.0, 2.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)]
+    (found,) = headings(accelerated(0, force), parameters=UNFILTERED)
+    assert np.rad2deg(found) == pytest.approx(45.0)
+
+
+def test_a_single_missing_sample_restarts_the_integral() -> None:
+    east, north = np.zeros((SAMPLES, 3)), np.zeros((SAMPLES, 3))
+    east[:, 0], north[:, 1] = 1.0, 1.0
+    whole, late = accelerated(0, east), accelerated(1, north)
+    assert headings(whole, late)[1] < np.pi / 2.0 - 0.1
+    assert headings(part(whole, 0, SAMPLES - 1), late)[1] == pytest.approx(np.pi / 2.0)

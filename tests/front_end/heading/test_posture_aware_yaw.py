@@ -201,3 +201,76 @@ def test_a_step_waits_for_the_next_one() -> None:
     assert [len(stage.push(step)) for step in steps] == [0, 1, 1]
     assert len(stage.flush()) == 1
     assert stage.flush() == []
+
+
+# --- thresholds of the posture, one by one
+
+
+def about_x(angle_rad: float) -> Rotation:
+    """A mount whose direction of gravity lies so far from that of a flat phone."""
+    return Rotation.from_euler("x", angle_rad)
+
+
+@pytest.mark.parametrize(("off_rad", "learnt_at"), [(0.3, []), (0.5, [17])])
+def test_a_phone_is_back_within_returned_rad_of_its_old_posture(off_rad: float, learnt_at: list[int]) -> None:
+    """It comes back at step 13; further away than 0.4 rad it has a new offset to learn, though not beyond 0.7 rad."""
+    steps = [carried(number, 20.0, about_x(1.5)) for number in range(10)]
+    steps += [carried(number, 20.0) for number in range(10, 13)]
+    steps += [carried(number, 20.0, about_x(1.5 - off_rad)) for number in range(13, 23)]
+    assert np.flatnonzero(sigmas(steps)).tolist() == learnt_at
+
+
+@pytest.mark.parametrize(
+    ("moved_rad", "mode", "learnt_at"),
+    [
+        (0.5, HOLDING, []),
+        (0.5, POCKET, [14]),
+        (0.5, CarryingMode.OTHER, []),
+        (0.3, POCKET, []),
+        (0.8, HOLDING, [14]),
+    ],
+)
+def test_a_smaller_change_is_enough_where_the_mode_changes_too(
+    moved_rad: float, mode: CarryingMode, learnt_at: list[int]
+) -> None:
+    """Only the modes that recognisers tell apart well count: not OTHER."""
+    steps = [carried(number, 20.0) for number in range(10)]
+    steps += [carried(number, 20.0, about_x(moved_rad), mode=mode) for number in range(10, 20)]
+    assert np.flatnonzero(sigmas(steps)).tolist() == learnt_at
+
+
+def test_a_last_step_at_which_the_phone_had_moved_already_does_not_tell_the_heading() -> None:
+    steps = [carried(number, 20.0) for number in range(10)]
+    steps += [carried(10, 60.0, about_x(0.3))]  # the hand turns the phone, and not the walker
+    steps += [carried(number, 20.0, about_x(1.5)) for number in range(11, 21)]
+    np.testing.assert_allclose(directed(steps)[11:], 0.0, atol=1e-6)
+
+
+def test_of_a_walker_who_turns_the_last_heading_is_kept() -> None:
+    steps = [carried(number, 0.0) for number in range(9)]
+    steps += [carried(9, 30.0)]
+    steps += [carried(number, 30.0, about_x(1.5)) for number in range(10, 20)]
+    np.testing.assert_allclose(directed(steps)[9:], 30.0, atol=1e-6)
+
+
+def test_of_a_walker_who_goes_straight_the_mean_of_two_steps_is_kept() -> None:
+    steps = [carried(number, 3.0 * (-1) ** number) for number in range(10)]
+    steps += [carried(number, 0.0, about_x(1.5)) for number in range(10, 20)]
+    np.testing.assert_allclose(directed(steps)[10:], -3.0, atol=1e-6)  # less the first one, which is at 3
+
+
+def test_the_first_step_in_a_new_posture_teaches_nothing() -> None:
+    steps = [carried(number, 20.0) for number in range(10)]
+    steps += [carried(10, 70.0, about_x(1.5))]  # the hand has not let go yet
+    steps += [carried(number, 20.0, about_x(1.5)) for number in range(11, 20)]
+    np.testing.assert_allclose(directed(steps), 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("moves_rad", [(1.5, 3.0), (1.2, 1.7, 2.2)], ids=["at once", "little by little"])
+def test_a_phone_that_moves_on_is_learnt_from_where_it_stays(moves_rad: tuple[float, ...]) -> None:
+    """Little by little each posture is within 0.7 rad of the one before, and beyond it of the one before that."""
+    passing = [carried(10 + k, 20.0, about_x(angle)) for k, angle in enumerate(moves_rad[:-1])]
+    stays_from = 10 + len(passing)
+    steps = [carried(number, 20.0) for number in range(10)] + passing
+    steps += [carried(number, 20.0, about_x(moves_rad[-1])) for number in range(stays_from, stays_from + 10)]
+    assert np.flatnonzero(sigmas(steps)).tolist() == [stays_from + 4]

@@ -11,7 +11,13 @@ from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
-from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams, direction_from_steps
+from pdr_est.front_end.heading.principal_axis import (
+    PrincipalAxis,
+    PrincipalAxisParams,
+    StrideMotion,
+    direction_from_steps,
+    walking_direction,
+)
 from pdr_est.pipeline import front_end_chain as chains
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -177,3 +183,16 @@ def test_a_simulated_held_phone() -> None:
     error = wrap_angle(np.array([step.heading_rad for step in steps]) - walk.heading_at(middle_s))
     assert np.rad2deg(np.median(np.abs(error))) < 6.0
     assert np.rad2deg(np.max(np.abs(error))) < 40.0  # the average over a stride cuts the corner
+
+
+def test_the_sigma_of_the_axis_falls_with_the_number_of_strides() -> None:
+    """One along and 0.2 across, to either side by turns: 0.2 rad for a stride, half of that for four."""
+    strides = [
+        StrideMotion(np.array([1.0, 0.2 * (-1) ** k], dtype=np.complex128), vertical_mps2=-1j, yaw_rad=0.0)
+        for k in range(4)
+    ]
+    found = walking_direction(strides, PrincipalAxisParams(strides=4, sigma_rad=0.0))
+    assert found.trusted
+    assert found.offset_rad == pytest.approx(0.0, abs=1e-12)
+    assert found.sigma_rad == pytest.approx(0.1)
+    assert found.coherence == pytest.approx(1.0 / np.sqrt(1.04))

@@ -68,3 +68,15 @@ def test_one_put_elsewhere_between_stretches_displaces_the_next() -> None:
     steps[12] = replace(steps[12], sigma_turn_rad=0.3)
     pieces = straight_leg_sections(steps, PARAMETERS)
     assert pieces.sigma_change_rad[pieces.leg == 1].tolist() == pytest.approx([0.3] + [0.0] * (sum(pieces.leg) - 1))
+
+
+@pytest.mark.parametrize(("count", "legs"), [(4, 0), (5, 1)])
+def test_a_leg_has_five_steps_at_least(count: int, legs: int) -> None:
+    assert len(set(pieces_of(np.zeros(count)).leg)) == legs
+
+
+@pytest.mark.parametrize(("turn_rad", "steps"), [(0.5, 20), (0.499, 0)])
+def test_a_change_over_four_steps_of_exactly_the_threshold_is_straight(turn_rad: float, steps: int) -> None:
+    """An eighth of a radian a step is half a radian over four."""
+    found = straight_leg_sections(with_headings(np.arange(20) / 8.0 - 1.25), StraightLegParams(turn_rad=turn_rad))
+    assert sum(found.last - found.first) == steps

@@ -296,6 +296,14 @@ def test_the_personal_cadence_is_that_of_the_last_three_steps() -> None:
     assert [0.747 / item.length_m for item in found] == pytest.approx([0.5, 0.8, 0.65, 0.8, 0.8])
 
 
+def test_the_cadence_is_that_of_the_last_three_steps() -> None:
+    """Intervals of 0.8, 0.4, 0.5 and 0.6 s after the first step: medians 0.8, 0.6, 0.5 and 0.5 s."""
+    meter = PaceMeter()
+    meter.at(with_vertical(PLATEAUS, frequency_hz=0.0))
+    found = [meter.at(with_vertical(PLATEAUS, start_s=1.0 - interval_s)) for interval_s in (0.8, 0.4, 0.5, 0.6)]
+    assert [pace.cadence_hz for pace in found] == pytest.approx([1.0 / 0.8, 1.0 / 0.6, 2.0, 2.0])
+
+
 @pytest.mark.parametrize("begins", ["standstill", "gap"])
 def test_a_walk_begins_with_a_new_cadence(begins: str) -> None:
     """The first interval is the assumed one: it stands for that step alone."""

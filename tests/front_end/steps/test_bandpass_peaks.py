@@ -1,4 +1,4 @@
-"""What the detector `auto` does beyond counting humps: swinging hands, runners, steps that a change of mode hides."""
+"""Rules of the default step detector by hand; swinging hands, runners, and steps that a change of mode hides."""
 
 from dataclasses import replace
 
@@ -28,8 +28,8 @@ def events(block: LevelBlock) -> list[StepEvent]:
     return run(BandpassPeakDetector(RATE_HZ, AutoStepParams()), [block])
 
 
-def humps(at_s: Array, duration_s: float, height_mps2: float) -> Array:
-    """Smooth humps of 0.3 s at some times."""
+def bumps(at_s: Array, duration_s: float, height_mps2: float) -> Array:
+    """Smooth bumps of 0.3 s at some times."""
     distance = np.abs(times(duration_s)[:, None] - at_s) / 0.15
     return height_mps2 * np.sum(np.where(distance < 1.0, np.cos(0.5 * np.pi * distance) ** 2, 0.0), axis=1)
 
@@ -40,7 +40,7 @@ def with_modes(block: LevelBlock, before: CarryingMode, after: CarryingMode) -> 
 
 
 def test_strides_alone_are_felt_by_a_hand_whose_swing_hides_the_trunk() -> None:
-    """The acceleration has one hump a stride of 1.1 s; the arm turns round twice in it."""
+    """The acceleration has one peak per stride of 1.1 s; the arm turns round twice in it."""
     t = times(30.0)
     swing = replace(
         level(2.0 * np.sin(2.0 * np.pi * t / 1.1)),
@@ -68,7 +68,7 @@ def test_turning_about_the_vertical_is_no_swing() -> None:
 
 def test_the_step_that_a_change_of_mode_hides_is_filled_in() -> None:
     at_s = np.delete(np.arange(2.0, 20.0, 0.6), 13)  # none at 9.8 s
-    block = level(humps(at_s, 22.0, 4.0))
+    block = level(bumps(at_s, 22.0, 4.0))
     changed = events(with_modes(block, CarryingMode.HOLDING, CarryingMode.POCKET))
     same = events(with_modes(block, CarryingMode.POCKET, CarryingMode.POCKET))
     assert len(changed) == len(same) + 1
@@ -80,12 +80,12 @@ def test_the_step_that_a_change_of_mode_hides_is_filled_in() -> None:
 
 def test_who_stands_while_the_mode_changes_takes_no_hidden_step() -> None:
     at_s = np.concatenate([np.arange(2.0, 9.6, 0.6), np.arange(11.3, 20.0, 0.6)])  # a pause of nearly three steps
-    block = with_modes(level(humps(at_s, 22.0, 4.0)), CarryingMode.HOLDING, CarryingMode.POCKET)
+    block = with_modes(level(bumps(at_s, 22.0, 4.0)), CarryingMode.HOLDING, CarryingMode.POCKET)
     assert len(events(block)) == len(at_s)
 
 
-def rhythm(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
-    """What the rhythm makes of steps at some times in some modes."""
+def with_hidden_steps(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
+    """Steps at some times in some modes, with those that a change of mode hid."""
     found = StepIntervals(memory=0.8, standstill_s=2.0)
     return [
         event
@@ -107,7 +107,7 @@ def rhythm(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
 def test_a_step_is_hidden_by_a_change_of_place_but_not_by_a_standstill(
     pause_s: float, before: CarryingMode, after: CarryingMode, count: int
 ) -> None:
-    assert len(rhythm((0.0, before), (1.0, before), (2.0, before), (2.0 + pause_s, after))) == count
+    assert len(with_hidden_steps((0.0, before), (1.0, before), (2.0, before), (2.0 + pause_s, after))) == count
 
 
 def test_a_runner_takes_steps_that_would_be_too_fast_for_a_walker() -> None:
@@ -122,5 +122,130 @@ def test_a_runner_takes_steps_that_would_be_too_fast_for_a_walker() -> None:
 def test_a_walker_s_double_knock_is_one_step() -> None:
     """Steps 0.7 s apart, each with a knock 0.26 s after it."""
     walking_s = np.arange(2.0, 20.0, 0.7)
-    knocks = humps(walking_s, 22.0, 4.0) + humps(walking_s + 0.26, 22.0, 4.0)
+    knocks = bumps(walking_s, 22.0, 4.0) + bumps(walking_s + 0.26, 22.0, 4.0)
     assert len(events(level(knocks))) == len(walking_s)
+
+
+# --- the rules by hand, with a band so wide that it leaves made-up peaks alone
+
+OPEN = {"low_hz": 0.005, "high_hz": 24.0, "strike_lead_s": 0.0}
+OTHER, HOLDING, POCKET = CarryingMode.OTHER, CarryingMode.HOLDING, CarryingMode.POCKET
+
+
+def steps_of(
+    *peaks: tuple[float, float], mode: CarryingMode = OTHER, end_s: float = 20.0, **changes: float
+) -> list[StepEvent]:
+    """Steps of a signal with peaks of some heights at some times."""
+    signal = np.zeros(round(end_s * RATE_HZ))
+    for time_s, height_mps2 in peaks:
+        signal += bumps(np.array([time_s]), end_s, height_mps2)
+    block = level(signal)
+    block = replace(block, mode=np.full(len(block), mode, dtype=np.int8))
+    return run(BandpassPeakDetector(RATE_HZ, AutoStepParams(**(OPEN | changes))), [block])  # type: ignore[arg-type]
+
+
+def step_times(*peaks: tuple[float, float], mode: CarryingMode = OTHER, **changes: float) -> list[float]:
+    return [round(event.time_s, 1) for event in steps_of(*peaks, mode=mode, **changes)]
+
+
+WALK = tuple((round(1.0 + 0.6 * k, 1), 4.0) for k in range(8))  # until 5.2 s
+WALK_S = [time_s for time_s, _ in WALK]
+
+
+@pytest.mark.parametrize(("height", "in_hand", "elsewhere"), [(2.2, 1, 1), (1.4, 0, 1), (0.6, 0, 0)])
+def test_a_held_phone_needs_a_higher_share_of_the_recent_height(height: float, in_hand: int, elsewhere: int) -> None:
+    """The last peak has 0.55, 0.35 or 0.15 of the height of those before; 0.45 is needed in the hand, else 0.25."""
+    assert step_times(*WALK, (5.8, height), mode=HOLDING) == WALK_S + [5.8] * in_hand
+    assert step_times(*WALK, (5.8, height)) == WALK_S + [5.8] * elsewhere
+
+
+def test_the_strike_comes_before_the_peak() -> None:
+    plain, early = steps_of(*WALK), steps_of(*WALK, strike_lead_s=0.08)
+    np.testing.assert_allclose([event.time_s for event in plain], WALK_S, atol=0.02)
+    np.testing.assert_allclose([event.time_s for event in early], np.array(WALK_S) - 0.08, atol=0.02)
+
+
+@pytest.mark.parametrize(("after_s", "extra"), [(0.26, 0), (0.32, 1)])
+def test_a_walker_s_steps_are_0_3_s_apart(after_s: float, extra: int) -> None:
+    assert len(step_times(*WALK, (5.2 + after_s, 4.0))) == len(WALK) + extra
+
+
+@pytest.mark.parametrize(("after_s", "extra"), [(0.22, 0), (0.26, 1)])
+def test_a_runner_s_steps_are_0_24_s_apart(after_s: float, extra: int) -> None:
+    running = [(1.0 + 0.32 * k, 9.0) for k in range(20)]
+    assert len(steps_of(*running, (running[-1][0] + after_s, 9.0))) == len(running) + extra
+
+
+def test_a_single_jolt_after_a_standstill_is_no_step() -> None:
+    assert step_times(*WALK, (7.7, 4.0), (10.2, 4.0)) == WALK_S
+    assert step_times(*WALK, (7.7, 4.0), (8.3, 4.0)) == [*WALK_S, 7.7, 8.3]
+    assert step_times(*WALK, (7.1, 4.0)) == [*WALK_S, 7.1]  # a pause within the walk
+
+
+@pytest.mark.parametrize(("apart_s", "found"), [(1.2, [1.0, 2.2, 2.8]), (1.4, [2.4, 3.0])])
+def test_a_walk_begins_with_two_peaks_at_most_1_3_s_apart(apart_s: float, found: list[float]) -> None:
+    assert step_times((1.0, 4.0), (1.0 + apart_s, 4.0), (1.6 + apart_s, 4.0)) == pytest.approx(found)
+
+
+@pytest.mark.parametrize(("first", "found"), [(1.8, [1.0, 1.6]), (1.4, [1.6])])
+def test_the_first_peak_is_a_step_if_it_has_two_fifths_of_the_second(first: float, found: list[float]) -> None:
+    assert step_times((1.0, first), (1.6, 4.0)) == found
+
+
+def test_the_recent_height_begins_as_the_mean_of_the_first_two_peaks() -> None:
+    """A quarter of (2 + 4) / 2 is 0.75."""
+    assert step_times((1.0, 2.0), (1.6, 4.0), (2.2, 0.85)) == [1.0, 1.6, 2.2]
+    assert step_times((1.0, 2.0), (1.6, 4.0), (2.2, 0.65)) == [1.0, 1.6]
+
+
+def test_the_recent_height_follows_slowly() -> None:
+    """After 4, 4, ... and 8 it is 0.8 * 4 + 0.2 * 8 = 4.8, a quarter of which is 1.2."""
+    assert step_times(*WALK, (5.8, 8.0), (6.4, 1.55)) == [*WALK_S, 5.8, 6.4]
+    assert step_times(*WALK, (5.8, 8.0), (6.4, 1.1)) == [*WALK_S, 5.8]
+
+
+def test_the_confidence_grows_with_the_height_above_the_threshold() -> None:
+    first, second, third = steps_of((1.0, 0.6), (1.6, 0.6), (2.2, 0.4))
+    assert [first.confidence, second.confidence] == pytest.approx([1.0 - 0.25] * 2, abs=0.03)
+    assert third.confidence == pytest.approx(1.0 - (0.3 / 0.4) ** 2, abs=0.05)
+
+
+SLOW_LEG = tuple(
+    (round(1.0 + 1.6 * k + after_s, 2), height)
+    for k in range(8)
+    for after_s, height in ((0.0, 4.0), (0.36, 2.0), (0.8, 3.0))
+)  # strides of 1.6 s, each with a third peak
+
+
+@pytest.mark.parametrize(("height", "counts"), [(5.0, False), (10.0, True)])
+def test_a_third_peak_of_a_stride_in_a_pocket_is_no_step_unless_it_is_high(height: float, counts: bool) -> None:
+    """The last stride, at 12.2 s, has its third peak below or above twice the recent height.
+
+    If it counts, the peak at 13.0 s comes too soon after it.
+    """
+    changed = [(time_s, height if time_s > 12.5 and peak == 2.0 else peak) for time_s, peak in SLOW_LEG]
+    late = [time_s for time_s in step_times(*changed, mode=POCKET, end_s=16.0) if time_s > 8.5]
+    expected = [9.0, 9.8, 10.6, 11.4, 12.2, 12.6 if counts else 13.0]
+    assert late == pytest.approx(expected, abs=0.06)
+    assert len(step_times(*changed, mode=OTHER, end_s=16.0)) == len(SLOW_LEG)
+
+
+def test_steps_of_a_swinging_hand_are_where_it_turns_back() -> None:
+    """Its rotation rate is smallest at 0.275 s and every 0.55 s after that."""
+    t = times(15.0)
+    swing = replace(
+        level(np.zeros(len(t))),
+        rotation_rate_radps=np.outer(3.0 * np.cos(2.0 * np.pi * t / 1.1), [0.0, 1.0, 0.0]),
+        mode=np.full(len(t), CarryingMode.SWING, dtype=np.int8),
+    )
+    found = run(BandpassPeakDetector(RATE_HZ, AutoStepParams(**OPEN)), [swing])  # type: ignore[arg-type]
+    assert len(found) >= 25
+    np.testing.assert_allclose([event.time_s % 0.55 for event in found], 0.275, atol=0.03)
+
+
+@pytest.mark.parametrize(("pause_s", "hidden"), [(0.7, 0), (0.8, 1), (1.2, 1), (1.3, 0)])
+def test_a_hidden_step_makes_a_pause_of_about_two_intervals(pause_s: float, hidden: int) -> None:
+    """The interval is 0.5 s; 1.5 to 2.5 times as long is a pause with one step in it."""
+    found = with_hidden_steps((0.0, HOLDING), (0.5, HOLDING), (1.0, HOLDING), (1.0 + pause_s, POCKET))
+    assert len(found) == 4 + hidden
+    assert [event.time_s for event in found if event.confidence == 0.0] == [1.0 + 0.5 * pause_s] * hidden

@@ -7,8 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from partitions import content, cut, messy_device, one_by_one, part
-from partitions import run as run_restoring
 from signals import RATE_HZ, corner_walk, joined, levels_of, run
 
 from pdr_est.config import Config
@@ -22,6 +20,7 @@ from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingPara
 from pdr_est.pipeline.front_end_chain import levelling
 from pdr_est.simulate import SensorErrors, SensorParams, SimulatedWalk, WalkerGaitParams
 from pdr_est.stage import Stage
+from pdr_est.testing import check_partition, messy_device, one_by_one, slice_block
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 
@@ -125,8 +124,8 @@ def test_no_event_is_later_than_the_latency(detector: Detector) -> None:
 def test_a_new_segment_starts_from_nothing(detector: Detector, stop_s: float, start_s: float) -> None:
     """Wherever in a step a gap comes, the second segment has the events that it has on its own."""
     level = join(list(walked()[1]))
-    before = part(level, 0, round(stop_s * RATE_HZ))
-    after = part(level, round(start_s * RATE_HZ), len(level))
+    before = slice_block(level, 0, round(stop_s * RATE_HZ))
+    after = slice_block(level, round(start_s * RATE_HZ), len(level))
     after = replace(after, segment=1, first_index=after.first_index + 10_000, time_s=after.time_s + 200.0)
     events = run(detector(RATE_HZ), [before, after])
     alone = run(detector(RATE_HZ), [after])
@@ -137,7 +136,7 @@ def test_a_new_segment_starts_from_nothing(detector: Detector, stop_s: float, st
 @every_detector
 def test_empty_blocks_change_nothing(detector: Detector) -> None:
     _, levels = walked()
-    empty = part(levels[0], 0, 0)
+    empty = slice_block(levels[0], 0, 0)
     other = replace(empty, segment=7, first_index=99)
     assert run(detector(RATE_HZ), [empty, other]) == []
     assert run(detector(RATE_HZ), [empty, *levels, other]) == run(detector(RATE_HZ), levels)
@@ -146,10 +145,6 @@ def test_empty_blocks_change_nothing(detector: Detector) -> None:
 @every_detector
 @pytest.mark.parametrize("rate_hz", [25.0, 100.0])
 def test_cuts_and_restores_change_no_bit(detector: Detector, rate_hz: float) -> None:
-    rng, levels = np.random.default_rng(int(rate_hz)), messy_levels(rate_hz)
-    expected = content(run(detector(RATE_HZ), levels))
-    assert len(expected) >= 8
-    cuttings = [[piece for block in levels for piece in cut(block, rng, int(rng.integers(1, 60)))] for _ in range(6)]
-    for pieces in [*cuttings, one_by_one(levels)]:
-        restore_at = [int(number) for number in rng.integers(0, len(pieces), 3)]
-        assert content(run_restoring(detector(RATE_HZ), pieces, restore_at)[0]) == expected
+    levels = messy_levels(rate_hz)
+    assert len(run(detector(RATE_HZ), levels)) >= 8
+    check_partition(lambda: detector(RATE_HZ), levels, seed=int(rate_hz))

@@ -5,11 +5,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from partitions import one_by_one
 from signals import level, run
 
 from pdr_est.front_end.signal.blocks import part
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
+from pdr_est.front_end.steps.mode_transition import StepFrequency
+from pdr_est.testing import one_by_one
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 
@@ -118,3 +119,28 @@ def test_the_latency_is_that_of_a_transition() -> None:
     block = gait(10.0, (4.0, TRANS), (7.0, HOLDING))
     late_s = [piece.time_s[-1] - event.time_s for piece in one_by_one([block]) for event in detector.push(piece)]
     assert detector.latency_s - 0.5 / GAIT_HZ - 0.03 < max(late_s) <= detector.latency_s
+
+
+# --- the step frequency by itself
+
+
+def test_the_frequency_lasts_exactly_two_seconds() -> None:
+    frequency = StepFrequency(standstill_s=2.0)
+    frequency.step(1.0)
+    assert frequency.at(1.0) == 0.0
+    frequency.step(1.5)
+    assert [frequency.at(time_s) for time_s in (1.5, 3.5, 3.5625)] == [2.0, 2.0, 0.0]
+    frequency.step(3.5)
+    assert frequency.at(3.5) == 0.5
+
+
+def test_a_step_after_a_compensated_one_keeps_the_frequency_but_not_over_a_standstill() -> None:
+    soon, late = StepFrequency(standstill_s=2.0), StepFrequency(standstill_s=2.0)
+    for frequency in (soon, late):
+        frequency.step(0.0)
+        frequency.step(0.5)
+        frequency.bridge(1.0)
+    soon.step(1.25)
+    assert soon.at(1.25) == 2.0
+    late.step(4.0)
+    assert late.at(4.0) == 0.0

@@ -63,6 +63,12 @@ def test_a_second_minimum_is_no_second_step_but_the_new_reference() -> None:
     assert step_times(*corners) == pytest.approx([0.6, 1.6])
 
 
+def test_the_reference_is_the_most_recent_minimum_and_not_the_lowest() -> None:
+    """After the minimum of 0 at 1.2 s, 0.5 is no valid maximum, although it is far above -5 at 0.6 s."""
+    corners = [(0.3, 2.0), (0.6, -5.0), (0.9, 2.0), (1.2, 0.0), (1.5, 0.5), (1.8, -0.6), (2.0, 0.0)]
+    assert step_times(*corners) == pytest.approx([0.6, 1.2])
+
+
 def test_a_walk_may_begin_downwards() -> None:
     assert step_times((0.3, -2.0), (0.6, 1.0), (0.9, -2.0), (1.0, 0.0)) == pytest.approx([0.9])
 

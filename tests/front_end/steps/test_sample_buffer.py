@@ -42,3 +42,14 @@ def test_a_new_segment_begins_without_the_old_probabilities() -> None:
     samples.begin(fresh)
     samples.append(fresh, fresh.vertical_mps2)
     assert samples.event(0).mode_probability == 0.25
+
+
+def test_the_delay_of_the_signal_is_taken_off_time_and_index() -> None:
+    """A tenth of a second is five samples."""
+    samples, block = SampleBuffer(RATE_HZ, delay_s=0.1), level(np.zeros(COUNT), first_index=100)
+    samples.begin(block)
+    samples.append(block, block.vertical_mps2)
+    samples.drop(10)
+    event = samples.event(20)
+    assert event.index == 100 + 10 + 20 - 5
+    assert event.time_s == samples.time_s(20) == pytest.approx(125 / RATE_HZ)

@@ -2,22 +2,22 @@
 
 import numpy as np
 import pytest
-from partitions import one_by_one
 from signals import level, run
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.signal.vectors import excess_magnitude
-from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
+from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams, UptimeState
+from pdr_est.testing import one_by_one
 
 STEP = [0.7, 1.9, 0.0, -1.1, -0.9, -0.5]  # one transition a sample but for the third, at 50 Hz
 PEAK = [0.7, 1.9]
 TROUGH = [*PEAK, -1.1]
 
 
-def states(*magnitude: float, rate_hz: float = 50.0) -> list[int]:
+def states(*magnitude: float, rate_hz: float = 50.0, **changes: float) -> list[int]:
     """The state after each sample."""
-    stage = UptimeFsm(rate_hz, UptimeFsmParams())
+    stage = UptimeFsm(rate_hz, UptimeFsmParams(**changes))
     found = []
     for block in one_by_one([level(np.array(magnitude), rate_hz=rate_hz)]):
         stage.push(block)
@@ -53,6 +53,25 @@ def test_every_transition_of_the_table(magnitude: list[float], expected: list[in
     assert states(*magnitude) == expected
 
 
+@pytest.mark.parametrize(
+    ("magnitude", "expected"),
+    [
+        ([0.6], [0]),
+        ([0.7, 1.8], [1, 1]),
+        ([0.7, 0.6], [1, 4]),
+        ([*PEAK, -1.0], [1, 2, 3]),
+        ([*TROUGH, -1.0], [1, 2, 3, 3]),
+        ([*TROUGH, -0.9, -0.6], [1, 2, 3, 5, 5]),
+    ],
+)
+def test_a_magnitude_of_exactly_a_threshold_does_not_exceed_it(magnitude: list[float], expected: list[int]) -> None:
+    """The thresholds are those of Table I with the rounding of a magnitude of that size."""
+    block = level(np.array([0.6, 1.8, -1.0, -0.6]))
+    rounded = excess_magnitude(block.up, block.acceleration_mps2).tolist()
+    names = ("threshold_mps2", "positive_peak_mps2", "negative_peak_mps2", "negative_threshold_mps2")
+    assert states(*magnitude, **dict(zip(names, rounded, strict=True))) == expected
+
+
 def test_a_step_ends_in_s6() -> None:
     assert step_indices([*STEP, 0.0, 0.0, *STEP]) == [5, 13]
     assert step_indices(STEP[:-1]) == []
@@ -64,6 +83,19 @@ def test_without_a_positive_or_a_negative_peak_there_is_no_step(missing: int) ->
     hump = [value for position, value in enumerate(STEP) if position != missing]
     assert len(step_indices([*hump, 0.0, *STEP])) == 1
     assert step_indices(hump) == []
+
+
+def test_a_negative_peak_is_no_positive_one() -> None:
+    """The sign of the magnitude less gravity counts, not its size."""
+    assert states(-0.7, -1.9, -1.9) == [0, 0, 0]
+    assert states(*PEAK, 1.9, 1.1) == [1, 2, 2, 2]
+
+
+def test_a_new_segment_begins_in_s0() -> None:
+    stage = UptimeFsm(50.0, UptimeFsmParams())
+    blocks = [level(np.array(STEP[:4])), level(np.array(STEP[4:]), segment=1, first_index=100)]
+    assert run(stage, blocks) == []
+    assert stage.state is UptimeState.NOT_WALKING
 
 
 def test_a_step_has_no_time_limit() -> None:

@@ -206,7 +206,7 @@ def test_weallwalk_with_one_phone_and_no_annotation(weallwalk: Path) -> None:
     recording = read(weallwalk / "sensor")
     assert [device.name for device in recording.devices] == ["1L"]
     assert recording.devices[0].warnings == ("the walk's other phone 2R is missing",)
-    assert recording.notes == ("no annotation (XML) of this walk: no truth",)
+    assert recording.notes == ("no annotation (XML) of this walk, so no ground truth",)
     assert recording.truth.steps is None
 
 
@@ -215,18 +215,18 @@ def test_a_weallwalk_annotation_alone_and_a_damaged_one(weallwalk: Path) -> None
     with pytest.raises(RecordingError, match=r"T1_ID2_WC\.xml: TurnTime 'soon' of a PathSegment is not a number"):
         read(weallwalk)
     (weallwalk / "xml/T1_ID2_WC.xml").write_text(ANNOTATION[:-20])
-    with pytest.raises(RecordingError, match=r"T1_ID2_WC\.xml: not a readable annotation"):
+    with pytest.raises(RecordingError, match=r"T1_ID2_WC\.xml: cannot be read as an annotation"):
         read(weallwalk)
     for path in (weallwalk / "sensor").iterdir():
         path.unlink()
-    with pytest.raises(RecordingError, match="no sensor table of this walk"):
+    with pytest.raises(RecordingError, match="the sensor table of this walk is missing"):
         read(weallwalk / "xml")
 
 
 def test_a_weallwalk_annotation_cannot_expand_entities(weallwalk: Path) -> None:
     bomb = '<!DOCTYPE root [<!ENTITY a "' + "x" * 100 + '">]>'
     (weallwalk / "xml/T1_ID2_WC.xml").write_text(ANNOTATION.replace("<root>", bomb + "<root>"))
-    with pytest.raises(RecordingError, match="not a readable annotation"):
+    with pytest.raises(RecordingError, match="cannot be read as an annotation"):
         read(weallwalk)
 
 

@@ -1,4 +1,4 @@
-"""ILC20 logs: values, clock, waypoints, glued rows, fallbacks and bad rows."""
+"""ILC20 logs: values, clock, waypoints, joined rows, fallbacks and bad rows."""
 
 import time
 from pathlib import Path
@@ -86,12 +86,12 @@ def test_without_a_usable_start_time_the_first_sample_is_zero(tmp_path: Path) ->
         assert "first accelerometer row" in recording.devices[0].decisions[0]
 
 
-def test_glued_rows_are_split_and_counted(tmp_path: Path) -> None:
+def test_joined_rows_are_split_and_counted(tmp_path: Path) -> None:
     lines = walk().split("\n")
     at = next(i for i, line in enumerate(lines) if "TYPE_ACCELEROMETER" in line)
-    glued = "\n".join([*lines[: at + 1], lines[at + 1] + lines[at + 2] + lines[at + 3], *lines[at + 4 :]])
-    device, whole = read_text(tmp_path, glued).devices[0], read_text(tmp_path, walk()).devices[0]
-    assert device.warnings == ("2 rows were glued to the end of another row and were split off",)
+    joined = "\n".join([*lines[: at + 1], lines[at + 1] + lines[at + 2] + lines[at + 3], *lines[at + 4 :]])
+    device, whole = read_text(tmp_path, joined).devices[0], read_text(tmp_path, walk()).devices[0]
+    assert device.warnings == ("2 rows were joined to the end of another row and have been split off",)
     for name in ("rotation_rate", "magnetic_field", "attitude"):
         np.testing.assert_array_equal(getattr(device, name).values, getattr(whole, name).values)
         np.testing.assert_array_equal(getattr(device, name).time_s, getattr(whole, name).time_s)
@@ -109,7 +109,7 @@ def test_an_incomplete_waypoint_is_left_out_and_reported(tmp_path: Path) -> None
     recording = read_text(tmp_path, walk().replace("\t179.0\t55.0", "\t179.0"))
     assert recording.truth.positions is not None
     assert len(recording.truth.positions.time_s) == 1
-    assert recording.notes[-1] == "1 of 2 waypoints are incomplete and left out"
+    assert recording.notes[-1] == "1 of 2 waypoints are incomplete and are left out"
 
 
 def test_no_gyroscope_and_no_waypoints(tmp_path: Path) -> None:
@@ -117,7 +117,7 @@ def test_no_gyroscope_and_no_waypoints(tmp_path: Path) -> None:
     recording = read_text(tmp_path, text)
     assert recording.truth.positions is None
     assert recording.devices[0].rotation_rate is None
-    assert recording.devices[0].warnings == ("no gyroscope rows: steps can be found, headings cannot",)
+    assert recording.devices[0].warnings == ("no gyroscope rows: steps can be found, but headings cannot",)
 
 
 def test_no_accelerometer(tmp_path: Path) -> None:

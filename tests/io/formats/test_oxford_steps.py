@@ -61,7 +61,8 @@ def test_flicker_of_a_foot_is_one_contact_and_is_counted(tmp_path: Path) -> None
     assert truth.steps is not None
     assert_allclose(truth.steps.time_s, [0.1, 0.7], atol=1e-6)
     (note,) = read(tmp_path / "walk").notes
-    assert note.startswith("true steps: 2 contacts that begin, 2 more left out as flicker")
+    assert note.startswith("true steps: 2 beginnings of a foot contact; left out as flicker, less than 0.5 s")
+    assert note.endswith(": 2")
 
 
 def test_flicker_of_one_foot_does_not_hide_the_other(tmp_path: Path) -> None:
@@ -77,7 +78,7 @@ def test_the_accelerometer_alone_has_no_truth(tmp_path: Path) -> None:
     for given in (path, tmp_path):
         recording = read(given)
         assert (recording.truth.steps, recording.truth.step_count) == (None, None)
-        assert recording.notes == ("no stepcounter.csv beside the accelerometer: no true steps",)
+        assert recording.notes == ("no stepcounter.csv beside the accelerometer table: no true steps",)
 
 
 def test_what_the_experimenter_wrote_is_kept(tmp_path: Path) -> None:

@@ -177,7 +177,8 @@ def test_missing_accelerometer_and_missing_gyroscope_still_read(tmp_path: Path, 
 
 def test_no_motion_sensor_at_all_is_an_error(tmp_path: Path, walk: Walk) -> None:
     columns = {name: values for name, values in export(walk).items() if name in ("Gravity", "Orientation")}
-    with pytest.raises(RecordingError, match="no accelerometer or gyroscope with rows among Gravity, Orientation"):
+    message = "neither accelerometer nor gyroscope has rows; found Gravity, Orientation"
+    with pytest.raises(RecordingError, match=message):
         read_folder(tmp_path, columns)
 
 

@@ -82,7 +82,7 @@ def test_a_file_that_ends_within_a_row_has_a_warning(tmp_path: Path) -> None:
     cut = rows()
     cut[-1] = cut[-1][:-2]
     (warning,) = read(write(tmp_path / "a.txt", cut)).devices[0].warnings
-    assert "was cut there" in warning
+    assert "the file is cut off there" in warning
     cut[-1] = cut[-1][:20]
     with pytest.raises(RecordingError, match=f"line {N}: . fields instead of 9"):
         read(write(tmp_path / "b.txt", cut))

@@ -13,7 +13,7 @@ from pdr_est.io.formats.stride_length import sniff
 from pdr_est.io.text.container import Source
 
 START_MS = 1_540_481_684_988
-BOUNDS = "which is not above 0 and at most 10 m"
+BOUNDS = "is not above 0 and at most 10 m"
 SENSORS = "-0.25 0.5 9.75 0.1 -0.2 0.3 -22.5 -1.75 -30.125"
 
 
@@ -54,7 +54,7 @@ def test_a_stride_lasts_from_the_end_of_the_one_before_to_its_own(tmp_path: Path
     assert_allclose(strides.start_s, [0.1, 0.2], atol=1e-9)
     assert_allclose(strides.end_s, [0.2, 0.3], atol=1e-9)
     assert_array_equal(strides.length_m, [1.3, 1.4])
-    assert recording.notes == ("true strides: 2, 1 more left out: their beginning is not told",)
+    assert recording.notes == ("true strides: 2; left out because their beginning is unknown: 1",)
 
 
 def test_a_stride_behind_a_missing_one_has_no_beginning(tmp_path: Path) -> None:
@@ -62,7 +62,7 @@ def test_a_stride_behind_a_missing_one_has_no_beginning(tmp_path: Path) -> None:
     strides = recording.truth.strides
     assert strides is not None
     assert_array_equal(strides.length_m, [1.2, 1.4])
-    assert recording.notes == ("true strides: 2, 2 more left out: their beginning is not told",)
+    assert recording.notes == ("true strides: 2; left out because their beginning is unknown: 2",)
 
 
 def test_somebody_who_stands_has_no_strides(tmp_path: Path) -> None:
@@ -74,9 +74,9 @@ def test_somebody_who_stands_has_no_strides(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("strides", "message"),
     [
-        ([(0, 0.0), (1, 1.2), (2, 0.0)], f"line 21: a stride of length 0 m, {BOUNDS}; restore the file"),
-        ([(0, 0.0), (1, 1.2), (2, 1.4e9)], f"line 21: a stride of length 1.4e+09 m, {BOUNDS}; restore the file"),
-        ([(0, 0.0), (1, 1.2), (2, 10.1)], f"line 21: a stride of length 10.1 m, {BOUNDS}; restore the file"),
+        ([(0, 0.0), (1, 1.2), (2, 0.0)], f"line 21: the stride length 0 m {BOUNDS}; restore the file"),
+        ([(0, 0.0), (1, 1.2), (2, 1.4e9)], f"line 21: the stride length 1.4e+09 m {BOUNDS}; restore the file"),
+        ([(0, 0.0), (1, 1.2), (2, 10.1)], f"line 21: the stride length 10.1 m {BOUNDS}; restore the file"),
         ([(0, 0.0), (2, 1.2), (1, 1.2)], "line 21: stride number 1 after 2; restore the file"),
     ],
 )

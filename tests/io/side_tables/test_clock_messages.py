@@ -34,14 +34,14 @@ def test_other_spellings_are_understood(tmp_path: Path) -> None:
     ("lines", "pattern"),
     [
         (("device,t1_s,t3_s", "b,1,2"), "no column t2_s among device, t1_s, t3_s: name the columns"),
-        ((HEADER,), "holds no exchange: add a row"),
+        ((HEADER,), "contains no exchange: add a row"),
         (("7",), "no header line device,t1_s"),
         ((HEADER, "b,1.0,3.5,1.1", "b,x,3.5,1.1"), "line 3, column 't1_s': 'x' is not a number"),
         ((HEADER, "b,1.0,,1.1"), "line 2: t2_s = nan: give a number"),
         ((HEADER, "b,1.0,3.5,1.1", "b,1.0,3.5,inf"), "line 3: t3_s = nan: give a number"),
         ((HEADER, "b,1.2,3.5,1.1"), "line 2: t3_s = 1.100000 is before t1_s = 1.200000.*exchanged"),
-        ((HEADER, "b,1718030736000,3.5,1718030736001"), r"line 2: t1_s = 1.71803e\+12 is no time in seconds"),
-        ((HEADER, ",1.0,3.5,1.1"), "line 2: no device: name the one"),
+        ((HEADER, "b,1718030736000,3.5,1718030736001"), r"line 2: t1_s = 1.71803e\+12 is not a time in seconds"),
+        ((HEADER, ",1.0,3.5,1.1"), "line 2: no device name: name the device"),
         ((HEADER, "b,1.0,3.5"), "line 2: 3 fields instead of 4"),
     ],
 )
@@ -55,7 +55,7 @@ def test_bad_tables_are_refused(lines: tuple[str, ...], pattern: str, tmp_path: 
 def test_a_folder_of_several_files_is_no_table(tmp_path: Path) -> None:
     saved(tmp_path, HEADER, "b,1.0,3.5,1.1")
     saved(tmp_path, HEADER, "b,1.0,3.5,1.1", name="more.csv")
-    with pytest.raises(RecordingError, match="2 files inside"):
+    with pytest.raises(RecordingError, match="contains 2 files"):
         read_clock_messages(tmp_path)
 
 

@@ -26,11 +26,11 @@ def test_walks_by_the_name_of_their_recording(tmp_path: Path) -> None:
     [
         (f"{HEADER}A.csv,0,42\n", r"line 2: distance_m = 0 is not above zero"),
         (f"{HEADER}A.csv,nan,42\n", r"line 2: distance_m = nan is not above zero"),
-        (f"{HEADER}A.csv,30,42\nB.csv,30,\n", r"line 3: steps = nan is not a number of steps"),
-        (f"{HEADER}A.csv,30,41.5\n", r"line 2: steps = 41\.5 is not a number of steps"),
-        (f"{HEADER}A.csv,30,0\n", r"line 2: steps = 0 is not a number of steps"),
+        (f"{HEADER}A.csv,30,42\nB.csv,30,\n", r"line 3: steps = nan is not a whole number of steps"),
+        (f"{HEADER}A.csv,30,41.5\n", r"line 2: steps = 41\.5 is not a whole number of steps"),
+        (f"{HEADER}A.csv,30,0\n", r"line 2: steps = 0 is not a whole number of steps"),
         (f"{HEADER}A.csv,30,42\nA.csv.gz,30,42\n", r"line 3: A\.csv\.gz is listed twice"),
-        (f"{HEADER},30,42\n", r"line 2: no file name"),
+        (f"{HEADER},30,42\n", r"line 2: the file name is missing"),
         (f"{HEADER}A.csv,far,42\n", r"line 2, column 'distance_m': 'far' is not a number"),
         ("file,steps\nA.csv,42\n", "no column 'distance_m'"),
     ],
@@ -45,7 +45,7 @@ def test_errors_name_the_line_and_the_value(tmp_path: Path, content: str, messag
 def test_a_folder_is_no_table(tmp_path: Path) -> None:
     for name in ("a.csv", "b.csv"):
         (tmp_path / name).write_text(HEADER)
-    with pytest.raises(RecordingError, match="holds 2 files; give the truth table itself"):
+    with pytest.raises(RecordingError, match="contains 2 files; give the truth table itself"):
         read_known_distances(tmp_path)
 
 
@@ -64,6 +64,6 @@ def test_every_walk_of_the_real_table_is_read(shared_data: Path) -> None:
 def test_another_separator_is_named(tmp_path: Path, separator: str, name: str) -> None:
     (tmp_path / "truth.csv").write_text(f"{HEADER}A.csv,31.91,42\n".replace(",", separator))
     with pytest.raises(
-        RecordingError, match=rf"truth\.csv: its columns are separated by {name}; save it with commas"
+        RecordingError, match=rf"truth\.csv: the columns are separated by {name}; save it with commas"
     ):
         read_known_distances(tmp_path / "truth.csv")

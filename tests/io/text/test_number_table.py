@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.text.number_table import finite_signal, read_table
+from pdr_est.io.text.number_table import read_table
 
 
 def test_columns_by_name() -> None:
@@ -102,19 +102,3 @@ def test_a_clock_without_rows_or_first_value() -> None:
         read_table(b"t,x\n", "walk.csv").relative_time("t")
     with pytest.raises(RecordingError, match="the first row has no time"):
         read_table(b"t,x\n,1\n1.0,2\n", "walk.csv").relative_time("t")
-
-
-def test_rows_that_are_not_finite_are_dropped_and_counted() -> None:
-    time_s = np.array([0.0, 1.0, np.nan, 3.0])
-    values = np.array([[1.0, 1.0], [np.inf, 1.0], [1.0, 1.0], [2.0, 2.0]])
-    signal, warnings = finite_signal(time_s, values, "rotation rate", "walk.csv")
-    np.testing.assert_array_equal(signal.time_s, [0.0, 3.0])
-    assert warnings == ("rotation rate: 2 of 4 rows are left out: NaN or infinite values",)
-    assert finite_signal(signal.time_s, signal.values, "rotation rate", "walk.csv")[1] == ()
-
-
-def test_nothing_finite_or_nothing_at_all_is_an_error() -> None:
-    with pytest.raises(RecordingError, match=r"walk\.csv: all 1 rows of rotation rate are NaN"):
-        finite_signal(np.zeros(1), np.full((1, 3), np.nan), "rotation rate", "walk.csv")
-    with pytest.raises(RecordingError, match=r"walk\.csv: rotation rate has no rows"):
-        finite_signal(np.zeros(0), np.zeros((0, 3)), "rotation rate", "walk.csv")

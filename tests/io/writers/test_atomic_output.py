@@ -163,7 +163,7 @@ def test_parent_that_is_not_writable_is_an_output_error(tmp_path: Path, monkeypa
 
 
 def test_full_disk_is_an_output_error_and_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="no room left"), staged_folder(tmp_path / "out", overwrite=False):
+    with pytest.raises(OutputError, match="the disk is full"), staged_folder(tmp_path / "out", overwrite=False):
         raise OSError(errno.ENOSPC, "No space left on device")
     assert list(tmp_path.iterdir()) == []
 

@@ -1,4 +1,4 @@
-"""The files in the folder `meta` of a phyphox export: when the experiment ran, and on which phone."""
+"""Read the folder `meta` of a phyphox export: when the experiment ran, and on which phone."""
 
 import csv
 from collections.abc import Mapping
@@ -16,10 +16,16 @@ _EXPERIMENT_TIME, _SYSTEM_TIME = "experiment time", "system time"
 
 @dataclass(frozen=True)
 class ExperimentClock:
-    """The experiment's clock, which stands still in pauses.
+    """Clock of the experiment, which stands still in pauses.
 
-    epoch_s: Unix time of the first start, None when unknown. resumed_s: experiment times at which a pause ended;
-    pause_s: how long each had been.
+    Attributes
+    ----------
+    epoch_s
+        Unix time of the first start; None when unknown.
+    resumed_s
+        Experiment times at which a pause ended.
+    pause_s
+        Durations of these pauses, s.
     """
 
     epoch_s: float | None = None
@@ -27,7 +33,7 @@ class ExperimentClock:
     pause_s: tuple[float, ...] = ()
 
     def to_continuous_time(self, time_s: Array) -> Array:
-        """Experiment times as times on a clock that runs through the pauses."""
+        """Convert experiment times (n,) to a clock that runs through the pauses."""
         if not self.resumed_s:
             return time_s
         before = np.concatenate([[0.0], np.cumsum(self.pause_s)])
@@ -36,15 +42,15 @@ class ExperimentClock:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the walk lost in pauses."""
+        """Warn of the pauses."""
         if not self.resumed_s:
             return ()
         total = f"{len(self.resumed_s)} times, for {sum(self.pause_s):.1f} s"
-        return (f"the experiment was paused {total}; the pauses became gaps",)
+        return (f"the experiment was paused {total}; the pauses are gaps of the recording",)
 
 
 def read_experiment_clock(source: Source, member: str) -> ExperimentClock:
-    """The clock by the start and pause events of `meta/time.csv`; an unknown one when that is absent."""
+    """Read the clock from the start and pause events of `meta/time.csv`; an unknown one without that file."""
     dialect = detect_dialect(source.head(member)) if member in source.members else None
     if dialect is None:
         return ExperimentClock()
@@ -66,7 +72,7 @@ def read_experiment_clock(source: Source, member: str) -> ExperimentClock:
 
 
 def read_device_properties(source: Source, member: str) -> Mapping[str, str]:
-    """The properties of `meta/device.csv`; none when that is absent."""
+    """Read the properties of `meta/device.csv`; none without that file."""
     if member not in source.members:
         return {}
     data = source.read(member)

@@ -1,7 +1,8 @@
-"""phyphox exports: zip or folder of tables, or one table, from Android and iOS, in all five CSV variants.
+"""Read phyphox exports: zip or folder of tables, or one table, from Android and iOS, in all five CSV variants.
 
-Sensors are recognised by the column titles; the titles "X (m/s^2)" of iOS say nothing, there the file's name does.
-Both platforms write Android's units. Every sensor has its own time stamps on one clock, "Time (s)".
+Sensors are recognised by the column titles; the titles "X (m/s^2)" of iOS do not tell the sensor, there the name of
+the file does. Both platforms write Android's units and signs (m/s^2 up at rest, rad/s, uT; pressure in hPa). Every
+sensor has its own time stamps on one clock, "Time (s)".
 """
 
 import re
@@ -15,15 +16,16 @@ from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.formats.phyphox.metadata import ExperimentClock, read_device_properties, read_experiment_clock
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import detect_dialect
+from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal_or_none, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "phyphox"
 
 _TIME = "Time (s)"
 _AXIS_TITLE = re.compile(r"^(?P<what>.*?)\s*\b(?P<axis>[xyz]) \((?P<unit>[^)]*)\)$", re.IGNORECASE)
-_SENSOR_OF_WORDS = {
+_SENSOR_BY_NAME = {
     "acceleration": "acceleration",
     "accelerometer": "acceleration",
     "linear acceleration": "linear acceleration",
@@ -41,14 +43,14 @@ _UNIT_OF_SENSOR = {
     "magnetometer": "uT",
 }
 _QUATERNION = ("w", "x", "y", "z")
-_FIX = ("Latitude (°)", "Longitude (°)", "Horizontal Accuracy (m)")
+_FIX_TITLES = ("Latitude (°)", "Longitude (°)", "Horizontal Accuracy (m)")
 _PRESSURE_TITLES = ("Pressure (hPa)", "X (hPa)")
 _PA_PER_HPA = 100.0
 
 
 @dataclass(frozen=True)
-class _Column:
-    """Where the columns of a sensor lie: member, and titles in the order of the axes."""
+class _SensorColumns:
+    """Member and titles, in the order of the axes, of the columns of a sensor."""
 
     member: str
     titles: tuple[str, ...]
@@ -56,16 +58,16 @@ class _Column:
 
 @dataclass
 class _Reading:
-    """The export while it is read."""
+    """Export while it is read."""
 
     source: Source
-    sensors: Mapping[str, _Column]
+    sensors: Mapping[str, _SensorColumns]
     clock: ExperimentClock
     decisions: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
     def table(self, sensor: str) -> NumberTable | None:
-        """The time and the columns of a sensor; None when it is absent or has no rows."""
+        """Read time and columns of a sensor; None when it is absent or has no rows."""
         if sensor not in self.sensors:
             return None
         where = self.sensors[sensor]
@@ -83,7 +85,7 @@ class _Reading:
         )
 
     def signal(self, sensor: str) -> Signal | None:
-        """The finite rows of a sensor, on the clock that counts pauses."""
+        """Read the finite rows of a sensor, on the clock that runs through pauses."""
         table = self.table(sensor)
         if table is None:
             return None
@@ -94,14 +96,17 @@ class _Reading:
 
 
 def sniff(source: Source) -> bool:
-    """Whether the source holds a table with phyphox's time column and a known sensor."""
+    """Tell whether the source has a table with phyphox's time column and a known sensor."""
     return bool(_walks(source))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of a phyphox export. Time zero is the start of the experiment.
+    """Read the walk of a phyphox export. Time zero is the start of the experiment.
 
-    Raises RecordingError for several walks, and when neither accelerometer nor gyroscope has rows.
+    Raises
+    ------
+    RecordingError
+        For several walks, and when neither accelerometer nor gyroscope has rows.
     """
     walk = require_single_walk(source, _walks(source), NAME)
     members = tuple(member for member in source.members if _folder(member) == walk)
@@ -112,19 +117,19 @@ def read_source(source: Source) -> Recording:
     reading.warnings += [f"{member} is empty" for member in members if not source.head(member).strip()]
     reading.warnings += clock.warnings
     signals = _signals(reading)
-    located = _fixes(reading, signals)
+    gnss = _fixes(reading, signals)
     return Recording(
         name=member_stem(source.name) if source.path.is_file() else source.name,
         format=NAME,
         devices=(_device(reading, signals, properties),),
-        fixes=located.fixes,
-        origin=located.origin,
+        fixes=gnss.fixes,
+        origin=gnss.origin,
         epoch_s=clock.epoch_s,
     )
 
 
 def _walks(source: Source) -> tuple[str, ...]:
-    """Folders with at least one table of a known sensor ("" is the top)."""
+    """Find the folders with at least one table of a known sensor ("" is the top)."""
     tables = find_members(source, lambda head: _TIME.encode() in head[:64])
     return tuple(dict.fromkeys(_folder(member) for member in tables if any(_sensors_of(source, member))))
 
@@ -133,23 +138,23 @@ def _folder(member: str) -> str:
     return member.rpartition("/")[0]
 
 
-def _find_sensors(source: Source, members: tuple[str, ...]) -> Mapping[str, _Column]:
-    """The first table of each sensor."""
-    found: dict[str, _Column] = {}
+def _find_sensors(source: Source, members: tuple[str, ...]) -> Mapping[str, _SensorColumns]:
+    """Find the first table of each sensor."""
+    found: dict[str, _SensorColumns] = {}
     for member in members:
         for sensor, titles in _sensors_of(source, member):
-            found.setdefault(sensor, _Column(member, titles))
+            found.setdefault(sensor, _SensorColumns(member, titles))
     return found
 
 
 def _sensors_of(source: Source, member: str) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """The sensors of a table with the titles of their columns."""
+    """List the sensors of a table with the titles of their columns."""
     dialect = detect_dialect(source.head(member))
     if dialect is None or _TIME not in dialect.titles:
         return
     yield from _three_axes(dialect.titles, member_stem(member).casefold())
-    if set(_FIX) <= set(dialect.titles):
-        yield "location", _FIX
+    if set(_FIX_TITLES) <= set(dialect.titles):
+        yield "location", _FIX_TITLES
     if set(_QUATERNION) <= set(dialect.titles):
         yield "orientation", _QUATERNION
     for title in _PRESSURE_TITLES:
@@ -157,13 +162,13 @@ def _sensors_of(source: Source, member: str) -> Iterator[tuple[str, tuple[str, .
             yield "pressure", (title,)
 
 
-def _three_axes(titles: tuple[str, ...], file_words: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _three_axes(titles: tuple[str, ...], file_name: str) -> Iterator[tuple[str, tuple[str, ...]]]:
     axes: dict[str, dict[str, str]] = {}
     for title in titles:
         match = _AXIS_TITLE.match(title)
         if match is None:
             continue
-        sensor = _SENSOR_OF_WORDS.get(match["what"].casefold() or file_words)
+        sensor = _SENSOR_BY_NAME.get(match["what"].casefold() or file_name)
         if sensor is not None and _plain_unit(match["unit"]) == _UNIT_OF_SENSOR[sensor]:
             axes.setdefault(sensor, {})[match["axis"].casefold()] = title
     for sensor, by_axis in axes.items():
@@ -172,7 +177,7 @@ def _three_axes(titles: tuple[str, ...], file_words: str) -> Iterator[tuple[str,
 
 
 def _plain_unit(unit: str) -> str:
-    """Both Unicode letters for micro, and the superscript, as ASCII."""
+    """Replace both Unicode letters for micro, and the superscript, by ASCII."""
     return unit.replace("µ", "u").replace("μ", "u").replace("²", "^2")
 
 
@@ -188,7 +193,7 @@ def _signals(reading: _Reading) -> Mapping[str, Signal | None]:
     if force is None and signals["rate"] is None:
         found = ", ".join(sorted(reading.sensors))
         raise RecordingError(
-            f"{reading.source.path}: no accelerometer or gyroscope with rows among {found}; "
+            f"{reading.source.path}: neither accelerometer nor gyroscope has rows; found {found}; "
             "record again with both switched on"
         )
     if force is None:
@@ -197,7 +202,7 @@ def _signals(reading: _Reading) -> Mapping[str, Signal | None]:
 
 
 def _specific_force(reading: _Reading) -> Signal | None:
-    """The accelerometer, or linear acceleration plus gravity where that is absent."""
+    """Read the accelerometer, or linear acceleration plus gravity where that is absent."""
     force = reading.signal("acceleration")
     if force is not None:
         reading.decisions.append("specific force is the accelerometer")
@@ -207,14 +212,14 @@ def _specific_force(reading: _Reading) -> Signal | None:
         return None
     if gravity is None:
         raise RecordingError(
-            f"{reading.source.path}: linear acceleration without gravity; "
+            f"{reading.source.path}: linear acceleration, but no gravity; "
             "record again with the accelerometer switched on"
         )
-    reading.decisions.append("specific force is linear acceleration + gravity: no accelerometer")
+    reading.decisions.append("specific force is linear acceleration + gravity, because there is no accelerometer")
     total, warnings = add_gravity(linear, gravity)
     reading.warnings += warnings
     if not len(total):
-        reading.warnings.append("linear acceleration and gravity have no overlap in time: no specific force")
+        reading.warnings.append("linear acceleration and gravity do not overlap in time: no specific force")
         return None
     return total
 
@@ -223,27 +228,27 @@ def _fixes(reading: _Reading, signals: Mapping[str, Signal | None]) -> GnssFixes
     table = reading.table("location")
     if table is None:
         return GnssFixes((), None)
-    latitude, longitude, accuracy = (table.numbers(title) for title in _FIX)
+    latitude, longitude, accuracy = (table.numbers(title) for title in _FIX_TITLES)
     time_s = reading.clock.to_continuous_time(table.numbers(_TIME))
-    found = gnss_fixes(time_s, latitude, longitude, accuracy)
+    gnss = gnss_fixes(time_s, latitude, longitude, accuracy)
     motion = [signal.time_s for name in ("force", "rate") if (signal := signals[name]) is not None]
-    found = drop_fixes_outside(found, min(t.min() for t in motion), max(t.max() for t in motion))
-    reading.warnings += found.warnings
-    return found
+    gnss = drop_fixes_outside(gnss, min(t.min() for t in motion), max(t.max() for t in motion))
+    reading.warnings += gnss.warnings
+    return gnss
 
 
 def _device(
     reading: _Reading, signals: Mapping[str, Signal | None], properties: Mapping[str, str]
 ) -> DeviceRecording:
     force, attitude, pressure = signals["force"], signals["attitude"], signals["pressure"]
-    findings = []
+    conversions = []
     if force is not None:
-        findings.append(units.detect_acceleration_unit(force.values))
+        conversions.append(units.detect_acceleration_unit(force.values))
         if attitude is not None:
-            attitude, finding = signs.resolve_attitude_direction(force, attitude)
-            findings.append(finding)
+            attitude, conversion = signs.resolve_attitude_direction(force, attitude)
+            conversions.append(conversion)
         sign = signs.detect_force_sign(force, attitude, 1.0, "phyphox writes Android's signs on every platform")
-        findings.append(sign)
+        conversions.append(sign)
         force = Signal(force.time_s, force.values * sign.factor)
     return DeviceRecording(
         model=" ".join(properties[key] for key in ("deviceBrand", "deviceModel") if properties.get(key)),
@@ -253,15 +258,15 @@ def _device(
         magnetic_field=signals["field"],
         attitude=attitude,
         pressure=None if pressure is None else Signal(pressure.time_s, pressure.values * _PA_PER_HPA),
-        decisions=(*reading.decisions, *(finding.decision for finding in findings)),
-        warnings=(*reading.warnings, *(warning for finding in findings for warning in finding.warnings)),
+        decisions=(*reading.decisions, *(conversion.decision for conversion in conversions)),
+        warnings=(*reading.warnings, *(warning for conversion in conversions for warning in conversion.warnings)),
     )
 
 
 def _platform(reading: _Reading, properties: Mapping[str, str]) -> str:
-    """By the brand in the metadata, else by the wording of the titles."""
+    """Find the platform by the brand in the metadata, else by the wording of the titles."""
     if properties:
-        words = f"{properties.get('deviceBrand', '')} {properties.get('deviceModel', '')}".casefold()
-        return "ios" if any(name in words for name in ("apple", "iphone", "ipad")) else "android"
+        brand = f"{properties.get('deviceBrand', '')} {properties.get('deviceModel', '')}".casefold()
+        return "ios" if any(name in brand for name in ("apple", "iphone", "ipad")) else "android"
     titles = {title for where in reading.sensors.values() for title in where.titles}
     return "ios" if titles & {"X (m/s^2)", "X (rad/s)", "X (µT)", "Gravity X (m/s^2)"} else ""

@@ -1,9 +1,8 @@
-"""What the columns of a plain table mean, by its header line.
+"""Find out what the columns of a plain table mean, by its header line.
 
-The project's own header says everything: quantity, axis and unit (`CANONICAL`). Besides, common spellings of other
-recorders are understood through one table of aliases. They are compared without case, blanks, underscores and
-punctuation; a unit in brackets at the end of a title is read when it is a known one, else the unit is found from
-the values.
+The project's own header tells everything: quantity, axis and unit (`CANONICAL`). Besides, common titles of other
+recorders are understood through one table of aliases, compared without case, blanks, underscores and punctuation. A
+known unit in brackets at the end of a title is used, else the unit is detected from the values.
 """
 
 import re
@@ -17,7 +16,7 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2
 
 
 class Quantity(StrEnum):
-    """What a group of columns holds."""
+    """Quantity that a group of columns holds."""
 
     TIME = "time"
     FORCE = "specific force"
@@ -27,7 +26,7 @@ class Quantity(StrEnum):
     ROTATION_VECTOR = "rotation vector"
     PRESSURE = "air pressure"
     TRUE_POSITION = "true position"
-    PLACE = "latitude and longitude"
+    LATITUDE_LONGITUDE = "latitude and longitude"
     ACCURACY = "horizontal accuracy"
 
 
@@ -52,12 +51,12 @@ _STEMS: Mapping[Quantity, tuple[str, ...]] = {
 _AXES: Mapping[Quantity, tuple[str, ...]] = {
     quantity: ("w", "x", "y", "z") if quantity is Quantity.ATTITUDE else ("x", "y", "z") for quantity in _STEMS
 }
-_WHOLE: Mapping[Quantity, tuple[tuple[str, ...], ...]] = {
+_TITLES: Mapping[Quantity, tuple[tuple[str, ...], ...]] = {
     Quantity.TIME: tuple(
         (name,) for name in ("timestamp", "time", "t", "seconds", "secondselapsed", "datetime", "loggingtime")
     ),
     Quantity.PRESSURE: tuple((name,) for name in ("press", "pressure", "barometer", "altimeterpressure")),
-    Quantity.PLACE: (
+    Quantity.LATITUDE_LONGITUDE: (
         ("latitude", "longitude"),
         ("lat", "lng"),
         ("lat", "lon"),
@@ -80,8 +79,19 @@ _TITLE = re.compile(r"^(?P<stem>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?$")
 
 @dataclass(frozen=True)
 class QuantityColumns:
-    """The columns of a quantity. titles: as in the file, in the order of the axes. factor: to SI units where the
-    header tells the unit, else None. canonical: documented header. apple: Core Motion's signs by the titles."""
+    """Columns of one quantity.
+
+    Attributes
+    ----------
+    titles
+        Titles as in the file, in the order of the axes.
+    factor
+        Factor to SI units where the header tells the unit, else None.
+    canonical
+        True for the documented header.
+    apple
+        True where the titles imply Core Motion's signs.
+    """
 
     titles: tuple[str, ...]
     factor: float | None = None
@@ -90,7 +100,10 @@ class QuantityColumns:
 
 
 def parse_header(titles: Sequence[str]) -> Mapping[Quantity, QuantityColumns]:
-    """The quantities that a header names completely; the documented titles go first, then the aliases in order."""
+    """Find the quantities that a header names with all of their axes.
+
+    The documented titles have priority, then the aliases in order.
+    """
     found: dict[Quantity, QuantityColumns] = {}
     by_name = {title.casefold(): title for title in titles}
     for quantity, names in CANONICAL.items():
@@ -112,14 +125,14 @@ def parse_header(titles: Sequence[str]) -> Mapping[Quantity, QuantityColumns]:
 
 
 def _spellings(quantity: Quantity) -> Sequence[tuple[str, ...]]:
-    """Plain names of a quantity's columns, one tuple an alias."""
+    """List the plain titles of the columns of a quantity, one tuple for each alias."""
     if quantity in _STEMS:
         return [tuple(member_stem + axis for axis in _AXES[quantity]) for member_stem in _STEMS[quantity]]
-    return _WHOLE.get(quantity, ())
+    return _TITLES.get(quantity, ())
 
 
 def _split(title: str) -> tuple[str, str]:
-    """A title without the unit in brackets at its end, and that unit."""
+    """Split a title from the unit in brackets at its end."""
     match = _TITLE.match(title.strip())
     return (match["stem"], match["unit"] or "") if match else (title, "")
 
@@ -129,6 +142,6 @@ def _plain(member_stem: str) -> str:
 
 
 def _unit_factor(quantity: Quantity, titles: Sequence[str]) -> float | None:
-    """Factor to SI of the unit that all titles agree on; None when they do not tell or it is unknown."""
+    """Find the factor to SI of the unit that all titles agree on; None when they do not tell a known one."""
     units = {_split(title)[1].casefold().replace("µ", "u").replace("μ", "u").replace("²", "^2") for title in titles}
     return _UNITS.get(quantity, {}).get(units.pop()) if len(units) == 1 else None

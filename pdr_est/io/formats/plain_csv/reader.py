@@ -1,6 +1,8 @@
-"""Plain tables of one phone with a header line: the project's own format, and common spellings of others.
+"""Read plain tables of one phone with a header line: the project's own format, and common titles of others.
 
-The header is documented in `plain_header.py`. One row a time stamp; a cell is empty where a sensor has no sample.
+The titles are described in `header.py`. There is one row for each time stamp; a cell is empty where a sensor has no
+sample. Units and signs come from the documented header or a unit in the title, else they are detected from the
+values.
 """
 
 import csv
@@ -19,8 +21,9 @@ from pdr_est.io.formats.plain_csv.clock import TimeColumn, is_date_with_time, re
 from pdr_est.io.formats.plain_csv.header import Quantity, QuantityColumns, parse_header
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import CsvDialect, detect_dialect
+from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import NumberTable, finite_signal_or_none, read_table
+from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
@@ -34,7 +37,7 @@ _LONGEST_ROTATION_VECTOR = 1.01
 
 @dataclass
 class _Reading:
-    """The table while it is read."""
+    """Table while it is read."""
 
     table: NumberTable
     columns: Mapping[Quantity, QuantityColumns]
@@ -43,35 +46,35 @@ class _Reading:
     warnings: list[str] = field(default_factory=list)
 
     def signal(self, quantity: Quantity) -> Signal | None:
-        """The rows of a quantity that have a finite value, unconverted; None when none has."""
+        """Read the rows of a quantity that have a finite value, unconverted; None when none has."""
         if quantity not in self.columns:
             return None
         titles = self.columns[quantity].titles
         values, sampled = self.table.stack(titles), self.table.has_values(titles)
         if not sampled.any():
-            self.decisions.append(f"{quantity}: the columns are there but hold no values")
+            self.decisions.append(f"{quantity}: the columns are there but have no values")
             return None
         if not sampled.all():
-            self.decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows hold values")
+            self.decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows have values")
         signal, dropped = finite_signal_or_none(
             self.clock.time_s[sampled], values[sampled], quantity, self.table.place
         )
         self.warnings += dropped
         return signal
 
-    def note(self, finding: units.Conversion) -> float:
-        """Keep the words of a finding, give its factor."""
-        self.decisions.append(finding.decision)
-        self.warnings += finding.warnings
-        return finding.factor
+    def note(self, conversion: units.Conversion) -> float:
+        """Keep the decision and the warning of a conversion; return its factor."""
+        self.decisions.append(conversion.decision)
+        self.warnings += conversion.warnings
+        return conversion.factor
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member is a table whose header names a time and all axes of accelerometer or gyroscope."""
-    return bool(find_members(source, _looks_right))
+    """Tell whether a member is a table whose header names a time and all axes of accelerometer or gyroscope."""
+    return bool(find_members(source, _is_table))
 
 
-def _looks_right(head: bytes) -> bool:
+def _is_table(head: bytes) -> bool:
     dialect = detect_dialect(head)
     if dialect is None:
         return False
@@ -80,35 +83,38 @@ def _looks_right(head: bytes) -> bool:
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of a plain table.
+    """Read the walk of a plain table.
 
-    Raises RecordingError for several tables, and when neither accelerometer nor gyroscope has values.
+    Raises
+    ------
+    RecordingError
+        For several tables, and when neither accelerometer nor gyroscope has values.
     """
-    member = require_single_walk(source, find_members(source, _looks_right), NAME)
+    member = require_single_walk(source, find_members(source, _is_table), NAME)
     data = source.read(member)
     dialect = detect_dialect(data[:_HEAD_BYTES])
     if dialect is None:
-        raise RecordingError(f"{source.place(member)}: no header line; see the README for the columns")
+        raise RecordingError(f"{source.place(member)}: no header line; see docs/recorder-formats.md for the columns")
     columns = parse_header(dialect.titles)
     dates = _has_dates(data[:_HEAD_BYTES], dialect, columns[Quantity.TIME])
     table = _table(data, source.place(member), dialect, columns, dates)
     reading = _Reading(table, columns, read_time_column(table, columns[Quantity.TIME], dates))
-    reading.note(reading.clock.finding)
+    reading.note(reading.clock.conversion)
     device = _device(reading)
-    located = _fixes(reading)
+    gnss = _fixes(reading)
     return Recording(
         name=member_stem(member),
         format=NAME,
         devices=(replace(device, decisions=tuple(reading.decisions), warnings=tuple(reading.warnings)),),
         truth=Truth(positions=_true_positions(reading)),
-        fixes=located.fixes,
-        origin=located.origin,
+        fixes=gnss.fixes,
+        origin=gnss.origin,
         epoch_s=reading.clock.epoch_s,
     )
 
 
 def _has_dates(head: bytes, dialect: CsvDialect, time: QuantityColumns) -> bool:
-    """Whether the first row has a date in the time column."""
+    """Tell whether the first row has a date in the time column."""
     lines = head.decode("utf-8-sig", "replace").splitlines()[:2]
     cells = next(csv.reader(lines[1:], delimiter=dialect.separator), [])
     at = dialect.titles.index(time.titles[0])
@@ -118,7 +124,7 @@ def _has_dates(head: bytes, dialect: CsvDialect, time: QuantityColumns) -> bool:
 def _table(
     data: bytes, place: str, dialect: CsvDialect, columns: Mapping[Quantity, QuantityColumns], dates: bool
 ) -> NumberTable:
-    """The known columns; a lone dash is an empty cell."""
+    """Read the known columns; a single dash is an empty cell."""
     if _DASH_CELL.search(data):
         data = _DASH_CELL.sub(b"", data)
     return read_table(
@@ -152,7 +158,7 @@ def _device(reading: _Reading) -> DeviceRecording:
 
 
 def _in_si(reading: _Reading, quantity: Quantity, detect: Callable[[Array], units.Conversion]) -> Signal | None:
-    """A sensor in SI units: by the header, which the values must not contradict, else by the values."""
+    """Convert a sensor to SI units by the header, which the values must not contradict, else by the values."""
     signal = reading.signal(quantity)
     if signal is None:
         return None
@@ -161,18 +167,18 @@ def _in_si(reading: _Reading, quantity: Quantity, detect: Callable[[Array], unit
         return Signal(signal.time_s, signal.values * reading.note(detect(signal.values)))
     reading.decisions.append(f"{quantity}: the unit is in the header ({columns.titles[0]})")
     converted = signal if columns.factor == 1.0 else Signal(signal.time_s, signal.values * columns.factor)
-    found = detect(converted.values)
-    if found.factor != 1.0:
+    detected = detect(converted.values)
+    if detected.factor != 1.0:
         reading.warnings.append(
-            f"the header ({columns.titles[0]}) contradicts the values: {found.decision}; correct one of them"
+            f"the header ({columns.titles[0]}) contradicts the values: {detected.decision}; correct one of them"
         )
     elif quantity is Quantity.FORCE:
-        reading.warnings += found.warnings
+        reading.warnings += detected.warnings
     return converted
 
 
 def _upwards(reading: _Reading, force: Signal, attitude: Signal | None) -> tuple[Signal, Signal | None]:
-    """Specific force and attitude with the project's signs. The documented header promises them."""
+    """Convert specific force and attitude to the project's signs; the documented header promises them."""
     columns = reading.columns[Quantity.FORCE]
     if columns.canonical:
         reading.decisions.append("acceleration points up at rest by the documented header")
@@ -181,8 +187,8 @@ def _upwards(reading: _Reading, force: Signal, attitude: Signal | None) -> tuple
             reading.warnings.append(f"acceleration and attitude contradict each other: median cosine {cosine:+.2f}")
         return force, attitude
     if attitude is not None:
-        attitude, finding = signs.resolve_attitude_direction(force, attitude)
-        reading.note(finding)
+        attitude, conversion = signs.resolve_attitude_direction(force, attitude)
+        reading.note(conversion)
     expected = -1.0 if columns.apple else None
     factor = reading.note(
         signs.detect_force_sign(force, attitude, expected, f"Core Motion's titles, {columns.titles[0]}")
@@ -200,16 +206,20 @@ def _attitude(reading: _Reading) -> Signal | None:
     longest = float(np.linalg.norm(vector.values, axis=1).max())
     title = reading.columns[Quantity.ROTATION_VECTOR].titles[0]
     if longest > _LONGEST_ROTATION_VECTOR:
-        reading.warnings.append(f"{title} and the following are no rotation vector (length {longest:.3g}): left out")
+        reading.warnings.append(
+            f"{title} and the following columns are not a rotation vector (length {longest:.3g}) and are left out"
+        )
         return None
-    reading.decisions.append(f"{title} and the following are an Android rotation vector: never longer than 1")
+    reading.decisions.append(
+        f"{title} and the following columns are an Android rotation vector, because it is never longer than 1"
+    )
     return Signal(vector.time_s, quaternion_from_rotation_vector(vector.values))
 
 
 def _magnetic_field(reading: _Reading) -> Signal | None:
     magnetic_field = reading.signal(Quantity.FIELD)
     if magnetic_field is not None and reading.columns[Quantity.FIELD].factor is None:
-        reading.decisions.append("magnetic field is taken as uT")
+        reading.decisions.append("magnetic field is assumed to be in uT")
     return magnetic_field
 
 
@@ -219,9 +229,9 @@ def _pressure(reading: _Reading) -> Signal | None:
         return None
     measured = pressure.values[:, 0] > 0.0
     if not measured.all():
-        lost = len(measured) - int(measured.sum())
+        removed = len(measured) - int(measured.sum())
         reading.warnings.append(
-            f"{Quantity.PRESSURE}: {lost} of {len(measured)} rows without a positive value left out"
+            f"{Quantity.PRESSURE}: {removed} of {len(measured)} rows without a positive value are left out"
         )
         pressure = Signal(pressure.time_s[measured], pressure.values[measured])
     if not len(pressure):
@@ -233,14 +243,14 @@ def _pressure(reading: _Reading) -> Signal | None:
 
 
 def _true_positions(reading: _Reading) -> TruePositions | None:
-    """The documented truth columns, which are taken as exact."""
+    """Read the documented truth columns, which are taken as exact."""
     true = reading.signal(Quantity.TRUE_POSITION)
     return None if true is None else TruePositions(true.time_s, true.values, 0.0, "poses")
 
 
 def _fixes(reading: _Reading) -> GnssFixes:
-    """A fix where the position changes: tables repeat the last one in every row."""
-    places = reading.signal(Quantity.PLACE)
+    """Make a fix where the position changes, because tables repeat the last one in every row."""
+    places = reading.signal(Quantity.LATITUDE_LONGITUDE)
     if places is None:
         return GnssFixes((), None)
     changed = np.concatenate([[True], (np.diff(places.values, axis=0) != 0.0).any(axis=1)])
@@ -248,11 +258,11 @@ def _fixes(reading: _Reading) -> GnssFixes:
     accuracy = reading.signal(Quantity.ACCURACY)
     if accuracy is None:
         sigma_m = np.full(len(time_s), _ASSUMED_FIX_SIGMA_M)
-        origin = f"the table has no accuracy, {_ASSUMED_FIX_SIGMA_M:g} m is assumed"
+        accuracy_note = f"the table has no accuracy, so {_ASSUMED_FIX_SIGMA_M:g} m is assumed"
     else:
         sigma_m = np.interp(time_s, accuracy.time_s, accuracy.values[:, 0])
-        origin = f"accuracy by {reading.columns[Quantity.ACCURACY].titles[0]}"
-    reading.decisions.append(f"location: {len(time_s)} changes in {len(changed)} rows are fixes; {origin}")
-    found = gnss_fixes(time_s, latitude, longitude, sigma_m)
-    reading.warnings += found.warnings
-    return found
+        accuracy_note = f"accuracy by {reading.columns[Quantity.ACCURACY].titles[0]}"
+    reading.decisions.append(f"location: {len(time_s)} changes in {len(changed)} rows are fixes; {accuracy_note}")
+    gnss = gnss_fixes(time_s, latitude, longitude, sigma_m)
+    reading.warnings += gnss.warnings
+    return gnss

@@ -1,4 +1,4 @@
-"""Writes a recording in the project's own plain format; the reader gives the same arrays back, bit by bit."""
+"""Write a recording in the project's own plain format; the reader returns the same arrays, bit by bit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,16 +14,21 @@ from pdr_est.types.recording import Recording, Signal
 
 
 def write_plain_csv(recording: Recording, path: str | Path) -> None:
-    """Write the signals and true positions of a recording of one device, titles as in `CANONICAL`.
+    """Write the signals and true positions of a recording of one device, with the titles of `CANONICAL`.
 
-    One row a time stamp of any sensor, with empty cells where a sensor has no sample then. Repeated and backward
-    time stamps are kept in each sensor's own order. Fixes, notes and the Unix time have no columns here.
+    There is one row for each time stamp of any sensor, with empty cells where a sensor has no sample then. Repeated
+    and backward time stamps stay in each sensor's own order. Fixes, notes and the Unix time have no columns.
 
-    Raises OutputError for several devices, for a recording without samples, and when the file cannot be written.
+    Raises
+    ------
+    OutputError
+        For several devices, for a recording without samples, and when the file cannot be written.
     """
     place = Path(path)
     if len(recording.devices) != 1:
-        raise OutputError(f"{place}: {len(recording.devices)} devices do not fit one table; write each on its own")
+        raise OutputError(
+            f"{place}: {len(recording.devices)} devices do not fit into one table; write each into its own file"
+        )
     signals = _signals(recording)
     if not signals:
         raise OutputError(f"{place}: the recording has no samples to write")
@@ -36,12 +41,12 @@ def write_plain_csv(recording: Recording, path: str | Path) -> None:
         pl.DataFrame(columns).write_csv(place)
     except OSError as error:
         raise OutputError(
-            f"{place}: cannot be written ({error}); choose a folder that exists and has room"
+            f"{place}: cannot be written ({error}); choose a folder that exists and has free space"
         ) from error
 
 
 def _signals(recording: Recording) -> list[tuple[Quantity, Signal]]:
-    """What the recording has, in the order of the columns."""
+    """List the signals of the recording, in the order of the columns."""
     device = recording.devices[0]
     positions = recording.truth.positions
     candidates = (
@@ -56,18 +61,18 @@ def _signals(recording: Recording) -> list[tuple[Quantity, Signal]]:
 
 
 @dataclass(frozen=True)
-class _Merged:
-    """time_s: (n,) of the rows. rows: for each input the row of each of its samples."""
+class _MergedRows:
+    """Times (n,) of the rows, and for each input the row of each of its samples."""
 
     time_s: Array
     rows: Sequence[np.ndarray[tuple[int], np.dtype[np.intp]]]
 
 
-def _merge(times: Sequence[Array]) -> _Merged:
-    """Rows for the time stamps of several clocks: equal stamps share a row, each clock keeps its own order.
+def _merge(times: Sequence[Array]) -> _MergedRows:
+    """Make rows for the time stamps of several clocks: equal stamps share a row, each clock keeps its own order.
 
-    The rows are sorted by the latest time so far, so that a backward step stays behind what came before it; the
-    count of stamps at that latest time keeps repeated and backward stamps in order.
+    The rows are sorted by the latest time so far, so that a backward step stays behind what came before it; the count
+    of stamps at that latest time keeps repeated and backward stamps in order.
     """
     keys = []
     for time_s in times:
@@ -76,11 +81,11 @@ def _merge(times: Sequence[Array]) -> _Merged:
         keys.append(np.column_stack([latest, count, time_s]))
     unique, inverse = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
     ends = np.cumsum([len(time_s) for time_s in times])
-    return _Merged(unique[:, 2], np.split(inverse.reshape(-1), ends[:-1]))
+    return _MergedRows(unique[:, 2], np.split(inverse.reshape(-1), ends[:-1]))
 
 
 def _spread(values: Array, rows: np.ndarray[tuple[int], np.dtype[np.intp]], n_rows: int) -> pl.Series:
-    """A column with empty cells where a sensor has no sample."""
+    """Make a column with empty cells where a sensor has no sample."""
     filled = np.zeros(n_rows)
     filled[rows] = values
     empty = np.ones(n_rows, dtype=np.bool_)

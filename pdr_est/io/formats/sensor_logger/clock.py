@@ -1,7 +1,7 @@
-"""When a Sensor Logger recording began, and how its position fixes relate to its motion sensors in time.
+"""Find when a Sensor Logger recording began, and how its position fixes relate to its motion sensors in time.
 
-iPhones have exported motion time stamps that are hours late, because they were counted from a boot time that does
-not include the phone's sleep, beside location time stamps that are right.
+iPhones have exported motion time stamps that are hours late, because they were counted from a boot time that does not
+include the phone's sleep, beside location time stamps that are right.
 """
 
 import re
@@ -26,8 +26,17 @@ _LOCAL_TIME = re.compile(r"(\d{4})-(\d{2})-(\d{2})_(\d{2})-(\d{2})-(\d{2})$")
 
 @dataclass(frozen=True)
 class FixTimes:
-    """time_s: (n,) times of the fixes on the recording's clock. epoch_s: Unix time of the recording's time zero.
-    warning: how the streams were brought together, "" where they agreed."""
+    """Times of the position fixes on the clock of the recording.
+
+    Attributes
+    ----------
+    time_s
+        (n,) s since time zero of the recording.
+    epoch_s
+        Unix time of time zero.
+    warning
+        How the two clocks were aligned; "" where they agreed.
+    """
 
     time_s: Array
     epoch_s: float
@@ -35,9 +44,12 @@ class FixTimes:
 
 
 def seconds_since(table: NumberTable, zero_ns: int) -> Array:
-    """The time column of a table as seconds since a Unix time in ns; integers are subtracted before rounding.
+    """Convert the time column of a table to seconds since a Unix time in ns; integers are subtracted before rounding.
 
-    Raises RecordingError when the table has no time.
+    Raises
+    ------
+    RecordingError
+        When the table has no time column.
     """
     if "time" not in table:
         raise RecordingError(f"{table.place}: no column 'time'; export the recording again")
@@ -47,38 +59,54 @@ def seconds_since(table: NumberTable, zero_ns: int) -> Array:
 
 
 def align_fix_times(location: NumberTable, zero_ns: int, end_s: float, metadata: Mapping[str, str]) -> FixTimes:
-    """Times of the location rows relative to the motion sensors, which run from 0 (zero_ns) to end_s."""
+    """Convert the times of the location rows to the clock of the motion sensors.
+
+    Parameters
+    ----------
+    location
+        Table of the positions.
+    zero_ns
+        Unix time, ns, of the first motion sample.
+    end_s
+        Time of the last motion sample, s after the first.
+    metadata
+        Metadata of the export.
+    """
     own_s = seconds_since(location, zero_ns)
     epoch_s = zero_ns / _TICKS_PER_S
-    if _together(own_s, end_s):
+    if _overlap(own_s, end_s):
         return FixTimes(own_s, epoch_s)
     last_s = float(np.nanmax(own_s))
     if "seconds_elapsed" in location:
         elapsed_s = location.numbers("seconds_elapsed")
-        if _together(elapsed_s, end_s):
+        if _overlap(elapsed_s, end_s):
             shift_s = float(np.nanmedian(own_s - elapsed_s))
-            return FixTimes(elapsed_s, epoch_s + shift_s, _apart(shift_s, "seconds_elapsed"))
+            return FixTimes(elapsed_s, epoch_s + shift_s, _alignment_warning(shift_s, "seconds_elapsed"))
     start_s = _start_by_metadata(metadata, epoch_s + last_s - end_s)
     if start_s is not None:
         shift_s = start_s - epoch_s
-        return FixTimes(own_s - shift_s, start_s, _apart(shift_s, "the metadata's recording time, good to 1 s"))
+        return FixTimes(
+            own_s - shift_s, start_s, _alignment_warning(shift_s, "the metadata's recording time, accurate to 1 s")
+        )
     shift_s = last_s - end_s
-    how = "putting the last fix at the end of the motion data, good to a few seconds"
-    return FixTimes(own_s - shift_s, epoch_s + shift_s, _apart(shift_s, how))
+    method = "putting the last fix at the end of the motion data, accurate to a few seconds"
+    return FixTimes(own_s - shift_s, epoch_s + shift_s, _alignment_warning(shift_s, method))
 
 
-def _apart(shift_s: float, how: str) -> str:
+def _alignment_warning(shift_s: float, method: str) -> str:
     side = "behind" if shift_s > 0.0 else "ahead of"
-    return f"motion time stamps lie {abs(shift_s):.1f} s {side} those of the location (stale clock); aligned by {how}"
+    return (
+        f"motion time stamps are {abs(shift_s):.1f} s {side} those of the location (stale clock); aligned by {method}"
+    )
 
 
-def _together(time_s: Array, end_s: float) -> bool:
+def _overlap(time_s: Array, end_s: float) -> bool:
     finite = time_s[np.isfinite(time_s)]
     return len(finite) == 0 or (finite.min() < end_s + _LARGEST_SHIFT_S and finite.max() > -_LARGEST_SHIFT_S)
 
 
 def _start_by_metadata(metadata: Mapping[str, str], start_about_s: float) -> float | None:
-    """Unix time of the start from the metadata, checked against the start that the fixes suggest."""
+    """Find the Unix time of the start in the metadata, checked against the start that the fixes suggest."""
     epoch_ms = metadata.get("recording epoch time", "")
     if epoch_ms.isdigit() and abs(int(epoch_ms) / 1e3 - start_about_s) < _TIMEZONE_STEP_S / 2:
         return int(epoch_ms) / 1e3

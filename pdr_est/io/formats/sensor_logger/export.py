@@ -1,4 +1,4 @@
-"""The tables of a Sensor Logger export: a folder or zip with a CSV file a sensor, or one JSON file."""
+"""Read the tables of a Sensor Logger export: a folder or zip with a CSV file for each sensor, or one JSON file."""
 
 import json
 import re
@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.number_table import NumberTable, discard_huge_values, read_table
+from pdr_est.io.text.finite_values import discard_huge_values
+from pdr_est.io.text.members import member_stem
+from pdr_est.io.text.number_table import NumberTable, read_table
 
 CLOCK_COLUMNS = ("time", "seconds_elapsed")
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')
@@ -20,50 +22,73 @@ _SENSOR_HEADER = frozenset(("time", "x", "y", "z"))
 
 
 class Export(Protocol):
-    """An export, whatever its layout. empty: sensors that are in it without a single row."""
+    """Interface of an export, whatever its layout."""
 
     @property
-    def place(self) -> str: ...
+    def place(self) -> str:
+        """Return the name of the export, for messages."""
 
     @property
-    def sensors(self) -> tuple[str, ...]: ...
+    def sensors(self) -> tuple[str, ...]:
+        """Return the names of all sensors."""
 
     @property
-    def empty(self) -> tuple[str, ...]: ...
+    def empty(self) -> tuple[str, ...]:
+        """Return the names of the sensors that are in the export without a single row."""
 
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
-        """The clock columns and the named ones; None for a sensor without rows.
+        """Read the clock columns and the named columns of a sensor, and columns that stay text.
 
-        Raises RecordingError when a column is absent or holds something else than numbers.
+        Returns
+        -------
+        NumberTable or None
+            None for a sensor without rows.
+
+        Raises
+        ------
+        RecordingError
+            When a column is absent or has something else than numbers.
         """
 
 
 @dataclass(frozen=True)
 class FolderExport:
-    """CSV files in a folder or zip. members: sensor -> member."""
+    """Export as CSV files in a folder or zip.
+
+    Attributes
+    ----------
+    source
+        The folder or zip.
+    members
+        Sensor -> member of the source.
+    """
 
     source: Source
     members: Mapping[str, str]
 
     @classmethod
     def from_folder(cls, source: Source, folder: str) -> "FolderExport":
-        """The CSV files directly in a folder of the source ("" is its top)."""
+        """Collect the CSV files directly in a folder of the source ("" is its top)."""
         inside = [member for member in source.members if member.rpartition("/")[0] == folder]
-        return cls(source, {_stem(member): member for member in inside if member.lower().endswith(".csv")})
+        return cls(source, {member_stem(member): member for member in inside if member.lower().endswith(".csv")})
 
     @property
     def place(self) -> str:
+        """Return the path of the export, for messages."""
         return str(self.source.path)
 
     @property
     def sensors(self) -> tuple[str, ...]:
+        """Return the names of all sensors."""
         return tuple(self.members)
 
     @property
     def empty(self) -> tuple[str, ...]:
+        """Return the names of the sensors whose file has no rows."""
         return tuple(sensor for sensor, member in self.members.items() if not _has_rows(self.source.head(member)))
 
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
+        """Read columns of a sensor (see `Export.table`)."""
         member = self.members.get(sensor)
         if member is None or not _has_rows(self.source.head(member)):
             return None
@@ -73,7 +98,17 @@ class FolderExport:
 
 @dataclass(frozen=True)
 class JsonExport:
-    """One JSON array of readings, each with its sensor's name. rows: sensor -> its readings."""
+    """Export as one JSON array of readings, each with the name of its sensor.
+
+    Attributes
+    ----------
+    place
+        Name of the export, for messages.
+    rows
+        Sensor -> its readings.
+    empty
+        Always (): a sensor without readings is not in the array.
+    """
 
     place: str
     rows: Mapping[str, Sequence[Mapping[str, Any]]]
@@ -81,25 +116,33 @@ class JsonExport:
 
     @classmethod
     def parse(cls, data: bytes, place: str) -> "JsonExport":
-        """Raises RecordingError for damaged JSON and for readings without a sensor."""
+        """Parse the array.
+
+        Raises
+        ------
+        RecordingError
+            For damaged JSON and for readings without a sensor.
+        """
         try:
             readings = json.loads(data)
         except ValueError as error:
             raise RecordingError(f"{place}: damaged JSON ({error}); export the recording again") from error
         if not isinstance(readings, list):
-            raise RecordingError(f"{place}: not a list of readings; export the recording again")
+            raise RecordingError(f"{place}: the JSON is not a list of readings; export the recording again")
         rows: dict[str, list[Mapping[str, Any]]] = defaultdict(list)
         for number, reading in enumerate(readings, start=1):
             if not isinstance(reading, dict) or not isinstance(reading.get("sensor"), str):
-                raise RecordingError(f"{place}, reading {number}: no sensor name; export the recording again")
+                raise RecordingError(f"{place}, reading {number} has no sensor name; export the recording again")
             rows[reading["sensor"]].append(reading)
         return cls(place, rows)
 
     @property
     def sensors(self) -> tuple[str, ...]:
+        """Return the names of all sensors."""
         return tuple(self.rows)
 
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
+        """Read columns of a sensor (see `Export.table`)."""
         if sensor not in self.rows:
             return None
         rows = self.rows[sensor]
@@ -112,12 +155,12 @@ class JsonExport:
 
 
 def looks_like_json(head: bytes) -> bool:
-    """Whether a member begins like the JSON export."""
+    """Tell whether a member begins like the JSON export."""
     return _JSON_START.match(head) is not None
 
 
 def looks_like_sensor(head: bytes) -> bool:
-    """Whether a member begins like the CSV file of a three-axis sensor: Unix nanoseconds and x, y, z."""
+    """Tell whether a member begins like the CSV file of a three-axis sensor: Unix nanoseconds and x, y, z."""
     lines = head.decode("utf-8", "replace").lstrip("\ufeff").splitlines()
     if not lines:
         return False
@@ -130,17 +173,13 @@ def looks_like_sensor(head: bytes) -> bool:
     return len(cells) == len(names) and re.fullmatch(r'"?\d{18,19}"?', cells[names.index("time")]) is not None
 
 
-def _stem(member: str) -> str:
-    return member.rpartition("/")[2].rsplit(".", 1)[0]
-
-
 def _has_rows(head: bytes) -> bool:
-    """Whether anything follows the header line."""
+    """Tell whether anything follows the header line."""
     return b"\n" in head.strip()
 
 
 def _json_numbers(rows: Sequence[Mapping[str, Any]], name: str, place: str) -> NDArray[Any]:
-    """A column of numbers written as strings: int64 if all are integers (clocks), else float64 with NaN."""
+    """Convert numbers written as strings: to int64 if all are integers (clocks), else to float64 with NaN."""
     cells = [row.get(name) for row in rows]
     texts = ["" if cell is None else str(cell).strip() for cell in cells]
     try:

@@ -1,8 +1,8 @@
-"""Sensor Logger (tszheichoi) exports: folder, zip or JSON, from Android and iOS, of 2021 and today.
+"""Read exports of Sensor Logger: folder, zip or JSON, from Android and iOS, of 2021 and today.
 
-`Accelerometer` is the acceleration without gravity. Android's signs have gravity pointing up at rest; iOS negates
-acceleration and gravity unless `standardisation` was switched on, and gives uncalibrated acceleration in g.
-Columns come in any order and are read by name.
+`Accelerometer` is the acceleration without gravity, m/s^2. On Android gravity points up at rest; iOS negates
+acceleration and gravity unless `standardisation` was switched on, and gives uncalibrated acceleration in g. Columns
+come in any order and are read by name.
 """
 
 from collections.abc import Mapping
@@ -22,8 +22,8 @@ from pdr_est.io.formats.sensor_logger.export import (
     looks_like_sensor,
 )
 from pdr_est.io.text.container import Source, SourceKind
+from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, require_single_walk
-from pdr_est.io.text.number_table import finite_signal_or_none
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "Sensor Logger"
@@ -39,7 +39,7 @@ _CLOCK_SENSORS = (*_FORCE_SENSORS, "Gyroscope", "GyroscopeUncalibrated")
 
 @dataclass
 class _Reading:
-    """The export while it is read: what was decided and what looked wrong."""
+    """Export while it is read, with the decisions and warnings so far."""
 
     export: Export
     metadata: Mapping[str, str]
@@ -48,7 +48,7 @@ class _Reading:
     warnings: list[str] = field(default_factory=list)
 
     def signal(self, sensor: str, columns: tuple[str, ...] = _AXES) -> Signal | None:
-        """The finite rows of a sensor, None when it has none."""
+        """Read the finite rows of a sensor; None when it has none."""
         table = self.export.table(sensor, columns)
         if table is None:
             return None
@@ -58,47 +58,50 @@ class _Reading:
         return signal
 
     def add_gravity(self, linear: Signal, gravity: Signal) -> Signal:
-        """Acceleration with gravity."""
+        """Add gravity to an acceleration and keep the warnings."""
         total, warnings = add_gravity(linear, gravity)
         self.warnings.extend(warnings)
         return total
 
-    def note(self, finding: units.Conversion) -> float:
-        """Keep the words of a finding, give its factor."""
-        self.decisions.append(finding.decision)
-        self.warnings.extend(finding.warnings)
-        return finding.factor
+    def note(self, conversion: units.Conversion) -> float:
+        """Keep the decision and the warning of a conversion; return its factor."""
+        self.decisions.append(conversion.decision)
+        self.warnings.extend(conversion.warnings)
+        return conversion.factor
 
 
 def sniff(source: Source) -> bool:
-    """Whether the source holds a JSON export or the CSV file of a three-axis sensor."""
+    """Tell whether the source has a JSON export or the CSV file of a three-axis sensor."""
     return bool(_walks(source))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk of a Sensor Logger export. Time zero is the first sample of accelerometer or gyroscope.
+    """Read the walk of an export. Time zero is the first sample of accelerometer or gyroscope.
 
-    Raises RecordingError for several walks, the file of a single sensor, no motion sensor at all, or an
-    accelerometer without rows that no other sensor replaces.
+    Raises
+    ------
+    RecordingError
+        For several walks, the file of a single sensor, no motion sensor at all, or an accelerometer without rows that
+        no other sensor replaces.
     """
     export = _open(source)
     reading = _Reading(export, _metadata(export), _zero_ns(export))
     reading.warnings += [f"{sensor} is in the export but has no rows" for sensor in export.empty]
     device = _device(reading)
-    located, epoch_s = _fixes(reading, _end_s(device))
+    gnss, epoch_s = _fixes(reading, _end_s(device))
     return Recording(
         name=source.path.name.split(".", 1)[0],
         format=NAME,
         devices=(replace(device, decisions=tuple(reading.decisions), warnings=tuple(reading.warnings)),),
-        fixes=located.fixes,
-        origin=located.origin,
+        fixes=gnss.fixes,
+        origin=gnss.origin,
         epoch_s=epoch_s,
         notes=_notes(reading),
     )
 
 
 def _walks(source: Source) -> tuple[str, ...]:
-    """JSON members, and folders with at least one sensor's CSV file."""
+    """List JSON members, and folders with at least one CSV file of a sensor."""
     documents = find_members(source, looks_like_json)
     tables = find_members(source, looks_like_sensor)
     return (*documents, *dict.fromkeys(member.rpartition("/")[0] for member in tables))
@@ -109,12 +112,14 @@ def _open(source: Source) -> Export:
     if walk in source.members:
         return JsonExport.parse(source.read(walk), source.place(walk))
     if source.kind is SourceKind.FILE:
-        raise RecordingError(f"{source.path}: one sensor of a {NAME} export; give the folder or zip that it lies in")
+        raise RecordingError(
+            f"{source.path}: this is one sensor of a {NAME} export; give the folder or zip of the export"
+        )
     return FolderExport.from_folder(source, walk)
 
 
 def _metadata(export: Export) -> Mapping[str, str]:
-    """The first row of the metadata by column name, empty when there is none."""
+    """Read the first row of the metadata by column name; empty when there is none."""
     table = export.table("Metadata", (), _METADATA)
     if table is None:
         return {}
@@ -122,17 +127,17 @@ def _metadata(export: Export) -> Mapping[str, str]:
 
 
 def _zero_ns(export: Export) -> int:
-    """Unix time, ns, of the first motion sample."""
+    """Find the Unix time, ns, of the first motion sample."""
     tables = (export.table(sensor, ()) for sensor in _CLOCK_SENSORS)
     starts = [table.columns["time"][0] for table in tables if table is not None and "time" in table]
     if not starts:
         present = ", ".join(sorted(export.sensors))
         raise RecordingError(
-            f"{export.place}: no accelerometer or gyroscope with rows among {present}; "
+            f"{export.place}: neither accelerometer nor gyroscope has rows; found {present}; "
             "record again with both switched on"
         )
     if not all(0 <= start < _LATEST_NS for start in starts):  # NaN is not either
-        raise RecordingError(f"{export.place}: no Unix time in the first row of a motion sensor; remove that row")
+        raise RecordingError(f"{export.place}: the first row of a motion sensor has no Unix time; remove that row")
     return int(min(starts))
 
 
@@ -141,11 +146,11 @@ def _device(reading: _Reading) -> DeviceRecording:
     sign, reason = _expected_sign(reading.metadata)
     raw = _force_with_gravity(reading, attitude, sign)
     if raw is not None and not len(raw):
-        reading.warnings.append("accelerometer and gravity have no overlap in time: no specific force")
+        reading.warnings.append("accelerometer and gravity do not overlap in time: no specific force")
         raw = None
     if raw is not None and attitude is not None:
-        attitude, finding = signs.resolve_attitude_direction(raw, attitude)
-        reading.note(finding)
+        attitude, conversion = signs.resolve_attitude_direction(raw, attitude)
+        reading.note(conversion)
     return DeviceRecording(
         model=reading.metadata.get("device name", ""),
         platform=reading.metadata.get("platform", "").lower(),
@@ -158,10 +163,10 @@ def _device(reading: _Reading) -> DeviceRecording:
 
 
 def _expected_sign(metadata: Mapping[str, str]) -> tuple[float | None, str]:
-    """The sign that the metadata imply, with the reason in words."""
+    """Find the sign of the acceleration that the metadata imply, and why."""
     platform = metadata.get("platform", "").lower()
     if platform == "android":
-        return 1.0, "the metadata name android"
+        return 1.0, "the metadata name Android"
     if platform == "ios":
         standardised = metadata.get("standardisation", "").lower() == "true"
         return (1.0, "iOS with standardisation") if standardised else (-1.0, "iOS without standardisation")
@@ -169,7 +174,7 @@ def _expected_sign(metadata: Mapping[str, str]) -> tuple[float | None, str]:
 
 
 def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float | None) -> Signal | None:
-    """Acceleration with gravity, m/s^2, still with the recorder's units."""
+    """Read the acceleration with gravity, m/s^2, still with the recorder's sign."""
     total = reading.signal("TotalAcceleration")
     if total is not None:
         reading.decisions.append("specific force is TotalAcceleration")
@@ -181,17 +186,21 @@ def _force_with_gravity(reading: _Reading, attitude: Signal | None, sign: float 
         return reading.add_gravity(user, gravity)
     raw = reading.signal("AccelerometerUncalibrated")
     if raw is not None:
-        reading.decisions.append("specific force is AccelerometerUncalibrated: no accelerometer with gravity")
+        reading.decisions.append(
+            "specific force is AccelerometerUncalibrated, because there is no accelerometer with gravity"
+        )
         return Signal(raw.time_s, raw.values * reading.note(units.detect_acceleration_unit(raw.values)))
     if user is not None and attitude is not None:
-        reading.decisions.append("specific force is Accelerometer + gravity along the attitude: no Gravity")
+        reading.decisions.append(
+            "specific force is Accelerometer + gravity along the attitude, because there is no Gravity"
+        )
         up = up_in_device(attitude.values) * (STANDARD_GRAVITY_MPS2 * (1.0 if sign is None else sign))
         return reading.add_gravity(user, Signal(attitude.time_s, up))
-    _explain_no_force(reading, user is not None)
+    _explain_missing_force(reading, user is not None)
     return None
 
 
-def _explain_no_force(reading: _Reading, without_gravity: bool) -> None:
+def _explain_missing_force(reading: _Reading, without_gravity: bool) -> None:
     place = reading.export.place
     if without_gravity:
         raise RecordingError(
@@ -207,7 +216,7 @@ def _explain_no_force(reading: _Reading, without_gravity: bool) -> None:
 
 
 def _upwards(reading: _Reading, raw: Signal, attitude: Signal | None, sign: float | None, reason: str) -> Signal:
-    """The acceleration with the sign that points up at rest."""
+    """Give the acceleration the sign that points up at rest."""
     factor = reading.note(signs.detect_force_sign(raw, attitude, sign, reason))
     check = units.detect_acceleration_unit(raw.values)
     reading.note(check)
@@ -215,7 +224,7 @@ def _upwards(reading: _Reading, raw: Signal, attitude: Signal | None, sign: floa
 
 
 def _calibrated_or_raw(reading: _Reading, sensor: str) -> Signal | None:
-    """A sensor, or its uncalibrated version when there is only that (same unit and signs)."""
+    """Read a sensor, or its uncalibrated version (same unit and signs) when there is only that."""
     signal = reading.signal(sensor)
     if signal is None:
         signal = reading.signal(f"{sensor}Uncalibrated")
@@ -236,19 +245,19 @@ def _end_s(device: DeviceRecording) -> float:
 
 
 def _fixes(reading: _Reading, end_s: float) -> tuple[GnssFixes, float]:
-    """The fixes on the recording's clock, and the Unix time of its zero."""
+    """Make the fixes on the recording's clock, and find the Unix time of its zero."""
     location = reading.export.table("Location", _FIX)
     if location is None:
         return GnssFixes((), None), reading.zero_ns / 1e9
     clock = align_fix_times(location, reading.zero_ns, end_s, reading.metadata)
     latitude, longitude, accuracy = (location.numbers(name) for name in _FIX)
-    found = drop_fixes_outside(gnss_fixes(clock.time_s, latitude, longitude, accuracy), 0.0, end_s)
-    reading.warnings += [*((clock.warning,) if clock.warning else ()), *found.warnings]
-    return found, clock.epoch_s
+    gnss = drop_fixes_outside(gnss_fixes(clock.time_s, latitude, longitude, accuracy), 0.0, end_s)
+    reading.warnings += [*((clock.warning,) if clock.warning else ()), *gnss.warnings]
+    return gnss, clock.epoch_s
 
 
 def _notes(reading: _Reading) -> tuple[str, ...]:
-    """Pedometer count and annotations in words."""
+    """Note the count of the pedometer, and annotations."""
     notes = []
     pedometer = reading.export.table("Pedometer", ("steps",))
     if pedometer is not None:

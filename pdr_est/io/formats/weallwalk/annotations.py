@@ -1,4 +1,4 @@
-"""The annotations of a WeAllWalk walk: every heel strike with its foot, and the turns of the path."""
+"""Read the annotations (XML) of a WeAllWalk walk: every heel strike with its foot, and the turns of the path."""
 
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element, ParseError
@@ -13,18 +13,24 @@ from pdr_est.types.ground_truth import TrueSteps, TrueTurns, Truth
 
 
 def is_annotation(head: bytes) -> bool:
-    """Whether a file begins like an annotation."""
+    """Tell whether a file begins like an annotation."""
     return b"<PathSegment" in head
 
 
 def read_annotation(source: Source) -> Truth:
-    """Steps and turns of an annotation, a source of one member. Raises RecordingError when it is damaged."""
+    """Read steps and turns of an annotation, a source of one member.
+
+    Raises
+    ------
+    RecordingError
+        When it is damaged.
+    """
     (member,) = source.members
     place = source.place(member)
     try:
         root = fromstring(source.read(member))
     except (ParseError, DefusedXmlException, ValueError) as error:
-        raise RecordingError(f"{place}: not a readable annotation ({error}); restore the file") from error
+        raise RecordingError(f"{place}: cannot be read as an annotation ({error}); restore the file") from error
     steps = sorted((_number(step, "Time", place), _text(step, "WhichFoot", place)) for step in root.iter("Step"))
     turns = sorted(_turns(root, place))
     return Truth(
@@ -35,7 +41,7 @@ def read_annotation(source: Source) -> Truth:
 
 
 def _turns(root: Element, place: str) -> Iterator[tuple[float, float]]:
-    """Time in s and angle in degrees, positive to the left, of every turn."""
+    """Read time, s, and angle, degrees, positive to the left, of every turn."""
     for segment in root.iter("PathSegment"):
         if segment.find("TurnInDegrees") is not None:
             yield _number(segment, "TurnTime", place), _number(segment, "TurnInDegrees", place)
@@ -44,7 +50,7 @@ def _turns(root: Element, place: str) -> Iterator[tuple[float, float]]:
 def _text(parent: Element, tag: str, place: str) -> str:
     text = parent.findtext(tag)
     if text is None:
-        raise RecordingError(f"{place}: a {parent.tag} without {tag}; restore the file")
+        raise RecordingError(f"{place}: a {parent.tag} has no {tag}; restore the file")
     return text.strip()
 
 

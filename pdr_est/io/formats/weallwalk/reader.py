@@ -1,4 +1,8 @@
-"""WeAllWalk: walks with two iPhones, one header-less table of 41 columns for each, and an XML file of annotations."""
+"""Read WeAllWalk: one header-less table of 41 columns for each of two iPhones, and an XML file of annotations.
+
+Tables hold Core Motion's values: time (s), quaternion (x, y, z, w), rotation rate (rad/s), user acceleration and
+gravity (g, Apple's sign), magnetic field (uT). Phone `1L` is in the left pocket, phone `2R` in the right one.
+"""
 
 import io
 import re
@@ -10,14 +14,16 @@ from pdr_est.frames import Array
 from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch, vertical_mismatch_warnings
 from pdr_est.io.formats.weallwalk.annotations import is_annotation, read_annotation
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
-from pdr_est.io.text.number_table import discard_huge_values, finite_signal, read_table
+from pdr_est.io.text.number_table import read_table
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
 NAME = "WeAllWalk"
 
-DEVICES = ("1L", "2R")  # phone 1 in the left pocket, phone 2 in the right one
+DEVICES = ("1L", "2R")
+"""Phone 1 in the left pocket, phone 2 in the right one."""
 
 _COLUMNS = tuple(f"column_{i}" for i in range(41))
 _QUATERNION = (16, 13, 14, 15)  # stored x, y, z, w
@@ -31,22 +37,27 @@ _UNKNOWN_DEVICE = "device"
 
 
 def sniff(source: Source) -> bool:
-    """Whether some member is a sensor table or an annotation of this data set."""
+    """Tell whether a member of the source is a sensor table or an annotation of this data set."""
     return bool(find_members(source, _is_known))
 
 
 def read_source(source: Source) -> Recording:
-    """The walk that a sensor table, an annotation, or a folder with one walk belongs to.
+    """Read the walk that a sensor table, an annotation, or a folder with one walk belongs to.
 
-    The walk's other files are looked for beside it and in the folders `sensor` and `xml` next to its own. A phone
-    or an annotation that is missing is reported. Raises RecordingError when there are several walks or no table.
+    The other files of the walk are looked for beside it and in the folders `sensor` and `xml` next to its own. A
+    missing phone or annotation is reported.
+
+    Raises
+    ------
+    RecordingError
+        When there are several walks or no sensor table.
     """
     members = find_members(source, _is_known)
     walk = require_single_walk(source, sorted({_walk_and_device(member)[0] for member in members}), NAME)
     tables, annotation = _files_of_walk(source, members[0], walk)
     if not tables:
         raise RecordingError(
-            f"{source.place(members[0])}: no sensor table of this walk; put it beside the annotation"
+            f"{source.place(members[0])}: the sensor table of this walk is missing; put it beside the annotation"
         )
     warnings = tuple(f"the walk's other phone {name} is missing" for name in DEVICES if name not in tables)
     return Recording(
@@ -54,7 +65,7 @@ def read_source(source: Source) -> Recording:
         format=NAME,
         devices=tuple(_device(name, table, warnings) for name, table in tables.items()),
         truth=Truth() if annotation is None else read_annotation(annotation),
-        notes=() if annotation else ("no annotation (XML) of this walk: no truth",),
+        notes=() if annotation else ("no annotation (XML) of this walk, so no ground truth",),
     )
 
 
@@ -63,7 +74,7 @@ def _is_known(head: bytes) -> bool:
 
 
 def _is_table(head: bytes) -> bool:
-    """41 numbers a row, with a quaternion whose vertical is the recorded gravity."""
+    """Look for 41 numbers a row, with a quaternion that agrees with the recorded gravity."""
     lines = head.splitlines()[:-1][:10]
     if not lines or any(line.count(b",") != len(_COLUMNS) - 1 for line in lines):
         return False
@@ -82,7 +93,7 @@ def _walk_and_device(member: str) -> tuple[str, str]:
 
 
 def _files_of_walk(source: Source, member: str, walk: str) -> tuple[dict[str, Source], Source | None]:
-    """The sensor tables by device, and the annotation, that belong to a walk with a known member."""
+    """Find the sensor tables by device, and the annotation, of the walk of a member."""
     path, _, tool = walk.rpartition("_")
     names = {device: f"iPhoneSensors_{path}_{device}_{tool}.csv" for device in DEVICES}
     found = {device: _beside(source, member, "sensor", name) for device, name in names.items()}
@@ -101,14 +112,14 @@ def _device(name: str, source: Source, warnings: tuple[str, ...]) -> DeviceRecor
     (member,) = source.members
     table = read_table(source.read(member), source.place(member), has_header=False, columns=_COLUMNS)
     values = table.stack(_COLUMNS)
-    attitude = _unit(values[:, _QUATERNION])
+    attitude = _normalised(values[:, _QUATERNION])
     channels = {
         "specific force": specific_force_from_core_motion(values[:, _GRAVITY], values[:, _USER]),
         "rotation rate": values[:, _RATE],
         "magnetic field": values[:, _MAGNETIC],
         "attitude": attitude,
     }
-    signals = {what: finite_signal(values[:, 0], rows, what, table.place) for what, rows in channels.items()}
+    signals = {name: finite_signal(values[:, 0], rows, name, table.place) for name, rows in channels.items()}
     dropped = (warning for _, found in signals.values() for warning in found)
     return DeviceRecording(
         name=name,
@@ -128,8 +139,8 @@ def _device(name: str, source: Source, warnings: tuple[str, ...]) -> DeviceRecor
     )
 
 
-def _unit(quaternion: Array) -> Array:
-    """Quaternions of length one; NaN where the length is zero, so that the row is dropped and counted."""
+def _normalised(quaternion: Array) -> Array:
+    """Normalise quaternions; one of length zero becomes NaN, so that the row is dropped and counted."""
     norm = np.linalg.norm(quaternion, axis=1, keepdims=True)
     unit: Array = quaternion / np.where(norm > 0.0, norm, np.nan)
     return unit

@@ -1,0 +1,143 @@
+"""Tables on the terminal: the result of a benchmark, and the comparison of variants."""
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from textwrap import fill
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.measure import Measurement
+from rich.table import Table
+
+from pdr_est import __version__
+from pdr_est.evaluate.metric_definitions import DEFINITIONS, unit_of, with_unit
+from pdr_est.evaluate.paired_comparison import PairedComparison
+from pdr_est.experiment.results.benchmark_result import BenchmarkResult, Summary
+from pdr_est.experiment.results.comparison import NOTE
+from pdr_est.experiment.suite import ConfusionMatrix
+
+_WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps the lines instead
+_NARROWEST = 100  # columns of a comparison; names of variants wrap, numbers do not
+
+
+def print_benchmark(result: BenchmarkResult, console: Console) -> None:
+    """Print the numbers of the JSON document: walks, averages, confusion matrices, and what was skipped and why."""
+    comparison = result.comparison
+    _print(console, _walks(result))
+    groups = {name: result.groups(name) for name in comparison.names}
+    if any(groups.values()):
+        _print(console, _averages("groups", result, groups))
+    title = f"{result.suite.name}, pdr-est {__version__}"
+    _print(console, _averages(title, result, {name: {"": result.summary(name)} for name in comparison.names}))
+    for name in comparison.names:
+        for of, confusion in result.confusions(name).items():
+            _print(console, _confusion(f"{of}, {name}", confusion))
+    for failure in result.failures:
+        console.print(f"skipped {failure.walk}: {failure.reason}", markup=False, highlight=False, soft_wrap=True)
+
+
+def print_comparison(pairs: Sequence[PairedComparison], console: Console) -> None:
+    """Print a table for each metric, at most as wide as the terminal, and what the columns mean."""
+    equal = []
+    for metric, of_metric in groupby(pairs, key=lambda pair: pair.metric):
+        different = [pair for pair in of_metric if pair.ties < pair.n]
+        if different:
+            _print(console, _comparison(metric, different), max(console.width, _NARROWEST))
+        else:
+            equal.append(metric)
+    notes = [f"The same with all variants on every walk: {', '.join(equal)}."] if equal else []
+    for note in [*notes, f"{NOTE} The better one is bold where the interval does not hold 0."]:
+        console.print(fill(note, _NARROWEST), markup=False, highlight=False, soft_wrap=True)
+
+
+def _walks(result: BenchmarkResult) -> Table:
+    rows, files = result.rows, result.files
+    labels = list(dict.fromkeys(label for row in rows for label in files[row.walk].labels))
+    classes = list(dict.fromkeys(label for row in rows for label in row.predicted))
+    words = ("walk", "track", result.comparison.axis, "mode", *labels)
+    table = _table("walks", words, (*result.suite.metrics, *classes, "seconds"))
+    for row in rows:
+        table.add_row(
+            row.walk,
+            row.track,
+            row.variant,
+            row.mode,
+            *(files[row.walk].labels.get(label) or "-" for label in labels),
+            *(_number(row.metrics[metric]) for metric in result.suite.metrics),
+            *(str(row.predicted.get(label, "-")) for label in classes),
+            _number(result.seconds[row.walk, row.variant]),
+        )
+    return table
+
+
+def _averages(title: str, result: BenchmarkResult, averages: Mapping[str, Mapping[str, Summary]]) -> Table:
+    """Tabulate mean, median, p90 and n of each metric from variant -> group -> summary; group "" is not named."""
+    groups = list(dict.fromkeys(group for summaries in averages.values() for group in summaries))
+    group_heading = [] if groups == [""] else ["group"]
+    table = _table(title, (*group_heading, "metric", result.comparison.axis), ("mean", "median", "p90", "n"))
+    for group in groups:
+        for metric in result.suite.metrics:
+            for name, summaries in averages.items():
+                if group in summaries:
+                    found = summaries[group][metric]
+                    numbers = map(_number, (found.mean, found.median, found.p90))
+                    table.add_row(*(group for _ in group_heading), metric, name, *numbers, str(found.n))
+    return table
+
+
+def _confusion(title: str, confusion: ConfusionMatrix) -> Table:
+    """Tabulate the steps by true class and label, and the shares that follow from them."""
+    labels = list(dict.fromkeys(label for row in confusion.counts.values() for label in row))
+    table = _table(f"steps taken for, {title}", ("true class",), labels)
+    for true, row in confusion.counts.items():
+        table.add_row(true, *(str(row[label]) for label in labels))
+    table.add_section()
+    for name, share in confusion.shares.items():
+        table.add_row(name, f"{share:.4f}")
+    return table
+
+
+def _comparison(metric: str, pairs: Sequence[PairedComparison]) -> Table:
+    ideal = f", ideal value {DEFINITIONS[metric].ideal:g}" if metric in DEFINITIONS else ""
+    unit = unit_of(metric)
+    below = f"\n({unit})" if unit else ""
+    numbers = (f"{heading}{below}" for heading in ("mean A", "mean B", "B - A", "95 % interval"))
+    table = _table(f"{with_unit(metric)}{ideal}", ("A", "B"), ("walks", *numbers, "wins\nA : B", "ties"))
+    table.title_justify, table.title_style = "left", "bold"
+    table.box, table.padding, table.pad_edge = box.SIMPLE_HEAD, (0, 1, 0, 0), False
+    for column in table.columns[:2]:
+        column.overflow, column.no_wrap = "fold", False
+    for pair in pairs:
+        names = (pair.first, pair.second)
+        table.add_row(
+            *(f"[bold]{escape(name)}[/bold]" if pair.better == name else escape(name) for name in names),
+            str(pair.n),
+            f"{pair.mean_first:.3f}",
+            f"{pair.mean_second:.3f}",
+            f"{pair.difference:+.3f}",
+            "" if pair.low is None or pair.high is None else f"{pair.low:+.3f} … {pair.high:+.3f}",
+            f"{pair.first_wins} : {pair.second_wins}",
+            str(pair.ties or ""),
+        )
+    return table
+
+
+def _table(title: str, words: Sequence[str], numbers: Sequence[str]) -> Table:
+    """Make an empty table with columns of words and, right-justified, of numbers."""
+    table = Table(title=title)
+    for heading in words:
+        table.add_column(heading, no_wrap=True)
+    for heading in numbers:
+        table.add_column(heading, justify="right", no_wrap=True)
+    return table
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
+def _print(console: Console, table: Table, width: int = _WIDEST) -> None:
+    wide = console.options.update(width=_WIDEST)
+    table.width = min(width, Measurement.get(console, wide, table).maximum)
+    console.print(table, crop=False)

@@ -1,0 +1,103 @@
+"""Run of a benchmark suite."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from pdr_est.errors import ConfigError, EstimationError, RecordingError
+from pdr_est.experiment.config import DataParams, FixesParams
+from pdr_est.experiment.held_out import HeldOutProtocol
+from pdr_est.experiment.recording_files import folder_content
+from pdr_est.experiment.results.benchmark_result import BenchmarkResult
+from pdr_est.experiment.results.walk_result import Failure, WalkResult
+from pdr_est.experiment.runners.processes import run_in_processes
+from pdr_est.experiment.runners.scoring_job import ScoringJob
+from pdr_est.experiment.scoring.calibrated import with_calibrated
+from pdr_est.experiment.suite import Suite, WalkFile
+from pdr_est.experiment.suites import suite_named
+from pdr_est.experiment.variants.axes import Comparison
+from pdr_est.experiment.walks import Walk, find_walks
+
+
+def run_benchmark(
+    suite: str,
+    data: Path,
+    comparison: Comparison,
+    jobs: int = 1,
+    limit: int | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
+) -> BenchmarkResult:
+    """Score the walks of a suite with each variant of a comparison.
+
+    The result does not depend on the number of processes.
+
+    Parameters
+    ----------
+    suite : str
+        Name of the suite.
+    data : Path
+        Folder that contains the folder of the suite, or that folder itself.
+    comparison : Comparison
+        Variants to run, from `variants.axes`.
+    jobs : int
+        Number of processes.
+    limit : int, optional
+        Number of walks, taken from the first one on.
+    on_progress : Callable, optional
+        Called with the number of finished walks and of all walks.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown suite, a number out of range or settings that cannot be used.
+    RecordingError
+        If the folder contains no walk.
+    EstimationError
+        If a process dies. What goes wrong with a single walk is in the `failures` of the result.
+    """
+    chosen = suite_named(suite)
+    if jobs < 1 or (limit is not None and limit < 1):
+        raise ConfigError(f"jobs = {jobs}, limit = {limit}: each must be at least 1")
+    walks = find_walks(DataParams(suite=suite, limit=limit), data, chosen)
+    if not walks:
+        content = folder_content(chosen.folder)
+        raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {content}")
+    protocol = HeldOutProtocol(FixesParams(protocol=chosen.fixes or "none"))
+    job = ScoringJob(chosen, protocol, comparison.variants, stop_on_fault=True)
+    finished: dict[str, WalkResult] = {}
+    for done in run_in_processes(job, walks, min(jobs, len(walks))):
+        if not done.final:
+            raise EstimationError(f"{done.walk.name}: {done.result.failures[0].reason}")
+        finished[done.walk.name] = done.result
+        if on_progress is not None:
+            on_progress(len(finished), len(walks))
+    return _collected(chosen, comparison, walks, [finished[walk.name] for walk in walks])
+
+
+def _collected(
+    suite: Suite, comparison: Comparison, walks: Sequence[Walk], results: Sequence[WalkResult]
+) -> BenchmarkResult:
+    """Join the results of all walks, and add the metrics that need the other walks."""
+    rows, uncalibrated = with_calibrated(
+        [row for result in results for row in result.tracks],
+        [case for result in results for case in result.calibration_cases],
+        suite.calibrated_on,
+        suite.calibrated,
+    )
+    failures = [Failure(one.walk, _without_name(one)) for result in results for one in result.failures]
+    failures += [Failure(walk, reason) for walk, reason in uncalibrated.items()]
+    return BenchmarkResult(
+        suite=suite,
+        comparison=comparison,
+        files={walk.name: walk.source for walk in walks if isinstance(walk.source, WalkFile)},
+        rows=rows,
+        failures=tuple(failures),
+        seconds={(one.walk, variant): seconds for one in results for variant, seconds in one.seconds.items()},
+    )
+
+
+def _without_name(failure: Failure) -> str:
+    """Return the reason without the name of the walk or its recording, which stands before it anyway."""
+    reason = failure.reason
+    for name in (failure.walk, failure.walk.rpartition("/")[2]):
+        reason = reason.removeprefix(f"{name}: ")
+    return reason
