@@ -12,7 +12,7 @@ from pdr_est.config import Config
 from pdr_est.errors import RecordingError
 from pdr_est.io.formats.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.online import Tracker, Update
-from pdr_est.online.recording_stream import expected, moments
+from pdr_est.online.recording_stream import expected_devices, stream_slices
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
@@ -35,9 +35,9 @@ def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, re
         Output, which receives one line for each estimate.
     """
     devices = recorded.devices
-    tracker = Tracker(config, expected(devices, recorded.name, config))
+    tracker = Tracker(config, expected_devices(devices, recorded.name, config))
     begun_s: float | None = None
-    for moment in moments(devices, fixes):
+    for moment in stream_slices(devices, fixes):
         if realtime:
             begun_s = time.monotonic() - moment.time_s if begun_s is None else begun_s
             time.sleep(max(moment.time_s + begun_s - time.monotonic(), 0.0))

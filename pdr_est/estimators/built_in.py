@@ -7,7 +7,7 @@ from types import MappingProxyType
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.kalman import multi_device, single_device
+from pdr_est.estimators.kalman import ekf
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
 from pdr_est.estimators.spec import EstimatorSpec
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, PositionFix, StartPose
@@ -104,9 +104,7 @@ def _map_general(walk: _Walk) -> Track:
 
 
 def _ekf(walk: _Walk) -> Track:
-    if len(walk.timelines) == 1:
-        return single_device.estimate(walk.timelines[0], walk.start, walk.sigma_length_scale)
-    return multi_device.estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale)
+    return ekf.estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale)
 
 
 def _factor_graph(walk: _Walk) -> Track:

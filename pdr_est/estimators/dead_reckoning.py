@@ -6,7 +6,7 @@ from pdr_est.estimators.common.initial_state import start_prior
 from pdr_est.estimators.common.motion_model import GaussianState, reckon
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.kalman.rts_smoother import smooth
-from pdr_est.estimators.kalman.single_device import FilteredSegment, run_filter, undecided_anchor
+from pdr_est.estimators.kalman.walk_filter import FilteredSegment, run_filter
 from pdr_est.types.measurements import StartPose
 from pdr_est.types.track import Track
 
@@ -29,27 +29,27 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
 def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[GaussianState]:
     prior = start_prior(timeline, start, sigma_length_scale)
     if not prior.heading_open and not prior.position_open:
-        return reckon(timeline.nodes, 0, prior.moments)
-    stretches = run_filter(timeline, start, sigma_length_scale)
+        return reckon(timeline.nodes, 0, prior.state)
+    segments = run_filter(timeline, start, sigma_length_scale)
     before = 0
-    for stretch in stretches:
-        anchor = _anchor(stretch, prior.position_open)
+    for segment in segments:
+        anchor = _anchor(segment, prior.position_open)
         if anchor is not None and before == 0 and not prior.heading_open:
             # One fix can correct the position of a walk but not bend it: the smoother gives the same poses, and
             # exactly what is known of those before the fix.
-            earlier = smooth(stretch.nodes[: anchor + 1], stretch.moments[: anchor + 1])[:-1]
-            return earlier + reckon(timeline.nodes[anchor:], 0, stretch.moments[anchor])
+            earlier = smooth(segment.nodes[: anchor + 1], segment.states[: anchor + 1])[:-1]
+            return earlier + reckon(timeline.nodes[anchor:], 0, segment.states[anchor])
         if anchor is not None:
-            return reckon(timeline.nodes, before + anchor, stretch.moments[anchor - (stretch.aligned_from or 0)])
-        before += len(stretch.nodes)
-    return reckon(timeline.nodes, *undecided_anchor(stretches[0]))
+            return reckon(timeline.nodes, before + anchor, segment.states[anchor - (segment.aligned_from or 0)])
+        before += len(segment.nodes)
+    return reckon(timeline.nodes, *segments[0].open_anchor())
 
 
-def _anchor(stretch: FilteredSegment, position_open: bool) -> int | None:
-    """The first node of a stretch whose position and direction are known."""
-    if stretch.aligned_from is None:
+def _anchor(segment: FilteredSegment, position_open: bool) -> int | None:
+    """The first node of a segment whose position and direction are known."""
+    if segment.aligned_from is None:
         return None
     if not position_open:
-        return stretch.aligned_from
-    fixed = next((i for i, node in enumerate(stretch.nodes) if node.fixes), None)
-    return None if fixed is None else max(stretch.aligned_from, fixed)
+        return segment.aligned_from
+    fixed = next((i for i, node in enumerate(segment.nodes) if node.fixes), None)
+    return None if fixed is None else max(segment.aligned_from, fixed)

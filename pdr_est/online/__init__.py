@@ -1,4 +1,4 @@
-"""The filter online: samples of phones in, estimates out, as they come."""
+"""Online filter: samples of phones come in, estimates come out while the walk is recorded."""
 
 from pdr_est.online.device_front_end import ExpectedDevice
 from pdr_est.online.params import OnlineParams

@@ -1,79 +1,96 @@
-"""The delayed estimates: what the filter went through, once it has settled, smoothed over a lag."""
+"""Delayed estimates: the settled records of the filter, smoothed over a fixed lag."""
 
 from collections.abc import Sequence
 from math import inf
 
-from pdr_est.estimators.common.tethers import TetherParams
+from pdr_est.estimators.common.tethers import PairTether
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow, Limit
-from pdr_est.online.filter_records import Record, WalkState, joint_moments
+from pdr_est.online.filter_history import FilterRecord, OnlineState
 
 
-class Delayed:
-    """Follows the history of a WalkFilter from behind. fed: how many of its records were taken.
+class DelayedEstimates:
+    """Takes the records of the online filter once they have settled, and gives each pose a lag later.
 
-    A pose where the direction of the device is open is left out.
+    Poses at which the heading of the device is unknown are left out.
+
+    Parameters
+    ----------
+    parameters
+        Lag of the smoother.
     """
 
-    def __init__(self, parameters: FixedLagParams, tether: TetherParams) -> None:
-        self._window, self._tether = LagWindow(parameters), tether
-        self._taken: list[bool] = []  # of the records that were taken, whether the smoother has them
-        self._given = (-inf, -1)  # time and device of the last pose that was given out
+    def __init__(self, parameters: FixedLagParams) -> None:
+        self._window = LagWindow(parameters)
+        self._smoothed: list[bool] = []  # for each record taken so far: whether the smoother has it
+        self._given = (-inf, -1)  # time and device of the last pose that was given
 
     @property
-    def fed(self) -> int:
-        return len(self._taken)
+    def taken(self) -> int:
+        """Number of records of the history that have been taken."""
+        return len(self._smoothed)
 
-    def undone(self, left: int) -> None:
-        """The history was undone back to so many records."""
-        if left < self.fed:
-            self._window.undo(sum(self._taken[left:]))
-            del self._taken[left:]
+    def rewind(self, kept: int) -> None:
+        """Take note that only so many records of the history have not been undone."""
+        if kept < self.taken:
+            self._window.undo(sum(self._smoothed[kept:]))
+            del self._smoothed[kept:]
 
-    def forgotten(self, count: int) -> None:
-        """The first records of the history were forgotten."""
-        del self._taken[:count]
+    def forget(self, count: int) -> None:
+        """Take note that the oldest records of the history have been forgotten."""
+        del self._smoothed[:count]
 
-    def waits(self, history: Sequence[Record], settled_s: float) -> bool:
-        """Whether there is a record before a time that was not taken, and another one behind it: what follows a
-        record may belong to it."""
-        return self.fed + 1 < len(history) and history[self.fed + 1].time_s < settled_s
+    def pending(self, history: Sequence[FilterRecord], settled_s: float) -> bool:
+        """Tell whether a record can be taken: one with a successor before a time, which holds its tethers."""
+        return self.taken + 1 < len(history) and history[self.taken + 1].time_s < settled_s
 
-    def take(self, history: Sequence[Record], settled_s: float) -> list[LaggedPose]:
-        """Take a record, if one `waits`."""
-        if not self.waits(history, settled_s):
+    def take(self, history: Sequence[FilterRecord], settled_s: float) -> list[LaggedPose]:
+        """Take one record if one is pending; return the poses that are a lag older."""
+        if not self.pending(history, settled_s):
             return []
-        following = history[self.fed + 1]
-        return self._push(history[self.fed], following.pulls, following.pulled)
+        following = history[self.taken + 1]
+        return self._push(history[self.taken], following.tethers, following.tethered)
 
     def finish(
-        self, history: Sequence[Record], pulls: Sequence[tuple[int, int]], state: WalkState
+        self, history: Sequence[FilterRecord], tail_tethers: Sequence[PairTether], state: OnlineState
     ) -> list[LaggedPose]:
-        """Take all, with the tethers after the last of them, and give out everything."""
+        """Take all records and return all remaining poses.
+
+        Parameters
+        ----------
+        history
+            Records of the filter.
+        tail_tethers
+            Tethers after the last record.
+        state
+            State after these tethers.
+        """
         found: list[LaggedPose] = []
-        while self.waits(history, inf):
+        while self.pending(history, inf):
             found += self.take(history, inf)
-        if self.fed < len(history):
-            found += self._push(history[-1], pulls, state)
+        if self.taken < len(history):
+            found += self._push(history[-1], tail_tethers, state)
         return [*found, *self._window.flush()]
 
-    def _push(self, record: Record, pulls: Sequence[tuple[int, int]], state: WalkState) -> list[LaggedPose]:
-        own = record.after.alone[record.pending.device]
-        smoothed = own is not None and own.directed and (record.pending.time_s, record.pending.device) > self._given
-        self._taken.append(smoothed)
+    def _push(self, record: FilterRecord, tethers: Sequence[PairTether], state: OnlineState) -> list[LaggedPose]:
+        """Give a record to the smoother, with the tethers after it and the state after them."""
+        device = record.pending.device
+        place = (record.pending.time_s, device)
+        smoothed = record.after.walk.heading_known(device) and place > self._given
+        self._smoothed.append(smoothed)
         if not smoothed:
             return []
-        moments = joint_moments(state)
-        limits = tuple(Limit(a, b, self._tether.max_distance_m, self._tether.sigma_m) for a, b in pulls)
+        joint = state.walk.joint_state()
+        limits = tuple(Limit(one.device_a, one.device_b, one.max_distance_m, one.sigma_m) for one in tethers)
         found = self._window.push(
             FilteredNode(
-                record.pending.device,
+                device,
                 record.pending.node,
                 record.entered,
                 limits,
-                moments.mean,
-                moments.covariance,
-                record.after.present,
+                joint.mean,
+                joint.covariance,
+                record.after.walk.present,
             )
         )
         if found:

@@ -1,4 +1,4 @@
-"""The front end of one device, fed as its samples come."""
+"""Front end of one device online: its samples become odometry piece by piece, as they come."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from pdr_est.config import Config
+from pdr_est.errors import EstimationError
+from pdr_est.frames import Array
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.front_end_chain import heading_needs_magnetometer, level_chain, stepping
@@ -15,108 +17,132 @@ from pdr_est.stage import Chain
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.sensors import Channel, LevelBlock, SensorBlock
 
-_LOOK_S = 2.0  # of a device that nobody declared, until it is known how it records
-_REMEMBERED = 1000  # stretches without a gap
+_LOOK_S = 2.0  # samples of an undeclared device that are looked at to find out how it records
+_MOST_SPANS = 1000
 _NEEDED = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE)
+_WIDTH = {channel: 4 if channel is Channel.ATTITUDE else 3 for channel in Channel}
 
 
 @dataclass(frozen=True)
 class ExpectedDevice:
-    """A device that will send samples. own_attitude: whether to use the attitude that it records itself; None finds
-    out from its first seconds, by the rule for recordings."""
+    """Device that will send samples.
+
+    Attributes
+    ----------
+    name
+        Name of the device.
+    own_attitude
+        True to use the attitude that the device records itself, False to compute it from the rotation rate; None to
+        decide from its first seconds, by the rule for recordings.
+    """
 
     name: str
     own_attitude: bool | None = None
 
 
 class DeviceFrontEnd:
-    """Samples of one device to its odometry, piece by piece: `push` makes level samples, which wait, and each `work`
-    takes what waits a part of the way.
+    """Front end of one device: `push` makes level samples, and each `work` processes them one part further.
 
-    start_s, end_s: first and last time of what went all the way, None until there is one; spans_s: begin and end of
-    each stretch of it without a gap, the last thousand. Accelerometer and gyroscope are needed: without one of them
-    nothing ever comes out.
+    Accelerometer and gyroscope are needed: without one of them nothing ever comes out.
+
+    Parameters
+    ----------
+    device
+        The device.
+    config
+        Parameters of all stages.
+
+    Attributes
+    ----------
+    start_s
+        Time of the first sample that has been processed completely; None before it.
+    end_s
+        Time of the last one.
+    spans_s
+        Begin and end of each run of such samples without a gap; the latest thousand.
     """
 
     def __init__(self, device: ExpectedDevice, config: Config, parts: Parts = NO_PARTS) -> None:
         self._config = config
         self._parts_given = parts
-        self._expected = device
-        self._levels: Chain | None = None
-        self._early: list[SensorBlock] = []
+        self._device = device
+        self._levelling: Chain | None = None
+        self._early: list[SensorBlock] = []  # samples before it is known whether to use the device's attitude
         to_steps = stepping(config, parts).stages
         heading = Chain([*to_steps[3:], Odometry(device.name, config.odometry)])
         self._parts = (Chain(to_steps[:1]), Chain(to_steps[1:3]), heading)  # about the same work each
-        self._waiting: tuple[list[Any], ...] = ([], [], [])  # for each part
+        self._waiting: tuple[list[Any], ...] = ([], [], [])  # input of each part
+        self._in_process: list[LevelBlock] = []  # taken by the first part since all others had nothing to do
+        self._segment = -1
         self.start_s: float | None = None
         self.end_s: float | None = None
-        self.spans_s: deque[tuple[float, float]] = deque(maxlen=_REMEMBERED)
-        self._segment = -1
-        self._seen: list[LevelBlock] = []  # by the first part, since all others had nothing to do
+        self.spans_s: deque[tuple[float, float]] = deque(maxlen=_MOST_SPANS)
 
     @property
     def latency_s(self) -> float:
-        """How long after a step its odometry comes, at most."""
-        of_levels = 0.0 if self._levels is None else self._levels.latency_s
-        return of_levels + self.behind_end_s
+        """Largest time from a step to its odometry, s."""
+        levelling_s = 0.0 if self._levelling is None else self._levelling.latency_s
+        return levelling_s + self.step_latency_s
 
     @property
-    def behind_end_s(self) -> float:
-        """The same in the time of `end_s`, which is late itself."""
+    def step_latency_s(self) -> float:
+        """Largest time from a step to its odometry, s, counted in level samples, as `end_s` is."""
         return sum(part.latency_s for part in self._parts)
 
     @property
-    def waits(self) -> bool:
-        """Whether there is something to do for `work`."""
+    def pending(self) -> bool:
+        """Tell whether `work` has something to do."""
         return any(self._waiting)
 
     def push(self, block: SensorBlock) -> bool:
-        """Take samples; return whether level samples came of them."""
+        """Add samples; return True if they gave level samples."""
         before = len(self._waiting[0])
-        if self._levels is None:
+        if self._levelling is None:
             self._early.append(block)
-            own_attitude = self._takes_own_attitude(at_end=False)
+            own_attitude = self._uses_own_attitude(at_end=False)
             if own_attitude is not None:
                 self._begin(own_attitude)
         else:
-            self._waiting[0].extend(self._levels.push(block))
+            self._waiting[0].extend(self._levelling.push(block))
         return len(self._waiting[0]) > before
 
     def work(self) -> list[StepOdometry | HeadingPrior]:
-        """Take what waits, what has come furthest first, a part further; return what came out at the end."""
+        """Process what waits, starting with what is furthest, one part further; return the measurements."""
         number = next((number for number in (2, 1, 0) if self._waiting[number]), 0)
         items = self._waiting[number].copy()
         self._waiting[number].clear()
         found = [output for item in items for output in self._parts[number].push(item)]
         if number == 0:
-            self._seen += items
+            self._in_process += items
         if number < 2:
             self._waiting[number + 1].extend(found)
         if not self._waiting[1] and not self._waiting[2]:
-            self._reach()
+            self._extend_spans()
         return found if number == 2 else []
 
     def flush(self) -> list[StepOdometry | HeadingPrior]:
-        if self._levels is None:
-            self._begin(bool(self._takes_own_attitude(at_end=True)))
-        if self._levels is not None:
-            self._waiting[0].extend(self._levels.flush())
+        """End the recording; return the remaining measurements."""
+        if self._levelling is None:
+            self._begin(bool(self._uses_own_attitude(at_end=True)))
+        if self._levelling is not None:
+            self._waiting[0].extend(self._levelling.flush())
         found: list[StepOdometry | HeadingPrior] = []
-        while self.waits:
+        while self.pending:
             found += self.work()
         return [*found, *Chain(self._parts).flush()]
 
     def _begin(self, own_attitude: bool) -> None:
+        """Make the levelling stages, and give them the samples so far."""
         channels = (*_NEEDED, Channel.ATTITUDE) if own_attitude else _NEEDED
         needs_field = heading_needs_magnetometer(self._config, self._parts_given)
         optional = (Channel.MAGNETIC_FIELD,) if needs_field else ()
-        _, self._levels = level_chain(channels, optional, own_attitude, self._config, self._parts_given)
+        _, self._levelling = level_chain(channels, optional, own_attitude, self._config, self._parts_given)
         early, self._early = self._early, []
-        self._waiting[0].extend(level for block in early for level in self._levels.push(block))
+        self._waiting[0].extend(level for block in early for level in self._levelling.push(block))
 
-    def _reach(self) -> None:
-        """All that was seen went all the way."""
-        for level in self._seen:
+    def _extend_spans(self) -> None:
+        """Take note that all samples have been processed completely."""
+        for level in self._in_process:
             if not len(level):
                 continue
             begin_s, end_s = float(level.time_s[0]), float(level.time_s[-1])
@@ -126,15 +152,15 @@ class DeviceFrontEnd:
                 begin_s, _ = self.spans_s.pop()
             self.spans_s.append((begin_s, end_s))
             self._segment = level.segment
-        self._seen.clear()
+        self._in_process.clear()
 
-    def _takes_own_attitude(self, at_end: bool) -> bool | None:
-        """None while it cannot be told yet."""
+    def _uses_own_attitude(self, at_end: bool) -> bool | None:
+        """Decide whether to use the attitude that the device records; None while that is not known."""
         source = self._config.attitude.source
         if source != "auto":
             return source == "device"
-        if self._expected.own_attitude is not None:
-            return self._expected.own_attitude
+        if self._device.own_attitude is not None:
+            return self._device.own_attitude
         rate_s, attitude_s = self._early_times(Channel.ROTATION_RATE), self._early_times(Channel.ATTITUDE)
         if not at_end and (len(rate_s) < 2 or rate_s[-1] - rate_s[0] < _LOOK_S):
             return None
@@ -146,6 +172,42 @@ class DeviceFrontEnd:
         seen = (attitude_s >= look[0]) & (attitude_s <= look[-1])
         return int(seen.sum()) >= 0.9 * len(look)
 
-    def _early_times(self, channel: Channel) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    def _early_times(self, channel: Channel) -> Array:
         times = [block.time_s for block in self._early if block.channel == channel]
         return np.concatenate([np.zeros(0), *times])
+
+
+def refuse_malformed(device: str, block: SensorBlock) -> None:
+    """Check the form of pushed samples.
+
+    Single samples that are not finite or not in order of time are left out later, as in recordings.
+
+    Raises
+    ------
+    EstimationError
+        For a name or a block that cannot be used.
+    """
+    if not isinstance(device, str) or not device:
+        raise EstimationError(f"device {device!r}: give it a name, which is a text that is not empty")
+    if not isinstance(block, SensorBlock):
+        raise EstimationError(f"{device}: samples of type {type(block).__name__}: give a SensorBlock")
+    if block.channel not in _WIDTH:
+        raise EstimationError(f"{device}: channel {block.channel!r}: choose one of {', '.join(Channel)}")
+    for name, values, dimensions in (("time_s", block.time_s, 1), ("values", block.values, 2)):
+        if not isinstance(values, np.ndarray) or values.ndim != dimensions or values.dtype.kind not in "fiu":
+            raise EstimationError(
+                f"{device}, {block.channel}: {name} is {_described(values)}: give an array of numbers of "
+                f"{dimensions} dimension{'s' * (dimensions > 1)}"
+            )
+    expected = (len(block.time_s), _WIDTH[Channel(block.channel)])
+    if block.values.shape != expected:
+        raise EstimationError(
+            f"{device}, {block.channel}: values of shape {block.values.shape} at {len(block.time_s)} times: give the "
+            f"shape {expected}, a row a sample"
+        )
+
+
+def _described(values: object) -> str:
+    if isinstance(values, np.ndarray):
+        return f"an array of shape {values.shape} of {values.dtype}"
+    return f"a {type(values).__name__}"

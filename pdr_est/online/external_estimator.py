@@ -2,7 +2,6 @@
 
 import heapq
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf
 from typing import cast
 
@@ -11,9 +10,10 @@ import numpy as np
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import OnlineEstimator, OnlineFilter, OnlinePose
-from pdr_est.estimators.common.timeline import Node
-from pdr_est.frames import Array
+from pdr_est.estimators.common.nodes import Node
 from pdr_est.online.params import OnlineParams
+from pdr_est.online.update import PoseEstimate
+from pdr_est.online.walk_estimator import FilteredPose
 from pdr_est.parts import Parts, is_external
 from pdr_est.pipeline.measurements import chosen_estimator
 from pdr_est.types.measurements import HeadingPrior, LoopClosure, PositionFix, StepOdometry
@@ -21,31 +21,6 @@ from pdr_est.types.steps import CarryingMode
 
 _Measurement = StepOdometry | HeadingPrior | PositionFix
 _RANK = {StepOdometry: 0, HeadingPrior: 1, PositionFix: 2}  # of measurements of one time
-
-
-@dataclass(frozen=True)
-class ExternalPose:
-    """Pose of a device at the end of a step.
-
-    Attributes
-    ----------
-    device
-        Number of the device.
-    node
-        The step.
-    pose
-        (3,) east m, north m, heading rad.
-    covariance
-        (3, 3) covariance of the pose.
-    scale
-        Length scale and its standard deviation; the lengths of an external filter are not scaled.
-    """
-
-    device: int
-    node: Node
-    pose: Array
-    covariance: Array
-    scale: tuple[float, float] = (1.0, 0.0)
 
 
 class ExternalWalkEstimator:
@@ -77,18 +52,31 @@ class ExternalWalkEstimator:
         self._found: list[OnlinePose] = []
         self._latency_s = 0.0
         self.now_s = -inf
+        self.late_steps = self.missed_fixes = 0  # a filter takes all measurements, in the order in which they come
+        self.delayed = False
+
+    @property
+    def undoable(self) -> int:
+        """Number of measurements that wait for their place in the order of time."""
+        return len(self._pending)
 
     def add_device(self, name: str) -> None:
         """Add a device that has not sent anything yet."""
         self._names.append(name)
 
     def extend(
-        self, span_s: tuple[float, float], measurements: Sequence[StepOdometry | HeadingPrior], latency_s: float
+        self,
+        device: int,
+        span_s: tuple[float, float],
+        measurements: Sequence[StepOdometry | HeadingPrior],
+        latency_s: float,
     ) -> None:
         """Add measurements of a device, and push what is settled by now.
 
         Parameters
         ----------
+        device
+            Number of the device.
         span_s
             Time of the first sample of the device, and time up to which its samples have been processed.
         measurements
@@ -97,7 +85,7 @@ class ExternalWalkEstimator:
             Latency of the front end of the device.
         """
         for measurement in measurements:
-            self._wait(measurement, self._names.index(measurement.device))
+            self._wait(measurement, device)
             if isinstance(measurement, StepOdometry):
                 self._remember(measurement, span_s[0])
         self.now_s = max(self.now_s, span_s[1])
@@ -108,27 +96,42 @@ class ExternalWalkEstimator:
         """Add a position fix, which waits for its place in the order of time."""
         self._wait(fix, len(self._names))
 
-    def finish(self) -> None:
-        """Push all that waits, a loop closure if the walk is closed, and end the filter."""
-        self._push_until(inf)
-        own = self._begun()
-        if self._config.start.closed:
-            for name in self._names:
-                self._found += own.push(LoopClosure(name, self._config.start.sigma_closed_m))
-        self._found += own.flush()
-
-    def take_filtered(self, final_before_s: float) -> list[ExternalPose]:
-        """Return the poses that are new or have changed; each of them only once.
+    def finish(self, closing_sigma_m: float | None) -> None:
+        """Push all that waits, a loop closure if the walk is closed, and end the filter.
 
         Parameters
         ----------
-        final_before_s
-            Time before which no pose will change any more.
+        closing_sigma_m
+            Standard deviation of the distance between start and end; None for a walk that is not closed.
         """
+        self._push_until(inf)
+        own = self._begun()
+        if closing_sigma_m is not None:
+            for name in self._names:
+                self._found += own.push(LoopClosure(name, closing_sigma_m))
+        self._found += own.flush()
+
+    def take_filtered(self) -> Sequence[PoseEstimate]:
+        """Return the poses that are new or have changed; each of them only once."""
         found, self._found = [self._pose_of(pose) for pose in self._found], []
-        for key in [key for key in self._steps if key[1] < final_before_s]:
-            del self._steps[key]
         return found
+
+    @property
+    def delayed_pending(self) -> bool:
+        """Tell whether `take_delayed` has something to do: an external filter has no delayed estimates."""
+        return False
+
+    def take_delayed(self) -> Sequence[PoseEstimate]:
+        """Return no poses."""
+        return []
+
+    def last_delayed(self) -> None:
+        """Return None: there are no delayed estimates."""
+
+    def forget(self, before_s: float) -> None:
+        """Forget the steps before a time, whose poses will not change any more."""
+        for key in [key for key in self._steps if key[1] < before_s]:
+            del self._steps[key]
 
     def _wait(self, measurement: _Measurement, device: int) -> None:
         entry = (measurement.time_s, _RANK[type(measurement)], device, self._count, measurement)
@@ -160,17 +163,18 @@ class ExternalWalkEstimator:
             mode=step.mode,
         )
 
-    def _pose_of(self, pose: OnlinePose) -> ExternalPose:
+    def _pose_of(self, pose: OnlinePose) -> FilteredPose:
         node = self._steps.get((pose.device, pose.time_s))
         if node is None:  # the start, or a time of the filter's own
             zero = np.zeros((3, 3))
             node = Node(pose.time_s, pose.time_s, 0.0, 0.0, zero, True, 0.0, CarryingMode.UNKNOWN)
         position = np.asarray(pose.position_m, dtype=np.float64)
-        return ExternalPose(
+        return FilteredPose(
             device=self._names.index(pose.device),
             node=node,
             pose=np.array([position[0], position[1], pose.heading_rad]),
             covariance=np.asarray(pose.covariance, dtype=np.float64),
+            scale=(1.0, 0.0),  # the lengths of an external filter are not scaled
         )
 
 

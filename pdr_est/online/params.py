@@ -1,4 +1,4 @@
-"""How long the online filter waits, and how far it looks back."""
+"""Parameters of the online filter: how long it waits, and how far back it can rewind."""
 
 from typing import Annotated
 
@@ -9,16 +9,18 @@ from pdr_est.params import NonNegative, params
 
 @params
 class OnlineParams:
-    """Times are those of the data, whenever they come.
-
-    wait_s: how long the steps of one device wait for the data of the others, in the data time of whichever is ahead;
-    then they are used without. horizon_s: how late a fix, or the data of a device, may come and still take its place
-    in the order of time. settle_s: how long a pose may still change before the smoother takes it: a step is known up
-    to a few seconds late. remembered_steps: of all devices together, how many can be gone through again when a first
-    fix tells where a walk began.
-    """
+    """Waiting and rewinding of the online filter; all times are data times, whenever the data comes."""
 
     wait_s: NonNegative = 1.0
+    """Time for which the steps of one device wait for the data of the others, in the data time of the device that is
+    ahead, s. After it they are used without the others."""
+
     horizon_s: Annotated[float, Ge(1.0), Le(3600.0)] = 30.0
+    """Largest delay, s, with which a fix or the data of a device still takes its place in the order of time."""
+
     settle_s: NonNegative = 5.0
+    """Time after which the fixed-lag smoother takes over a filtered pose, s: a pose may change for a few seconds."""
+
     remembered_steps: Annotated[int, Ge(100), Le(1_000_000)] = 4000
+    """Largest number of steps, of all devices together, that can be filtered again when a first fix tells where the
+    walk began."""

@@ -1,9 +1,9 @@
-"""The person whom several devices follow: their poses of one moment joined, as they become known.
+"""Poses of the person who carries several devices: the devices' poses at one time fused, as soon as they are known.
 
-At the end of every step of every device, the poses of all devices that record then are joined as `estimators.fused`
-joins their tracks. Between two poses of a device its movement is even; a movement that takes longer than a step can
-was not seen, and the device stays where it was. A moment depends on the poses next to it and on when the devices
-recorded, and on nothing else: however the samples come, it ends up the same.
+At the end of every step of every device, the poses of all devices that record at that time are fused in the same way
+as their tracks in `estimators/person/track.py`. Between two poses a device moves at an even pace; a motion that takes
+longer than a step can was not observed, and the device stays at the earlier pose. A fused pose depends on the device
+poses next to it and on when the devices recorded, and on nothing else: it does not depend on how the samples come.
 """
 
 from bisect import bisect_left, bisect_right
@@ -16,43 +16,74 @@ import numpy as np
 
 from pdr_est.estimators.person.track import NAME, fuse
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.online.update import Kind, Pose, Update
+from pdr_est.online.update import Kind, PoseEstimate, Update
 from pdr_est.types.track import Track
 
-_LONGEST_STEP_S = 2.0  # ours; the segmentation of steps calls a longer pause a standstill
+_LONGEST_STEP_S = 2.0  # ours; the step segmentation treats a longer pause as a standstill
 
 
 @dataclass(frozen=True)
-class Recorded:
-    """Of one device. spans_s: begin and end of what it recorded without a gap, the last ones; known_s: its poses up
-    to then are known."""
+class DeviceCoverage:
+    """Times at which one device recorded.
+
+    Attributes
+    ----------
+    spans_s
+        Begin and end of its latest recordings without a gap.
+    known_s
+        Time up to which its poses are known.
+    """
 
     spans_s: Sequence[tuple[float, float]]
     known_s: float
 
-    def at(self, time_s: float) -> bool:
+    def recorded_at(self, time_s: float) -> bool:
+        """Tell whether the device recorded at a time."""
         return any(begin_s <= time_s <= end_s for begin_s, end_s in reversed(self.spans_s))
 
 
-class Person:
-    """Takes poses of devices that are new or have changed, gives updates of the person likewise.
+class PersonEstimates:
+    """Fuses poses of devices that are new or have changed into updates of the person.
 
-    A moment is given once every device that records then has a pose behind it, or cannot have one any more, or was
-    waited for long enough.
+    A pose of the person is given once every device that records at its time has a pose at or after it, can no longer
+    have one, or was waited for long enough.
+
+    Parameters
+    ----------
+    kind
+        Kind of the poses.
+
+    Attributes
+    ----------
+    pending
+        True if poses of the person may have become known.
     """
 
     def __init__(self, kind: Kind) -> None:
         self._kind: Kind = kind
         self._times_s: list[list[float]] = []  # of the poses, by device
-        self._poses: list[dict[float, Pose]] = []
-        self._due: set[float] = set()  # moments that are to be found, or found anew
-        self._given: OrderedDict[float, Update] = OrderedDict()  # nearly in the order of time
-        self._last_s = -inf  # the latest of them
-        self.waits = False  # whether moments may have become complete
+        self._poses: list[dict[float, PoseEstimate]] = []
+        self._due: set[float] = set()  # times at which the pose of the person must be computed
+        self._given: OrderedDict[float, Update] = OrderedDict()  # nearly in order of time
+        self._last_s = -inf  # latest time of them
+        self.pending = False
 
-    def take(self, poses: Sequence[Pose], devices: int) -> None:
-        """Take poses of some devices, or that more is known of when they recorded."""
-        self.waits = True
+    @property
+    def remembered(self) -> int:
+        """Number of remembered poses: those that are due, and those that were given and may change."""
+        return len(self._due) + len(self._given)
+
+    def add(self, poses: Sequence[PoseEstimate], devices: int) -> None:
+        """Add new or changed poses of devices.
+
+        Parameters
+        ----------
+        poses
+            Poses in order of time; none if only the times at which devices recorded have changed.
+        devices
+            Number of devices.
+        """
+        self.pending = True
         self._make_room(devices)
         for pose in poses:
             time_s, times_s = pose.node.time_s, self._times_s[pose.device]
@@ -60,26 +91,33 @@ class Person:
             if time_s not in self._poses[pose.device]:
                 times_s.insert(at, time_s)
             self._poses[pose.device][time_s] = pose
-            self._again(times_s[at - 1] if at else -inf, times_s[at + 1] if at + 1 < len(times_s) else inf)
+            self._recompute(times_s[at - 1] if at else -inf, times_s[at + 1] if at + 1 < len(times_s) else inf)
             self._due.add(time_s)
 
-    def recorded(self, device: int, from_s: float, to_s: float) -> None:
-        """A device turns out to have recorded during that time."""
+    def extend(self, device: int, from_s: float, to_s: float) -> None:
+        """Take note that a device recorded between two times."""
         if device < len(self._times_s) and from_s < self._last_s:
             self._due |= {time_s for time_s in self._given if from_s < time_s <= to_s}
 
-    def give(self, devices: Sequence[Recorded], waited_s: float, most: int | None = None) -> list[Update]:
-        """The moments that are complete, in order of time. waited_s: of those before nobody is waited for.
+    def give(self, devices: Sequence[DeviceCoverage], waited_s: float, most: int | None = None) -> list[Update]:
+        """Return the updates of the poses that are complete, in order of time.
 
-        most: how many to look at, at most.
+        Parameters
+        ----------
+        devices
+            Coverage of each device.
+        waited_s
+            Time before which no device is waited for any more.
+        most
+            Largest number of poses to look at; None for no limit.
         """
         self._make_room(len(devices))
         ready = [time_s for time_s in sorted(self._due) if time_s < waited_s or self._complete(time_s, devices)]
-        self.waits = most is not None and len(ready) > most
+        self.pending = most is not None and len(ready) > most
         found = []
         for time_s in ready[:most]:
             self._due.discard(time_s)
-            update = self._at(time_s, devices)
+            update = self._fused(time_s, devices)
             if update is not None and not _same(update, self._given.get(time_s)):
                 self._given[time_s] = update
                 self._last_s = max(self._last_s, time_s)
@@ -87,8 +125,8 @@ class Person:
         return found
 
     def forget(self, before_s: float) -> None:
-        """Moments before a time will not change any more."""
-        # Of each device one stays, from which it moves on.
+        """Forget poses before a time, which will not change any more."""
+        # One pose of each device before that time stays, from which it moves on.
         counts = [max(bisect_left(times_s, before_s) - 1, 0) for times_s in self._times_s]
         for times_s, poses, count in zip(self._times_s, self._poses, counts, strict=True):
             for time_s in times_s[:count]:
@@ -104,34 +142,37 @@ class Person:
             self._times_s.append([])
             self._poses.append({})
 
-    def _again(self, after_s: float, before_s: float) -> None:
-        """All moments between two times are due."""
+    def _recompute(self, after_s: float, before_s: float) -> None:
+        """Mark all poses between two times as due."""
         for times_s in self._times_s:
             self._due.update(times_s[bisect_right(times_s, after_s) : bisect_left(times_s, before_s)])
 
-    def _complete(self, time_s: float, devices: Sequence[Recorded]) -> bool:
+    def _complete(self, time_s: float, devices: Sequence[DeviceCoverage]) -> bool:
+        """Tell whether the poses of all devices around a time are known."""
         return all(
             (times_s and times_s[-1] >= time_s) or device.known_s >= time_s
             for times_s, device in zip(self._times_s, devices, strict=True)
         )
 
-    def _at(self, time_s: float, devices: Sequence[Recorded]) -> Update | None:
+    def _fused(self, time_s: float, devices: Sequence[DeviceCoverage]) -> Update | None:
+        """Fuse the poses of all devices that recorded at a time; None if no step ended then."""
         own = next((poses[time_s] for poses in self._poses if time_s in poses), None)
         if own is None:
             return None
         known = [
             pose
             for number, device in enumerate(devices)
-            if (number == own.device or device.at(time_s)) and (pose := self._pose(number, time_s)) is not None
+            if number == own.device or device.recorded_at(time_s)
+            if (pose := self._pose(number, time_s)) is not None
         ]
-        joined = fuse(_track(known, own, self._kind))
+        fused = fuse(_track(known, own, self._kind))
         return Update(
             device=NAME,
             time_s=time_s,
-            position_m=joined.position_m[0],
-            covariance_m2=joined.covariance_m2[0],
-            heading_rad=float(joined.heading_rad[0]),
-            sigma_heading_rad=float(joined.sigma_heading_rad[0]),
+            position_m=fused.position_m[0],
+            covariance_m2=fused.covariance_m2[0],
+            heading_rad=float(fused.heading_rad[0]),
+            sigma_heading_rad=float(fused.sigma_heading_rad[0]),
             kind=self._kind,
             step_length_m=own.node.step_length_m * own.scale[0],
             mode=own.node.mode,
@@ -139,7 +180,7 @@ class Person:
         )
 
     def _pose(self, device: int, time_s: float) -> tuple[Array, Array] | None:
-        """Pose (3,) and covariance (3, 3) of a device at a time; None before its first."""
+        """Interpolate the pose (3,) of a device and its covariance (3, 3); None before its first pose."""
         times_s, poses = self._times_s[device], self._poses[device]
         after = bisect_right(times_s, time_s)
         if not after:
@@ -152,18 +193,18 @@ class Person:
         span_s = following.node.time_s - begin_s
         if time_s <= begin_s or span_s > _LONGEST_STEP_S:
             return before.pose, before.covariance
-        share, way = (time_s - begin_s) / span_s, following.pose - before.pose
-        way[2] = wrap_angle(way[2])
-        return before.pose + share * way, before.covariance + share * (following.covariance - before.covariance)
+        share, change = (time_s - begin_s) / span_s, following.pose - before.pose
+        change[2] = wrap_angle(change[2])
+        return before.pose + share * change, before.covariance + share * (following.covariance - before.covariance)
 
 
-def _track(known: Sequence[tuple[Array, Array]], own: Pose, kind: Kind) -> Track:
-    """Poses of one moment as tracks of one pose each."""
+def _track(known: Sequence[tuple[Array, Array]], own: PoseEstimate, kind: Kind) -> Track:
+    """Make a track of one pose a device."""
     pose, covariance = np.array([pose for pose, _ in known]), np.array([spread for _, spread in known])
-    at_once = np.full(len(known), own.node.time_s)
+    time_s = np.full(len(known), own.node.time_s)
     return Track(
-        time_s=at_once,
-        moving_from_s=at_once,
+        time_s=time_s,
+        moving_from_s=time_s,
         device=np.array([str(number) for number in range(len(known))]),
         position_m=pose[:, :2],
         heading_rad=pose[:, 2],
@@ -177,6 +218,7 @@ def _track(known: Sequence[tuple[Array, Array]], own: Pose, kind: Kind) -> Track
 
 
 def _same(update: Update, other: Update | None) -> bool:
+    """Tell whether two updates of one time have the same pose."""
     return other is not None and bool(
         (update.position_m == other.position_m).all()
         and (update.covariance_m2 == other.covariance_m2).all()

@@ -1,4 +1,4 @@
-"""Recordings as a stream: their samples in the order in which they were made."""
+"""Recordings as a stream: their samples in the order in which they were made, a tenth of a second at a time."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,23 +12,45 @@ from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording
 from pdr_est.types.sensors import SensorBlock
 
-EVERY_S = 0.1
+SLICE_S = 0.1
+"""Duration of a slice, s."""
 
 
 @dataclass(frozen=True)
 class StreamSlice:
-    """What was made up to a time, since the moment before."""
+    """Samples and fixes since the previous slice.
+
+    Attributes
+    ----------
+    time_s
+        End of the slice.
+    blocks
+        Names of devices with their samples.
+    fixes
+        Position fixes.
+    """
 
     time_s: float
     blocks: tuple[tuple[str, SensorBlock], ...]
     fixes: tuple[PositionFix, ...]
 
 
-def expected(devices: Sequence[DeviceRecording], place: str, config: Config) -> list[ExpectedDevice]:
-    """What a tracker needs to know of recorded devices.
+def expected_devices(devices: Sequence[DeviceRecording], place: str, config: Config) -> list[ExpectedDevice]:
+    """Describe recorded devices for a tracker.
 
-    Raises RecordingError for one that lacks a sensor without which there is no track. place: of the recording, for
-    messages.
+    Parameters
+    ----------
+    devices
+        Recorded devices.
+    place
+        Place of the recording, for messages.
+    config
+        Configuration of the tracker.
+
+    Raises
+    ------
+    RecordingError
+        For a device that lacks a sensor without which there is no track.
     """
     for device in devices:
         require_track_sensors(device, f"{place} ({device.name})")
@@ -36,9 +58,18 @@ def expected(devices: Sequence[DeviceRecording], place: str, config: Config) -> 
     return [ExpectedDevice(device.name, prefers_recorded_attitude(device) if auto else None) for device in devices]
 
 
-def moments(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = ()) -> Iterator[StreamSlice]:
-    """The samples of recorded devices ten times a second. A sample with a time before its predecessor's comes with
-    that one."""
+def stream_slices(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = ()) -> Iterator[StreamSlice]:
+    """Divide recordings into slices of a tenth of a second.
+
+    A sample with a time before that of its predecessor comes with its predecessor.
+
+    Parameters
+    ----------
+    devices
+        Recorded devices.
+    fixes
+        Position fixes; each comes with the slice in which its time lies.
+    """
     streams = [
         (device.name, block, np.maximum.accumulate(block.time_s)) for device in devices for block in device.blocks()
     ]
@@ -50,7 +81,7 @@ def moments(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = (
         next_s = min(
             (float(came[k]) for (_, _, came), k in zip(streams, done, strict=True) if k < len(came)), default=end_s
         )
-        now_s = max(now_s, next_s) + EVERY_S  # over a gap at once
+        now_s = max(now_s, next_s) + SLICE_S  # skips gaps
         blocks = []
         for i, (name, block, came_s) in enumerate(streams):
             stop = int(np.searchsorted(came_s, now_s, side="right"))

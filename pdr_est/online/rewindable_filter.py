@@ -1,298 +1,297 @@
-"""The filter of all devices in the order of time, which goes back when something comes late.
+"""Multi-device EKF that rewinds and replays out-of-sequence measurements.
 
-Its states are those that `ekf.run_filter` and `joint_ekf.follow` would have for all that is known by now.
+Its steps are those of the offline filter (`estimators/kalman/walk_step.py`); waiting, rewinding and forgetting are
+added here.
 """
 
 from bisect import bisect_left
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, nextafter
 
-from pdr_est.estimators.common.motion_model import GaussianState
-from pdr_est.estimators.common.tethers import TetherParams, donor_of
-from pdr_est.estimators.common.timeline import SAME_S
-from pdr_est.estimators.kalman import filter_step as single
-from pdr_est.estimators.kalman.filter_step import DeviceFilterState
-from pdr_est.estimators.kalman.multi_device_ekf import PoseFilter
-from pdr_est.online.filter_records import Pending, Record, WalkState, whole_steps
+from pdr_est.estimators.common.nodes import SAME_S
+from pdr_est.estimators.common.tether_schedule import TetherSchedule
+from pdr_est.estimators.common.tethers import PairTether, TetherParams
+from pdr_est.estimators.kalman.walk_step import WalkFilterState, WalkStepper
+from pdr_est.online.device_log import DeviceLog, PendingNode, queue_nodes, release_steps
+from pdr_est.online.filter_history import FilterRecord, OnlineState, last_states, tethered_devices, whole_steps
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.start_and_fixes import StartAndFixes
-from pdr_est.online.step_log import DeviceLog
-from pdr_est.online.tether_schedule import Pair, Tethering
-from pdr_est.types.measurements import PositionFix
+from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 
 
-class WalkFilter:
-    """history: what was gone through and can be undone, the oldest first; state: after all of it.
+class RewindableFilter:
+    """Multi-device EKF that rewinds and replays out-of-sequence measurements.
 
-    late: steps that came too late to take their place in the order of time; missed: fixes that a device could not
-    take, because it has been standing for too long.
+    Its state always equals that of the offline filter on everything that is known so far.
+
+    Parameters
+    ----------
+    known
+        Start pose and fixes of the walk; shared with the caller, who adds the fixes.
+    tether
+        Tethers between devices; None for devices without tethers.
+    parameters
+        Waiting and rewinding.
+
+    Attributes
+    ----------
+    logs
+        Log of each device; None before its first sample.
+    history
+        Records that can be undone, the oldest first.
+    state
+        State after all of them.
+    tail_tethers
+        Tethers after the last record, once the walk has ended.
+    late_steps
+        Number of steps that came too late to take their place in the order of time.
+    missed_fixes
+        Number of fixes that a device could not use because it had been standing for longer than can be undone.
     """
 
     def __init__(self, known: StartAndFixes, tether: TetherParams | None, parameters: OnlineParams) -> None:
         self._known, self._tether, self._parameters = known, tether, parameters
-        self.logs: list[DeviceLog | None] = []
-        self._tethering = Tethering(None if tether is None else tether.every_s, self.logs)
-        self.history: list[Record] = []
-        self.state = WalkState()
-        self.late = self.missed = 0
-        self.tail_pulls: tuple[Pair, ...] = ()
-        self._let_go: set[int] = set()  # devices that a tether pulled at, which was undone
+        self._schedule = TetherSchedule(None if tether is None else tether.every_s)
+        self._stepper = WalkStepper(1)
+        self._undone_tethered: set[int] = set()  # devices whose last pose was changed by a tether that was undone
         self._forgotten_s = -inf
-        self._one, self._all = PoseFilter(1), PoseFilter(1)
+        self.logs: list[DeviceLog | None] = []
+        self.history: list[FilterRecord] = []
+        self.state = OnlineState(WalkFilterState())
+        self.tail_tethers: tuple[PairTether, ...] = ()
+        self.late_steps = self.missed_fixes = 0
 
     @property
     def now_s(self) -> float:
-        """The newest data time of all devices."""
+        """Newest data time of all devices."""
         return max((log.end_s for log in self.logs if log is not None), default=-inf)
 
-    def add_device(self) -> int:
-        """Make room for one more, which has not sent anything yet; return how much of the history is left."""
+    def add_device(self) -> None:
+        """Add a device that has not sent anything yet."""
         self.logs.append(None)
-        self._known.share(len(self.logs))
-        self.undo_after(-inf)
-        self._all = PoseFilter(len(self.logs))
-        alone = (*self.state.alone, None)
-        at = (*self.state.at, None)
-        self.state = replace(self.state, alone=alone, at=at, joint=None, present=frozenset())
-        if len(self.logs) > 1:
-            directed = {d: one.end for d, one in enumerate(alone) if one is not None and one.directed}
-            for device, moments in directed.items():
-                self._all.enter(moments, device)
-            joint = single.unload(self._all)
-            self.state = replace(self.state, joint=joint, present=frozenset(directed))
-        return len(self.history)
+        self._schedule.spans_s.append(None)
+        self._known.share_among(len(self.logs))
+        self.rewind_after(-inf)
+        self._stepper = WalkStepper(len(self.logs))
+        before = self.state
+        devices = (*before.walk.devices, None)
+        if len(devices) > 1:
+            walk = self._stepper.with_joint_of(devices, before.walk.begun_s)
+        else:
+            walk = WalkFilterState(devices, begun_s=before.walk.begun_s)
+        self.state = OnlineState(walk, (*before.last_nodes, None), before.next_tether)
 
-    def flush(self, closing_sigma_m: float | None) -> None:
-        """All samples have come. closing_sigma_m: how near to its start the walk of a single device ends."""
-        after_s = inf
-        for device, (log, own) in enumerate(zip(self.logs, self.state.alone, strict=True)):
-            if log is None:
-                continue
-            log.flushed = True
-            if closing_sigma_m is not None and len(self.logs) == 1:
-                log.home = self._known.home(device, log.step_end_s(log.count), closing_sigma_m)
-            open_fix_s = self._known.last_fix_s > log.step_end_s(log.count)
-            if (log.home is not None or open_fix_s) and log.ready > log.count:
-                after_s = min(after_s, log.begin_s(log.count))
-            if log.home is not None and own is not None and own.lost_s is not None:
-                after_s = min(after_s, nextafter(own.lost_s, -inf))
-        if after_s < inf:
-            self.undo_after(after_s)
+    def extend(
+        self, device: int, start_s: float, end_s: float, measurements: Sequence[StepOdometry | HeadingPrior] = ()
+    ) -> None:
+        """Add measurements of a device, whose samples now reach up to a later time.
 
-    def extend(self, device: int, end_s: float) -> None:
-        """The samples of a device reach up to a time."""
+        Parameters
+        ----------
+        device
+            Number of the device.
+        start_s
+            Time of its first sample.
+        end_s
+            Time up to which its samples reach.
+        measurements
+            Steps and heading priors since the last call.
+        """
         log = self.logs[device]
         if log is None:
-            return
-        moment_s = self._tethering.extend(device, end_s)
-        if self.history and moment_s + SAME_S < self.history[-1].time_s:
-            self.undo_after(moment_s)
+            log = self.logs[device] = DeviceLog(start_s)
+        for measurement in measurements:
+            log.append(measurement)
+        log.end_s = max(log.end_s, end_s)
+        tether_s = self._schedule.extend(device, log.start_s, end_s)
+        if self.history and tether_s + SAME_S < self.history[-1].time_s:
+            self.rewind_after(tether_s)
 
-    def undo_for_fix(self, fix: PositionFix, opens_start: bool) -> None:
-        """Go back to before the nodes for which a fix makes a difference."""
-        after_s = -inf if opens_start else inf
-        for log, own in zip(self.logs, self.state.alone, strict=True):
-            reached_s = inf if log is None else log.before_fix_s(fix.time_s)
-            if reached_s >= self._forgotten_s:
-                after_s = min(after_s, reached_s)
+    def add_fix(self, fix: PositionFix) -> None:
+        """Add a fix, and rewind to before the nodes for which it makes a difference."""
+        changes_start = self._known.add(fix)
+        after_s = -inf if changes_start else inf
+        for log, own in zip(self.logs, self.state.walk.devices, strict=True):
+            rewind_s = inf if log is None else log.rewind_time_s(fix.time_s)
+            if rewind_s >= self._forgotten_s:
+                after_s = min(after_s, rewind_s)
             else:
-                self.missed += 1
-            if own is not None and own.lost_s is not None:
-                after_s = min(after_s, nextafter(own.lost_s, -inf))
-        if opens_start and self._forgotten_s > -inf:
-            self.undo_after(-inf)
-            self._known.begin_anew({d: one.end for d, one in enumerate(self.state.alone) if one is not None})
-            joint = None if self.state.joint is None else (self.state.joint[0] * 0.0, self.state.joint[1] * 0.0)
-            nowhere = (None,) * len(self.logs)
-            self.state = replace(self.state, alone=nowhere, at=nowhere, joint=joint, present=frozenset())
+                self.missed_fixes += 1
+            if own is not None and own.lost_heading_s is not None:
+                after_s = min(after_s, nextafter(own.lost_heading_s, -inf))
+        if changes_start and self._forgotten_s > -inf:
+            self.rewind_after(-inf)
+            self._restart_here()
         elif after_s < inf:
-            self.undo_after(after_s)
+            self.rewind_after(after_s)
 
-    def undo_after(self, after_s: float) -> None:
-        """Undo all nodes later than a time, and the rest of the steps that they belong to."""
+    def end_walk(self, closing_sigma_m: float | None) -> None:
+        """Take note that all samples have come.
+
+        Parameters
+        ----------
+        closing_sigma_m
+            Standard deviation of the distance between start and end of the walk of a single device; None for a walk
+            that is not closed.
+        """
+        after_s = inf
+        for device, (log, own) in enumerate(zip(self.logs, self.state.walk.devices, strict=True)):
+            if log is None:
+                continue
+            log.complete = True
+            last_s = log.step_end_s(log.last_step)
+            if closing_sigma_m is not None and len(self.logs) == 1:
+                log.closing_fix = self._known.closing_fix(device, last_s, closing_sigma_m)
+            if (log.closing_fix is not None or self._known.last_fix_s > last_s) and log.next_step > log.last_step:
+                after_s = min(after_s, log.motion_begin_s(log.last_step))
+            if log.closing_fix is not None and own is not None and own.lost_heading_s is not None:
+                after_s = min(after_s, nextafter(own.lost_heading_s, -inf))
+        if after_s < inf:
+            self.rewind_after(after_s)
+
+    def apply_tail_tethers(self) -> None:
+        """Apply the tethers after the last node; nothing may come after."""
+        self.state, self.tail_tethers = self._tethered(self.state, inf)
+
+    def rewind_after(self, after_s: float) -> None:
+        """Undo all nodes later than a time, and the other nodes of the steps that they belong to."""
         while self.history and self.history[-1].time_s > after_s:
             record = self.history.pop()
-            self._let_go |= {device for pair in record.pulls for device in pair}
-            after_s = min(after_s, nextafter(record.pending.step_from_s, -inf))
+            self._undone_tethered |= tethered_devices(record.tethers)
+            after_s = min(after_s, nextafter(record.pending.step_first_s, -inf))
             log = self.logs[record.pending.device]
             if log is not None:
-                log.undo(record.pending.step, record.number)
+                log.rewind(record.pending.step, record.number)
             self.state = record.before
 
-    def catch_up(self) -> tuple[int, list[Record]]:
-        """Go through all nodes that may be used by now; return how many of the records were there before, and those
-        that were added."""
-        self._release()
-        self._take_standing()
-        queue = self._queue()
-        while queue and self.history and _place(queue[0]) < self._head():
-            self.undo_after(nextafter(queue[0].time_s, -inf))
-            queue = self._queue()
-        begin = len(self.history)
+    def catch_up(self) -> int:
+        """Process all nodes that may be used by now.
+
+        Returns
+        -------
+        int
+            Number of records that were there before; those from this index on are new.
+        """
+        release_steps(self.logs, self.now_s, self._parameters.wait_s)
+        self._rewind_for_standing_fixes()
+        queue = queue_nodes(self.logs, self._known, self._schedule)
+        while queue and self.history and queue[0].order < self.history[-1].order:
+            self.rewind_after(nextafter(queue[0].time_s, -inf))
+            queue = queue_nodes(self.logs, self._known, self._schedule)
+        kept = len(self.history)
         for pending in queue:
-            self._go(pending)
-        return begin, self.history[begin:]
+            self._process(pending)
+        return kept
 
-    def let_go(self, left: int) -> list[tuple[WalkState, int]]:
-        """The states in which the last poses of devices were left, if a tether that pulled at them was undone. left:
-        how many records there were before all was gone through again."""
-        devices, self._let_go = self._let_go, set()
-        found = []
-        for record in reversed(self.history[:left]):
-            if record.pending.device in devices:
-                found.append((record.after, record.pending.device))
-                devices.discard(record.pending.device)
-            for device in {device for pair in record.pulls for device in pair} & devices:
-                found.append((record.pulled, device))
-                devices.discard(device)
-            if not devices:
-                break
-        return found
+    def restored_states(self, kept: int) -> list[tuple[OnlineState, int]]:
+        """Find the last state of each device whose last pose had been changed by a tether that was undone.
 
-    def finish(self) -> WalkState:
-        """Ask for the last tethers; nothing comes after."""
-        self.state, self.tail_pulls = self._pulled(self.state, inf)
-        return self.state
+        Parameters
+        ----------
+        kept
+            Number of records that have not been undone.
+        """
+        devices, self._undone_tethered = self._undone_tethered, set()
+        return last_states(self.history[:kept], devices) if devices else []
 
-    def forget(self, fed: int) -> int:
-        """Forget what is too old to be undone, of what `fed` records were smoothed; return how many records."""
-        keep_s = self.now_s - self._parameters.horizon_s
-        if self._known.start_may_open:
-            keep_s = -inf
-        for own in self.state.alone:
-            keep_s = min(keep_s, inf if own is None or own.lost_s is None else own.lost_s)
-        if len(self.logs) == 1 and self.history:  # fixes while the walker stands belong there
+    def forget(self, smoothed: int) -> int:
+        """Forget the records that are too old to be undone.
+
+        Parameters
+        ----------
+        smoothed
+            Number of oldest records that nobody needs any more.
+
+        Returns
+        -------
+        int
+            Number of records that were forgotten.
+        """
+        keep_s = -inf if self._known.start_may_change else self.now_s - self._parameters.horizon_s
+        for own in self.state.walk.devices:
+            if own is not None and own.lost_heading_s is not None:
+                keep_s = min(keep_s, own.lost_heading_s)
+        if len(self.logs) == 1 and self.history:  # fixes while the walker stands still apply to the last node
             keep_s = min(keep_s, self.history[-1].time_s)
         most = self._parameters.remembered_steps
         count = bisect_left(self.history, keep_s, key=lambda record: record.time_s)
-        count = whole_steps(self.history, min(max(count, len(self.history) - most), fed))
+        count = whole_steps(self.history, min(max(count, len(self.history) - most), smoothed))
         if count:
             self._forgotten_s = self.history[count - 1].time_s
             del self.history[:count]
             self._forget_steps()
-            needed = [log.step_end_s(log.ready - 1) for log in self.logs if log is not None]
-            needed += [record.pending.step_from_s for record in self.history[:1]]
-            self._known.forget(min(keep_s, *needed), most)
+            needed_s = [log.step_end_s(log.next_step - 1) for log in self.logs if log is not None]
+            needed_s += [record.pending.step_first_s for record in self.history[:1]]
+            self._known.forget(min(keep_s, *needed_s), most)
         return count
 
     def _forget_steps(self) -> None:
-        for device, log in enumerate(self.logs):
-            own = next((record for record in self.history if record.pending.device == device), None)
-            if log is not None:
-                first = log.next_node if own is None else own.number
-                states = (self.history[0].before.alone if self.history else self.state.alone, self.state.alone)
-                begins = [one[device] for one in states]
-                first = min([first, *(one.begin for one in begins if one is not None and not one.directed)])
-                log.forget(log.ready - 1 if own is None else own.pending.step - 1, first)
-
-    def _take_standing(self) -> None:
-        """Go back for fixes of the time that a device has been standing, now that it is known to have been."""
-        for log in self.logs:
-            if log is None or log.ready == 0 or not log.nodes:
-                continue
-            step = log.ready - 1
-            standing = log.standing(step, self._known.fixes, self._known.reached_s(log.end_s))
-            if len(standing) != len(log.nodes[-1].fixes):
-                if log.step_end_s(step) > self._forgotten_s:
-                    self.undo_after(log.begin_s(step))
-                else:
-                    self.missed += 1
-                    log.nodes[-1] = replace(log.nodes[-1], fixes=standing)
-
-    def _release(self) -> None:
-        """Let the steps of each device be used for which all others have come so far, or were waited for."""
-        now_s = self.now_s
+        """Forget the steps and nodes of each device that no remaining record needs."""
         for device, log in enumerate(self.logs):
             if log is None:
                 continue
-            others = [other for d, other in enumerate(self.logs) if d != device]
-            reached_s = min((-inf if other is None else other.end_s for other in others), default=inf)
-            until_s = inf if log.flushed else max(reached_s, now_s - self._parameters.wait_s)
-            number = max(log.released, 1)
-            while number <= log.count and log.step_end_s(number) <= until_s:
-                number += 1
-            log.released = number if number > 1 or log.flushed else 0
+            own = next((record for record in self.history if record.pending.device == device), None)
+            oldest = self.history[0].before if self.history else self.state
+            searching = [one.walk.devices[device] for one in (oldest, self.state)]
+            begins = [one.segment_begin for one in searching if one is not None and not one.heading_known]
+            log.forget(
+                log.next_step - 1 if own is None else own.pending.step - 1,
+                min([log.next_node if own is None else own.number, *begins]),
+            )
 
-    def _queue(self) -> list[Pending]:
-        queue: list[Pending] = []
-        for device, log in enumerate(self.logs):
-            if log is not None:
-                for step in range(log.ready, log.released):
-                    queue += self._pending(device, log, step)
-        return sorted(queue, key=_place)
+    def _restart_here(self) -> None:
+        """Restart the walk at the present states of the devices: its start has been forgotten."""
+        walk = self.state.walk
+        self._known.restart_from({device: own.state for device, own in enumerate(walk.devices) if own is not None})
+        walk = replace(self._stepper.initial(walk.joint is not None), begun_s=walk.begun_s)
+        self.state = replace(self.state, walk=walk, last_nodes=(None,) * len(self.logs))
 
-    def _pending(self, device: int, log: DeviceLog, step: int) -> Iterable[Pending]:
-        fixes, begin_s, end_s = self._known.fixes, log.begin_s(step), log.step_end_s(step)
-        split_times_s = self._tethering.moments_between(begin_s, end_s) if step else []
-        nodes = log.nodes_of(step, fixes, split_times_s, self._known.reached_s(log.end_s))
-        told = self._known.last_fix_s >= end_s or (log.flushed and log.home is not None)
-        for i, node in enumerate(nodes):
-            later = told or any(other.fixes for other in nodes[i:])
-            yield Pending(node.time_s, device, node, step, nodes[0].time_s, i == len(nodes) - 1, later)
+    def _rewind_for_standing_fixes(self) -> None:
+        """Rewind for fixes after the last step of a device, once it is known that the walker stood still then."""
+        for log in self.logs:
+            if log is None or log.next_step == 0 or not log.nodes:
+                continue
+            step = log.next_step - 1
+            standing = log.standing_fixes(step, self._known.fixes, self._known.known_until_s(log.end_s))
+            if len(standing) != len(log.nodes[-1].fixes):
+                if log.step_end_s(step) > self._forgotten_s:
+                    self.rewind_after(log.motion_begin_s(step))
+                else:
+                    self.missed_fixes += 1
+                    log.nodes[-1] = replace(log.nodes[-1], fixes=standing)
 
-    def _go(self, pending: Pending) -> None:
+    def _process(self, pending: PendingNode) -> None:
+        """Step the filter to a node, and add a record."""
         device, log, before = pending.device, self.logs[pending.device], self.state
         if log is None:
             return
-        pulled, pulls = self._pulled(before, pending.time_s)
-        number = log.next_node
+        tethered, tethers = self._tethered(before, pending.time_s)
+        number, own = log.next_node, tethered.walk.devices[device]
         log.nodes.append(pending.node)
-        own = self._alone(pulled.alone[device], pending, number, log)
-        alone = (*pulled.alone[:device], own, *pulled.alone[device + 1 :])
-        joint, entered = pulled.joint, own.end if own.entered else None
-        if joint is not None and own.directed:
-            donor = donor_of(number, pending.time_s, pulled.begun_s, pulled.present)
-            joint, entered = _followed(self._all, joint, pending, entered, donor)
-        present = pulled.present | {device} if own.directed else pulled.present
-        at = (*pulled.at[:device], pending, *pulled.at[device + 1 :])
-        self.state = WalkState(alone, at, joint, present, pulled.next_tie, min(before.begun_s, pending.time_s))
-        self.late += pending.is_last and pending.time_s < self._forgotten_s
+        segment = log.nodes_from(own.segment_begin) if own is not None and not own.heading_known else ()
+        walk, entered = self._stepper.step(
+            tethered.walk,
+            device,
+            number,
+            pending.node,
+            segment=segment if len(segment) <= self._parameters.remembered_steps else None,
+            heading_observed_later=pending.heading_observed_later,
+            prior=self._known.prior(device) if own is None else None,
+        )
+        last_nodes = (*tethered.last_nodes[:device], pending, *tethered.last_nodes[device + 1 :])
+        self.state = OnlineState(walk, last_nodes, tethered.next_tether)
+        self.late_steps += pending.ends_step and pending.time_s < self._forgotten_s
         place_s = max(pending.time_s, self.history[-1].time_s if self.history else self._forgotten_s)
-        self.history.append(Record(pending, number, place_s, before, pulls, pulled, entered, self.state))
-        if pending.is_last:
-            log.ready = pending.step + 1
+        self.history.append(FilterRecord(pending, number, place_s, before, tethers, tethered, entered, self.state))
+        if pending.ends_step:
+            log.next_step = pending.step + 1
 
-    def _alone(
-        self, before: DeviceFilterState | None, pending: Pending, number: int, log: DeviceLog
-    ) -> DeviceFilterState:
-        if before is None:
-            prior = self._known.prior(pending.device, len(self.logs))
-            return single.begin(pending.node, number, prior, self._one)
-        nodes = log.since(before.begin) if not before.directed else ()
-        if len(nodes) > self._parameters.remembered_steps:
-            return single.begin_anew(before, pending.node, number, self._one)
-        return single.follow(before, pending.node, number, nodes, pending.told_later, self._one)
-
-    def _pulled(self, state: WalkState, before_s: float) -> tuple[WalkState, tuple[Pair, ...]]:
-        """The state after the tethers whose moment is before a time, and the pairs that were asked for."""
-        if self._tether is None or state.joint is None:
+    def _tethered(self, state: OnlineState, before_s: float) -> tuple[OnlineState, tuple[PairTether, ...]]:
+        """Apply the tethers before a time."""
+        if self._tether is None or state.walk.joint is None:
             return state, ()
-        pairs, next_tie = self._tethering.asked_for(state.next_tie, min(self.now_s, before_s), before_s)
-        pulls = tuple((a, b) for a, b in pairs if state.directed(a) and state.directed(b))
-        if not pulls:
-            return replace(state, next_tie=next_tie), ()
-        single.load(self._all, state.joint)
-        for a, b in pulls:
-            self._all.keep_together(a, b, self._tether.max_distance_m, self._tether.sigma_m)
-        return replace(state, joint=single.unload(self._all), next_tie=next_tie), pulls
-
-    def _head(self) -> tuple[float, int]:
-        return self.history[-1].time_s, self.history[-1].pending.device
-
-
-def _followed(
-    workhorse: PoseFilter, joint: single.Raw, pending: Pending, entered: GaussianState | None, donor: int | None
-) -> tuple[single.Raw, GaussianState | None]:
-    """The joint filter after a node of one device, and the state that the device entered it with, if it did."""
-    single.load(workhorse, joint)
-    if entered is not None:
-        entered = workhorse.join(entered, pending.node, pending.device, donor)
-    else:
-        workhorse.advance(pending.node, pending.device)
-        workhorse.measure(pending.node, pending.device)
-    return single.unload(workhorse), entered
-
-
-def _place(pending: Pending) -> tuple[float, int]:
-    return pending.time_s, pending.device
+        pairs, next_tether = self._schedule.due(state.next_tether, min(self.now_s, before_s), before_s)
+        due = [PairTether(a, b, self._tether.max_distance_m, self._tether.sigma_m) for a, b in pairs]
+        walk, tethers = self._stepper.apply_tethers(state.walk, due)
+        return replace(state, walk=walk, next_tether=next_tether), tethers

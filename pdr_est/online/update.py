@@ -1,4 +1,4 @@
-"""What the tracker says of one pose of one device."""
+"""Updates: what the tracker tells about one pose of one device."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -7,22 +7,43 @@ from typing import Literal, Protocol
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.timeline import Node
+from pdr_est.estimators.common.nodes import Node
 from pdr_est.frames import Array, rotate_vectors, wrap_angle
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
 Kind = Literal["filtered", "delayed"]
+"""Kind of a pose: estimated from what is known so far, or with a lag from what came up to the lag later."""
 
 
 @dataclass(frozen=True)
 class Update:
-    """The pose of a device at the end of a step, or at its start.
+    """Pose of a device at the end of a step or at its start.
 
-    position_m (2,) east and north, covariance_m2 (2, 2), heading_rad counter-clockwise from east with its standard
-    deviation. kind: "filtered" from what is known by now, "delayed" from that up to the lag later. moving_from_s:
-    when the movement to this pose began. What comes late may change a pose: the last update of a kind, device and
-    time counts.
+    Data that comes late may change a pose: the last update of a kind, device and time counts.
+
+    Attributes
+    ----------
+    device
+        Name of the device, or `fused` for the person.
+    time_s
+        Time of the pose.
+    position_m
+        Position (2,), east and north.
+    covariance_m2
+        Covariance (2, 2) of the position, m².
+    heading_rad
+        Heading, counter-clockwise from east, rad.
+    sigma_heading_rad
+        Standard deviation of the heading, rad.
+    kind
+        "filtered" from what is known so far, or "delayed" from what is known up to the lag later.
+    step_length_m
+        Length of the step that ends here, m.
+    mode
+        Carrying mode of the phone during the step.
+    moving_from_s
+        Time at which the step began.
     """
 
     device: str
@@ -38,9 +59,12 @@ class Update:
 
 
 def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str | None = None) -> Track:
-    """The track that updates of a kind leave, device by device in order of their first appearance.
+    """Return the track that updates of one kind leave, device by device in order of their first appearance.
 
-    Raises EstimationError without any.
+    Raises
+    ------
+    EstimationError
+        If there is no update of that kind.
     """
     latest: dict[str, dict[float, Update]] = {}
     for update in updates:
@@ -64,26 +88,32 @@ def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str 
     )
 
 
-class Pose(Protocol):
-    """A pose (3,) of a device at a node, with its covariance (3, 3) and the length scale with its sigma."""
+class PoseEstimate(Protocol):
+    """Estimated pose of a device at a node, from the filter or from the fixed-lag smoother."""
 
     @property
-    def device(self) -> int: ...
+    def device(self) -> int:
+        """Return the number of the device."""
 
     @property
-    def node(self) -> Node: ...
+    def node(self) -> Node:
+        """Return the node."""
 
     @property
-    def pose(self) -> Array: ...
+    def pose(self) -> Array:
+        """Return the pose (3,), east m, north m, heading rad."""
 
     @property
-    def covariance(self) -> Array: ...
+    def covariance(self) -> Array:
+        """Return the covariance (3, 3) of the pose in the map frame."""
 
     @property
-    def scale(self) -> tuple[float, float]: ...
+    def scale(self) -> tuple[float, float]:
+        """Return the length scale and its standard deviation."""
 
 
-def update_of(pose: Pose, device: str, kind: Kind) -> Update:
+def update_of(pose: PoseEstimate, device: str, kind: Kind) -> Update:
+    """Make the update of a device's pose."""
     return Update(
         device=device,
         time_s=pose.node.time_s,
@@ -98,8 +128,8 @@ def update_of(pose: Pose, device: str, kind: Kind) -> Update:
     )
 
 
-def placed(update: Update, offset_m: tuple[float, float]) -> Update:
-    """The update of a device that sits offset_m, forward and left, from the centre of the body whose pose it is."""
+def at_mounting(update: Update, offset_m: tuple[float, float]) -> Update:
+    """Move an update from the centre of the body to a device that is mounted `offset_m` forward and left of it."""
     if offset_m == (0.0, 0.0):
         return update
     return replace(update, position_m=update.position_m + rotate_vectors(np.array(offset_m), update.heading_rad))

@@ -1,75 +1,95 @@
-"""Poses of the filter and of the smoother as updates: of each device where it sits on the body, and of the person."""
+"""Assembly of updates from the poses of filter and smoother: those of each device, and those of the person."""
 
 from collections.abc import Sequence
 from math import inf
 
 from pdr_est.config import DevicesParams
 from pdr_est.online.device_front_end import DeviceFrontEnd
-from pdr_est.online.person_estimates import Person, Recorded
-from pdr_est.online.update import Kind, Pose, Update, placed, update_of
+from pdr_est.online.person_estimates import DeviceCoverage, PersonEstimates
+from pdr_est.online.update import Kind, PoseEstimate, Update, at_mounting, update_of
 
 
-class Estimates:
-    """fronts, names: of the devices, lists that go on. wait_s: how long the person waits for devices; behind_s: how
-    much later than the filter's the poses of a kind come."""
+class UpdateAssembly:
+    """Makes updates of the devices, each where it is mounted on the body, and of the person.
+
+    Parameters
+    ----------
+    names, front_ends
+        Name and front end of each device; lists that may grow.
+    devices
+        Mounting of the devices.
+    wait_s
+        Time for which the person waits for devices.
+    delays_s
+        Time by which poses of each kind come later than those of the filter.
+    """
 
     def __init__(
         self,
         names: Sequence[str],
-        fronts: Sequence[DeviceFrontEnd],
+        front_ends: Sequence[DeviceFrontEnd],
         devices: DevicesParams,
         wait_s: float,
-        behind_s: dict[Kind, float],
+        delays_s: dict[Kind, float],
     ) -> None:
-        self._names, self._fronts, self._devices = names, fronts, devices
-        self._wait_s, self._behind_s = wait_s, behind_s
-        self._persons: dict[Kind, Person] = {kind: Person(kind) for kind in behind_s}
+        self._names, self._front_ends, self._devices = names, front_ends, devices
+        self._wait_s, self._delays_s = wait_s, delays_s
+        self._persons: dict[Kind, PersonEstimates] = {kind: PersonEstimates(kind) for kind in delays_s}
 
     @property
-    def waits(self) -> Kind | None:
-        """A kind in which there may be something to say of the person."""
+    def pending_person(self) -> Kind | None:
+        """Return a kind for which new poses of the person may be known; None if there is none."""
         if len(self._names) < 2:
             return None
-        return next((kind for kind, person in self._persons.items() if person.waits), None)
+        return next((kind for kind, person in self._persons.items() if person.pending), None)
 
-    def recorded(self, device: int, from_s: float, to_s: float) -> None:
-        """A device turns out to have recorded during that time."""
+    def extend(self, device: int, from_s: float, to_s: float) -> None:
+        """Take note that a device recorded between two times."""
         for person in self._persons.values():
-            person.recorded(device, from_s, to_s)
+            person.extend(device, from_s, to_s)
 
-    def of_devices(self, kind: Kind, poses: Sequence[Pose]) -> list[Update]:
-        """The ends of steps among some poses, where the devices sit on the body."""
+    def of_devices(self, kind: Kind, poses: Sequence[PoseEstimate]) -> list[Update]:
+        """Make the updates of device poses; only the ends of steps have one."""
         steps = [pose for pose in poses if pose.node.is_step]
-        self._persons[kind].take(steps, len(self._names))
+        self._persons[kind].add(steps, len(self._names))
         return [self._of_device(kind, pose) for pose in steps]
 
     def of_person(self, kind: Kind, now_s: float, most: int | None = None) -> list[Update]:
-        """The person's poses that are new or have changed. now_s: the newest data time, infinite at the end of the
-        walk; most: how many to look at, at most."""
+        """Make the updates of the person's poses that are new or have changed.
+
+        Parameters
+        ----------
+        kind
+            Kind of the poses.
+        now_s
+            Newest data time; infinity at the end of the walk.
+        most
+            Largest number of poses to look at; None for no limit.
+        """
         if len(self._names) < 2:
             return []
-        behind_s, devices = self._behind_s[kind], []
-        for front in self._fronts:
-            end_s = -inf if front.end_s is None else front.end_s
-            known_s = now_s if now_s == inf else end_s - front.behind_end_s - behind_s
-            devices.append(Recorded(front.spans_s, known_s))
-        return self._persons[kind].give(devices, now_s - self._patience_s - behind_s, most)
+        delay_s, devices = self._delays_s[kind], []
+        for front_end in self._front_ends:
+            end_s = -inf if front_end.end_s is None else front_end.end_s
+            known_s = now_s if now_s == inf else end_s - front_end.step_latency_s - delay_s
+            devices.append(DeviceCoverage(front_end.spans_s, known_s))
+        return self._persons[kind].give(devices, now_s - self._patience_s - delay_s, most)
 
     def last_of_person(self) -> list[Update]:
-        """At the end of the walk."""
+        """Make the remaining updates of the person at the end of the walk."""
         return [update for kind in self._persons for update in self.of_person(kind, inf)]
 
     def forget(self, before_s: float) -> None:
-        """The filter's poses before a time will not change any more."""
+        """Forget poses of the filter before a time, which will not change any more."""
         for kind, person in self._persons.items():
-            person.forget(before_s - self._patience_s - self._behind_s[kind])
+            person.forget(before_s - self._patience_s - self._delays_s[kind])
 
     @property
     def _patience_s(self) -> float:
-        """How long the person waits for the pose of a device that may not come."""
-        return self._wait_s + max((front.behind_end_s for front in self._fronts), default=0.0)
+        """Time for which the person waits for the pose of a device that may not come."""
+        return self._wait_s + max((front_end.step_latency_s for front_end in self._front_ends), default=0.0)
 
-    def _of_device(self, kind: Kind, pose: Pose) -> Update:
+    def _of_device(self, kind: Kind, pose: PoseEstimate) -> Update:
         name = self._names[pose.device]
         offset_m = self._devices.mounting_of(name).offset_m if len(self._names) > 1 else (0.0, 0.0)
-        return placed(update_of(pose, name, kind), offset_m)
+        return at_mounting(update_of(pose, name, kind), offset_m)

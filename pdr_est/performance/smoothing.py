@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import gtsam
 import numpy as np
 
-from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
+from pdr_est.estimators.common.initial_state import starts_of
+from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.factor_graph import smoother as factor_graph
 from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph

@@ -6,8 +6,8 @@ from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_pri
 from least_squares import solve, solve_linear
 
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
-from pdr_est.estimators.kalman import rts_smoother
-from pdr_est.estimators.kalman import single_device as ekf
+from pdr_est.estimators.kalman import ekf, rts_smoother
+from pdr_est.estimators.kalman.walk_filter import run_filter
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 
@@ -52,7 +52,7 @@ def test_on_a_linear_walk_the_ekf_is_the_kalman_filter() -> None:
     timeline = timeline_of(straight_walk(0.0))
     mean, covariance = kalman_filter(timeline)
     steps = [node.is_step for node in timeline.nodes]
-    track = ekf.estimate(timeline, EAST, SIGMA_SCALE)
+    track = ekf.estimate([timeline], (), EAST, SIGMA_SCALE)
     assert track.position_m == pytest.approx(mean[steps, :2], abs=1e-9)
     assert track.covariance_m2 == pytest.approx(covariance[steps, :2, :2], abs=1e-9)
     assert track.length_scale == pytest.approx(mean[-1, 2], abs=1e-9)
@@ -64,10 +64,10 @@ def test_on_a_linear_walk_the_ekf_is_the_kalman_filter() -> None:
 def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
     timeline = timeline_of(straight_walk(0.0))
     mean, covariance = solve_linear(timeline, EAST, SIGMA_SCALE)
-    filtered = ekf.run_filter(timeline, EAST, SIGMA_SCALE)[0]
-    smoothed = rts_smoother.smooth(timeline.nodes, filtered.moments)
-    assert filtered.moments[-1].mean[:2] == pytest.approx(mean[-3:-1], abs=1e-9)
-    assert filtered.moments[-1].covariance[:2, :2] == pytest.approx(covariance[-3:-1, -3:-1], abs=1e-9)
+    filtered = run_filter(timeline, EAST, SIGMA_SCALE)[0]
+    smoothed = rts_smoother.smooth(timeline.nodes, filtered.states)
+    assert filtered.states[-1].mean[:2] == pytest.approx(mean[-3:-1], abs=1e-9)
+    assert filtered.states[-1].covariance[:2, :2] == pytest.approx(covariance[-3:-1, -3:-1], abs=1e-9)
     for i, state in enumerate(smoothed):
         rows = [2 * i, 2 * i + 1, -1]
         assert state.mean[[0, 1, 3]] == pytest.approx(mean[rows], abs=1e-8)
@@ -78,10 +78,10 @@ def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
 
 def test_on_a_linear_walk_the_graph_is_the_smoothed_filter() -> None:
     timeline = timeline_of(straight_walk(1e-4))
-    filtered = ekf.run_filter(timeline, EAST, SIGMA_SCALE)[0]
+    filtered = run_filter(timeline, EAST, SIGMA_SCALE)[0]
     smoothed = [
         state
-        for state, node in zip(rts_smoother.smooth(timeline.nodes, filtered.moments), timeline.nodes, strict=True)
+        for state, node in zip(rts_smoother.smooth(timeline.nodes, filtered.states), timeline.nodes, strict=True)
         if node.is_step
     ]
     track = run("factor-graph", straight_walk(1e-4).measurements, EAST)
@@ -100,7 +100,7 @@ def test_on_a_gently_turning_walk_the_graph_is_the_smoothed_filter() -> None:
     turns = 0.05 * np.sin(np.arange(80) / 9.0)
     walk = simulate(rng, turns, (3.0, -2.0, 0.5), 1.02, fix_every=10, sigma_fix_m=0.2, covariance=covariance)
     timeline = timeline_of(walk)
-    smoothed = rts_smoother.smooth(timeline.nodes, ekf.run_filter(timeline, start, 0.03)[0].moments)
+    smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, start, 0.03)[0].states)
     track = run("factor-graph", walk.measurements, start, 0.03)
     assert track.position_m == pytest.approx(np.array([state.mean[:2] for state in smoothed]), abs=0.01)
     for k, state in enumerate(smoothed):

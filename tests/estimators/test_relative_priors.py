@@ -9,7 +9,7 @@ from least_squares import solve
 
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.kalman import rts_smoother
-from pdr_est.estimators.kalman import single_device as ekf
+from pdr_est.estimators.kalman.walk_filter import run_filter
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import HeadingPrior, Measurement, StartPose
 
@@ -54,7 +54,7 @@ def test_on_a_gently_turning_walk_the_graph_is_the_smoothed_filter() -> None:
     walk = simulate(rng, turns, (3.0, -2.0, 0.5), 1.02, fix_every=10, sigma_fix_m=0.2, covariance=covariance)
     measurements = [*walk.measurements, *(relative(k, walk.truth[k, 2] + 0.7, 0.01) for k in range(0, 81, 8))]
     timeline = build_timeline(DEVICE, 0.0, measurements)
-    smoothed = rts_smoother.smooth(timeline.nodes, ekf.run_filter(timeline, start, 0.03)[0].moments)
+    smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, start, 0.03)[0].states)
     track = run("factor-graph", measurements, start, 0.03)
     assert track.position_m == pytest.approx(np.array([state.mean[:2] for state in smoothed]), abs=0.01)
     assert track.heading_rad == pytest.approx(np.array([state.mean[2] for state in smoothed]), abs=2e-3)

@@ -20,9 +20,13 @@ from two_phones import (
 )
 
 from pdr_est.config import Config, EstimatorParams
+from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.frames import wrap_angle
 from pdr_est.online import Update, track_of
+from pdr_est.online.person_estimates import DeviceCoverage, PersonEstimates
+from pdr_est.online.walk_estimator import FilteredPose
+from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
 SECONDS = [np.arange(1.0, 60.0)] * 2
@@ -136,17 +140,21 @@ def test_one_device_has_no_person_beside_it() -> None:
     assert of_devices(updates) == updates
 
 
-def test_what_is_not_asked_for_is_forgotten() -> None:
-    """One device has no person, two have one: neither piles up moments."""
-    for devices in (1, 2):
-        recording = recorded(devices)
-        tracker = tracker_of(recording, KNOWN_START, horizon_s=2.0)
-        for name, block in slices(recording, FIFTHS[:devices]):
-            tracker.push(name, block)
-        person = tracker._estimates._persons["filtered"]
-        kept_s = 2.0 * 2.0 + 3.6 + 1.0 + 1.0
-        assert len(person._due) + len(person._given) < devices * 3.0 * kept_s
-        assert min([*person._due, *person._given]) > 15.0
+def device_pose(device: int, time_s: float) -> FilteredPose:
+    node = Node(time_s, time_s - 0.5, 0.7, 0.0, np.zeros((3, 3)), True, 0.7, CarryingMode.HOLDING)
+    return FilteredPose(device, node, np.array([1.4 * time_s, 0.0, 0.0]), 0.01 * np.eye(3), (1.0, 0.1))
+
+
+@pytest.mark.parametrize("devices", [1, 2])
+def test_poses_that_nobody_asks_for_are_forgotten(devices: int) -> None:
+    """A single device has no person, so its poses are never asked for; with two devices they are."""
+    person = PersonEstimates("filtered")
+    for k in range(400):
+        person.add([device_pose(device, 0.5 * k + 0.1 * device) for device in range(devices)], devices)
+        if devices > 1:
+            person.give([DeviceCoverage([(0.0, 0.5 * k)], 0.5 * k)] * devices, 0.5 * k - 2.0)
+        person.forget(0.5 * k - 5.0)
+        assert person.remembered <= 12 * devices
 
 
 def test_delayed_poses_are_joined_too() -> None:

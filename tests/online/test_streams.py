@@ -5,19 +5,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_tracker import FIXES, same_poses
-from two_phones import KNOWN_START, fix_at, of_devices, offline, push_all, radio_off, recorded, slices, tracker_of
+from two_phones import (
+    KNOWN_START,
+    ONE_CLOCK,
+    fix_at,
+    of_devices,
+    offline,
+    push_all,
+    radio_off,
+    recorded,
+    slices,
+    tracker_of,
+)
 
-from pdr_est.config import Config, EstimatorParams
+from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.errors import ConfigError, EstimationError
-from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.front_end.odometry import step_covariance
 from pdr_est.online import OnlineParams, Tracker, track_of
-from pdr_est.online.delayed_estimates import Delayed
-from pdr_est.online.rewindable_filter import WalkFilter
-from pdr_est.online.start_and_fixes import StartAndFixes
-from pdr_est.online.step_log import DeviceLog
-from pdr_est.types.measurements import PositionFix, StartPose, StepOdometry
+from pdr_est.online.walk_estimator import WalkEstimator
+from pdr_est.types.measurements import PositionFix, StepOdometry
 from pdr_est.types.sensors import Channel
 
 FIFTHS = [np.arange(0.2, 60.0, 0.2)] * 2
@@ -87,7 +94,7 @@ def test_a_fix_that_a_standing_device_cannot_use_is_told() -> None:
         tracker.push(name, block)
     assert tracker.missed_fixes == 0
     with pytest.warns(UserWarning, match="not used for 1 of 2 devices"):
-        assert tracker.push_fix(fix_at(tracker._walk.now_s - 4.0, 14.0, 9.0)) != []
+        assert tracker.push_fix(fix_at(tracker.now_s - 4.0, 14.0, 9.0)) != []
     assert tracker.missed_fixes == 1
     assert tracker.refused_fixes == 0
 
@@ -109,57 +116,50 @@ def test_nothing_is_taken_after_the_end_and_nothing_absurd_before() -> None:
         Tracker(replace(KNOWN_START, heading=corridors))
 
 
-def walked(
-    hours: float, fix_every: int, start: StartPose, gap_every: int = 0
-) -> tuple[WalkFilter, StartAndFixes, list[int]]:
-    """The filter after hours of steps of two devices, with how much it remembered after each thousand."""
-    rng, parameters = np.random.default_rng(3), OnlineParams(remembered_steps=500)
-    known = StartAndFixes(start, 0.1)
-    walk, delayed = WalkFilter(known, TetherParams(), parameters), Delayed(FixedLagParams(lag_s=2.0), TetherParams())
+def walked(hours: float, fix_every: int, start: StartParams, gap_every: int = 0) -> tuple[WalkEstimator, list[int]]:
+    """Filter hours of steps of two devices; return the estimator, and how much it remembers after each 500 steps."""
+    rng = np.random.default_rng(3)
+    config = replace(ONE_CLOCK, estimator=EstimatorParams(name="fixed-lag", fixed_lag=FixedLagParams(lag_s=2.0)))
+    estimator = WalkEstimator(replace(config, start=start), OnlineParams(remembered_steps=500))
     for _ in range(2):
-        walk.add_device()
+        estimator.add_device()
     sizes = []
     for k in range(1, int(hours * 7200)):
         for device in range(2):
-            log = walk.logs[device] = walk.logs[device] or DeviceLog(0.0)
             turn = 0.05 * rng.standard_normal()
             covariance = step_covariance(0.7, 0.07, 0.1, 1.0 if gap_every and k % gap_every == 0 else 0.02)
-            log.append(StepOdometry("", 0.5 * k + 0.01 * device, 0.5 * (k - 1), 0.7, turn, covariance))
-            walk.extend(device, 0.5 * k + 0.02)
+            step = StepOdometry("", 0.5 * k + 0.01 * device, 0.5 * (k - 1), 0.7, turn, covariance)
+            estimator.extend(device, (0.0, 0.5 * k + 0.02), [step], latency_s=0.0)
             if fix_every and k % fix_every == device:
-                fix = fix_at(0.5 * k - 1.0, 0.0, 0.0, 50.0)
-                walk.undo_for_fix(fix, known.add(fix))
-            kept, _ = walk.catch_up()
-            delayed.undone(kept)
-            while delayed.waits(walk.history, walk.now_s - 5.0):
-                delayed.take(walk.history, walk.now_s - 5.0)
-            delayed.forgotten(walk.forget(delayed.fed))
+                estimator.add_fix(fix_at(0.5 * k - 1.0, 0.0, 0.0, 50.0))
+            estimator.take_filtered()
+            while estimator.delayed_pending:
+                estimator.take_delayed()
+            estimator.forget(estimator.now_s - 60.0)
         if k % 500 == 0:
-            logs = [log for log in walk.logs if log is not None]
-            kept_steps = sum(len(log._steps) + len(log.nodes) for log in logs)
-            sizes.append(len(walk.history) + kept_steps + len(known._given) + len(delayed._taken))
-    return walk, known, sizes
+            sizes.append(estimator.remembered)
+    return estimator, sizes
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fix_every", [0, 40])
-@pytest.mark.parametrize("start", [StartPose((0.0, 0.0), 0.0), StartPose()], ids=["known", "open"])
+@pytest.mark.parametrize(
+    "start", [StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0), StartParams()], ids=["known", "open"]
+)
 @pytest.mark.parametrize("gap_every", [0, 300])
-def test_memory_does_not_grow(fix_every: int, start: StartPose, gap_every: int) -> None:
-    _, _, sizes = walked(0.5, fix_every, start, gap_every)
-    assert max(sizes[3:]) <= 3500
+def test_memory_does_not_grow(fix_every: int, start: StartParams, gap_every: int) -> None:
+    _, sizes = walked(0.5, fix_every, start, gap_every)
+    assert max(sizes[3:]) <= 3800
     assert max(sizes[len(sizes) // 2 :]) <= 1.2 * max(sizes[: len(sizes) // 2]) + 50
 
 
 @pytest.mark.slow
 def test_a_first_fix_after_more_than_can_be_remembered() -> None:
-    walk, known, _ = walked(0.2, 0, StartPose())
-    fix = fix_at(walk.now_s - 1.0, 100.0, 50.0, 1.0)
-    walk.undo_for_fix(fix, known.add(fix))
-    walk.catch_up()
-    moments = walk.state.moments(0)
-    assert np.hypot(*(moments.mean[:2] - [100.0, 50.0])) < 3.0
-    assert np.isfinite(moments.covariance).all()
+    estimator, _ = walked(0.2, 0, StartParams())
+    estimator.add_fix(fix_at(estimator.now_s - 1.0, 100.0, 50.0, 1.0))
+    state = estimator.filter.state.walk.state_of(0)
+    assert np.hypot(*(state.mean[:2] - [100.0, 50.0])) < 3.0
+    assert np.isfinite(state.covariance).all()
 
 
 def test_delayed_estimates_survive_a_restart() -> None:

@@ -1,13 +1,31 @@
-"""Huber's weights: far measurements count less, none is thrown away."""
+"""Huber weights: outlying measurements count less, and none is discarded."""
 
 import numpy as np
 
 from pdr_est.frames import Array
 
-HUBER = 1.345  # standard deviations; 95 % efficient for Gaussian errors in one dimension, 93 % in two
+HUBER = 1.345
+"""Huber threshold in standard deviations: 95 % efficient for Gaussian errors in one dimension, 93 % in two."""
 
 
 def huber_inflation(residual: Array, covariance: Array) -> float:
-    """Factor by which the noise of a measurement grows. residual: (m,); covariance: (m, m) of the innovation."""
+    """Compute the factor by which Huber weighting inflates the noise covariance of a measurement.
+
+    Parameters
+    ----------
+    residual
+        Innovation, (m,).
+    covariance
+        Covariance of the innovation, (m, m).
+
+    Returns
+    -------
+    float
+        Factor of at least 1.
+
+    References
+    ----------
+    P. J. Huber, "Robust estimation of a location parameter", Ann. Math. Statist. 35 (1964).
+    """
     distance = float(np.sqrt(residual @ np.linalg.solve(covariance, residual)))
     return max(1.0, distance / HUBER)

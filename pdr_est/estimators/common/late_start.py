@@ -1,8 +1,9 @@
-"""A device that began to record while the walk was under way: what led to its start is told by another device.
+"""Devices that begin to record late: another device, the donor, provides the steps that lead to their start.
 
-Taken by itself such a device would begin where the walk began, which is wrong by all that was walked before, and
-would drag the devices that it is tied to back there. It borrows the steps of one that recorded then. Their errors are
-taken for independent of the lender's, as those of two devices that count the same steps are anyway. All this is ours.
+Taken by itself, such a device would begin where the walk began. That is wrong by everything that was walked before,
+and tethers would draw the other devices back there. It therefore takes over the steps of a device that recorded at
+that time. Their errors are treated as independent of the donor's, like those of any two devices that count the same
+steps. This method is our own.
 """
 
 from collections.abc import Sequence
@@ -10,33 +11,51 @@ from dataclasses import replace
 
 import numpy as np
 
-from pdr_est.estimators.common.tethers import SIGMA_SET_OFF_RAD
+from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import DeviceMeasurements, StepOdometry
 from pdr_est.types.track import Track
 
-_SIGMA_PLACE_M = 0.2  # within a step the pace is not known
-_NEAR_S = 0.3  # steps of two devices that end no further apart may be the same one
+_SIGMA_POSITION_M = 0.2  # the pace within a step is not known
+_SAME_STEP_S = 0.3  # steps of two devices that end within this time may be the same step
 
 
 def with_way_to_start(devices: Sequence[DeviceMeasurements], late_s: float) -> list[DeviceMeasurements]:
-    """The devices, in their order, each beginning at the start of the walk.
+    """Extend the measurements of late devices back to the start of the walk.
 
-    late_s: a device that begins that long after the first one borrows the way to its own start. One that nobody
-    recorded with at its start stays as it is.
+    Parameters
+    ----------
+    devices
+        Measurements of each device.
+    late_s
+        A device that begins this much later than the first one is extended. It stays as it is if no other device
+        recorded at its start.
+
+    Returns
+    -------
+    list of DeviceMeasurements
+        The devices in their order; those that are not extended are the same objects.
     """
     first_s = min((one.start_s for one in devices), default=0.0)
     complete: dict[str, DeviceMeasurements] = {}
     for one in sorted(devices, key=lambda device: device.start_s):
-        donor = _lender(list(complete.values()), one.start_s) if one.start_s - first_s > late_s else None
-        complete[one.device] = one if donor is None else _led(one, donor)
+        donor = _donor(list(complete.values()), one.start_s) if one.start_s - first_s > late_s else None
+        complete[one.device] = one if donor is None else _extended(one, donor)
     return [complete[one.device] for one in devices]
 
 
 def from_own_start(
     track: Track, devices: Sequence[DeviceMeasurements], extended: Sequence[DeviceMeasurements]
 ) -> Track:
-    """The track without what was borrowed. devices, led: as they were before and after `with_way_to_start`."""
+    """Remove from a track the poses before the own start of late devices.
+
+    Parameters
+    ----------
+    track
+        Track of the extended devices.
+    devices, extended
+        Measurements before and after `with_way_to_start`.
+    """
     late_s = {one.device: one.start_s for one, whole in zip(devices, extended, strict=True) if whole is not one}
     begin_s = np.array([late_s.get(str(name), -np.inf) for name in track.device])
     own = track.rows_where(track.time_s >= begin_s)
@@ -48,17 +67,18 @@ def from_own_start(
     )
 
 
-def _lender(earlier: Sequence[DeviceMeasurements], start_s: float) -> DeviceMeasurements | None:
-    """Of the devices that made steps before and after a time, the one that began first."""
+def _donor(earlier: Sequence[DeviceMeasurements], start_s: float) -> DeviceMeasurements | None:
+    """Choose the first device that still makes steps after a time."""
     return next((one for one in earlier if any(step.time_s > start_s for step in _steps(one))), None)
 
 
-def _led(one: DeviceMeasurements, donor: DeviceMeasurements) -> DeviceMeasurements:
-    own, lent = _steps(one), _steps(donor)
-    before = [replace(step, device=one.device) for step in lent if step.time_s < one.start_s]
-    under_way = next(step for step in lent if step.time_s >= one.start_s)
+def _extended(one: DeviceMeasurements, donor: DeviceMeasurements) -> DeviceMeasurements:
+    """Put the donor's steps up to the start of a late device before its own measurements."""
+    own, of_donor = _steps(one), _steps(donor)
+    before = [replace(step, device=one.device) for step in of_donor if step.time_s < one.start_s]
+    under_way = next(step for step in of_donor if step.time_s >= one.start_s)
     first_s = own[0].time_s if own else one.start_s
-    turns_rad = [step.heading_change_rad for step in lent if one.start_s <= step.time_s <= first_s + _NEAR_S]
+    turns_rad = [step.heading_change_rad for step in of_donor if one.start_s <= step.time_s <= first_s + _SAME_STEP_S]
     begin_s = before[-1].time_s if before else donor.start_s
     moving_s = max(under_way.start_s, begin_s)
     share = (one.start_s - moving_s) / (under_way.time_s - moving_s) if one.start_s > moving_s else 0.0
@@ -68,7 +88,7 @@ def _led(one: DeviceMeasurements, donor: DeviceMeasurements) -> DeviceMeasuremen
         start_s=begin_s,
         length_m=share * under_way.length_m,
         heading_change_rad=float(wrap_angle(sum(turns_rad))),
-        covariance=np.diag([_SIGMA_PLACE_M, _SIGMA_PLACE_M, SIGMA_SET_OFF_RAD]) ** 2,
+        covariance=np.diag([_SIGMA_POSITION_M, _SIGMA_POSITION_M, SIGMA_INITIAL_HEADING_RAD]) ** 2,
         mode=own[0].mode if own else under_way.mode,
         observed=False,
     )

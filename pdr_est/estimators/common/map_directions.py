@@ -1,4 +1,4 @@
-"""Dominant directions that are known in the map: relative heading priors become absolute ones."""
+"""Dominant directions known in the map frame, which turn relative heading priors into absolute ones."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -12,11 +12,19 @@ from pdr_est.types.track import Track
 def tied_to_map(
     measurements: Iterable[Measurement], track: Track, direction_rad: float, spacing_rad: float
 ) -> list[Measurement]:
-    """The measurements of one device, with its relative heading priors in the map.
+    """Make the relative heading priors of a device absolute.
 
-    track: of the device, without this knowledge: its heading at the first of the priors tells which of the directions
-    at equal spacing, one of which is direction_rad, the walk took there; where the track is in a frame of its own,
-    that is the smallest turn into the map.
+    Parameters
+    ----------
+    measurements
+        Measurements of the device.
+    track
+        Track of the device estimated without this knowledge. Its heading at the first relative prior selects the
+        dominant direction along which the walk went there; in a frame of its own that is the smallest rotation.
+    direction_rad
+        One of the dominant directions in the map frame.
+    spacing_rad
+        Angle between neighbouring dominant directions.
     """
     given = list(measurements)
     first = next((m for m in given if isinstance(m, HeadingPrior) and m.relative), None)

@@ -1,4 +1,4 @@
-"""Measurements that no estimator can use are refused before any of them runs into trouble with them."""
+"""Checks that refuse measurements which no estimator can use, before any of them computes with them."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,20 @@ def refuse_unusable(
     priors: Sequence[HeadingPrior],
     closures: Sequence[LoopClosure] = (),
 ) -> None:
-    """Raise EstimationError for odometry out of order, numbers that are not finite, noise that is no covariance."""
+    """Check the measurements of one device.
+
+    Parameters
+    ----------
+    device
+        Name of the device, for messages.
+    steps, fixes, priors, closures
+        Measurements of the device by kind.
+
+    Raises
+    ------
+    EstimationError
+        For odometry out of order, numbers that are not finite, and noise that is not a valid covariance.
+    """
     _refuse_odometry(device, steps)
     for fix in fixes:
         shapes = np.shape(fix.position_m), np.shape(fix.covariance_m2)
@@ -46,6 +59,7 @@ def refuse_unusable(
 
 
 def _refuse_odometry(device: str, steps: Sequence[StepOdometry]) -> None:
+    """Check order, finite numbers and covariances of the steps."""
     if not steps:
         return
     motion = np.array([(step.time_s, step.start_s, step.length_m, step.heading_change_rad) for step in steps])

@@ -1,8 +1,8 @@
-"""The motion model that all estimators share: a pose, the walker's length scale, and the reference of headings.
+"""Motion model of all estimators: a pose, the walker's length scale, and the reference direction of headings.
 
-State (5,): east m, north m, heading rad, length scale (true over modelled step length), and the direction in the map
-from which relative heading priors count, rad. One node of the timeline moves it by
-x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in map convention.
+The state (5,) of a device holds east m, north m, heading rad, length scale (true over modelled step length), and the
+direction in the map from which relative heading priors count, rad. The motion to a node changes it by
+x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in the convention of the map frame.
 """
 
 from collections.abc import Sequence
@@ -15,25 +15,39 @@ from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
 
 STATES = 5
-LENGTH_SCALE = 3  # its place in the state
+"""Number of states of a device."""
+
+LENGTH_SCALE = 3
+"""Index of the length scale in the state of a device."""
+
+JITTER_VARIANCE = 1e-12
+"""Variance far below all that matters; it keeps matrices regular where parts of a state are known exactly."""
 
 
 @dataclass(frozen=True)
 class GaussianState:
-    """Mean (5,) and covariance (5, 5) of the state."""
+    """Gaussian distribution of the state of one device, or of d devices side by side.
+
+    Attributes
+    ----------
+    mean
+        Mean, (5,) or (5 d,).
+    covariance
+        Covariance, (5, 5) or (5 d, 5 d).
+    """
 
     mean: Array
     covariance: Array
 
     @property
     def length_scale(self) -> tuple[float, float]:
-        """The length scale and its standard deviation."""
+        """Return the length scale of the first device and its standard deviation."""
         variance = float(self.covariance[LENGTH_SCALE, LENGTH_SCALE])
         return float(self.mean[LENGTH_SCALE]), sqrt(max(variance, 0.0))
 
 
 def move(state: Array, node: Node) -> Array:
-    """The state after the motion that leads to `node`."""
+    """Return the state (5,) after the motion that leads to a node."""
     x, y, heading, scale, reference = state
     heading = heading + node.heading_change_rad
     length = scale * node.length_m
@@ -41,7 +55,22 @@ def move(state: Array, node: Node) -> Array:
 
 
 def linearise(state: Array, node: Node) -> tuple[Array, Array]:
-    """Jacobian F (5, 5) of `move` at `state`, and process noise Q (5, 5) in the map frame."""
+    """Linearise the motion that leads to a node.
+
+    Parameters
+    ----------
+    state
+        State (5,) before the motion.
+    node
+        Node that the motion leads to.
+
+    Returns
+    -------
+    Array
+        Jacobian F (5, 5) of `move`.
+    Array
+        Process noise covariance Q (5, 5) in the map frame.
+    """
     heading = state[2] + node.heading_change_rad
     c, s = cos(heading), sin(heading)
     length = state[3] * node.length_m
@@ -55,7 +84,24 @@ def linearise(state: Array, node: Node) -> tuple[Array, Array]:
 
 
 def linearise_each(states: Array, nodes: Sequence[Node]) -> tuple[Array, Array, Array]:
-    """`move` (n, 5), and `linearise` (n, 5, 5) twice, of states (n, 5) that nodes (n) follow."""
+    """Apply `move` and `linearise` to many states at once.
+
+    Parameters
+    ----------
+    states
+        States (n, 5) before the motions.
+    nodes
+        Nodes (n) that the motions lead to.
+
+    Returns
+    -------
+    Array
+        States (n, 5) after the motions.
+    Array
+        Jacobians (n, 5, 5).
+    Array
+        Process noise covariances (n, 5, 5) in the map frame.
+    """
     turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
     heading_rad = states[:, 2] + turn_rad
     c, s = np.cos(heading_rad), np.sin(heading_rad)
@@ -71,26 +117,36 @@ def linearise_each(states: Array, nodes: Sequence[Node]) -> tuple[Array, Array, 
     return moved, jacobian, noise
 
 
-def advance(moments: GaussianState, node: Node) -> GaussianState:
-    """Mean and covariance after the motion that leads to `node`."""
-    jacobian, noise = linearise(moments.mean, node)
-    return GaussianState(move(moments.mean, node), jacobian @ moments.covariance @ jacobian.T + noise)
+def advance(state: GaussianState, node: Node) -> GaussianState:
+    """Predict the state after the motion that leads to a node."""
+    jacobian, noise = linearise(state.mean, node)
+    return GaussianState(move(state.mean, node), jacobian @ state.covariance @ jacobian.T + noise)
 
 
-def retreat(moments: GaussianState, node: Node) -> GaussianState:
-    """Mean and covariance before the motion that led to `node`: `advance` in the other direction of time."""
-    x, y, heading, scale, reference = moments.mean
+def retreat(state: GaussianState, node: Node) -> GaussianState:
+    """Predict the state before the motion that led to a node: `advance` backwards in time."""
+    x, y, heading, scale, reference = state.mean
     length = scale * node.length_m
     before = heading - node.heading_change_rad
     mean = np.array([x - length * cos(heading), y - length * sin(heading), before, scale, reference])
     jacobian, noise = linearise(mean, node)
     jacobian[:2, 2:4] *= -1.0  # its inverse
-    return GaussianState(mean, jacobian @ (moments.covariance + noise) @ jacobian.T)
+    return GaussianState(mean, jacobian @ (state.covariance + noise) @ jacobian.T)
 
 
-def reckon(nodes: tuple[Node, ...], anchor: int, moments: GaussianState) -> list[GaussianState]:
-    """States at all nodes from the state at one of them and the motion between them."""
-    earlier, later = [moments], [moments]
+def reckon(nodes: tuple[Node, ...], anchor: int, state: GaussianState) -> list[GaussianState]:
+    """Compute the states at all nodes by dead reckoning from the state at one of them.
+
+    Parameters
+    ----------
+    nodes
+        Nodes in order of time.
+    anchor
+        Index of the node whose state is given.
+    state
+        State at that node.
+    """
+    earlier, later = [state], [state]
     for node in reversed(nodes[1 : anchor + 1]):
         earlier.append(retreat(earlier[-1], node))
     for node in nodes[anchor + 1 :]:
@@ -98,8 +154,8 @@ def reckon(nodes: tuple[Node, ...], anchor: int, moments: GaussianState) -> list
     return earlier[:0:-1] + later
 
 
-def reckoned(nodes: Sequence[Node], first: Array) -> Array:
-    """Means (n, 5) of the states at all nodes from that at the first (5,) and the motion between them alone."""
+def reckon_means(nodes: Sequence[Node], first: Array) -> Array:
+    """Compute the means (n, 5) at all nodes by dead reckoning from the mean (5,) at the first node."""
     turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
     turn_rad[0], length_m[0] = first[2], 0.0
     heading_rad = np.cumsum(turn_rad)

@@ -1,56 +1,104 @@
-"""What holds between the devices of one walk: which nodes are tied, and how the devices set off together."""
+"""Tethers between devices on one body: their parameters, and the nodes that they join."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
-from math import ceil, floor
 from typing import Annotated
 
 import numpy as np
 from annotated_types import Ge, Le
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.timeline import SAME_S, Timeline
+from pdr_est.estimators.common.nodes import SAME_S
+from pdr_est.estimators.common.tether_schedule import TetherSchedule
+from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.params import Positive, params
-from pdr_est.types.measurements import LATE_START_S, DeviceTether, StartPose
-
-# Of the first direction of one device against another's, where nothing but these directions defines the frame.
-SIGMA_SET_OFF_RAD = 0.2
+from pdr_est.types.measurements import DeviceTether
 
 
 @params
 class TetherParams:
-    """max_distance_m: between two devices on one body, Robust DR's 2 R, once their fixed places on it are taken off;
-    more than the paper's 0.15 m, for tracks of steps are rough within a stride. sigma_m: how strictly it holds.
-    every_s: how often it is asked for."""
+    """Tether between each two devices on one body."""
 
     max_distance_m: Positive = 0.5
+    """Largest distance between the two devices after their mounting offsets are taken off, m (Robust DR: 2R). It is
+    larger than the paper's 0.15 m because tracks made of steps are rough within a stride."""
+
     sigma_m: Positive = 0.02
+    """Standard deviation of the largest distance, m: the smaller, the more strictly it holds."""
+
     every_s: Annotated[float, Ge(0.2), Le(600.0)] = 2.0
+    """Time between two tethers of a pair, s."""
 
 
 def tethers_between(
     spans_s: Mapping[str, tuple[float, float]], parameters: TetherParams, at_end: bool = False
 ) -> list[DeviceTether]:
-    """The tethers of all pairs of devices, at multiples of an interval on the common clock.
+    """Make the tethers of all pairs of devices, at multiples of an interval on the common clock.
 
-    spans_s: first and last time of each device. at_end: also where the walk of a pair ends, for those who know when
-    that is: what the last steps led to would else be held by nothing.
+    Parameters
+    ----------
+    spans_s
+        First and last time of each device.
+    parameters
+        Distance, standard deviation and interval of the tethers.
+    at_end
+        If True, each pair is also tethered at the end of its common walk: for estimators that know when that is.
+        Otherwise nothing constrains the last steps.
     """
+    schedule = TetherSchedule(parameters.every_s)
+    names = list(spans_s)
+    schedule.spans_s = [spans_s[name] for name in names]
     tethers = []
-    for a, b in combinations(spans_s, 2):
-        begin_s, end_s = max(spans_s[a][0], spans_s[b][0]), min(spans_s[a][1], spans_s[b][1])
-        first, last = ceil(begin_s / parameters.every_s), floor(end_s / parameters.every_s)
-        times_s = [k * parameters.every_s for k in range(first, last + 1)]
+    for a, b in combinations(range(len(names)), 2):
+        times_s = schedule.times_of((a, b))
+        begin_s, end_s = (choose(spans_s[names[a]][i], spans_s[names[b]][i]) for i, choose in enumerate((max, min)))
         if at_end and end_s > begin_s and end_s not in times_s:
             times_s.append(end_s)
-        tethers += [DeviceTether(a, b, time_s, parameters.max_distance_m, parameters.sigma_m) for time_s in times_s]
+        tethers += [
+            DeviceTether(names[a], names[b], time_s, parameters.max_distance_m, parameters.sigma_m)
+            for time_s in times_s
+        ]
     return tethers
 
 
 @dataclass(frozen=True)
+class PairTether:
+    """Tether between the present poses of two devices of a filter.
+
+    Attributes
+    ----------
+    device_a, device_b
+        Numbers of the devices.
+    max_distance_m
+        Largest distance between them, m.
+    sigma_m
+        Standard deviation of that distance, m.
+    """
+
+    device_a: int
+    device_b: int
+    max_distance_m: float
+    sigma_m: float
+
+
+@dataclass(frozen=True)
 class NodeTether:
-    """Two nodes at one moment, by number of device and of node, that are never farther apart than max_distance_m."""
+    """Tether between one node of a device and one node of another device.
+
+    Attributes
+    ----------
+    time_s
+        Time of the tether.
+    device_a, node_a
+        Number of the first device, and number of its last node at or before that time.
+    device_b, node_b
+        The same for the second device.
+    max_distance_m
+        Largest distance between them, m.
+    sigma_m
+        Standard deviation of that distance, m.
+    """
 
     time_s: float
     device_a: int
@@ -62,10 +110,14 @@ class NodeTether:
 
 
 def node_tethers_between(timelines: Sequence[Timeline], tethers: Sequence[DeviceTether]) -> list[NodeTether]:
-    """The tethers as ties, in order of time; those before the walk of one of their devices are left out. After its
-    last step a device stands.
+    """Find the nodes that tethers join, in order of time.
 
-    Raises EstimationError for devices of one name, and for a tether to a device that is not there.
+    Tethers before the walk of one of their devices are left out. After its last step a device stands still.
+
+    Raises
+    ------
+    EstimationError
+        For devices of the same name, and for a tether to a device without timeline.
     """
     names = [timeline.device for timeline in timelines]
     if len(set(names)) < len(names):
@@ -78,25 +130,10 @@ def node_tethers_between(timelines: Sequence[Timeline], tethers: Sequence[Device
             raise EstimationError(f"tether between {ends[0]!r} and {ends[1]!r}: name two of {names}")
         a, b = names.index(ends[0]), names.index(ends[1])
         if max(times_s[a][0], times_s[b][0]) <= tether.time_s:
-            nodes = (int(np.searchsorted(times_s[d], tether.time_s + SAME_S, side="right")) - 1 for d in (a, b))
+            node_a, node_b = (
+                int(np.searchsorted(times_s[d], tether.time_s + SAME_S, side="right")) - 1 for d in (a, b)
+            )
             node_tethers.append(
-                NodeTether(tether.time_s, a, next(nodes), b, next(nodes), tether.max_distance_m, tether.sigma_m)
+                NodeTether(tether.time_s, a, node_a, b, node_b, tether.max_distance_m, tether.sigma_m)
             )
     return node_tethers
-
-
-def donor_of(number: int, time_s: float, begun_s: float, present: Collection[int]) -> int | None:
-    """The device beside which another one joins a filter, with its node of that number, because the walk is under way
-    since begun_s; None for a device that joins by itself. present: those that have joined."""
-    late = number == 0 and time_s - begun_s > LATE_START_S
-    return min(present, default=None) if late else None
-
-
-def starts_of(timelines: Sequence[Timeline], start: StartPose) -> list[StartPose]:
-    """The start pose of each device: where their first directions define the frame, all but the first device may have
-    set off in a slightly other one."""
-    directed = any(node.tells_direction for timeline in timelines for node in timeline.nodes)
-    if start.heading_rad is not None or directed:
-        return [start] * len(timelines)
-    other = replace(start, heading_rad=0.0, sigma_heading_rad=SIGMA_SET_OFF_RAD)
-    return [start, *[other] * (len(timelines) - 1)]

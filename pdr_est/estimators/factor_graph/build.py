@@ -8,7 +8,8 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
+from pdr_est.estimators.common.initial_state import starts_of
+from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.estimators.factor_graph.keys import GraphKeys

@@ -51,10 +51,10 @@ def add_anchors(
         timelines, keys.first, keys.references, starts, initial, strict=True
     ):
         prior = start_prior(timeline, start, 0.0)
-        mean = prior.moments.mean[:3].copy()
+        mean = prior.state.mean[:3].copy()
         if prior.heading_open:
             mean[2] = states[0].mean[2]
-        sigmas = np.maximum(np.sqrt(np.diag(prior.moments.covariance)[:3]), MIN_SIGMA)
+        sigmas = np.maximum(np.sqrt(np.diag(prior.state.covariance)[:3]), MIN_SIGMA)
         graph.add(gtsam.PriorFactorPose2(first, gtsam.Pose2(*mean), gtsam.noiseModel.Diagonal.Sigmas(sigmas)))
         if reference is not None:
             vague = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, VAGUE_SIGMA_RAD]))

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import GaussianState, reckoned
+from pdr_est.estimators.common.motion_model import GaussianState, reckon_means
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.rts_smoother import alone_smoothed, smoothed_states
-from pdr_est.estimators.kalman.single_device import run_filter
+from pdr_est.estimators.kalman.rts_smoother import smooth_segments, smooth_walk
+from pdr_est.estimators.kalman.walk_filter import run_filter
 from pdr_est.types.measurements import StartPose
 
 
@@ -22,14 +22,14 @@ def initial_states(
     They are those of the Kalman smoother, or dead reckoning where nothing is measured on the way.
     """
     if node_tethers:
-        return smoothed_states(timelines, node_tethers, starts, sigma_length_scale)
+        return smooth_walk(timelines, node_tethers, starts, sigma_length_scale)
     states = []
     for timeline, start in zip(timelines, starts, strict=True):
         prior = start_prior(timeline, start, sigma_length_scale)
         measured = timeline.fixes or timeline.priors or timeline.closure_sigma_m is not None
         if measured or prior.position_open or prior.heading_open:
-            states.append(alone_smoothed(run_filter(timeline, start, sigma_length_scale)))
+            states.append(smooth_segments(run_filter(timeline, start, sigma_length_scale)))
         else:
-            means = reckoned(timeline.nodes, prior.moments.mean)
-            states.append([GaussianState(mean, prior.moments.covariance) for mean in means])
+            means = reckon_means(timeline.nodes, prior.state.mean)
+            states.append([GaussianState(mean, prior.state.covariance) for mean in means])
     return states

@@ -13,8 +13,9 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
+from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.motion_model import GaussianState
-from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
+from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.factor_graph.deep_stack import LARGE_STACK_POSES, with_large_stack
 from pdr_est.estimators.factor_graph.initial_values import initial_states

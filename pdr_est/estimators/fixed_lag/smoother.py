@@ -13,13 +13,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.motion_model import reckon
-from pdr_est.estimators.common.tethers import NodeTether, node_tethers_between, starts_of
+from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow, Limit
-from pdr_est.estimators.kalman.multi_device import follow
-from pdr_est.estimators.kalman.single_device import FilteredSegment, run_filter
+from pdr_est.estimators.kalman.walk_filter import FilteredSegment, FilteredWalk, filter_walk
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
@@ -40,10 +40,10 @@ def estimate(
     EstimationError if GTSAM finds a window indeterminate, or tethers do not fit the devices.
     """
     node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, start)
-    alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
-    tracks = [_Delayed(stretches, parameters.lag_s) for stretches in alone]
+    walk = filter_walk(timelines, node_tethers, starts, sigma_length_scale)
+    tracks = [_Delayed(stretches, parameters.lag_s) for stretches in walk.segments]
     window, numbers = LagWindow(parameters), [iter(track.followed) for track in tracks]
-    for item in _followed(timelines, alone, node_tethers):
+    for item in _followed(timelines, walk):
         for ready in window.push(item):
             tracks[ready.device].record(next(numbers[ready.device]), ready)
     for ready in window.flush():
@@ -51,11 +51,9 @@ def estimate(
     return concatenate([track.track(timeline) for track, timeline in zip(tracks, timelines, strict=True)])
 
 
-def _followed(
-    timelines: Sequence[Timeline], alone: Sequence[Sequence[FilteredSegment]], node_tethers: Sequence[NodeTether]
-) -> Iterator[FilteredNode]:
+def _followed(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterator[FilteredNode]:
     present: frozenset[int] = frozenset()
-    for moment in follow(timelines, alone, node_tethers):
+    for moment in walk.posteriors:
         device, node = moment.touched[0]
         present |= {device}
         limits = tuple(
@@ -96,7 +94,7 @@ def _known_later(stretch: FilteredSegment, lag_s: float) -> tuple[Array, Array]:
     pose, covariance, aligned = stretch.pose.copy(), stretch.covariance.copy(), stretch.aligned_from
     if aligned is None:
         return pose, covariance
-    back = reckon(stretch.nodes[: aligned + 1], aligned, stretch.moments[0])
+    back = reckon(stretch.nodes[: aligned + 1], aligned, stretch.states[0])
     for i, state in enumerate(back[:-1]):
         if stretch.nodes[i].time_s >= stretch.nodes[aligned].time_s - lag_s:
             pose[i], covariance[i] = state.mean[:3], state.covariance[:3, :3]

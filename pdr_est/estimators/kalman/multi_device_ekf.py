@@ -1,4 +1,4 @@
-"""The extended Kalman filter of all estimators (filterpy): the states of some devices side by side."""
+"""Prediction and updates of the extended Kalman filter (filterpy): the states of some devices side by side."""
 
 from collections.abc import Callable
 
@@ -6,23 +6,28 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
+from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState, linearise, move
-from pdr_est.estimators.common.tethers import SIGMA_SET_OFF_RAD
-from pdr_est.estimators.common.timeline import Node
+from pdr_est.estimators.common.nodes import Node
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
 _POSITION = np.eye(2, STATES)
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
 _RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
-_SIGMA_WITHIN_STEP_M = 0.5  # ours; the lender's pose is that of its last step
-_TETHER_ROUNDS = 3  # a distance is not linear in the positions
+_SIGMA_WITHIN_STEP_M = 0.5  # ours; the donor's pose is that of its last step
+_TETHER_ITERATIONS = 3  # a distance is not linear in the positions
 
 
-class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
-    """filterpy's EKF with the motion model of `motion.py`; x is one-dimensional throughout.
+class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
+    """Extended Kalman filter of filterpy with the motion model of `motion_model.py`; x is one-dimensional throughout.
 
-    A device takes part from `enter` on.
+    A device takes part once its state has been set; before that its state and covariance are zero.
+
+    Parameters
+    ----------
+    devices
+        Number of devices.
     """
 
     def __init__(self, devices: int = 1) -> None:
@@ -31,65 +36,91 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         self.P = np.zeros((STATES * devices, STATES * devices))
         self.F, self.Q = np.eye(STATES * devices), np.zeros((STATES * devices, STATES * devices))
 
-    def enter(self, moments: GaussianState, device: int = 0) -> None:
-        """Set the state of a device; nothing ties it to the others yet."""
-        own = _rows(device)
-        self.x[own] = moments.mean
+    def load(self, state: GaussianState) -> None:
+        """Set the states of all devices to a copy of what `dump` returned."""
+        self.x, self.P = state.mean.copy(), state.covariance.copy()
+
+    def dump(self) -> GaussianState:
+        """Return a copy of the states of all devices; the covariance is symmetric only up to rounding."""
+        return GaussianState(self.x.copy(), self.P.copy())
+
+    def set_state(self, state: GaussianState, device: int = 0) -> None:
+        """Set the state of a device, uncorrelated with the others."""
+        own = rows_of(device)
+        self.x[own] = state.mean
         self.P[own, :], self.P[:, own] = 0.0, 0.0
-        self.P[own, own] = moments.covariance
+        self.P[own, own] = state.covariance
 
-    def join(self, moments: GaussianState, node: Node, device: int, donor: int | None) -> GaussianState:
-        """Set the state of a device that takes part from `node` on, and return it. moments: by itself.
+    def add_device(self, state: GaussianState, node: Node, device: int, donor: int | None) -> GaussianState:
+        """Let a device take part from a node on.
 
-        lender: given for a device that began to record while the walk was under way, and by itself would begin where
-        the walk did. It is where the lender is by then, within a step, and heads as the lender does, within what
-        directions differ by at the start; fixes at the node count.
+        Parameters
+        ----------
+        state
+            State of the device at the node by its own measurements.
+        node
+            Node with which it enters.
+        device
+            Number of the device.
+        donor
+            Number of the device whose pose it takes over, if it began to record while the walk was under way: by its
+            own measurements it would begin where the walk did. It then has the donor's position within a step and
+            the donor's heading within the spread of initial headings, and the fixes at the node apply.
+
+        Returns
+        -------
+        GaussianState
+            State with which the device enters.
         """
         if donor is None:
-            self.enter(moments, device)
-            return moments
-        beside, mean, covariance = self.moments(donor), moments.mean.copy(), moments.covariance.copy()
+            self.set_state(state, device)
+            return state
+        beside, mean, covariance = self.state_of(donor), state.mean.copy(), state.covariance.copy()
         mean[:3] = beside.mean[:3]
         covariance[:3, :], covariance[:, :3] = 0.0, 0.0
-        spread = np.array([_SIGMA_WITHIN_STEP_M, _SIGMA_WITHIN_STEP_M, SIGMA_SET_OFF_RAD])
+        spread = np.array([_SIGMA_WITHIN_STEP_M, _SIGMA_WITHIN_STEP_M, SIGMA_INITIAL_HEADING_RAD])
         covariance[:3, :3] = beside.covariance[:3, :3] + np.diag(spread**2)
-        self.enter(GaussianState(mean, covariance), device)
+        self.set_state(GaussianState(mean, covariance), device)
         for fix in node.fixes:
             self.update_position(fix, device)
-        return self.moments(device)
+        return self.state_of(device)
 
-    def moments(self, device: int = 0) -> GaussianState:
-        own = _rows(device)
+    def state_of(self, device: int = 0) -> GaussianState:
+        """Return the state of a device."""
+        own = rows_of(device)
         covariance = self.P[own, own]
         return GaussianState(self.x[own].copy(), 0.5 * (covariance + covariance.T))
 
-    def advance(self, node: Node, device: int = 0) -> None:
-        """The motion of a device that leads to `node`; the others stay where they are."""
-        own = _rows(device)
+    def predict_node(self, node: Node, device: int = 0) -> None:
+        """Predict the motion of a device to a node; the other devices do not move."""
+        own = rows_of(device)
         self.F, self.Q = np.eye(len(self.x)), np.zeros_like(self.P)
         self.F[own, own], self.Q[own, own] = linearise(self.x[own], node)
         self.predict((node, own))
 
     def predict_x(self, u: tuple[Node, slice]) -> None:
+        """Predict the mean; called by `predict` of filterpy."""
         node, own = u
         self.x[own] = move(self.x[own], node)
 
-    def measure(self, node: Node, device: int = 0) -> None:
-        """What was measured at a node of a device."""
+    def update_node(self, node: Node, device: int = 0) -> None:
+        """Update with all measurements at a node of a device."""
         for fix in node.fixes:
             self.update_position(fix, device)
         for prior in node.priors:
             self.update_heading(prior, device)
 
     def update_position(self, fix: PositionFix, device: int = 0) -> None:
-        residual = np.asarray(fix.position_m) - self.x[_rows(device)][:2]
+        """Update with a position fix, Huber-weighted if it is robust."""
+        residual = np.asarray(fix.position_m) - self.x[rows_of(device)][:2]
         noise = fix.covariance_m2
         if fix.robust:
-            noise = noise * huber_inflation(residual, self.P[_rows(device), _rows(device)][:2, :2] + noise)
+            noise = noise * huber_inflation(residual, self.P[rows_of(device), rows_of(device)][:2, :2] + noise)
         jacobian = self._of_device(_POSITION, device)
         self._correct(np.asarray(fix.position_m, dtype=np.float64), jacobian, noise, np.subtract)
 
     def update_heading(self, prior: HeadingPrior, device: int = 0) -> None:
+        """Update with a heading prior, absolute or relative, Huber-weighted if it is robust."""
         jacobian = self._of_device(_RELATIVE_HEADING if prior.relative else _HEADING, device)
         noise = np.array([[prior.sigma_rad**2]])
         if prior.robust:
@@ -97,20 +128,31 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
             noise = noise * huber_inflation(residual, jacobian @ self.P @ jacobian.T + noise)
         self._correct(np.array([prior.heading_rad]), jacobian, noise, lambda a, b: wrap_angle(np.subtract(a, b)))
 
-    def keep_together(self, device_a: int, device_b: int, max_distance_m: float, sigma_m: float) -> None:
-        """Devices that are farther apart than they can be are brought to that distance; others are left alone.
+    def update_tether(self, device_a: int, device_b: int, max_distance_m: float, sigma_m: float) -> None:
+        """Update with the inequality that two devices are no farther apart than a distance.
 
-        The distance is measured as the largest one, with sigma_m, and linearised anew where that led to (iterated
-        EKF). It tells how the devices' length scales differ and nothing of what they have in common: tracks that
-        disagree are nearer to each other when both are smaller, whatever the truth is. That much, the mean over the
-        devices that have entered, is left out of the gain: of all gains that do so this one leaves the least sum of
-        variances. The covariance is that of the gain which is used (Joseph's form).
+        Devices within that distance are left as they are. Otherwise the largest distance is used as a measurement of
+        their distance, linearised anew at each result (iterated EKF).
+
+        A tether tells how the length scales of the devices differ, and nothing about what they have in common: tracks
+        that disagree are nearer to each other when both are smaller, whatever the truth is. The mean over all devices
+        that take part is therefore removed from the gain of the length scales; among all gains with that property
+        this one gives the smallest sum of variances. The covariance is that of the gain which is used (Joseph form).
+
+        Parameters
+        ----------
+        device_a, device_b
+            Numbers of the devices.
+        max_distance_m
+            Largest distance between them.
+        sigma_m
+            Standard deviation of that distance.
         """
-        a, b = _rows(device_a), _rows(device_b)
+        a, b = rows_of(device_a), rows_of(device_b)
         before, at = self.x.copy(), self.x.copy()
         if np.hypot(*(at[a][:2] - at[b][:2])) <= max_distance_m:
             return
-        for _ in range(_TETHER_ROUNDS):
+        for _ in range(_TETHER_ITERATIONS):
             apart = at[a][:2] - at[b][:2]
             distance_m = float(np.hypot(*apart))
             if distance_m < 1e-9:
@@ -118,24 +160,26 @@ class PoseFilter(ExtendedKalmanFilter):  # type: ignore[misc]
             jacobian = np.zeros((1, len(at)))
             jacobian[0, a.start : a.start + 2] = apart / distance_m
             jacobian[0, b.start : b.start + 2] = -apart / distance_m
-            seen = max_distance_m - distance_m - float(jacobian[0] @ (before - at))
+            residual_m = max_distance_m - distance_m - float(jacobian[0] @ (before - at))
             gain = self.P @ jacobian[0] / float(jacobian[0] @ self.P @ jacobian[0] + sigma_m**2)
-            at = before + gain * seen
+            at = before + gain * residual_m
         scales = np.arange(LENGTH_SCALE, len(at), STATES)
         scales = scales[self.P[scales, scales] > 0.0]
         gain[scales] -= gain[scales].sum() / max(len(scales), 1)
         rest = np.eye(len(at)) - np.outer(gain, jacobian[0])
-        self.x = before + gain * seen
+        self.x = before + gain * residual_m
         self.P = rest @ self.P @ rest.T + sigma_m**2 * np.outer(gain, gain)
 
     def _of_device(self, jacobian: Array, device: int) -> Array:
+        """Embed the Jacobian (m, 5) of one device in that of all devices."""
         whole = np.zeros((len(jacobian), len(self.x)))
-        whole[:, _rows(device)] = jacobian
+        whole[:, rows_of(device)] = jacobian
         return whole
 
     def _correct(self, z: Array, jacobian: Array, noise: Array, residual: Callable[[Array, Array], Array]) -> None:
         self.update(z, lambda _: jacobian, lambda x: jacobian @ x, R=noise, residual=residual)
 
 
-def _rows(device: int) -> slice:
+def rows_of(device: int) -> slice:
+    """Return the rows of a device in the state of all devices."""
     return slice(STATES * device, STATES * (device + 1))

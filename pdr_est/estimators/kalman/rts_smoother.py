@@ -1,33 +1,52 @@
-"""Rts smoother."""
+"""Rauch-Tung-Striebel smoother of the filter, for one device and for all devices jointly."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import STATES, GaussianState, linearise, linearise_each, move, reckon
+from pdr_est.estimators.common.motion_model import (
+    JITTER_VARIANCE,
+    STATES,
+    GaussianState,
+    linearise,
+    linearise_each,
+    move,
+    reckon,
+)
+from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import NodeTether
-from pdr_est.estimators.common.timeline import Node, Timeline
-from pdr_est.estimators.kalman.multi_device import JointPosterior, _of_device, follow
-from pdr_est.estimators.kalman.single_device import JITTER_VARIANCE, FilteredSegment, run_filter, undecided_anchor
-from pdr_est.frames import Array
+from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.kalman.multi_device_ekf import rows_of
+from pdr_est.estimators.kalman.walk_filter import FilteredSegment, JointPosterior, filter_walk
 from pdr_est.types.measurements import StartPose
 
 
-def alone_smoothed(stretches: Sequence[FilteredSegment]) -> list[GaussianState]:
-    """States at all nodes of one device: the smoothed filter, and before the direction was known back from there."""
+def smooth_segments(segments: Sequence[FilteredSegment]) -> list[GaussianState]:
+    """Smooth the states at all nodes of one device.
+
+    Before the heading became known, the states are dead-reckoned backwards from the node at which it did.
+    """
     states: list[GaussianState] = []
-    for stretch in stretches:
-        k = stretch.aligned_from
+    for segment in segments:
+        k = segment.aligned_from
         if k is None:
-            states += reckon(stretch.nodes, *undecided_anchor(stretch))
+            states += reckon(segment.nodes, *segment.open_anchor())
         else:
-            tail = smooth(stretch.nodes[k:], stretch.moments)
-            states += reckon(stretch.nodes[: k + 1], k, tail[0])[:-1] + tail
+            tail = smooth(segment.nodes[k:], segment.states)
+            states += reckon(segment.nodes[: k + 1], k, tail[0])[:-1] + tail
     return states
 
 
 def smooth(nodes: tuple[Node, ...], filtered: tuple[GaussianState, ...]) -> list[GaussianState]:
-    """Rauch-Tung-Striebel smoother over filtered states; nodes[k] leads to filtered[k]."""
+    """Smooth filtered states of one device.
+
+    Parameters
+    ----------
+    nodes
+        Nodes (n); the motion to node k leads to the state k.
+    filtered
+        Filtered states (n) at these nodes.
+    """
     if len(filtered) == 1:
         return list(filtered)
     mean = np.array([state.mean for state in filtered])
@@ -41,41 +60,54 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[GaussianState, ...]) -> list
         mean[k] += gain[k] @ (mean[k + 1] - moved[k])
         covariance[k] += gain[k] @ (covariance[k + 1] - predicted[k]) @ gain[k].T
     covariance = 0.5 * (covariance + covariance.transpose(0, 2, 1))
-    return [GaussianState(*moments) for moments in zip(mean, covariance, strict=True)]
+    return [GaussianState(*state) for state in zip(mean, covariance, strict=True)]
 
 
-def smoothed_states(
+def smooth_walk(
     timelines: Sequence[Timeline],
     node_tethers: Sequence[NodeTether],
     starts: Sequence[StartPose],
     sigma_length_scale: float,
 ) -> list[list[GaussianState]]:
-    """States at all nodes of each device by what all of them tell before and after; where the direction of a device
-    is open, by what it tells itself."""
-    alone = [run_filter(timeline, one, sigma_length_scale) for timeline, one in zip(timelines, starts, strict=True)]
-    # Where the direction of a device is known throughout, all of its states are replaced below.
+    """Smooth the states at all nodes of each device with the measurements of all devices.
+
+    Where the heading of a device is unknown, only its own measurements count.
+
+    Parameters
+    ----------
+    timelines
+        Measurements of each device.
+    node_tethers
+        Tethers in order of time.
+    starts
+        Start pose of each device.
+    sigma_length_scale
+        Standard deviation of the walker's length scale around 1.
+    """
+    walk = filter_walk(timelines, node_tethers, starts, sigma_length_scale)
+    # Where the heading of a device is known throughout, all of its states are replaced below.
     states = [
-        alone_smoothed(own) if len(own) > 1 or own[0].aligned_from != 0 else list(own[0].moments) for own in alone
+        smooth_segments(own) if len(own) > 1 or own[0].aligned_from != 0 else list(own[0].states)
+        for own in walk.segments
     ]
-    moments = list(follow(timelines, alone, node_tethers))
-    if not moments:
+    if not walk.posteriors:
         return states
-    mean, covariance = moments[-1].mean, moments[-1].covariance
-    for k in range(len(moments) - 1, -1, -1):
-        for device, node in moments[k].touched[:1]:
-            states[device][node] = _of_device(mean, covariance, device)
-        if k:
-            mean, covariance = _back(moments[k - 1], moments[k], timelines, mean, covariance)
+    smoothed = walk.posteriors[-1]
+    for before, posterior in zip([None, *walk.posteriors[:-1]][::-1], walk.posteriors[::-1], strict=True):
+        device, node = posterior.touched[0]
+        states[device][node] = smoothed.state_of(device)
+        if before is not None:
+            smoothed = _smoothed(before, posterior, timelines, smoothed)
     return states
 
 
-def _back(
-    before: JointPosterior, after: JointPosterior, timelines: Sequence[Timeline], mean: Array, covariance: Array
-) -> tuple[Array, Array]:
-    """Smoothed mean and covariance at `before` from those at `after`."""
+def _smoothed(
+    before: JointPosterior, after: JointPosterior, timelines: Sequence[Timeline], smoothed: JointPosterior
+) -> JointPosterior:
+    """Smooth the joint state at a node, given the smoothed joint state at the next one."""
     device, node = after.touched[0]
-    own = slice(STATES * device, STATES * (device + 1))
-    jacobian, noise, moved = np.eye(len(mean)), np.zeros_like(covariance), before.mean.copy()
+    own = rows_of(device)
+    jacobian, noise, moved = np.eye(len(before.mean)), np.zeros_like(before.covariance), before.mean.copy()
     if after.entered is None:
         step = timelines[device].nodes[node]
         jacobian[own, own], noise[own, own] = linearise(before.mean[own], step)
@@ -83,6 +115,13 @@ def _back(
     else:
         jacobian[own, own], noise[own, own], moved[own] = 0.0, after.entered.covariance, after.entered.mean
     predicted = jacobian @ before.covariance @ jacobian.T + noise
-    gain = np.linalg.solve(predicted + JITTER_VARIANCE * np.eye(len(mean)), jacobian @ before.covariance).T
-    smoothed = before.covariance + gain @ (covariance - predicted) @ gain.T
-    return before.mean + gain @ (mean - moved), 0.5 * (smoothed + smoothed.T)
+    regular = predicted + JITTER_VARIANCE * np.eye(len(moved))
+    gain = np.linalg.solve(regular, jacobian @ before.covariance).T
+    covariance = before.covariance + gain @ (smoothed.covariance - predicted) @ gain.T
+    return JointPosterior(
+        before.touched,
+        before.node_tethers,
+        before.entered,
+        before.mean + gain @ (smoothed.mean - moved),
+        0.5 * (covariance + covariance.T),
+    )

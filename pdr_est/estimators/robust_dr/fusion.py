@@ -181,7 +181,7 @@ def _independent(timeline: Timeline, start: StartPose, track: Track) -> Track:
     prior = start_prior(timeline, start, 0.0)
     covariance = np.zeros_like(track.covariance_m2)
     if not (prior.position_open or prior.heading_open):
-        states = reckon(timeline.nodes, 0, GaussianState(prior.moments.mean, np.zeros((STATES, STATES))))
+        states = reckon(timeline.nodes, 0, GaussianState(prior.state.mean, np.zeros((STATES, STATES))))
         steps = (state for state, node in zip(states, timeline.nodes, strict=True) if node.is_step)
         covariance = np.array([state.covariance[:2, :2] for state in steps])
     return replace(track, covariance_m2=covariance)

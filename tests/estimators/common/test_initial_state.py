@@ -6,7 +6,7 @@ from estimator_walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, s
 
 from pdr_est.estimators import ESTIMATORS, EstimatorName
 from pdr_est.estimators.common.timeline import build_timeline
-from pdr_est.estimators.kalman import single_device as ekf
+from pdr_est.estimators.kalman.walk_filter import run_filter
 from pdr_est.frames import Array, rotation_matrix, wrap_angle
 from pdr_est.types.measurements import Measurement, PositionFix, StartPose
 
@@ -212,9 +212,9 @@ def start_at(pose: tuple[float, float, float], known: str) -> StartPose:
 
 def test_the_direction_is_found_before_the_filter_turns_to_poses() -> None:
     walk = simulate(np.random.default_rng(7), winding(60, np.random.default_rng(8)), (0, 0, 3.0), fix_every=20)
-    (filtered,) = ekf.run_filter(build_timeline(DEVICE, 0.0, walk.measurements), StartPose(), 0.1)
+    (filtered,) = run_filter(build_timeline(DEVICE, 0.0, walk.measurements), StartPose(), 0.1)
     assert filtered.aligned_from == 20
-    assert len(filtered.moments) == 41
+    assert len(filtered.states) == 41
     assert filtered.covariance[19, 2, 2] > 1.0
     assert filtered.covariance[20, 2, 2] < 0.04
 

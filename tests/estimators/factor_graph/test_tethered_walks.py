@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from pdr_est.estimators import estimate_walk
-from pdr_est.estimators.common.motion_model import GaussianState, linearise, linearise_each, move, reckoned
-from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
+from pdr_est.estimators.common.initial_state import starts_of
+from pdr_est.estimators.common.motion_model import GaussianState, linearise, linearise_each, move, reckon_means
+from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.factor_graph import smoother as factor_graph
 from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
@@ -105,7 +106,7 @@ def test_where_tracks_part_between_tethers_one_is_missed() -> None:
     known = [steps("a", [0.0, 0.0, 0.0, 0.0], 1.0), steps("b", [0.0, np.pi / 3, -2 * np.pi / 3, np.pi / 3], 1.0)]
     tethers = [DeviceTether("a", "b", at_s, 1.2, 0.02) for at_s in (1.0, 3.0, 20.0)]
     timelines = [build_timeline(one.device, one.start_s, one.measurements) for one in known]
-    pose = np.concatenate([reckoned(one.nodes, np.array([0.0, 0.0, 0.0, 1.0, 0.0]))[:, :3] for one in timelines])
+    pose = np.concatenate([reckon_means(one.nodes, np.array([0.0, 0.0, 0.0, 1.0, 0.0]))[:, :3] for one in timelines])
     keys = Keys.of(timelines)
     wide = BetweenStepConstraints.of(timelines, node_tethers_between(timelines, tethers), keys)
     assert len(wide.exceeded(pose)[0]) == 0
@@ -139,7 +140,10 @@ def test_the_optimum_does_not_depend_on_the_start() -> None:
     node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, START)
     filtered = initial_states(timelines, node_tethers, starts, SIGMA_SCALE)
     apart = [
-        [GaussianState(mean, np.zeros((5, 5))) for mean in reckoned(one.nodes, np.array([0.0, 0.0, turn, 1.0, 0.0]))]
+        [
+            GaussianState(mean, np.zeros((5, 5)))
+            for mean in reckon_means(one.nodes, np.array([0.0, 0.0, turn, 1.0, 0.0]))
+        ]
         for one, turn in zip(timelines, (0.0, 0.8), strict=True)
     ]
     errors = []
@@ -177,7 +181,7 @@ def test_the_optimum_of_robust_priors_promises_nothing_more() -> None:
 def test_states_at_once_are_those_one_by_one() -> None:
     (device,), _ = walk_of(30)
     nodes = build_timeline(device.device, device.start_s, device.measurements).nodes
-    states = reckoned(nodes, np.array([1.0, 2.0, 0.3, 1.1, 0.4]))
+    states = reckon_means(nodes, np.array([1.0, 2.0, 0.3, 1.1, 0.4]))
     moved, jacobian, noise = linearise_each(states[:-1], nodes[1:])
     for k, node in enumerate(nodes[1:]):
         assert move(states[k], node) == pytest.approx(states[k + 1], abs=1e-12)

@@ -8,8 +8,8 @@ from estimator_walks import SIGMA_SCALE, STEP_S, step
 
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
-from pdr_est.estimators.kalman import multi_device as joint_ekf
-from pdr_est.estimators.kalman.multi_device_ekf import PoseFilter
+from pdr_est.estimators.kalman import ekf
+from pdr_est.estimators.kalman.multi_device_ekf import MultiDeviceEkf
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track
 
@@ -27,7 +27,7 @@ def device(name: str, turn_rad: float, length_m: float = 0.7) -> Timeline:
 
 def of_first(first: Timeline, second: Timeline, tethers: list[DeviceTether] = TETHERS) -> Track:
     """Tracks, with the length scale of the first device."""
-    return joint_ekf.estimate([first, second], tethers, ORIGIN, SIGMA_SCALE)
+    return ekf.estimate([first, second], tethers, ORIGIN, SIGMA_SCALE)
 
 
 def apart_m(track: Track, time_s: float) -> float:
@@ -62,10 +62,10 @@ def test_a_device_that_has_not_begun_has_no_part_in_what_the_others_have_in_comm
     walked[0, 3] = walked[3, 0] = 0.5 * SIGMA_SCALE
     scales = []
     for count in (2, 3):
-        joint = PoseFilter(count)
-        joint.enter(GaussianState(np.array([3.0, 0.0, 0.0, 1.0, 0.0]), walked), 0)
-        joint.enter(GaussianState(np.array([0.0, 0.0, 0.0, 1.0, 0.0]), stood), 1)
-        joint.keep_together(0, 1, REACH_M, 0.02)
+        joint = MultiDeviceEkf(count)
+        joint.set_state(GaussianState(np.array([3.0, 0.0, 0.0, 1.0, 0.0]), walked), 0)
+        joint.set_state(GaussianState(np.array([0.0, 0.0, 0.0, 1.0, 0.0]), stood), 1)
+        joint.update_tether(0, 1, REACH_M, 0.02)
         scales.append(joint.x[[3, 8]])
         assert not joint.x[10:].any()
         assert not joint.P[10:].any()

@@ -6,8 +6,8 @@ from estimator_walks import DEVICE, fix, heading_prior, simulate, winding
 
 from pdr_est.estimators.common.motion_model import GaussianState, advance, linearise, move, reckon, retreat
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
-from pdr_est.estimators.kalman import rts_smoother
-from pdr_est.estimators.kalman import single_device as ekf
+from pdr_est.estimators.kalman import ekf, rts_smoother
+from pdr_est.estimators.kalman.walk_filter import run_filter
 from pdr_est.types.measurements import StartPose
 
 
@@ -20,10 +20,10 @@ def timeline() -> Timeline:
 @pytest.mark.parametrize("start", [StartPose(), StartPose((0.0, 0.0), 0.0, 0.1, 0.1)], ids=["unknown", "known"])
 def test_states_stay_one_dimensional_and_covariances_symmetric(start: StartPose) -> None:
     walk = timeline()
-    (filtered,) = ekf.run_filter(walk, start, 0.1)
+    (filtered,) = run_filter(walk, start, 0.1)
     assert filtered.pose.shape == (len(walk.nodes), 3)
     assert filtered.covariance.shape == (len(walk.nodes), 3, 3)
-    for state in filtered.moments:
+    for state in filtered.states:
         assert state.mean.shape == (5,)
         assert state.covariance.shape == (5, 5)
         assert np.array_equal(state.covariance, state.covariance.T)
@@ -31,9 +31,9 @@ def test_states_stay_one_dimensional_and_covariances_symmetric(start: StartPose)
 
 
 def test_states_are_snapshots_not_views_of_the_running_filter() -> None:
-    (filtered,) = ekf.run_filter(timeline(), StartPose((0.0, 0.0), 0.0, 0.1, 0.1), 0.1)
-    assert filtered.moments[0].mean[0] < 1.0 < filtered.moments[-1].mean[0]
-    assert filtered.moments[0].covariance[0, 0] < filtered.moments[9].covariance[0, 0]
+    (filtered,) = run_filter(timeline(), StartPose((0.0, 0.0), 0.0, 0.1, 0.1), 0.1)
+    assert filtered.states[0].mean[0] < 1.0 < filtered.states[-1].mean[0]
+    assert filtered.states[0].covariance[0, 0] < filtered.states[9].covariance[0, 0]
 
 
 def test_input_records_are_left_as_they_were() -> None:
@@ -41,7 +41,7 @@ def test_input_records_are_left_as_they_were() -> None:
     walk = build_timeline(DEVICE, 0.0, [*simulate(np.random.default_rng(2), np.zeros(10)).odometry, robust])
     before = [node.covariance.copy() for node in walk.nodes]
     start = StartPose((0.0, 0.0), 0.0, 0.1, 0.1)
-    first, second = ekf.estimate(walk, start, 0.1), ekf.estimate(walk, start, 0.1)
+    first, second = ekf.estimate([walk], (), start, 0.1), ekf.estimate([walk], (), start, 0.1)
     assert np.array_equal(first.position_m, second.position_m)
     assert np.array_equal(robust.covariance_m2, 0.25 * np.eye(2))
     assert all(np.array_equal(node.covariance, old) for node, old in zip(walk.nodes, before, strict=True))

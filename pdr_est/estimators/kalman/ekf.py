@@ -1,0 +1,53 @@
+"""Estimator `ekf`: filtered tracks of all devices on one body."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pdr_est.estimators.common.initial_state import starts_of
+from pdr_est.estimators.common.tethers import node_tethers_between
+from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
+from pdr_est.estimators.kalman.walk_filter import filter_walk
+from pdr_est.types.measurements import DeviceTether, StartPose
+from pdr_est.types.track import Track, concatenate
+
+NAME = "ekf"
+
+
+def estimate(
+    timelines: Sequence[Timeline], tethers: Sequence[DeviceTether], start: StartPose, sigma_length_scale: float
+) -> Track:
+    """Estimate the filtered tracks of all devices: each pose from the measurements of all devices up to its time.
+
+    Parameters
+    ----------
+    timelines
+        Measurements of each device.
+    tethers
+        Tethers between the devices; a single device has none.
+    start
+        Start pose of the walk as far as it is known.
+    sigma_length_scale
+        Standard deviation of the walker's length scale around 1.
+
+    Raises
+    ------
+    EstimationError
+        For devices of the same name, and for a tether to a device without timeline.
+    """
+    several = len(timelines) > 1
+    node_tethers = node_tethers_between(timelines, tethers) if several else []
+    walk = filter_walk(timelines, node_tethers, starts_of(timelines, start), sigma_length_scale, joint=several)
+    poses = [np.concatenate([segment.pose for segment in segments]) for segments in walk.segments]
+    covariances = [np.concatenate([segment.covariance for segment in segments]) for segments in walk.segments]
+    scales = [segments[-1].end.length_scale for segments in walk.segments]
+    for posterior in walk.posteriors:
+        for device, node in posterior.touched:
+            state = posterior.state_of(device)
+            poses[device][node], covariances[device][node] = state.mean[:3], state.covariance[:3, :3]
+            scales[device] = state.length_scale
+    tracks = [
+        track_from_nodes(timeline, pose[:, :2], pose[:, 2], covariance, "filtered", NAME, scale)
+        for timeline, pose, covariance, scale in zip(timelines, poses, covariances, scales, strict=True)
+    ]
+    return concatenate(tracks)
