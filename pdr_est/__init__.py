@@ -30,6 +30,9 @@ Types
 - Track: result of an estimator. *Filtered* poses use the past only, *smoothed* poses use the whole walk, *delayed*
   poses use the past and a fixed time after it. The device "fused" is the person, from all devices.
 - Config: all settings; frozen, validated, with a default for each.
+- Parts: stages and an estimator of your own, in place of those of the library. `Estimator` is the contract of an
+  estimator and `EstimatorSpec` states its abilities.
+- WalkGraph: the GTSAM factor graph of a walk, made by `build_graph`, to which you can add factors of your own.
 - Tracker: the same pipeline online, fed with `SensorBlock` while the phones record.
 
 Words
@@ -67,8 +70,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pdr_est.config import Config, load_config
     from pdr_est.errors import ConfigError, EstimationError, OutputError, PdrError, RecordingError
+    from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph
+    from pdr_est.estimators.spec import Estimator, EstimatorSpec
     from pdr_est.io.formats.registry import read
     from pdr_est.online import Tracker
+    from pdr_est.parts import Parts
+    from pdr_est.preprocessing.merge import merge_recordings
     from pdr_est.public_api import analyse, detect_steps, estimate, smooth
     from pdr_est.types.analysis import DeviceWalk
     from pdr_est.types.measurements import (
@@ -100,9 +107,12 @@ __all__ = [
     "DeviceTether",
     "DeviceWalk",
     "EstimationError",
+    "Estimator",
+    "EstimatorSpec",
     "HeadingPrior",
     "LoopClosure",
     "OutputError",
+    "Parts",
     "PdrError",
     "PositionFix",
     "Recording",
@@ -114,20 +124,27 @@ __all__ = [
     "StepOdometry",
     "Track",
     "Tracker",
+    "WalkGraph",
     "__version__",
     "analyse",
+    "build_graph",
     "detect_steps",
     "estimate",
     "load_config",
+    "merge_recordings",
     "read",
     "smooth",
 ]
 
 _MODULES = {
     "pdr_est.config": ("Config", "load_config"),
+    "pdr_est.estimators.factor_graph.build": ("WalkGraph", "build_graph"),
+    "pdr_est.estimators.spec": ("Estimator", "EstimatorSpec"),
     "pdr_est.errors": ("ConfigError", "EstimationError", "OutputError", "PdrError", "RecordingError"),
     "pdr_est.io.formats.registry": ("read",),
     "pdr_est.online": ("Tracker",),
+    "pdr_est.parts": ("Parts",),
+    "pdr_est.preprocessing.merge": ("merge_recordings",),
     "pdr_est.public_api": ("analyse", "detect_steps", "estimate", "smooth"),
     "pdr_est.types.analysis": ("DeviceWalk",),
     "pdr_est.types.measurements": (
@@ -143,9 +160,6 @@ _MODULES = {
     "pdr_est.types.sensors": ("Channel", "SensorBlock"),
     "pdr_est.types.steps": ("CarryingMode", "Step"),
     "pdr_est.types.track": ("Track",),
-    # To be added to this table, to `__all__` and to the imports for type checkers above, once their modules exist:
-    # "pdr_est.estimators.factor_graph.build": ("build_graph",)
-    # "pdr_est.estimators...": ("EstimatorSpec",)
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

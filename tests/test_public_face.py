@@ -5,7 +5,6 @@ import subprocess
 import sys
 from dataclasses import replace
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,8 @@ from pdr_est.front_end.steps import StepsParams
 from pdr_est.simulate import SimulatedWalk, preset, simulate_walk
 
 NEEDED = (
-    *("read", "smooth", "analyse", "detect_steps", "estimate", "load_config"),
+    *("read", "smooth", "analyse", "detect_steps", "estimate", "build_graph", "load_config", "merge_recordings"),
+    *("Parts", "Estimator", "EstimatorSpec", "WalkGraph"),
     *("Recording", "Track", "Step", "CarryingMode", "SensorBlock", "Channel", "Config", "Tracker"),
     *(
         "StepOdometry",
@@ -30,11 +30,6 @@ NEEDED = (
     ),
     *("PdrError", "RecordingError", "ConfigError", "EstimationError", "OutputError"),
 )
-# Their modules are made elsewhere in the same change.
-PENDING = {
-    "build_graph": "pdr_est.estimators.factor_graph.build",
-    "EstimatorSpec": "pdr_est.estimators.spec",
-}
 
 
 @pytest.fixture(scope="module")
@@ -47,15 +42,6 @@ def test_what_a_user_needs_is_a_flat_name(name: str) -> None:
     assert name in dir(pdr_est)
     assert name in pdr_est.__all__
     assert (getattr(pdr_est, name).__doc__ or "").strip()
-
-
-@pytest.mark.parametrize("name", PENDING)
-def test_names_of_other_modules_are_flat_once_these_exist(name: str) -> None:
-    try:
-        exists = find_spec(PENDING[name]) is not None
-    except ModuleNotFoundError:
-        exists = False
-    assert (name in dir(pdr_est)) == exists
 
 
 def test_every_public_name_exists_and_nothing_else_is_listed() -> None:
@@ -204,3 +190,67 @@ def test_the_flat_functions_are_the_pipeline_with_defaults(walk: SimulatedWalk) 
     np.testing.assert_array_equal(pdr_est.smooth(walk.recording).position_m, whole.track.position_m)
     assert repr(pdr_est.analyse(walk.recording)[0]) == repr(whole.devices[0])
     assert repr(whole.devices[0]).startswith(f"DeviceWalk('device': {len(whole.devices[0].steps)} steps, ")
+
+
+class StandsStill:
+    """Estimator from outside the package: the walker never leaves the start."""
+
+    spec = pdr_est.EstimatorSpec("stands-still", uses_fixes=False)
+
+    def estimate(self, devices, tethers, start, sigma_length_scale):
+        track = pdr_est.estimate(devices, estimator="dead-reckoning", start=start, tethers=tethers)
+        return replace(track, position_m=np.zeros_like(track.position_m), estimator="stands-still")
+
+
+def test_parts_of_the_user_reach_the_flat_functions(walk: SimulatedWalk) -> None:
+    track = pdr_est.smooth(walk.recording, parts=pdr_est.Parts(estimator=StandsStill()))
+    assert track.estimator == "stands-still"
+    assert not track.position_m.any()
+    again = pdr_est.estimate(steps_of("phone", 0.0), estimator=StandsStill())
+    assert again.estimator == "stands-still"
+    (analysed,) = pdr_est.analyse(walk.recording, parts=pdr_est.Parts(heading=AlwaysEast))
+    assert {step.heading_rad for step in analysed.steps} == {0.0}
+
+
+class AlwaysEast:
+    """Heading stage from outside the package."""
+
+    latency_s = 0.0
+
+    def push(self, item: pdr_est.Step) -> list[pdr_est.Step]:
+        return [replace(item, heading_rad=0.0)]
+
+    def flush(self) -> list[pdr_est.Step]:
+        return []
+
+
+def test_an_unknown_estimator_is_refused() -> None:
+    with pytest.raises(pdr_est.EstimationError, match="unknown estimator 'kalman': choose one of dead-reckoning"):
+        pdr_est.estimate(steps_of("phone", 0.0), estimator="kalman")
+    with pytest.raises(pdr_est.ConfigError, match="has no estimate, spec"):
+        pdr_est.estimate(steps_of("phone", 0.0), estimator=lambda: 3)
+
+
+def test_a_path_is_no_recording_and_no_settings(walk: SimulatedWalk) -> None:
+    for function in (pdr_est.smooth, pdr_est.analyse):
+        with pytest.raises(pdr_est.RecordingError, match="is no recording: read it first"):
+            function("walk.csv")
+    with pytest.raises(pdr_est.ConfigError, match="is no configuration: load it with load_config"):
+        pdr_est.smooth(walk.recording, "settings.yaml")
+
+
+def test_recordings_of_two_phones_become_one() -> None:
+    time_s, force = np.arange(200) / 100.0, np.tile([0.0, 0.0, 9.81], (200, 1))
+    both = pdr_est.merge_recordings(
+        [
+            pdr_est.Recording.from_arrays(time_s, force * s, device=name, name=name)
+            for name, s in (("a", 1), ("b", 1.01))
+        ]
+    )
+    assert [device.name for device in both.devices] == ["a", "b"]
+
+
+def test_the_graph_of_a_walk_is_a_flat_name() -> None:
+    built = pdr_est.build_graph(steps_of("phone", 0.0))
+    assert isinstance(built, pdr_est.WalkGraph)
+    assert built.graph.size() >= 40

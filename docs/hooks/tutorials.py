@@ -34,9 +34,10 @@ def render(script: Path, folder: Path) -> Page:
     RuntimeError
         If a cell fails; the message names script and cell.
     """
-    import matplotlib
+    from matplotlib import pyplot
 
-    matplotlib.use("agg")
+    pyplot.switch_backend("agg")
+    pyplot.close("all")
     introduction, cells = split(script.read_text(encoding="utf-8"))
     title, _, text = introduction.partition("\n")
     parts, page = [f"# {title}\n\n{text.strip()}\n"], Page("")
