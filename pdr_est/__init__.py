@@ -30,6 +30,7 @@ Types
 - Track: result of an estimator. *Filtered* poses use the past only, *smoothed* poses use the whole walk, *delayed*
   poses use the past and a fixed time after it. The device "fused" is the person, from all devices.
 - Config: all settings; frozen, validated, with a default for each.
+- Parts: stages and an estimator of the user's own, in place of those that the Config names.
 - Tracker: the same pipeline online, fed with `SensorBlock` while the phones record.
 
 Words
@@ -67,8 +68,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pdr_est.config import Config, load_config
     from pdr_est.errors import ConfigError, EstimationError, OutputError, PdrError, RecordingError
+    from pdr_est.estimators.spec import EstimatorSpec
     from pdr_est.io.formats.registry import read
     from pdr_est.online import Tracker
+    from pdr_est.parts import Parts
     from pdr_est.public_api import analyse, detect_steps, estimate, smooth
     from pdr_est.types.analysis import DeviceWalk
     from pdr_est.types.measurements import (
@@ -100,9 +103,11 @@ __all__ = [
     "DeviceTether",
     "DeviceWalk",
     "EstimationError",
+    "EstimatorSpec",
     "HeadingPrior",
     "LoopClosure",
     "OutputError",
+    "Parts",
     "PdrError",
     "PositionFix",
     "Recording",
@@ -126,8 +131,10 @@ __all__ = [
 _MODULES = {
     "pdr_est.config": ("Config", "load_config"),
     "pdr_est.errors": ("ConfigError", "EstimationError", "OutputError", "PdrError", "RecordingError"),
+    "pdr_est.estimators.spec": ("EstimatorSpec",),
     "pdr_est.io.formats.registry": ("read",),
     "pdr_est.online": ("Tracker",),
+    "pdr_est.parts": ("Parts",),
     "pdr_est.public_api": ("analyse", "detect_steps", "estimate", "smooth"),
     "pdr_est.types.analysis": ("DeviceWalk",),
     "pdr_est.types.measurements": (
@@ -145,7 +152,6 @@ _MODULES = {
     "pdr_est.types.track": ("Track",),
     # To be added to this table, to `__all__` and to the imports for type checkers above, once their modules exist:
     # "pdr_est.estimators.factor_graph.build": ("build_graph",)
-    # "pdr_est.estimators...": ("EstimatorSpec",)
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import EstimatorName, estimate_walk
+from pdr_est.estimators import Estimator, estimator_named
 from pdr_est.estimators.person.track import fuse
+from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import (
     DeviceMeasurements,
@@ -34,7 +35,12 @@ Odometry = Sequence[StepOdometry | HeadingPrior | LoopClosure] | Sequence[Device
 _SIGMA_LENGTH_SCALE = Config().odometry.sigma_length_scale
 
 
-def smooth(recording: Recording, config: Config | None = None, fixes: Sequence[PositionFix] = ()) -> Track:
+def smooth(
+    recording: Recording,
+    config: Config | None = None,
+    fixes: Sequence[PositionFix] = (),
+    parts: Parts = NO_PARTS,
+) -> Track:
     """Estimate the track of a recorded walk with the configured estimator (default: factor graph).
 
     Parameters
@@ -45,6 +51,8 @@ def smooth(recording: Recording, config: Config | None = None, fixes: Sequence[P
         Settings; the defaults if omitted.
     fixes
         Known positions in the map frame.
+    parts
+        Stages and an estimator of your own, in place of those that the settings name.
 
     Returns
     -------
@@ -57,10 +65,10 @@ def smooth(recording: Recording, config: Config | None = None, fixes: Sequence[P
     PdrError
         If recording, settings or fixes give no track.
     """
-    return pipeline.smooth(recording, config or Config(), fixes).track
+    return pipeline.smooth(recording, Config() if config is None else config, fixes, parts).track
 
 
-def analyse(recording: Recording, config: Config | None = None) -> tuple[DeviceWalk, ...]:
+def analyse(recording: Recording, config: Config | None = None, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
     """Run the front end: detect the steps of every device, with length, heading and odometry.
 
     Parameters
@@ -69,6 +77,8 @@ def analyse(recording: Recording, config: Config | None = None) -> tuple[DeviceW
         The walk. A device without gyroscope has steps without heading.
     config
         Settings; the defaults if omitted.
+    parts
+        Stages and an estimator of your own, in place of those that the settings name.
 
     Returns
     -------
@@ -80,7 +90,7 @@ def analyse(recording: Recording, config: Config | None = None) -> tuple[DeviceW
     RecordingError
         If a device has no accelerometer or no usable samples, or if devices or their clocks do not belong together.
     """
-    return pipeline.analyse(recording, config or Config())
+    return pipeline.analyse(recording, Config() if config is None else config, parts)
 
 
 def detect_steps(
@@ -119,7 +129,7 @@ def detect_steps(
 def estimate(
     odometry: Odometry,
     fixes: Sequence[PositionFix] = (),
-    estimator: EstimatorName = "factor-graph",
+    estimator: str | Estimator = "factor-graph",
     *,
     start: StartPose | None = None,
     tethers: Sequence[DeviceTether] = (),
@@ -135,7 +145,7 @@ def estimate(
     fixes
         Known positions of the person in the map frame.
     estimator
-        Name of an estimator.
+        Name of an estimator, or one of your own (`pdr_est.estimators.spec.Estimator`).
     start
         Pose at the start of the walk, common to all devices; by default it is found from the fixes, and without
         fixes the track starts at the origin along x.
@@ -157,7 +167,8 @@ def estimate(
     devices = [
         DeviceMeasurements(one.device, one.start_s, (*one.measurements, *fixes)) for one in _by_device(odometry)
     ]
-    track = estimate_walk(estimator, devices, start or StartPose(), sigma_length_scale, tethers)
+    chosen = estimator_named(estimator) if isinstance(estimator, str) else estimator
+    track = chosen.estimate(devices, tethers, start or StartPose(), sigma_length_scale)
     return concatenate([track, fuse(track)]) if len(devices) > 1 else track
 
 
