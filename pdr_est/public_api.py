@@ -15,7 +15,6 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators import Estimator, estimator_named
 from pdr_est.estimators.person.track import fuse
 from pdr_est.parts import ESTIMATOR, NO_PARTS, Parts, given_part
-from pdr_est.pipeline.inputs import refuse_no_recording
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import (
     DeviceMeasurements,
@@ -91,7 +90,6 @@ def analyse(recording: Recording, config: Config | None = None, parts: Parts = N
     RecordingError
         If a device has no accelerometer or no usable samples, or if devices or their clocks do not belong together.
     """
-    refuse_no_recording(recording)
     return pipeline.analyse(recording, Config() if config is None else config, parts)
 
 

@@ -1,7 +1,7 @@
 """The contract of a processing stage, and the chain that runs stages one after the other.
 
-A stage consumes items one at a time and emits items of the phenomena it is sure of. How the input is cut
-into blocks changes when an output appears and never what it is, so online and offline use are one code path.
+A stage consumes items one at a time and emits items of the phenomena it is sure of. How the input is cut into blocks
+changes when an output appears and never what it is, so online and offline use are one code path.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,36 +12,46 @@ from typing import Any, Protocol, runtime_checkable
 class Stage(Protocol):
     """One step of the processing.
 
-    Implementations keep their whole state in picklable attributes. `latency_s` is the longest time between a
-    phenomenon and the input sample that makes the stage emit it.
+    Implementations keep their whole state in picklable attributes. `pdr_est.testing` tests the contract.
     """
 
     @property
-    def latency_s(self) -> float: ...
+    def latency_s(self) -> float:
+        """Longest time between a phenomenon and the input sample that makes the stage emit it, s."""
+        ...
 
     def push(self, item: Any, /) -> list[Any]:
-        """Take one item, return the outputs that are now certain (often none)."""
+        """Take one item, and return the outputs that are now certain, often none."""
         ...
 
     def flush(self) -> list[Any]:
-        """Called once at the end of the recording: return what was still held back."""
+        """Return what was still held back; called once, at the end of the recording."""
         ...
 
 
 class Chain:
-    """Stages in sequence; itself a stage."""
+    """Stages in sequence; itself a stage.
+
+    Parameters
+    ----------
+    stages
+        Stages, each of which consumes what the one before it emits.
+    """
 
     def __init__(self, stages: Iterable[Stage]) -> None:
         self.stages: tuple[Stage, ...] = tuple(stages)
 
     @property
     def latency_s(self) -> float:
+        """Sum of the latencies of the stages, s."""
         return sum(stage.latency_s for stage in self.stages)
 
     def push(self, item: Any, /) -> list[Any]:
+        """Pass one item through all stages."""
         return self._run([item], self.stages)
 
     def flush(self) -> list[Any]:
+        """Flush each stage in turn, and pass what it held back through the stages behind it."""
         outputs: list[Any] = []
         for position, stage in enumerate(self.stages):
             outputs += self._run(stage.flush(), self.stages[position + 1 :])

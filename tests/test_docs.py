@@ -65,6 +65,7 @@ def test_block(block: Block, folder_of: Callable[[Path], Path], monkeypatch: pyt
     assert block.language in LANGUAGES, f"{block.name}: name the language of the block, one of {LANGUAGES}"
     folder = folder_of(block.page)
     monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(str(folder))  # as Python does with the folder of a script
     if block.file_name is not None:
         (folder / block.file_name).write_text(block.code, encoding="utf-8")
     match block.language:

@@ -4,14 +4,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from pdr_est import pipeline
 from pdr_est.config import Config, EstimatorParams, StartParams
-from pdr_est.errors import EstimationError, RecordingError
+from pdr_est.errors import ConfigError, EstimationError, RecordingError
 from pdr_est.estimators import EstimatorName
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.attitude import AttitudeParams
@@ -23,10 +23,12 @@ from pdr_est.io import read
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.pipeline.warnings import warnings_of
 from pdr_est.simulate import DeviceParams, SensorParams, SimulatedWalk, preset, simulate_walk
+from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 from pdr_est.types.sensors import Gap
 from pdr_est.types.steps import CarryingMode
 
+FIX = PositionFix(5.0, np.zeros(2), np.eye(2))
 DEAD_RECKONING = Config(estimator=EstimatorParams(name="dead-reckoning"))
 
 
@@ -336,6 +338,55 @@ def test_too_short_a_recording_says_so() -> None:
 def test_other_reasons_for_an_empty_grid_are_given(recording: Recording, message: str) -> None:
     with pytest.raises(RecordingError, match=message):
         pipeline.smooth(recording, Config())
+
+
+@pytest.mark.parametrize(
+    ("recording", "config", "fixes", "error", "message"),
+    [
+        (
+            "walk.csv",
+            Config(),
+            (),
+            RecordingError,
+            r"^recording = 'walk.csv': is no recording: read it first: pdr_est",
+        ),
+        (Path("walk.csv"), Config(), (), RecordingError, r"walk.csv'\): is no recording: read it first"),
+        (
+            None,
+            "settings.yaml",
+            (),
+            ConfigError,
+            r"^config = 'settings.yaml': is no configuration: load it with load_",
+        ),
+        (None, {}, (), ConfigError, r"^config = \{\}: is no configuration: give a Config"),
+        (None, Config(), FIX, RecordingError, r"^fixes = PositionFix.*: is no list: give a list of PositionFix"),
+        (None, Config(), "fixes.csv", RecordingError, r"^fixes = 'fixes.csv': is no list"),
+        (None, Config(), [FIX, (1.0, 2.0)], RecordingError, r"^fixes\[1\] = \(1.0, 2.0\): is no PositionFix: give"),
+        (
+            None,
+            Config(),
+            [FIX, replace(FIX, time_s=99.0)],
+            RecordingError,
+            r"^fixes\[1\]: time 99.000 s is outside the recording \(-0.001 to 43.420 s\): use the recording's clock$",
+        ),
+    ],
+)
+def test_inputs_that_are_none_are_refused(
+    recording: Any, config: Any, fixes: Any, error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        pipeline.smooth(simulated().recording if recording is None else recording, config, fixes)
+    if recording is not None:
+        with pytest.raises(error, match=message):
+            pipeline.analyse(recording, config)
+
+
+def test_fixes_of_the_recorder_may_come_before_its_samples() -> None:
+    early = replace(FIX, time_s=-5.0)
+    recording = replace(simulated().recording, fixes=(early,))
+    assert pipeline.smooth(recording, Config(), recording.fixes).fixes == (early,)
+    with pytest.raises(RecordingError, match=r"fixes\[0\]: time -5.000 s is outside"):
+        pipeline.smooth(recording, Config(), [replace(early)])
 
 
 def test_every_device_must_be_usable() -> None:

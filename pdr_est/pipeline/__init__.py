@@ -8,7 +8,7 @@ from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.front_end_chain import analyse_device
-from pdr_est.pipeline.inputs import refuse_no_config, refuse_unusable_fixes, refuse_unusable_recording
+from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.measurements import (
     chosen_estimator,
     in_map,
@@ -34,9 +34,8 @@ def smooth(
 
     Raises RecordingError for a recording or fixes that cannot be used, and what `analyse` and `estimate` raise.
     """
-    refuse_no_config(config)
-    refuse_unusable_recording(recording)
-    refuse_unusable_fixes(fixes, recording)
+    refuse_wrong_types(recording, config)
+    refuse_unusable_inputs(recording, fixes)
     estimator = chosen_estimator(config, parts)
     started = time.process_time()
     devices = analyse(recording, config, parts)
@@ -59,6 +58,7 @@ def analyse(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tu
     Raises RecordingError if a device has no accelerometer or no usable samples, or if the devices or their clocks do
     not belong together, and ConfigError for a part that cannot be made.
     """
+    refuse_wrong_types(recording, config)
     walks = []
     for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
         walk = analyse_device(device, recording.place_of(device), config, parts)

@@ -20,25 +20,26 @@ def refuse_no_config(config: Any) -> None:
         raise ConfigError(f"config = {brief(config)}: is no configuration: {remedy}")
 
 
-def refuse_no_recording(recording: Any) -> None:
-    """Raise RecordingError for something that is no recording, such as the path of one."""
+def refuse_wrong_types(recording: Any, config: Any) -> None:
+    """Raise RecordingError or ConfigError for something that is no recording or no configuration."""
+    refuse_no_config(config)
     if not isinstance(recording, Recording):
         remedy = "read it first: pdr_est.read(path)" if isinstance(recording, str | Path) else "give a Recording"
         raise RecordingError(f"recording = {brief(recording)}: is no recording: {remedy}")
 
 
-def refuse_unusable_recording(recording: Any) -> None:
-    """Raise RecordingError for something that is no recording, and for a device without what a track needs."""
-    refuse_no_recording(recording)
+def refuse_unusable_inputs(recording: Recording, fixes: Any) -> None:
+    """Raise RecordingError for a device without a sensor that a track needs, and for fixes that cannot be used.
+
+    Fixes must be `PositionFix`, and within the time of the recording.
+    """
     for device in recording.devices:
         require_track_sensors(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
+    _refuse_unusable_fixes(fixes, recording)
 
 
-def refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
-    """Raise RecordingError for fixes that are no `PositionFix`, and for one outside the time of the recording.
-
-    The recorder's own fixes are left alone: it may have received them before the first sample.
-    """
+def _refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
+    """Check the fixes; the recorder's own may lie outside, for it may have received them before the first sample."""
     if not isinstance(fixes, Sequence) or isinstance(fixes, str):
         raise RecordingError(f"fixes = {brief(fixes)}: is no list: give a list of PositionFix")
     recorded = {id(fix) for fix in recording.fixes}

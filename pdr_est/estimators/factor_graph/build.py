@@ -87,8 +87,8 @@ class WalkGraph:
         Returns
         -------
         Track
-            Smoothed track of all devices. Its covariances contain the uncertainty of the length scale as the estimator
-            `factor-graph` found it. If the graph was not built as `optimised`, and positions were measured, they are
+            Smoothed track of all devices. Its covariances contain the uncertainty of the length scale as the
+            estimator `factor-graph` found it. If the graph was not built as `optimised`, and positions were measured, they are
             those for the given length scale.
 
         Raises
@@ -152,8 +152,8 @@ def build_graph(
     Raises
     ------
     EstimationError
-        For measurements that are out of order or without steps, for tethers that do not fit the devices, and where the
-        optimum is asked for and there is no unique one.
+        For measurements that are out of order or without steps, for tethers that do not fit the devices, and where
+        the optimum is asked for and there is no unique one.
     """
     times_s = sorted({*(tether.time_s for tether in tethers), *pose_times_s})
     timelines = _timelines(_devices(measurements), tuple(fixes), times_s)
