@@ -88,8 +88,8 @@ class WalkGraph:
         -------
         Track
             Smoothed track of all devices. Its covariances contain the uncertainty of the length scale as the
-            estimator `factor-graph` found it. If the graph was not built as `optimised`, and positions were measured, they are
-            those for the given length scale.
+            estimator `factor-graph` found it. If the graph was not built as `optimised`, and positions were measured,
+            they are those for the given length scale.
 
         Raises
         ------
