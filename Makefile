@@ -5,6 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_FOR_DOCS := $(VENV)/.ready-for-docs
+PARALLEL := -n auto --dist loadfile
 
 .PHONY: demo test test-all check docs format clean
 
@@ -12,10 +13,10 @@ demo: $(READY)  ## simulate a walk, smooth it, write a report
 	$(BIN)/pdr-est demo -o demo-out
 
 test: $(READY)  ## the fast tests
-	$(BIN)/python -m pytest -m "not slow"
+	$(BIN)/python -m pytest $(PARALLEL) -m "not slow"
 
 test-all: $(READY)  ## all tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PARALLEL)
 
 check: $(READY)  ## lint, format and types
 	$(BIN)/ruff check .

@@ -41,7 +41,7 @@ def train_gait_command(
       {walking,jogging,running}/PERSON/RECORDING...
     The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least three people must
     walk, and three must jog and run. Use the model with gait.model in a configuration file.
-    """
+    """  # noqa: D301  click reads the character \b
     from pdr_est.training.gait_files import recordings_digest
     from pdr_est.training.gait_training import (
         train_gait,  # scikit-learn loads slowly
