@@ -131,7 +131,7 @@ def in_mode(found: Step, mode: CarryingMode) -> Step:
 def test_a_change_of_mode_may_have_turned_a_phone_that_the_heading_does_not_follow(
     before: CarryingMode, after: CarryingMode, follows: bool, besides: float
 ) -> None:
-    _, second = odometry_of(in_mode(TURNED, before), replace(in_mode(TURNED_MORE, after), follows_phone=follows))
+    _, second = odometry_of(in_mode(TURNED, before), replace(in_mode(TURNED_MORE, after), placement_tracked=follows))
     sigma = np.hypot(0.05 * np.sqrt(0.5), besides)
     np.testing.assert_allclose(second.covariance, step_covariance(0.7, 0.07, 0.2, sigma))
 

@@ -24,7 +24,7 @@ _LEAST_Z = 1e-9  # keeps the heading of a device that lies upside down finite
 
 
 class MagnetometerHeading:
-    """Stage Step -> Step that fills in the heading: the device's mean yaw against magnetic north, as the field tells.
+    """Stage Step -> Step that fills in the heading: the device's mean yaw against magnetic north.
 
     A yaw of zero is that of a device whose x axis points to magnetic east. A step without any sample of the field, or
     with one that has no direction, goes on by the device's own yaw from the last step that had one. Where such steps

@@ -46,7 +46,7 @@ class AutoHeadingParams:
     sigma_kept_rad: Positive = 0.25
     """Standard deviation, rad, of the heading that walkers keep while they handle the phone."""
     sigma_axis_rad: Positive = 0.25
-    """Standard deviation, rad, of the heading change that the principal axis tells, on top of its own."""
+    """Standard deviation, rad, of the heading change by the principal axis, on top of its own."""
 
 
 @dataclass(frozen=True)

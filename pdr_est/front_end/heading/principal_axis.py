@@ -103,7 +103,7 @@ class PrincipalAxis:
 
     The offset is that of the latest strides in the same carrying mode, or the last that was trusted. Steps at the
     beginning of a segment or in a new mode wait until a direction is trusted, for as many strides as count together
-    at most; then the best guess is used, and when a better one comes later `sigma_turn_rad` tells so.
+    at most; then the best guess is used, and when a better one comes later `sigma_turn_rad` marks the change.
 
     Parameters
     ----------

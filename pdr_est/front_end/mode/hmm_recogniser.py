@@ -26,7 +26,7 @@ from pdr_est.types.steps import CarryingMode
 # Number of samples after a hop at which it is labelled, and at which labelled hops are emitted: when samples come one
 # at a time, no push has to evaluate windows and to label or emit as well.
 _LABEL_AFTER, _EMIT_AFTER = 1, 2
-_UNIFORM = 1.0 / len(MODES) + 1e-6  # a probability not above it tells nothing
+_UNIFORM = 1.0 / len(MODES) + 1e-6  # a probability not above it carries no information
 _Count = Annotated[int, Ge(1), Le(100)]
 _CountOrZero = Annotated[int, Ge(0), Le(100)]
 _SmallProbability = Annotated[float, Gt(0.0), Le(0.3)]  # two of them still leave the old mode the most likely

@@ -58,7 +58,7 @@ def take(blocks: list[LevelBlock], count: int) -> LevelBlock:
 def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
     """Return samples `start` to `stop` (exclusive) of a block.
 
-    The columns are views, because nobody changes arrays in place.
+    The columns are views, because arrays are never changed in place.
     """
     whole = zip(_COLUMNS, _columns_of(block), strict=True)
     columns: dict[str, Any] = {name: None if column is None else column[start:stop] for name, column in whole}

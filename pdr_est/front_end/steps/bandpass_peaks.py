@@ -53,7 +53,7 @@ class AutoStepParams:
     runner's steps come faster.
     """
     running_interval_s: NonNegative = 0.24
-    """Least time between steps, s, whatever the recent intervals."""
+    """Least time between steps, s, however short the recent intervals."""
     memory: Fraction = 0.8
     """Weight of the past in the recent height and interval of the peaks."""
     standstill_s: Positive = 2.0
@@ -195,7 +195,7 @@ class BandpassPeakDetector:
 
 
 class StepIntervals:
-    """Recent time between steps, which tells the step that a change of the mode hid.
+    """Recent time between steps, by which a step hidden by a change of the mode is found.
 
     `interval_s` is a mean with weights that fall off into the past; it is infinite for a walker who has just set off.
     """

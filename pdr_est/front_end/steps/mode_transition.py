@@ -48,7 +48,7 @@ class TransitionCompensation:
         Sampling rate.
     longest_s : float
         Longest transition that is compensated at once; a longer one is compensated in parts of this length, so that
-        nobody has to wait for its end.
+        its steps need not wait for its end.
     frequency : StepFrequency
         Step frequency of the walker, shared with the detector.
     """
