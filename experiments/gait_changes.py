@@ -60,7 +60,7 @@ def walks_of(data: Path) -> Iterator[Walk]:
     for file in labelled_files(data):
         if file.data_set in PLACES:
             recording = read(file.path)
-            for device in pipeline.analyse(recording, config):
+            for device in pipeline.analyse_recording(recording, config):
                 yield Walk(file.person, file.data_set, file.gait_of(recording), device.steps)
 
 

@@ -26,7 +26,7 @@ from pdr_est.front_end.heading import HeadingParams
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams, TrainedOffset
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.steps import StepsParams
-from pdr_est.pipeline import SmoothedWalk, smooth
+from pdr_est.pipeline import SmoothedWalk, smooth_recording
 from pdr_est.simulate import SimulatedWalk
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -104,7 +104,7 @@ def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
 
 def reckoned(walk: SimulatedWalk, config: Config) -> SmoothedWalk:
     """Estimate a walk with one chain, from the known start."""
-    return smooth(walk.recording, replace(config, start=start_of(walk)))
+    return smooth_recording(walk.recording, replace(config, start=start_of(walk)))
 
 
 def start_of(walk: SimulatedWalk) -> StartParams:

@@ -28,7 +28,7 @@ from recorded import command_line, write
 from pdr_est.config import Config
 from pdr_est.evaluate.carrying_modes import Transitions, count_transitions, mode_confusion, row_shares
 from pdr_est.front_end.mode import ModeParams
-from pdr_est.pipeline import analyse
+from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import SimulatedWalk, mmpdr_mode_walks, simulate_walk
 from pdr_est.types.steps import CarryingMode
 
@@ -71,7 +71,7 @@ def score(walks: Sequence[SimulatedWalk], config: Config) -> Score:
     for walk in walks:
         modes = walk.devices[0].modes
         span_s = (float(walk.steps.time_s[0]), float(walk.steps.time_s[-1]))
-        level = analyse(walk.recording, config)[0].level
+        level = analyse_recording(walk.recording, config)[0].level
         own = Score(mode_confusion(modes, level, span_s), count_transitions(modes, level, span_s))
         total = own if total is None else Score(total.time + own.time, total.changes + own.changes)
     if total is None:

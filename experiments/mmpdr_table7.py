@@ -28,7 +28,7 @@ from pdr_est.front_end.step_length import (
     StepLengthParams,
     WalkerParams,
 )
-from pdr_est.pipeline import analyse
+from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, SimulatedPerson, sample_person, simulate_walk
 from pdr_est.types.steps import Step
 
@@ -100,7 +100,7 @@ def scenario(walker: WalkerParams, person: SimulatedPerson, pace: float, rng: np
 
 def steps_of(walk: Scenario) -> tuple[Step, ...]:
     """Run the front end on the recording of a simulated walk."""
-    (device,) = analyse(simulate_walk(walk).recording, Config())
+    (device,) = analyse_recording(simulate_walk(walk).recording, Config())
     return device.steps
 
 

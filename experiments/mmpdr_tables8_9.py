@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pdr_est.config import Config
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.steps import StepsParams
-from pdr_est.pipeline import analyse
+from pdr_est.pipeline import analyse_recording
 
 METHODS: tuple[Literal["mmpdr", "auto"], ...] = ("mmpdr", "auto")
 # Of the paper, for each of its walks of a row: steps counted, steps taken.
@@ -61,7 +61,7 @@ def measured(row: Row, seeds: Sequence[int]) -> Counts:
     return Counts(
         taken=np.array([walk.step_count for walk in walks]),
         counted={
-            method: np.array([len(analyse(walk.recording, config)[0].steps) for walk in walks])
+            method: np.array([len(analyse_recording(walk.recording, config)[0].steps) for walk in walks])
             for method, config in configs.items()
         },
     )

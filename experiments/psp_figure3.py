@@ -20,7 +20,7 @@ from psp_table1 import DEFAULT, LEGS, METHODS, TRAJECTORIES, group_of, settings,
 from recorded import RESULTS, command_line, write
 
 from pdr_est.front_end.heading import HeadingName
-from pdr_est.pipeline import smooth
+from pdr_est.pipeline import smooth_recording
 from pdr_est.simulate import PspTrajectory, Scenario, SimulatedWalk, WalkingPath, psp_walks, simulate_walk
 from pdr_est.types.track import Track
 
@@ -64,7 +64,11 @@ def panel(trajectory: PspTrajectory, legs: str, way: str, seed: int) -> Panel:
     """Estimate the walk of the first man in that direction with each heading."""
     walk = simulate_walk(with_legs(of_a_man(trajectory, way, seed), legs))
     return Panel(
-        trajectory, legs, way, walk, {method: smooth(walk.recording, settings(method)).track for method in SHOWN}
+        trajectory,
+        legs,
+        way,
+        walk,
+        {method: smooth_recording(walk.recording, settings(method)).track for method in SHOWN},
     )
 
 

@@ -33,7 +33,7 @@ from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array
 from pdr_est.front_end.heading import HeadingName, HeadingParams
 from pdr_est.front_end.heading.hde_controller import HdeParams
-from pdr_est.pipeline import smooth
+from pdr_est.pipeline import smooth_recording
 from pdr_est.simulate import (
     PSP_TESTS,
     PocketPhone,
@@ -129,7 +129,7 @@ def errors_m(walk: SimulatedWalk, increments: Sequence[float]) -> dict[tuple[Hea
 
 def return_error_m(walk: SimulatedWalk, method: HeadingName, increment_radps: float) -> float:
     """Compute the distance from the end of the track to its start, m."""
-    track = smooth(walk.recording, settings(method, increment_radps)).track
+    track = smooth_recording(walk.recording, settings(method, increment_radps)).track
     return float(np.linalg.norm(track.position_m[-1] - track.position_m[0]))
 
 

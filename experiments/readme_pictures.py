@@ -82,7 +82,9 @@ def two_phones() -> Figure:
     """Draw the tracks of a swinging phone and of one in a pocket, each alone, and of the person from both."""
     simulated = simulate_walk(with_two_phones(SEED))
     recording, reckoned = simulated.recording, replace(Config(), start=KNOWN_START).with_estimator("dead-reckoning")
-    alone = [pipeline.smooth(replace(recording, devices=(one,)), reckoned).track for one in recording.devices]
+    alone = [
+        pipeline.smooth_recording(replace(recording, devices=(one,)), reckoned).track for one in recording.devices
+    ]
     walk, truth_m = smoothed(simulated)
     person = walk.track.of_device(NAME)
     figure = svg.new_figure(5.6)
@@ -121,7 +123,7 @@ def smoothed(simulated: SimulatedWalk, fixes_s: tuple[float, ...] = ()) -> tuple
         )
         fixes.append(PositionFix(time_s, true_m + SIGMA_M * rng.standard_normal(2), covariance_m2))
     config = replace(Config(), start=KNOWN_START)
-    return pipeline.smooth(simulated.recording, config, fixes), simulated.truth_position_m
+    return pipeline.smooth_recording(simulated.recording, config, fixes), simulated.truth_position_m
 
 
 if __name__ == "__main__":

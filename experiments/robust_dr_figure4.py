@@ -37,7 +37,7 @@ from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.frames import Array
 from pdr_est.front_end.heading import HeadingName, HeadingParams
 from pdr_est.front_end.step_length import WalkerParams
-from pdr_est.pipeline import analyse, estimate
+from pdr_est.pipeline import analyse_recording, estimate_tracks
 from pdr_est.simulate import Scenario, SimulatedWalk, robust_dr_trials, simulate_walk, waypoint_passes
 from pdr_est.types.track import Track
 
@@ -123,8 +123,8 @@ def settings(walk: SimulatedWalk, chain: Chain, clock: ClockMethod = "walk") -> 
 
 def fused(walk: SimulatedWalk, config: Config, estimators: Sequence[EstimatorName] = (BEFORE, *FUSIONS)) -> Trial:
     """Estimate a walk with some estimators."""
-    devices = analyse(walk.recording, config)
-    tracks = {name: estimate(devices, config.with_estimator(name)) for name in estimators}
+    devices = analyse_recording(walk.recording, config)
+    tracks = {name: estimate_tracks(devices, config.with_estimator(name)) for name in estimators}
     return Trial(walk.scenario.name, *waypoint_passes(walk), tracks)
 
 

@@ -34,7 +34,7 @@ from pdr_est.experiment.recording_files import recordings
 from pdr_est.front_end.step_length import LengthModel, StepLength, StepLengthParams, WalkerParams
 from pdr_est.io import read
 from pdr_est.io.side_tables.known_distances import read_known_distances
-from pdr_est.pipeline import analyse
+from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
 from pdr_est.types.ground_truth import TrueStrides
 from pdr_est.types.recording import Recording
@@ -134,7 +134,7 @@ def stride_length_trip(folder: Path) -> list[Walk]:
 def measured(recording: Recording, truth: TrueStrides, walker: WalkerParams | None = None) -> Walk:
     """Compute the distances of each model beside those of known length in a walk."""
     config = Config()
-    (device,) = analyse(recording, config)
+    (device,) = analyse_recording(recording, config)
     start_s = np.array([step.start_s for step in device.steps])
     end_s = np.array([step.event.time_s for step in device.steps])
     share = step_shares(start_s, end_s, truth)

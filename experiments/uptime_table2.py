@@ -68,7 +68,7 @@ def measured(data: Path) -> Iterable[Walk]:
     for file in gait.SUITE.find(data):
         activity = file.labels["activity"]
         if activity in GROUPS:
-            (device,) = pipeline.analyse(read(file.path), Config())
+            (device,) = pipeline.analyse_recording(read(file.path), Config())
             duration_s = sum(step.event.time_s - step.start_s for step in device.steps)
             yield Walk(activity, duration_s, {model: lengths_m(device.steps, model) for model in MODELS})
 

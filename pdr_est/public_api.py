@@ -57,7 +57,8 @@ def smooth(
     Returns
     -------
     Track
-        Poses of every device, and of the person ("fused") where there are several devices. `pdr_est.pipeline.smooth`
+        Poses of every device, and of the person ("fused") where there are several devices.
+        `pdr_est.pipeline.smooth_recording`
         also returns the steps, warnings and timings.
 
     Raises
@@ -65,7 +66,7 @@ def smooth(
     PdrError
         If recording, settings or fixes give no track.
     """
-    return pipeline.smooth(recording, Config() if config is None else config, fixes, parts).track
+    return pipeline.smooth_recording(recording, Config() if config is None else config, fixes, parts).track
 
 
 def analyse(recording: Recording, config: Config | None = None, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
@@ -90,7 +91,7 @@ def analyse(recording: Recording, config: Config | None = None, parts: Parts = N
     RecordingError
         If a device has no accelerometer or no usable samples, or if devices or their clocks do not belong together.
     """
-    return pipeline.analyse(recording, Config() if config is None else config, parts)
+    return pipeline.analyse_recording(recording, Config() if config is None else config, parts)
 
 
 def detect_steps(

@@ -35,7 +35,7 @@ def test_config_runs(path: Path) -> None:
         devices=(DeviceParams(sensors=SensorParams(record_attitude=True)),),
     )
     walk = simulate_walk(scenario)
-    track = pipeline.smooth(walk.recording, load_config(path)).track
+    track = pipeline.smooth_recording(walk.recording, load_config(path)).track
     assert abs(len(track) - 1 - walk.step_count) <= 1
     assert np.linalg.norm(track.position_m[-1] - track.position_m[0]) == pytest.approx(25.0, rel=0.15)
 

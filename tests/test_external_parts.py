@@ -295,13 +295,13 @@ def test_so_do_the_estimators_of_the_package(name: str) -> None:
 
 
 def test_offline_as_objects(parts: Parts, recording: Recording, fixes: tuple[PositionFix, ...]) -> None:
-    walk = pipeline.smooth(recording, KNOWN_START, fixes, parts)
-    usual = pipeline.smooth(recording, KNOWN_START.with_estimator("dead-reckoning"), fixes)
+    walk = pipeline.smooth_recording(recording, KNOWN_START, fixes, parts)
+    usual = pipeline.smooth_recording(recording, KNOWN_START.with_estimator("dead-reckoning"), fixes)
     assert (walk.track.estimator, walk.fixes_used, usual.fixes_used) == ("jumping", True, False)
     assert abs(len(walk.devices[0].steps) - len(usual.devices[0].steps)) <= 2
     assert [step.event for step in walk.devices[0].steps] != [step.event for step in usual.devices[0].steps]
     assert np.linalg.norm(walk.track.at(np.array([fixes[-1].time_s]))[0] - fixes[-1].position_m) < 1.5
-    again = pipeline.smooth(recording, KNOWN_START, fixes, parts)
+    again = pipeline.smooth_recording(recording, KNOWN_START, fixes, parts)
     assert exact_content([again.track]) == exact_content([walk.track])
 
 
@@ -313,7 +313,7 @@ def test_every_stage_can_be_given(user: ModuleType, recording: Recording) -> Non
         step_length=partial(user.LengthByHeight, share=0.3),
         heading=lambda: user.EastNorth(0.5),
     )
-    (walk,) = pipeline.analyse(recording, Config(), given)
+    (walk,) = pipeline.analyse_recording(recording, Config(), given)
     assert seen.count == 0  # a stage that is given is a prototype
     assert {step.length_m for step in walk.steps} == {0.3 * Config().walker.height_m}
     assert {step.heading_rad for step in walk.steps} == {0.5}
@@ -328,7 +328,7 @@ def test_every_stage_can_be_given(user: ModuleType, recording: Recording) -> Non
             "heading": {"method": "user_parts:EastNorth", "parameters": {"heading_rad": 0.5}},
         }
     )
-    (other,) = pipeline.analyse(recording, named)
+    (other,) = pipeline.analyse_recording(recording, named)
     assert exact_content(other.steps) == exact_content(walk.steps)
 
 
@@ -336,12 +336,12 @@ def test_each_device_has_a_stage_of_its_own(user: ModuleType) -> None:
     devices = (DeviceParams(name="left"), DeviceParams(name="right"))
     both = simulate_walk(replace(preset("l_shape"), devices=devices)).recording
     prototype = user.Upward(50.0)
-    left, right = pipeline.analyse(both, Config(), Parts(step_detector=prototype))
+    left, right = pipeline.analyse_recording(both, Config(), Parts(step_detector=prototype))
     for walk, device in ((left, "left"), (right, "right")):
         alone = replace(both, devices=tuple(one for one in both.devices if one.name == device))
-        (expected,) = pipeline.analyse(alone, Config(), Parts(step_detector=user.Upward))
+        (expected,) = pipeline.analyse_recording(alone, Config(), Parts(step_detector=user.Upward))
         assert [step.event.index for step in walk.steps] == [step.event.index for step in expected.steps]
-    track = pipeline.smooth(both, KNOWN_START, parts=Parts(estimator=user.Jumping)).track
+    track = pipeline.smooth_recording(both, KNOWN_START, parts=Parts(estimator=user.Jumping)).track
     assert track.devices == ("left", "right", "fused")
 
 
@@ -371,7 +371,7 @@ def test_online_under_any_cut(
         updates.append(found + tracker.flush())
     tracks = [track_of(found, estimator="jumping") for found in updates]
     assert exact_content([tracks[0]]) == exact_content([tracks[1]])
-    offline = pipeline.smooth(recording, config, fixes, given).track
+    offline = pipeline.smooth_recording(recording, config, fixes, given).track
     np.testing.assert_allclose(tracks[0].time_s, offline.time_s[1:])
     np.testing.assert_allclose(tracks[0].heading_rad, offline.heading_rad[1:], atol=1e-9)
     # Online a fix within a step comes before the step, offline in its middle.
@@ -415,11 +415,11 @@ def test_a_file_names_them(folder: Path, recording: Recording, user: ModuleType)
     assert sys.path == before
     assert config.steps.parameters == {"threshold_mps2": 1.2}
     assert import_folders(config) == (str(folder),)
-    walk = pipeline.smooth(recording, config)
+    walk = pipeline.smooth_recording(recording, config)
     objects = Parts(
         step_detector=lambda rate_hz: user.upward(rate_hz, threshold_mps2=1.2), estimator=user.Jumping(0.8)
     )
-    expected = pipeline.smooth(recording, KNOWN_START, parts=objects)
+    expected = pipeline.smooth_recording(recording, KNOWN_START, parts=objects)
     assert exact_content([walk.track]) == exact_content([expected.track])
     copied = folder / "copied.yaml"
     copied.write_text(config_to_yaml(config, comments=True), encoding="utf-8")
@@ -549,14 +549,14 @@ def test_objects_that_are_no_parts_are_refused(
 def test_a_given_estimator_must_fit_the_walk(user: ModuleType, recording: Recording) -> None:
     closed = Config(start=StartParams(closed=True))
     with pytest.raises(ConfigError, match=r"start.closed: jumping makes no use of a walk that ends where it began"):
-        pipeline.smooth(recording, closed, parts=Parts(estimator=user.Jumping()))
+        pipeline.smooth_recording(recording, closed, parts=Parts(estimator=user.Jumping()))
 
     class Nothing(user.Jumping):  # type: ignore[name-defined,misc]
         def estimate(self, *_: Any) -> None:
             return None
 
     with pytest.raises(EstimationError, match=r"estimator jumping returned NoneType: it must return a Track of"):
-        pipeline.smooth(recording, KNOWN_START, parts=Parts(estimator=Nothing()))
+        pipeline.smooth_recording(recording, KNOWN_START, parts=Parts(estimator=Nothing()))
 
 
 def test_the_table_names_every_estimator() -> None:

@@ -47,7 +47,7 @@ def errors(carry: str) -> tuple[tuple[Array, Array], ...]:
     found = []
     for number in range(WALKS):
         walk = simulate_walk(office_walk(number, carry))
-        track = pipeline.smooth(walk.recording, Config()).track
+        track = pipeline.smooth_recording(walk.recording, Config()).track
         middle_s = 0.5 * (track.moving_from_s[1:] + track.time_s[1:])
         error = wrap_angle(track.heading_rad[1:] - walk.heading_at(middle_s))
         at_start = np.angle(np.mean(np.exp(1j * error[:FIRST_STEPS])))

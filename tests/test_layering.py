@@ -52,7 +52,7 @@ LIBRARIES = {
     "click": ("cli",),
 }
 MOST_LINES, MOST_FUNCTION_LINES = 300, 60
-MOST_LINES_OF_THE_TOP = 90  # pipeline/__init__.py reads as the algorithm
+MOST_LINES_OF_THE_TOP = 110  # pipeline/__init__.py reads as the algorithm
 MOST_FILES = 14
 
 

@@ -88,13 +88,13 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 )
 def test_golden_numbers(config: Config, golden: tuple[float, ...]) -> None:
     """Recorded from this code. A change that is meant to move them moves them here, and the changelog says why."""
-    walk = pipeline.smooth(simulated().recording, config)
+    walk = pipeline.smooth_recording(simulated().recording, config)
     assert shown(walk) == pytest.approx(golden, abs=1e-6)
     assert walk.warnings == ()
 
 
 def test_the_golden_walk_is_near_the_truth() -> None:
-    walk, truth = pipeline.smooth(simulated().recording, DEAD_RECKONING), simulated()
+    walk, truth = pipeline.smooth_recording(simulated().recording, DEAD_RECKONING), simulated()
     assert len(walk.devices[0].steps) == truth.step_count
     assert walk.track.distance_m == pytest.approx(truth.distance_m, rel=0.08)
     assert np.rad2deg(walk.track.heading_rad[-1]) == pytest.approx(90.0, abs=6.0)
@@ -103,24 +103,26 @@ def test_the_golden_walk_is_near_the_truth() -> None:
 @pytest.mark.parametrize("name", get_args(EstimatorName))
 def test_without_fixes_every_estimator_gives_the_dead_reckoned_positions(name: EstimatorName) -> None:
     """But for a building's directions, of which only a smoother makes use."""
-    expected = pipeline.smooth(simulated().recording, DEAD_RECKONING)
+    expected = pipeline.smooth_recording(simulated().recording, DEAD_RECKONING)
     config = Config(heading=HeadingParams(dominant=DominantParams(enabled=False)))
-    walk = pipeline.smooth(simulated().recording, config.with_estimator(name))
+    walk = pipeline.smooth_recording(simulated().recording, config.with_estimator(name))
     np.testing.assert_allclose(walk.track.position_m, expected.track.position_m, atol=1e-5)
     assert walk.track.estimator == name
 
 
 def test_a_start_pose_moves_and_turns_the_track() -> None:
     start = StartParams(x_m=100.0, y_m=-50.0, heading_rad=np.pi / 2)
-    track = pipeline.smooth(simulated().recording, replace(DEAD_RECKONING, start=start)).track
-    own = pipeline.smooth(simulated().recording, DEAD_RECKONING).track.position_m
+    track = pipeline.smooth_recording(simulated().recording, replace(DEAD_RECKONING, start=start)).track
+    own = pipeline.smooth_recording(simulated().recording, DEAD_RECKONING).track.position_m
     np.testing.assert_allclose(track.position_m, np.stack([100.0 - own[:, 1], -50.0 + own[:, 0]], axis=1), atol=1e-9)
 
 
 def test_the_devices_own_attitude_gives_nearly_the_same_track() -> None:
     walk = simulated(DeviceParams(sensors=SensorParams(record_attitude=True)))
     by_vqf, by_device = (
-        pipeline.smooth(walk.recording, replace(DEAD_RECKONING, attitude=AttitudeParams(source=source))).track
+        pipeline.smooth_recording(
+            walk.recording, replace(DEAD_RECKONING, attitude=AttitudeParams(source=source))
+        ).track
         for source in ("vqf", "device")
     )
     assert len(by_vqf) == len(by_device)
@@ -129,7 +131,7 @@ def test_the_devices_own_attitude_gives_nearly_the_same_track() -> None:
 
 def test_each_device_of_a_walk_has_its_part() -> None:
     recording = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording
-    walk = pipeline.smooth(recording, DEAD_RECKONING)
+    walk = pipeline.smooth_recording(recording, DEAD_RECKONING)
     assert [part.device for part in walk.devices] == ["left", "right"]
     assert walk.track.devices == ("left", "right", "fused")
     for part in walk.devices:
@@ -140,7 +142,7 @@ def test_each_device_of_a_walk_has_its_part() -> None:
 
 def test_a_gap_is_reported_and_bridged() -> None:
     recording = simulated(DeviceParams(sensors=SensorParams(gaps_s=((12.0, 16.0),)))).recording
-    walk = pipeline.smooth(recording, DEAD_RECKONING)
+    walk = pipeline.smooth_recording(recording, DEAD_RECKONING)
     (part,) = walk.devices
     assert {gap.channel for gap in part.gaps} == {"specific_force", "rotation_rate"}
     for gap in part.gaps:
@@ -159,7 +161,7 @@ def test_dropped_samples_are_counted() -> None:
         values[100] = np.nan
         return Signal(np.where(np.arange(len(signal)) == 200, signal.time_s[199], signal.time_s), values)
 
-    (part,) = pipeline.analyse(some(spoiled), DEAD_RECKONING)
+    (part,) = pipeline.analyse_recording(some(spoiled), DEAD_RECKONING)
     assert part.dropped_samples == {
         f"{channel}: {reason}": 1
         for channel in ("specific_force", "rotation_rate")
@@ -174,7 +176,7 @@ def test_gentle_steps_after_a_standstill_are_not_measured_by_brisk_ones_before()
     up = np.tile([0.0, 0.0, 1.0], (len(time_s), 1))
     force = (STANDARD_GRAVITY_MPS2 + height * np.sin(2.0 * np.pi * 1.8 * time_s))[:, None] * up
     device = DeviceRecording(specific_force=Signal(time_s, force), rotation_rate=Signal(time_s, 0.0 * up))
-    (part,) = pipeline.analyse(Recording("sine", "made up", (device,)), Config())
+    (part,) = pipeline.analyse_recording(Recording("sine", "made up", (device,)), Config())
     found_s = np.array([step.event.time_s for step in part.steps])
     assert np.count_nonzero(found_s < 13.0) == pytest.approx(18, abs=1)
     assert np.count_nonzero(found_s > 13.0) == pytest.approx(18, abs=1)
@@ -182,7 +184,7 @@ def test_gentle_steps_after_a_standstill_are_not_measured_by_brisk_ones_before()
 
 def test_cpu_time_and_fixes_are_handed_on() -> None:
     fixes = simulated().with_fixes(every_s=10.0, sigma_m=0.5).recording.fixes
-    walk = pipeline.smooth(simulated().recording, Config().with_estimator("ekf"), fixes)
+    walk = pipeline.smooth_recording(simulated().recording, Config().with_estimator("ekf"), fixes)
     assert walk.fixes == fixes
     assert set(walk.timings_s) == {"front_end", "estimator"}
     assert all(seconds >= 0.0 for seconds in walk.timings_s.values())
@@ -191,7 +193,7 @@ def test_cpu_time_and_fixes_are_handed_on() -> None:
 @pytest.mark.parametrize("name", get_args(EstimatorName))
 def test_a_walk_without_steps_is_one_point_and_a_warning(name: EstimatorName) -> None:
     standing = some(lambda signal: Signal(signal.time_s[:250], signal.values[:250]))
-    walk = pipeline.smooth(standing, Config().with_estimator(name))
+    walk = pipeline.smooth_recording(standing, Config().with_estimator(name))
     assert walk.warnings == ("device: no step found",)
     assert len(walk.track) == 1
     np.testing.assert_allclose(walk.track.position_m, [[0.0, 0.0]], atol=1e-9)
@@ -211,13 +213,13 @@ NOTHING = Signal(np.empty(0), np.empty((0, 3)))
 )
 def test_a_missing_sensor_is_named_with_what_remains(channel: str, message: str, missing: Signal | None) -> None:
     with pytest.raises(RecordingError, match=message):
-        pipeline.smooth(with_device(**{channel: missing}), Config())
+        pipeline.smooth_recording(with_device(**{channel: missing}), Config())
 
 
 @pytest.mark.parametrize("missing", [None, NOTHING], ids=["no channel", "empty channel"])
 def test_an_accelerometer_alone_gives_steps_with_length_and_without_heading(missing: Signal | None) -> None:
-    (part,) = pipeline.analyse(with_device(rotation_rate=missing), Config())
-    (full,) = pipeline.analyse(simulated().recording, Config())
+    (part,) = pipeline.analyse_recording(with_device(rotation_rate=missing), Config())
+    (full,) = pipeline.analyse_recording(simulated().recording, Config())
     assert full.has_heading
     assert not part.has_heading
     assert part.odometry == ()
@@ -233,10 +235,10 @@ def test_an_accelerometer_alone_gives_steps_with_length_and_without_heading(miss
 
 def test_a_given_mode_is_used_without_gyroscope_too() -> None:
     given = replace(Config(), mode=ModeParams(method="fixed", fixed="SWING"))
-    (walk,) = pipeline.analyse(without_gyroscope(), given)
+    (walk,) = pipeline.analyse_recording(without_gyroscope(), given)
     assert {step.event.mode for step in walk.steps} == {CarryingMode.SWING}
     assert len(walk.steps) == pytest.approx(simulated().step_count, abs=2)
-    (walk,) = pipeline.analyse(without_gyroscope(), replace(Config(), mode=ModeParams(method="mmpdr")))
+    (walk,) = pipeline.analyse_recording(without_gyroscope(), replace(Config(), mode=ModeParams(method="mmpdr")))
     assert {step.event.mode for step in walk.steps} == {CarryingMode.UNKNOWN}
 
 
@@ -245,7 +247,7 @@ def test_a_gap_of_both_sensors_is_one_and_as_long_as_it_is() -> None:
         return Signal(np.where(signal.time_s < 20.0, signal.time_s, signal.time_s + 3600.0), signal.values)
 
     recording = some(with_hours)
-    walks = pipeline.analyse(recording, Config())
+    walks = pipeline.analyse_recording(recording, Config())
     assert len(walks[0].gaps) == 2
     (words,) = warnings_of(recording, walks)
     assert words.startswith("device: 1 gap or clock jump, 3600.0 s in all")
@@ -257,7 +259,7 @@ def test_a_gap_of_both_sensors_is_one_and_as_long_as_it_is() -> None:
 def test_what_the_reader_doubts_is_a_warning_of_the_walk_too() -> None:
     recording = simulated().recording
     doubtful = replace(recording, devices=(replace(recording.devices[0], warnings=("the unit is a guess",)),))
-    assert pipeline.smooth(doubtful, DEAD_RECKONING).warnings == ("device: the unit is a guess",)
+    assert pipeline.smooth_recording(doubtful, DEAD_RECKONING).warnings == ("device: the unit is a guess",)
 
 
 @pytest.mark.parametrize(("channel", "value"), [("specific_force", 1e30), ("rotation_rate", -1e6)])
@@ -267,7 +269,9 @@ def test_one_impossible_sample_changes_next_to_nothing(channel: str, value: floa
     values = signal.values.copy()
     values[len(values) // 2, 1] = value
     damaged = with_device(**{channel: Signal(signal.time_s, values)})
-    walk, usual = (pipeline.smooth(recording, DEAD_RECKONING) for recording in (damaged, simulated().recording))
+    walk, usual = (
+        pipeline.smooth_recording(recording, DEAD_RECKONING) for recording in (damaged, simulated().recording)
+    )
     assert shown(walk) == pytest.approx(shown(usual), abs=0.02)
     assert walk.devices[0].dropped_samples == {f"{channel}: impossible": 1}
     assert walk.warnings[0].startswith("device: 1 of ")
@@ -277,16 +281,16 @@ def test_one_device_without_gyroscope_leaves_the_other_as_it_is() -> None:
     recording = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording
     left, right = recording.devices
     mixed = replace(recording, devices=(replace(left, rotation_rate=None), right))
-    bare, whole = pipeline.analyse(mixed, Config())
+    bare, whole = pipeline.analyse_recording(mixed, Config())
     assert (bare.has_heading, whole.has_heading) == (False, True)
     assert len(whole.odometry) == len(whole.steps) > 0
 
 
 @pytest.mark.parametrize("name", get_args(EstimatorName))
 def test_steps_without_heading_are_refused_by_every_estimator(name: EstimatorName) -> None:
-    walks = pipeline.analyse(without_gyroscope(), Config())
+    walks = pipeline.analyse_recording(without_gyroscope(), Config())
     with pytest.raises(EstimationError, match=r"^device: no gyroscope, so its \d+ steps have no direction .*: leave"):
-        pipeline.estimate(walks, Config().with_estimator(name))
+        pipeline.estimate_tracks(walks, Config().with_estimator(name))
 
 
 def test_a_track_is_refused_before_any_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -294,7 +298,7 @@ def test_a_track_is_refused_before_any_work_is_done(monkeypatch: pytest.MonkeyPa
     whole = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording.devices[0]
     monkeypatch.setattr(pipeline, "analyse", lambda *_: pytest.fail("the front end ran"))
     with pytest.raises(RecordingError, match=r"^l_shape \(right\): no gyroscope"):
-        pipeline.smooth(replace(recording, devices=(whole, recording.devices[1])), Config())
+        pipeline.smooth_recording(replace(recording, devices=(whole, recording.devices[1])), Config())
 
 
 def test_the_devices_own_attitude_needs_its_gyroscope_too() -> None:
@@ -303,7 +307,7 @@ def test_the_devices_own_attitude_needs_its_gyroscope_too() -> None:
     with pytest.raises(
         RecordingError, match=r"^l_shape \(device\): no gyroscope, .*: set attitude.source: vqf in the "
     ):
-        pipeline.analyse(bare, replace(Config(), attitude=AttitudeParams(source="device")))
+        pipeline.analyse_recording(bare, replace(Config(), attitude=AttitudeParams(source="device")))
 
 
 def test_a_missing_attitude_of_the_device_names_the_other_source() -> None:
@@ -312,19 +316,19 @@ def test_a_missing_attitude_of_the_device_names_the_other_source() -> None:
         RecordingError,
         match=r"^l_shape \(device\): the device recorded no attitude: set attitude.source: vqf in the ",
     ):
-        pipeline.smooth(simulated().recording, config)
+        pipeline.smooth_recording(simulated().recording, config)
 
 
 def test_channels_without_overlap_are_shown_with_their_times() -> None:
     later = Signal(gyroscope().time_s + 1000.0, gyroscope().values)
     message = r"^l_shape \(device\): .* do not overlap in time \(.*, gyroscope 1000\.00 to 1043\.42 s\): check "
     with pytest.raises(RecordingError, match=message):
-        pipeline.smooth(with_device(rotation_rate=later), Config())
+        pipeline.smooth_recording(with_device(rotation_rate=later), Config())
 
 
 def test_too_short_a_recording_says_so() -> None:
     with pytest.raises(RecordingError, match=r"^l_shape \(device\): too few samples .*: record for longer$"):
-        pipeline.smooth(some(lambda signal: Signal(signal.time_s[:3], signal.values[:3])), Config())
+        pipeline.smooth_recording(some(lambda signal: Signal(signal.time_s[:3], signal.values[:3])), Config())
 
 
 @pytest.mark.parametrize(
@@ -337,7 +341,7 @@ def test_too_short_a_recording_says_so() -> None:
 )
 def test_other_reasons_for_an_empty_grid_are_given(recording: Recording, message: str) -> None:
     with pytest.raises(RecordingError, match=message):
-        pipeline.smooth(recording, Config())
+        pipeline.smooth_recording(recording, Config())
 
 
 @pytest.mark.parametrize(
@@ -375,25 +379,25 @@ def test_inputs_that_are_none_are_refused(
     recording: Any, config: Any, fixes: Any, error: type[Exception], message: str
 ) -> None:
     with pytest.raises(error, match=message):
-        pipeline.smooth(simulated().recording if recording is None else recording, config, fixes)
+        pipeline.smooth_recording(simulated().recording if recording is None else recording, config, fixes)
     if recording is not None:
         with pytest.raises(error, match=message):
-            pipeline.analyse(recording, config)
+            pipeline.analyse_recording(recording, config)
 
 
 def test_fixes_of_the_recorder_may_come_before_its_samples() -> None:
     early = replace(FIX, time_s=-5.0)
     recording = replace(simulated().recording, fixes=(early,))
-    assert pipeline.smooth(recording, Config(), recording.fixes).fixes == (early,)
+    assert pipeline.smooth_recording(recording, Config(), recording.fixes).fixes == (early,)
     with pytest.raises(RecordingError, match=r"fixes\[0\]: time -5.000 s is outside"):
-        pipeline.smooth(recording, Config(), [replace(early)])
+        pipeline.smooth_recording(recording, Config(), [replace(early)])
 
 
 def test_every_device_must_be_usable() -> None:
     good: DeviceRecording = simulated().recording.devices[0]
     recording = replace(simulated().recording, devices=(good, replace(good, name="other", rotation_rate=None)))
     with pytest.raises(RecordingError, match=r"^l_shape \(other\): no gyroscope"):
-        pipeline.smooth(recording, Config())
+        pipeline.smooth_recording(recording, Config())
 
 
 def test_steps_of_real_phones_by_the_accelerometer_alone(shared_data: Path) -> None:
@@ -404,7 +408,7 @@ def test_steps_of_real_phones_by_the_accelerometer_alone(shared_data: Path) -> N
         assert recording.truth.steps is not None
         assert recording.truth.step_count is not None
         true_s = recording.truth.steps.time_s
-        (part,) = pipeline.analyse(recording, Config())
+        (part,) = pipeline.analyse_recording(recording, Config())
         found_s = np.array([step.event.time_s for step in part.steps])
         found_s += np.median([true_s[np.argmin(np.abs(true_s - time_s))] - time_s for time_s in found_s])
         inside = (found_s > true_s[0] - 0.3) & (found_s < true_s[-1] + 0.3)

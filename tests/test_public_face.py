@@ -186,7 +186,7 @@ def test_odometry_that_gives_no_track_is_refused(odometry: list[pdr_est.StepOdom
 
 
 def test_the_flat_functions_are_the_pipeline_with_defaults(walk: SimulatedWalk) -> None:
-    whole = pipeline.smooth(walk.recording, pdr_est.Config())
+    whole = pipeline.smooth_recording(walk.recording, pdr_est.Config())
     np.testing.assert_array_equal(pdr_est.smooth(walk.recording).position_m, whole.track.position_m)
     assert repr(pdr_est.analyse(walk.recording)[0]) == repr(whole.devices[0])
     assert repr(whole.devices[0]).startswith(f"DeviceWalk('device': {len(whole.devices[0].steps)} steps, ")

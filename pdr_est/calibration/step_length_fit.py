@@ -30,7 +30,7 @@ from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.cadence import PaceMeter
 from pdr_est.front_end.step_length.walker import LEAST_SCALE, MOST_SCALE, walking_cadence_hz
-from pdr_est.pipeline import DeviceWalk, estimate
+from pdr_est.pipeline import DeviceWalk, estimate_tracks
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.steps import Step
 
@@ -170,7 +170,7 @@ def observe_fixes(
         For an estimator that does not use fixes.
     RecordingError
         Without a step, if the fixes hardly determine the scale, or if it is out of range. Errors of
-        `pipeline.estimate` are passed on.
+        `pipeline.estimate_tracks` are passed on.
     """
     if not config.estimator.make().spec.uses_fixes:
         raise ConfigError(
@@ -253,7 +253,7 @@ def _scale_from_fixes_alone(
 
     The prior enters again in `fit_calibration`, once for all walks.
     """
-    track = estimate([walk], config, fixes)
+    track = estimate_tracks([walk], config, fixes)
     prior = config.odometry.sigma_length_scale**-2
     both = track.sigma_length_scale**-2
     sigma = math.inf if both <= prior else (both - prior) ** -0.5

@@ -80,7 +80,7 @@ class AnalysedWalk:
             if _equal(given, fixes):
                 return known
         started = time.process_time()
-        track = pipeline.estimate(self.devices, self.config, fixes)
+        track = pipeline.estimate_tracks(self.devices, self.config, fixes)
         self.seconds += time.process_time() - started
         self.tracks.append((tuple(fixes), track))
         return track

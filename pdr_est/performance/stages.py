@@ -46,9 +46,9 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
         items: list[Any] = list(device.blocks())
         for stage in [*stages, Odometry(device.name, config.odometry)]:
             items = timed(spent, type(stage).__name__, lambda stage=stage, items=items: _run(stage, items))  # type: ignore[misc]
-    walks = pipeline.analyse(recording, config)
+    walks = pipeline.analyse_recording(recording, config)
     for name in ESTIMATORS:
-        timed(spent, name, lambda name=name: pipeline.estimate(walks, config.with_estimator(name)))  # type: ignore[misc]
+        timed(spent, name, lambda name=name: pipeline.estimate_tracks(walks, config.with_estimator(name)))  # type: ignore[misc]
     return {name: seconds / minutes for name, seconds in spent.items()}
 
 

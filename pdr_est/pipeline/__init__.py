@@ -11,11 +11,11 @@ from pdr_est.pipeline.front_end_chain import analyse_device
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.measurements import (
     chosen_estimator,
-    in_map,
     measurements_of,
     refuse_without_heading,
+    run_estimator,
     tethers_of,
-    track_of,
+    with_map_directions,
     with_person,
 )
 from pdr_est.pipeline.warnings import mismatches, warnings_of
@@ -24,23 +24,28 @@ from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
 
-__all__ = ["DeviceWalk", "SmoothedWalk", "analyse", "estimate", "smooth"]
+__all__ = ["DeviceWalk", "SmoothedWalk", "analyse_recording", "estimate_tracks", "smooth_recording"]
 
 
-def smooth(
+def smooth_recording(
     recording: Recording, config: Config, fixes: Sequence[PositionFix] = (), parts: Parts = NO_PARTS
 ) -> SmoothedWalk:
     """Estimate the track of a recorded walk, and keep what a report needs.
 
-    Raises RecordingError for a recording or fixes that cannot be used, and what `analyse` and `estimate` raise.
+    Raises
+    ------
+    RecordingError
+        For a recording or fixes that cannot be used.
+    ConfigError, EstimationError
+        As `analyse_recording` and `estimate_tracks`.
     """
     refuse_wrong_types(recording, config)
     refuse_unusable_inputs(recording, fixes)
     estimator = chosen_estimator(config, parts)
     started = time.process_time()
-    devices = analyse(recording, config, parts)
+    devices = analyse_recording(recording, config, parts)
     analysed = time.process_time()
-    track = estimate(devices, config, fixes, parts)
+    track = estimate_tracks(devices, config, fixes, parts)
     estimated = time.process_time()
     return SmoothedWalk(
         track=track,
@@ -52,11 +57,15 @@ def smooth(
     )
 
 
-def analyse(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
+def analyse_recording(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
     """Run the front end on every device of a recording; one without gyroscope has steps without heading.
 
-    Raises RecordingError if a device has no accelerometer or no usable samples, or if the devices or their clocks do
-    not belong together, and ConfigError for a part that cannot be made.
+    Raises
+    ------
+    RecordingError
+        If a device has no accelerometer or no usable samples, or if devices or clocks do not belong together.
+    ConfigError
+        For a part that cannot be made.
     """
     refuse_wrong_types(recording, config)
     walks = []
@@ -66,20 +75,25 @@ def analyse(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tu
     return tuple(walks)
 
 
-def estimate(
+def estimate_tracks(
     walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = (), parts: Parts = NO_PARTS
 ) -> Track:
     """Estimate the track of every device from its measurements, and of several devices the track of the person.
 
-    Raises EstimationError for a device without gyroscope and for measurements that give no track.
+    Raises
+    ------
+    EstimationError
+        For a device without gyroscope, and for measurements that give no track.
     """
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts)
     devices = [measurements_of(walk, config, fixes, estimator.spec) for walk in walks]
     tethers = tethers_of(walks, config, estimator.spec)
-    track = track_of(devices, tethers, estimator, config)
+    track = run_estimator(devices, tethers, estimator, config)
     direction_rad = config.heading.dominant.direction_rad
     if direction_rad is not None:
-        devices = [in_map(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)]
-        track = track_of(devices, tethers, estimator, config)
+        devices = [
+            with_map_directions(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)
+        ]
+        track = run_estimator(devices, tethers, estimator, config)
     return with_person(track, config) if len(walks) > 1 else track

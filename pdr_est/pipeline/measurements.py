@@ -62,7 +62,7 @@ def tethers_of(walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec)
     return tethers_between(spans_s, config.devices.tether, at_end=spec.smooths)
 
 
-def track_of(
+def run_estimator(
     devices: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether], estimator: Estimator, config: Config
 ) -> Track:
     """Estimate the track of every device.
@@ -84,7 +84,9 @@ def track_of(
     return from_own_start(track, devices, extended)
 
 
-def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float) -> DeviceMeasurements:
+def with_map_directions(
+    known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float
+) -> DeviceMeasurements:
     """Tie the dominant directions that a walk shows to one that is known in the map.
 
     Parameters

@@ -86,7 +86,7 @@ def _steps_of(file: LabelledFile, features: FeatureSet) -> Sequence[LabelledStep
     recording = read(file.path)
     gait = file.gait_of(recording)
     config = replace(Config(), gait=GaitParams(method="none"))
-    walks = pipeline.analyse(recording, config)
+    walks = pipeline.analyse_recording(recording, config)
     for walk in walks:
         if not walk.steps:
             raise RecordingError(f"{file.path}: {walk.device}: no step found in {gait.name.lower()}: take it out")

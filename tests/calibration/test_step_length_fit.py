@@ -182,7 +182,7 @@ def simulated():
         for i in np.linspace(0, len(truth.time_s) - 1, 8).astype(int)
     ]
     length_m = float(np.linalg.norm(np.diff(truth.position_m, axis=0), axis=1).sum())
-    return pipeline.analyse(recording, Config()), fixes, length_m
+    return pipeline.analyse_recording(recording, Config()), fixes, length_m
 
 
 def test_fixes_tell_the_scale_that_the_length_of_the_way_tells(simulated) -> None:
@@ -201,7 +201,7 @@ def test_what_is_expected_of_people_does_not_count_twice(simulated) -> None:
 
     def smoother(sigma: float) -> float:
         config = Config(odometry=replace(Config().odometry, sigma_length_scale=sigma))
-        return pipeline.estimate(walks, config, vague).length_scale
+        return pipeline.estimate_tracks(walks, config, vague).length_scale
 
     scale = math.exp(observe_fixes(walks, Config(), vague, "walk").log_ratio)
     assert scale - smoother(SIGMA_LOG_SCALE) > 0.02

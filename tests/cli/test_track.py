@@ -34,7 +34,7 @@ def test_a_replayed_recording_gives_the_track_of_the_filter(good: Path) -> None:
     rows = documents(result.stdout)
     assert {row["kind"] for row in rows} == {"filtered"}
     config = Config().with_estimator("ekf")
-    whole = pipeline.smooth(read(good), config).track
+    whole = pipeline.smooth_recording(read(good), config).track
     assert [row["time_s"] for row in rows] == pytest.approx(whole.time_s, abs=1e-6)
     assert [[row["x_m"], row["y_m"]] for row in rows] == pytest.approx(whole.position_m, abs=0.02)
 

@@ -261,7 +261,7 @@ def test_changed_data_are_noticed(recorded: Path, tmp_path: Path) -> None:
 
 
 def test_a_fault_of_ours_costs_one_walk_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    intact = pipeline.analyse
+    intact = pipeline.analyse_recording
 
     def faulty(recording: Recording, config: Config) -> tuple[DeviceWalk, ...]:
         if recording.name == "walk_0002":

@@ -124,7 +124,7 @@ def test_a_recording_without_steps_is_scored_by_its_errors(data, write_ilc20):
 
 def test_estimator_gets_no_truth_but_the_points_that_are_given(data, monkeypatch):
     given: list[tuple[PositionFix, ...]] = []
-    estimate = pipeline.estimate
+    estimate = pipeline.estimate_tracks
 
     def spy(walks, config, fixes=()):
         given.append(tuple(fixes))
@@ -164,7 +164,7 @@ def test_numbers_out_of_range_are_refused(data, jobs, limit):
 def analyses(monkeypatch):
     """The configurations that the front end is run with."""
     configs: list[Config] = []
-    analyse = pipeline.analyse
+    analyse = pipeline.analyse_recording
 
     def spy(recording, config):
         configs.append(config)
@@ -201,7 +201,9 @@ def test_ipin2023_stages_see_nothing_before_the_first_surveyed_point(tmp_path, w
 
 def test_cpu_time_adds_up_front_end_and_estimates(data):
     recording = read(data / "ilc20/site1/F1/one.txt")
-    walk = AnalysedWalk(recording, pipeline.analyse(recording, Config()), Config().with_estimator("ekf"), 100.0)
+    walk = AnalysedWalk(
+        recording, pipeline.analyse_recording(recording, Config()), Config().with_estimator("ekf"), 100.0
+    )
     walk.track()
     once = walk.seconds
     walk.track([PositionFix(1.0, np.zeros(2), np.eye(2))])
@@ -210,7 +212,7 @@ def test_cpu_time_adds_up_front_end_and_estimates(data):
 
 def test_the_estimator_runs_once_for_the_same_fixes(data):
     recording = read(data / "ilc20/site1/F1/one.txt")
-    walk = AnalysedWalk(recording, pipeline.analyse(recording, Config()), Config().with_estimator("ekf"))
+    walk = AnalysedWalk(recording, pipeline.analyse_recording(recording, Config()), Config().with_estimator("ekf"))
     first, other = (walk.track([PositionFix(1.0, np.full(2, x), np.eye(2))]) for x in (0.0, 1.0))
     seconds = walk.seconds
     assert walk.track([PositionFix(1.0, np.zeros(2), np.eye(2))]) is first

@@ -146,7 +146,7 @@ def test_known_distance_without_its_table_has_no_walk(tmp_path):
 
 def test_phone_gps_scores_against_fixes_that_no_estimator_sees(tmp_path, monkeypatch):
     given = []
-    estimate = pipeline.estimate
+    estimate = pipeline.estimate_tracks
 
     def spy(walks, config, fixes=()):
         given.append(tuple(fixes))

@@ -39,7 +39,7 @@ def recorded(devices: int = 2, gap: bool = False) -> Recording:
 
 def offline(recording: Recording, config: Config, fixes: Sequence[PositionFix] = ()) -> Track:
     """The estimator on the whole recording, without the track of the person."""
-    track = pipeline.smooth(recording, config, fixes).track
+    track = pipeline.smooth_recording(recording, config, fixes).track
     return concatenate([track.of_device(device.name) for device in recording.devices])
 
 

@@ -111,7 +111,7 @@ def _refuse_wrong_count(option: str, count: int, recordings: int) -> None:
 def _by_distance(path: Path, distance_m: float, config: Config) -> ScaleObservation:
     recording = read(path)
     with prefix_errors(path):
-        walks = pipeline.analyse(recording, config)
+        walks = pipeline.analyse_recording(recording, config)
     return observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], distance_m, str(path))
 
 
@@ -119,7 +119,7 @@ def _by_fixes(path: Path, choice: str, config: Config) -> ScaleObservation:
     recording = read(path)
     fixes = load_fixes(choice, recording, path)
     with prefix_errors(path):
-        walks = pipeline.analyse(recording, config)
+        walks = pipeline.analyse_recording(recording, config)
         # The place is named by `prefix_errors`, which knows the errors of the smoother as well.
         return observe_fixes(walks, config, fixes, recording.name)
 

@@ -31,7 +31,7 @@ def demo_command(output: Path, name: str, quiet: bool) -> None:
         recording = simulate_walk(preset(name)).recording
         write_plain_csv(recording, folder / RECORDING)
         bar.start_part("smoothing")
-        walk = pipeline.smooth(recording, Config())
+        walk = pipeline.smooth_recording(recording, Config())
         bar.start_part("writing")
         summary = write_results(folder, walk, recording, Config(), {RECORDING: None})
     if not quiet:

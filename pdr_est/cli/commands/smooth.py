@@ -98,7 +98,7 @@ def smooth_into(
     known = load_fixes(fixes, recorded, paths[0])
     bar.start_part("smoothing")
     with prefix_errors(", ".join(map(str, paths))):
-        walk = pipeline.smooth(recorded, config, known)
+        walk = pipeline.smooth_recording(recorded, config, known)
     bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
     return write_results(folder, walk, recorded, config, digests, profile)

@@ -65,7 +65,7 @@ def _walks(path: Path, config: Config) -> Sequence[DeviceWalk]:
     """Run the front end on a recording; warnings go to stderr."""
     recording = read(path)
     with prefix_errors(path):
-        walks = pipeline.analyse(recording, config)
+        walks = pipeline.analyse_recording(recording, config)
     for warning in warnings_of(recording, walks):
         click.echo(f"warning: {path}: {warning}", err=True)
     return walks

@@ -93,6 +93,6 @@ def _analysed(
 
 def _analyse(recording: Recording, config: Config) -> tuple[DeviceWalk, ...] | RecordingError:
     try:
-        return pipeline.analyse(recording, config)
+        return pipeline.analyse_recording(recording, config)
     except RecordingError as error:
         return error

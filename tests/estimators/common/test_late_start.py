@@ -9,7 +9,7 @@ from pdr_est.config import Config, StartParams
 from pdr_est.estimators import EstimatorName, estimate_walk
 from pdr_est.estimators.common.late_start import from_own_start, with_way_to_start
 from pdr_est.performance.odometry import SIGMA_SCALE, START, walk_of
-from pdr_est.pipeline.measurements import track_of
+from pdr_est.pipeline.measurements import run_estimator
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StepOdometry
 from pdr_est.types.track import Track
 
@@ -49,8 +49,8 @@ def test_the_graph_leaves_the_complete_device_where_it_is() -> None:
     known, tethers = walk_of(120, 2)
     together = [replace(tether, sigma_m=0.1) for tether in tethers if tether.time_s > 30.0]
     config = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0)).with_estimator("factor-graph")
-    alone = track_of(known[:1], [], config)
-    both = track_of([known[0], begun_at(known[1], 30.2)], together, config).of_device("phone1")
+    alone = run_estimator(known[:1], [], config)
+    both = run_estimator([known[0], begun_at(known[1], 30.2)], together, config).of_device("phone1")
     apart_m = np.linalg.norm(both.position_m - alone.position_m, axis=1)
     radius_m = np.sqrt(np.trace(alone.covariance_m2, axis1=1, axis2=2))
     assert np.all(apart_m <= radius_m + 0.05)
@@ -62,7 +62,7 @@ def test_every_offline_estimator_does_it(name: EstimatorName) -> None:
     known, tethers = walk_of(60, 2)
     config = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0)).with_estimator(name)
     together = [tether for tether in tethers if tether.time_s > 15.0]
-    track = track_of([known[0], begun_at(known[1], 15.0)], together, config)
+    track = run_estimator([known[0], begun_at(known[1], 15.0)], together, config)
     late, early = track.of_device("phone2"), track.of_device("phone1")
     assert np.linalg.norm(late.position_m[0] - early.at(late.time_s[:1])[0][0]) < 0.7
 

@@ -14,7 +14,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array, twist_about_vertical, up_in_device, wrap_angle
 from pdr_est.front_end.heading import HeadingParams, heading_stage
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading, magnetic_yaw
-from pdr_est.pipeline import analyse
+from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import NO_SENSOR_ERRORS, PHONE_MAGNETOMETER, EarthField, SensorParams, simulate_walk
 from pdr_est.types.steps import Step
 
@@ -77,7 +77,7 @@ def test_without_field_it_goes_on_by_the_devices_own_yaw() -> None:
 def test_a_simulated_walk_has_the_true_directions() -> None:
     """A perfect compass: what is left is the rocking of the hand. The offset is that of the axes of the phone."""
     walk = corner_walk(sensors=SensorParams(magnetometer=NO_SENSOR_ERRORS))
-    (device,) = analyse(walk.recording, CONFIG)
+    (device,) = analyse_recording(walk.recording, CONFIG)
     heading = np.array([one.heading_rad for one in device.steps])
     time_s = np.array([one.event.time_s for one in device.steps])
     middle_s = 0.5 * (time_s + [one.start_s for one in device.steps])
@@ -93,9 +93,11 @@ def test_all_but_the_headings_is_the_same_with_a_broken_magnetometer() -> None:
     assert field is not None
     dead = replace(field, values=np.full_like(field.values, np.nan))
     short = replace(field, time_s=field.time_s[900:1000], values=field.values[900:1000])
-    plain = analyse(walk.recording, Config(heading=HeadingParams(method="step-yaw")))[0]
+    plain = analyse_recording(walk.recording, Config(heading=HeadingParams(method="step-yaw")))[0]
     for broken in (dead, short):
-        (found,) = analyse(replace(walk.recording, devices=(replace(device, magnetic_field=broken),)), CONFIG)
+        (found,) = analyse_recording(
+            replace(walk.recording, devices=(replace(device, magnetic_field=broken),)), CONFIG
+        )
         assert [one.event for one in found.steps] == [one.event for one in plain.steps]
         assert [one.length_m for one in found.steps] == [one.length_m for one in plain.steps]
         assert found.gaps == plain.gaps
@@ -111,7 +113,7 @@ def test_a_device_without_magnetometer_is_refused_in_words() -> None:
     with pytest.raises(
         RecordingError, match=r"simulated \(device\): no magnetometer, which heading.method: magnetom"
     ):
-        analyse(walk.recording, CONFIG)
+        analyse_recording(walk.recording, CONFIG)
     with pytest.raises(RecordingError, match=r"the recording has no magnetic field: choose another heading.method"):
         MagnetometerHeading().push(step(1.0, 0.5))
     assert isinstance(heading_stage(50.0, CONFIG.heading), MagnetometerHeading)
@@ -119,5 +121,5 @@ def test_a_device_without_magnetometer_is_refused_in_words() -> None:
 
 def test_the_field_comes_only_where_it_is_asked_for() -> None:
     walk = simulate_walk(replace(corner_walk(sensors=SensorParams(magnetometer=NO_SENSOR_ERRORS)).scenario, seed=1))
-    assert all(block.magnetic_field_ut is None for block in analyse(walk.recording, Config())[0].level)
-    assert all(block.magnetic_field_ut is not None for block in analyse(walk.recording, CONFIG)[0].level)
+    assert all(block.magnetic_field_ut is None for block in analyse_recording(walk.recording, Config())[0].level)
+    assert all(block.magnetic_field_ut is not None for block in analyse_recording(walk.recording, CONFIG)[0].level)

@@ -21,7 +21,7 @@ from pdr_est.front_end.mode.window_features import (
 )
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.front_end.signal.vectors import norm
-from pdr_est.pipeline import analyse
+from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import SimulatedWalk, mmpdr_indoor, mmpdr_mode_walks, simulate_walk
 from pdr_est.types.recording import Signal
 from pdr_est.types.sensors import LevelBlock
@@ -37,7 +37,7 @@ HOLDING, SWING, POCKET, UNKNOWN = (
 
 
 def level_of(walk: SimulatedWalk) -> LevelBlock:
-    return join(analyse(walk.recording, Config())[0].level)
+    return join(analyse_recording(walk.recording, Config())[0].level)
 
 
 def relabelled(*blocks: LevelBlock) -> LevelBlock:
@@ -149,7 +149,7 @@ def test_it_does_not_matter_how_the_phone_lies_in_hand_or_pocket(mode):
             for signal in (device.specific_force, device.rotation_rate)
         )
         turned = replace(device, specific_force=force, rotation_rate=rate)
-        level = join(analyse(replace(walk.recording, devices=(turned,)), Config())[0].level)
+        level = join(analyse_recording(replace(walk.recording, devices=(turned,)), Config())[0].level)
         walking = (level.time_s >= walk.steps.time_s[0]) & (level.time_s <= walk.steps.time_s[-1])
         assert (level.mode[walking] == mode).mean() > 0.98
 

@@ -81,7 +81,7 @@ def in_pocket(seed: int, cadence_hz: float, rate_hz: float) -> SimulatedWalk:
 def test_slow_legs_add_no_steps(cadence_hz: float, rate_hz: float) -> None:
     for seed in (0, 1):
         walk = in_pocket(seed, cadence_hz, rate_hz)
-        (found,) = pipeline.analyse(walk.recording, Config())
+        (found,) = pipeline.analyse_recording(walk.recording, Config())
         assert walk.recording.truth.steps is not None
         assert len(found.steps) / len(walk.recording.truth.steps.time_s) == pytest.approx(1.0, abs=0.05)
 
@@ -89,6 +89,6 @@ def test_slow_legs_add_no_steps(cadence_hz: float, rate_hz: float) -> None:
 def test_the_share_of_half_a_stride_is_what_refuses_them() -> None:
     walk = in_pocket(1, 1.3, 50.0)
     without = StepsParams(auto=AutoStepParams(pocket_interval_share=0.0))
-    (before,) = pipeline.analyse(walk.recording, replace(Config(), steps=without))
-    (after,) = pipeline.analyse(walk.recording, Config())
+    (before,) = pipeline.analyse_recording(walk.recording, replace(Config(), steps=without))
+    (after,) = pipeline.analyse_recording(walk.recording, Config())
     assert len(before.steps) > 1.2 * len(after.steps)
