@@ -15,8 +15,9 @@ _DOTTED = r"^[a-z_]+(\.[a-z0-9_]+)+$"
 
 
 def settings_schema() -> Json:
-    """Make the JSON schema of a settings file."""
-    return {"$schema": _DIALECT, **_schema(Config), "title": "pdr-est settings"}
+    """Make the JSON schema of a settings file; settings may be sections or dotted keys."""
+    document = {**_schema(Config), "patternProperties": {_DOTTED: {}}}
+    return {"$schema": _DIALECT, **document, "title": "pdr-est settings"}
 
 
 def experiment_schema() -> Json:

@@ -40,7 +40,7 @@ def provenance(experiment: Experiment, package: Path = PACKAGE_FOLDER) -> dict[s
     models = [gait_model(variant.config.gait) for variant in experiment.variants]
     model_digests = sorted({model_digest(model) for model in models if model is not None})
     data = data_digests(experiment)
-    own_code = [_digests(folder, files) for folder, files in _own_code(experiment)]
+    own_code = _own_code(experiment)
     packages = package_versions()
     config = experiment.resolved()
     del config["data"]["folder"]  # the same data in another folder are the same data
@@ -65,10 +65,10 @@ def provenance(experiment: Experiment, package: Path = PACKAGE_FOLDER) -> dict[s
     }
 
 
-def _own_code(experiment: Experiment) -> list[tuple[Path, list[Path]]]:
-    """List the files of the modules from outside the package that the variants name, each with its folder."""
-    files = {file for variant in experiment.variants for file in external_files(variant.config)}
-    return [(file.parent, [file]) for file in sorted(files)]
+def _own_code(experiment: Experiment) -> list[dict[str, str]]:
+    """Compute the SHA-256 of each module from outside the package that the variants name."""
+    modules = {file for variant in experiment.variants for file in external_files(variant.config)}
+    return [_digests(file.parent, [file]) for file in sorted(modules)]
 
 
 def code_digests(package: Path) -> dict[str, str]:

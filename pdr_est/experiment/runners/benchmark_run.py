@@ -10,7 +10,7 @@ from pdr_est.experiment.recording_files import folder_content
 from pdr_est.experiment.results.benchmark_result import BenchmarkResult
 from pdr_est.experiment.results.walk_result import Failure, WalkResult
 from pdr_est.experiment.runners.processes import run_in_processes
-from pdr_est.experiment.runners.scoring_job import ScoringJob
+from pdr_est.experiment.runners.scoring_job import scoring_job
 from pdr_est.experiment.scoring.calibrated import with_calibrated
 from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.experiment.suites import suite_named
@@ -62,7 +62,7 @@ def run_benchmark(
         content = folder_content(chosen.folder)
         raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {content}")
     protocol = HeldOutProtocol(FixesParams(protocol=chosen.fixes or "none"))
-    job = ScoringJob(chosen, protocol, comparison.variants, stop_on_fault=True)
+    job = scoring_job(chosen, protocol, comparison.variants, stop_on_fault=True)
     finished: dict[str, WalkResult] = {}
     for done in run_in_processes(job, walks, min(jobs, len(walks))):
         if not done.final:

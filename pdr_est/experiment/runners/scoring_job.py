@@ -32,6 +32,8 @@ class ScoringJob:
         Rule that selects the fixes.
     variants : tuple of Variant
         Settings to compare; those that share a front end should be adjacent, so that it runs once.
+    import_folders : tuple of str
+        Folders of the modules that the variants name for parts from outside the package.
     stop_on_fault : bool
         True if settings that cannot be used and programming errors stop the run instead of failing one walk.
     """
@@ -39,12 +41,16 @@ class ScoringJob:
     suite: Suite
     protocol: HeldOutProtocol
     variants: tuple[Variant, ...]
+    import_folders: tuple[str, ...]
     stop_on_fault: bool = False
 
-    @property
-    def import_folders(self) -> tuple[str, ...]:
-        """Folders of the modules that the variants name for parts from outside the package."""
-        return tuple(dict.fromkeys(folder for one in self.variants for folder in import_folders(one.config)))
+
+def scoring_job(
+    suite: Suite, protocol: HeldOutProtocol, variants: tuple[Variant, ...], stop_on_fault: bool = False
+) -> ScoringJob:
+    """Make a job in the process that has imported the user's own modules: others do not know their folders."""
+    folders = dict.fromkeys(folder for variant in variants for folder in import_folders(variant.config))
+    return ScoringJob(suite, protocol, variants, tuple(folders), stop_on_fault)
 
 
 def experiment_job(experiment: Experiment) -> ScoringJob:
@@ -52,7 +58,7 @@ def experiment_job(experiment: Experiment) -> ScoringJob:
     config = experiment.config
     protocol = HeldOutProtocol(config.fixes, config.seed)
     suite = replace(experiment.suite, metrics=experiment.metrics)
-    return ScoringJob(suite, protocol, _grouped_by_front_end(experiment.variants))
+    return scoring_job(suite, protocol, _grouped_by_front_end(experiment.variants))
 
 
 def preload(job: ScoringJob) -> None:

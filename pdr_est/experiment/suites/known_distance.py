@@ -3,9 +3,10 @@
 `scale_coverage68` is the share of the walks whose length is right within the standard deviation that the
 configuration states for the scale of the step lengths (`odometry.sigma_length_scale`).
 
-`distance_error_calibrated` is `distance_error` after calibrating the walker (`calibration.step_length_fit.fit`) on
-two other walks of the set: the mean over all pairs of them. `scale_coverage68_calibrated` is computed in the same
-way with the standard deviation that the calibration states (`Calibration.sigma_next`).
+`distance_error_calibrated` is `distance_error` after calibrating the walker
+(`calibration.step_length_fit.fit_calibration`) on two other walks of the set: the mean over all pairs of them.
+`scale_coverage68_calibrated` is computed in the same way with the standard deviation that the calibration states
+(`Calibration.sigma_next`).
 """
 
 from collections.abc import Mapping
@@ -35,7 +36,7 @@ class DistanceCase:
 
     Attributes
     ----------
-    steps : PacedSteps
+    steps : CalibrationSteps
         At least one step.
     distance_m : float
         Length of the walk, m.

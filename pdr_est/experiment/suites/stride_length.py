@@ -13,7 +13,7 @@ The first and the last stride of a walk and strides above 3 m are not scored (`s
   `Calibration.sigma_next`.
 * `…_calibrated`: the same after calibrating the walker on one other walk of the set, the mean over all other walks.
   The ratio of the true to the modelled length of that walk's scored strides is fitted
-  (`calibration.step_length_fit.fit`).
+  (`calibration.step_length_fit.fit_calibration`).
 
 Both rules for the length of a stride are always reported, because the errors of a prototype by both rules (smaller
 by two steps) were known when the rule of `stride_error` was chosen.
@@ -53,7 +53,7 @@ class StrideCase:
 
     Attributes
     ----------
-    steps : PacedSteps
+    steps : CalibrationSteps
         All steps of the recording.
     strides : TrueStrides
         The strides that are scored.

@@ -23,7 +23,7 @@ _MOST_VARIANTS = 10_000
 def expand(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Variant, ...]:
     """Make the variants in the order of the file, with the combinations of the sweep inside each.
 
-    Modules that the file names for parts of the user's own may lie in its folder.
+    Modules of the user's own parts that the file names may lie in its folder.
 
     Parameters
     ----------
