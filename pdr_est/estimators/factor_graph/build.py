@@ -55,7 +55,7 @@ class WalkGraph:
     _scales: LengthScales = field(repr=False)
     _sigma_length_scale: float = field(repr=False)
 
-    def with_tethers_at(self, values: gtsam.Values) -> "WalkGraph":
+    def with_tethers_at(self, values: gtsam.Values, softening: float = 1.0) -> "WalkGraph":
         """Return the graph with those tethers that are active at some values.
 
         A tether has a factor only where it is violated, and that factor would also keep its ends from coming closer.
@@ -69,6 +69,7 @@ class WalkGraph:
         """
         problem, own = copy(self._problem), _without_auxiliary(self._problem, self._checked(values))
         problem.add_violated_tethers(own)
+        problem.softening = softening
         graph, complete = problem.complete(own, self.length_scales)
         return replace(self, graph=graph, values=complete, _problem=problem)
 

@@ -21,7 +21,7 @@ from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose
 
 MIN_SIGMA = 1e-4  # m or rad; with smaller standard deviations the elimination fails
-FREE_HEADING_RAD = 1e3  # standard deviation of a heading that a factor does not constrain
+_FREE_HEADING_RAD = 1e3  # standard deviation of a heading that a factor does not constrain
 _FREE_POSITION_M = 1e6  # likewise of a position
 _CAUCHY = 1.0  # standard deviations
 
@@ -136,7 +136,7 @@ def _closure_factor(first: int, last: int, sigma_m: float, states: Sequence[Gaus
     about right. The expected turn is therefore that of the initial states.
     """
     sigma = max(sigma_m, MIN_SIGMA)
-    noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma, sigma, FREE_HEADING_RAD]))
+    noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma, sigma, _FREE_HEADING_RAD]))
     turned = gtsam.Pose2(0.0, 0.0, states[-1].mean[2] - states[0].mean[2])
     return gtsam.BetweenFactorPose2(first, last, turned, noise)
 

@@ -18,8 +18,8 @@ class GraphKeys:
     """Keys of the poses and of the reference headings of a walk's graph.
 
     The nodes of the first device have the keys 0, 1, 2, …, those of the next device follow, and the references come
-    after all poses. Two kinds of auxiliary variables have GTSAM symbols for keys: ``c`` and a number are the copied
-    position of the pose of that number, ``p`` and a number are a place between two poses (`tether_factors`).
+    after all poses. The auxiliary variables of a tether that ends between two poses (`tether_factors`) have GTSAM
+    symbols for keys: ``p`` and the tether's number for the place, ``c`` for the copied positions.
 
     Attributes
     ----------
@@ -109,9 +109,9 @@ class GraphKeys:
         return self.devices.index(device)
 
 
-def position_copy(pose: int) -> int:
-    """Return the key of the copied position of a pose."""
-    return int(gtsam.symbol("c", pose))
+def position_copies(number: int) -> tuple[int, int]:
+    """Return the keys of the copied positions that the place of the tether of that number lies between."""
+    return int(gtsam.symbol("c", 2 * number)), int(gtsam.symbol("c", 2 * number + 1))
 
 
 def tethered_place(number: int) -> int:

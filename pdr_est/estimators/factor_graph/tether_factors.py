@@ -1,16 +1,19 @@
 """Active tethers as factors of GTSAM: range measurements of the tether's length, RangeFactorPose2.
 
-A tether between two poses is one RangeFactorPose2. A tether that ends between two poses of a device, at a share s of
-the straight way, needs that place as a variable, because GTSAM has no range factor to an interpolated position:
+A tether between two poses is one RangeFactorPose2. Most tethers that are active at the optimum end between two poses
+of a device, at a share s of the straight way from the one to the other, and GTSAM has no range factor to an
+interpolated position. Such a place is a variable of its own:
 
-* The positions of the two poses are copied to auxiliary poses ``c`` (BetweenFactorPose2 of no length, free in
-  heading), whose heading is fixed at zero (PoseRotationPrior2D).
-* The place is an auxiliary pose ``p``, with heading zero, too. It is (1 - s) c + s c', which is linear and thus exact
-  as LinearContainerFactor, because no heading is involved.
-* The tether is a RangeFactorPose2 to that place.
+* The positions of the two poses are copied to two auxiliary poses c and c' by BetweenFactorPose2 of no length, which
+  leave the heading free.
+* The place is an auxiliary pose p = (1 - s) c + s c', by a LinearContainerFactor that also fixes the three headings
+  at zero. As no heading is involved, the interpolation is linear and the factor exact at all values.
+* The tether is a RangeFactorPose2 to p.
 
-The auxiliary factors have the standard deviation `MIN_SIGMA`, are without error where the auxiliary variables are
-where they belong, and tell nothing of the poses.
+Stiff auxiliary factors would force GTSAM's optimisers to take tiny steps. The variance of the tether is therefore
+divided among its four factors, in a way that their least sum is the cost of the tether: the auxiliary factors have the
+variance u² = σ² / (2 + s² + (1 - s)²) along each axis, p given the poses has (1 + s² + (1 - s)²) u², and the range
+factor adds u². The auxiliary variables are returned at the values of that least sum.
 """
 
 from dataclasses import dataclass
@@ -19,14 +22,13 @@ import gtsam
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.factor_graph.factors import FREE_HEADING_RAD, MIN_SIGMA
-from pdr_est.estimators.factor_graph.keys import position_copy, tethered_place
+from pdr_est.estimators.factor_graph.keys import position_copies, tethered_place
 from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 
-_POSITION_ONLY = gtsam.noiseModel.Diagonal.Sigmas(np.array([MIN_SIGMA, MIN_SIGMA, FREE_HEADING_RAD]))
-_HEADING_ONLY = gtsam.noiseModel.Isotropic.Sigma(1, MIN_SIGMA)
-_NO_TURN = gtsam.Rot2(0.0)
+# Standard deviations. Nothing turns auxiliary poses, and they must tell nothing of the heading of poses.
+_FIXED_HEADING_RAD, _FREE_HEADING_RAD = 1e-3, 1e6
+_UNIT = gtsam.noiseModel.Unit.Create(5)
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class TetherFactors:
     graph : gtsam.NonlinearFactorGraph
         The range factors, and the auxiliary factors of tethers that end between poses.
     auxiliary : gtsam.Values
-        The auxiliary variables of these factors, at the poses that the factors were made for.
+        The auxiliary variables of these factors, at their optimum for the poses that the factors were made for.
     """
 
     graph: gtsam.NonlinearFactorGraph
@@ -46,54 +48,69 @@ class TetherFactors:
 
 
 def tether_factors(tethers: TetherConstraints, active: NDArray[np.bool_], pose: Array) -> TetherFactors:
-    """Make the factors of those tethers that are active (m,), with auxiliary variables at poses (n, 3)."""
+    """Make the factors of those tethers that are active (m,), with auxiliary variables for poses (n, 3)."""
     made = TetherFactors(gtsam.NonlinearFactorGraph(), gtsam.Values())
-    chosen = np.flatnonzero(active)
-    ends = np.concatenate([tethers.earlier[chosen], tethers.later[chosen]], axis=1).tolist()
-    limits = np.stack([tethers.max_distance_m[chosen], tethers.sigma_m[chosen]], axis=1).tolist()
-    for number, (a, b, later_a, later_b), (max_distance_m, sigma_m) in zip(
-        chosen.tolist(), ends, limits, strict=True
-    ):
-        if later_a != a:
-            a = _add_place(made, number, (a, later_a), float(tethers.share[number, 0]), pose)
-        if later_b != b:
-            b = _add_place(made, number, (b, later_b), float(tethers.share[number, 1]), pose)
-        noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_m)
-        made.graph.add(gtsam.RangeFactorPose2(a, b, max_distance_m, noise))
+    separation = tethers.separation(pose[:, :2])
+    for number in np.flatnonzero(active).tolist():
+        (a, b), later = tethers.earlier[number].tolist(), tethers.later[number].tolist()
+        length_m, sigma_m = float(tethers.max_distance_m[number]), float(tethers.sigma_m[number])
+        if (a, b) == tuple(later):
+            range_noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_m)
+            made.graph.add(gtsam.RangeFactorPose2(a, b, length_m, range_noise))
+            continue
+        end = 0 if a != later[0] else 1
+        share = float(tethers.share[number, end])
+        distance_m = max(float(np.hypot(*separation[number])), 1e-9)
+        violation = (distance_m - length_m) / distance_m * separation[number] * (-1.0 if end == 0 else 1.0)
+        poses = ((a, b)[end], later[end])
+        sigma_u = _add_place(made, number, poses, share, sigma_m, violation, pose)
+        other = (a, b)[1 - end]
+        noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_u)
+        ends = (tethered_place(number), other) if end == 0 else (other, tethered_place(number))
+        made.graph.add(gtsam.RangeFactorPose2(*ends, length_m, noise))
     return made
 
 
-def _add_place(made: TetherFactors, number: int, poses: tuple[int, int], share: float, pose: Array) -> int:
-    """Add the place of a tether between two poses and return its key."""
-    copies = [_add_copy(made, key, pose[key]) for key in poses]
-    place = tethered_place(number)
-    at = (1.0 - share) * pose[poses[0], :2] + share * pose[poses[1], :2]
+def _add_place(
+    made: TetherFactors,
+    number: int,
+    poses: tuple[int, int],
+    share: float,
+    sigma_m: float,
+    violation: Array,
+    pose: Array,
+) -> float:
+    """Add the place of a tether between two poses, and return the standard deviation of its parts, m.
+
+    `violation` (2,) leads from the place to where the tether would hold, in the map frame.
+    """
+    copies, place = position_copies(number), tethered_place(number)
+    sigma_u = sigma_m / np.sqrt(2.0 + share**2 + (1.0 - share) ** 2)
+    pull = violation * (sigma_u / sigma_m) ** 2  # what a part of variance u² yields
+    at = np.zeros(2)
+    noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma_u, sigma_u, _FREE_HEADING_RAD]))
+    for key, copy, weight in zip(poses, copies, (1.0 - share, share), strict=True):
+        position = pose[key, :2] + weight * pull
+        made.auxiliary.insert(copy, gtsam.Pose2(position[0], position[1], 0.0))
+        turned = gtsam.Pose2(0.0, 0.0, -pose[key, 2])  # expected turn, as for closed walks
+        made.graph.add(gtsam.BetweenFactorPose2(key, copy, turned, noise))
+        at = at + weight * position
+    at = at + pull
     made.auxiliary.insert(place, gtsam.Pose2(at[0], at[1], 0.0))
-    made.graph.add(gtsam.PoseRotationPrior2D(place, _NO_TURN, _HEADING_ONLY))
-    position = np.eye(2, 3) / MIN_SIGMA
-    interpolation = gtsam.JacobianFactor(
-        copies[0],
-        (1.0 - share) * position,
-        copies[1],
-        share * position,
-        place,
-        -position,
-        np.zeros(2),
-        gtsam.noiseModel.Unit.Create(2),
+    made.graph.add(_interpolation((*copies, place), share, sigma_u))
+    return float(sigma_u)
+
+
+def _interpolation(keys: tuple[int, int, int], share: float, sigma_m: float) -> gtsam.LinearContainerFactor:
+    """Make the factor of a position that is interpolated between two others, and of three headings of zero."""
+    blocks = np.zeros((3, 5, 3))
+    for i, weight in enumerate((1.0 - share, share, -1.0)):
+        blocks[i, :2, :2] = weight / sigma_m * np.eye(2)
+        blocks[i, 2 + i, 2] = 1.0 / _FIXED_HEADING_RAD
+    linear = gtsam.JacobianFactor(
+        keys[0], blocks[0], keys[1], blocks[1], keys[2], blocks[2], np.zeros(5), _UNIT
     )
     origin = gtsam.Values()
-    for key in (*copies, place):
+    for key in keys:
         origin.insert(key, gtsam.Pose2())
-    made.graph.add(gtsam.LinearContainerFactor(interpolation, origin))
-    return place
-
-
-def _add_copy(made: TetherFactors, key: int, pose: Array) -> int:
-    """Add the copied position of a pose, unless it is there already, and return its key."""
-    copy = position_copy(key)
-    if not made.auxiliary.exists(copy):
-        made.auxiliary.insert(copy, gtsam.Pose2(pose[0], pose[1], 0.0))
-        turned = gtsam.Pose2(0.0, 0.0, -pose[2])  # expected turn, as for closed walks
-        made.graph.add(gtsam.BetweenFactorPose2(key, copy, turned, _POSITION_ONLY))
-        made.graph.add(gtsam.PoseRotationPrior2D(copy, _NO_TURN, _HEADING_ONLY))
-    return copy
+    return gtsam.LinearContainerFactor(linear, origin)
