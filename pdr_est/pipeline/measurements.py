@@ -6,8 +6,8 @@ from dataclasses import replace
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import ONLINE, SMOOTHERS, estimate_walk
-from pdr_est.estimators.common.late_start import from_own_start, with_way_to_start
-from pdr_est.estimators.common.map_directions import tied_to_map
+from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
+from pdr_est.estimators.common.map_directions import resolve_relative_priors
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.estimators.person.track import at_lever_arm, fuse
 from pdr_est.types.analysis import DeviceWalk
@@ -47,11 +47,11 @@ def track_of(devices: Sequence[DeviceMeasurements], node_tethers: Sequence[Devic
     """
     chosen, start = config.estimator, config.start.pose()
     sigma_scale = config.odometry.sigma_length_scale
-    extended = devices if chosen.name in ONLINE else with_way_to_start(devices, LATE_S)
+    extended = devices if chosen.name in ONLINE else extend_late_devices(devices, LATE_S)
     track = estimate_walk(
         chosen.name, extended, start, sigma_scale, node_tethers, chosen.map_fusion, chosen.fixed_lag
     )
-    return from_own_start(track, devices, extended)
+    return without_extension(track, devices, extended)
 
 
 def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float) -> DeviceMeasurements:
@@ -59,7 +59,7 @@ def in_map(known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_
     if walk.directions is None:
         return known
     own = track.of_device(walk.device)
-    tied = tied_to_map(known.measurements, own, direction_rad, walk.directions.spacing_rad)
+    tied = resolve_relative_priors(known.measurements, own, direction_rad, walk.directions.spacing_rad)
     return replace(known, measurements=tuple(tied))
 
 
