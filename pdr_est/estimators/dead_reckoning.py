@@ -14,10 +14,19 @@ NAME = "dead-reckoning"
 
 
 def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> Track:
-    """Track from the start pose and the odometry alone.
+    """Estimate the track of a device from the start pose and the odometry alone.
 
-    Fixes and heading priors serve for one thing: where the start is not given, they find position and direction of
-    one pose, and the others are reckoned from it, forwards and backwards. After that they are ignored.
+    Fixes and heading priors are used for one thing only: where the start is not given, they determine position and
+    heading of one pose, and the other poses are dead-reckoned from it, forwards and backwards.
+
+    Parameters
+    ----------
+    timeline
+        Measurements of the device.
+    start
+        Start pose as far as it is known.
+    sigma_length_scale
+        Standard deviation of the walker's length scale around 1.
     """
     states = _states(timeline, start, sigma_length_scale)
     mean = np.array([state.mean for state in states])
@@ -27,6 +36,7 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
 
 
 def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[GaussianState]:
+    """Dead-reckon the states at all nodes."""
     prior = start_prior(timeline, start, sigma_length_scale)
     if not prior.heading_open and not prior.position_open:
         return reckon(timeline.nodes, 0, prior.state)
@@ -35,8 +45,8 @@ def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> 
     for segment in segments:
         anchor = _anchor(segment, prior.position_open)
         if anchor is not None and before == 0 and not prior.heading_open:
-            # One fix can correct the position of a walk but not bend it: the smoother gives the same poses, and
-            # exactly what is known of those before the fix.
+            # One fix can shift a walk but not bend it: the smoother gives the same poses as dead reckoning, and the
+            # exact covariances of the poses before the fix.
             earlier = smooth(segment.nodes[: anchor + 1], segment.states[: anchor + 1])[:-1]
             return earlier + reckon(timeline.nodes[anchor:], 0, segment.states[anchor])
         if anchor is not None:
@@ -46,7 +56,7 @@ def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> 
 
 
 def _anchor(segment: FilteredSegment, position_open: bool) -> int | None:
-    """The first node of a segment whose position and direction are known."""
+    """Find the first node of a segment whose position and heading are known."""
     if segment.aligned_from is None:
         return None
     if not position_open:

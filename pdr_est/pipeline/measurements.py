@@ -7,8 +7,8 @@ from pdr_est.config import Config
 from pdr_est.config.contradictions import unused_closure
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators import Estimator, EstimatorSpec
-from pdr_est.estimators.common.late_start import from_own_start, with_way_to_start
-from pdr_est.estimators.common.map_directions import tied_to_map
+from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
+from pdr_est.estimators.common.map_directions import resolve_relative_priors
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.estimators.person.track import at_lever_arm, fuse
 from pdr_est.parts import ESTIMATOR, Parts, given_part
@@ -73,7 +73,7 @@ def run_estimator(
     Raises EstimationError for measurements that give no track, and for an estimator that returns no track of every
     device.
     """
-    extended = devices if estimator.spec.online else with_way_to_start(devices, LATE_START_S)
+    extended = devices if estimator.spec.online else extend_late_devices(devices, LATE_START_S)
     track = estimator.estimate(extended, tethers, config.start.pose(), config.odometry.sigma_length_scale)
     names = tuple(one.device for one in devices)
     if not isinstance(track, Track) or track.devices != names:
@@ -81,7 +81,7 @@ def run_estimator(
         raise EstimationError(
             f"the estimator {estimator.spec.name} returned {found}: it must return a Track of the devices {names}"
         )
-    return from_own_start(track, devices, extended)
+    return without_extension(track, devices, extended)
 
 
 def with_map_directions(
@@ -103,7 +103,7 @@ def with_map_directions(
     if walk.directions is None:
         return known
     own = track.of_device(walk.device)
-    tied = tied_to_map(known.measurements, own, direction_rad, walk.directions.spacing_rad)
+    tied = resolve_relative_priors(known.measurements, own, direction_rad, walk.directions.spacing_rad)
     return replace(known, measurements=tuple(tied))
 
 

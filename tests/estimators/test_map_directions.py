@@ -5,7 +5,7 @@ import pytest
 from estimator_walks import heading_prior, run, step
 from test_relative_priors import relative
 
-from pdr_est.estimators.common.map_directions import tied_to_map
+from pdr_est.estimators.common.map_directions import resolve_relative_priors
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import HeadingPrior, Measurement, StartPose
 
@@ -27,7 +27,7 @@ def test_the_walk_takes_the_nearest_of_the_directions(
     start = StartPose((0.0, 0.0), walked, 0.0, 0.2)
     walk = corner_walk(zero_rad)
     track = run("factor-graph", walk, start)
-    known = tied_to_map(walk, track, direction, QUARTER)
+    known = resolve_relative_priors(walk, track, direction, QUARTER)
     priors = [m for m in known if isinstance(m, HeadingPrior)]
     assert not any(prior.relative for prior in priors)
     at_first = [expected if prior.time_s < 5.1 else expected + QUARTER for prior in priors]
@@ -38,7 +38,7 @@ def test_the_walk_takes_the_nearest_of_the_directions(
 
 def test_a_walk_in_a_frame_of_its_own_is_turned_into_the_map() -> None:
     own = run("factor-graph", corner_walk(), StartPose())
-    track = run("factor-graph", tied_to_map(corner_walk(), own, 0.3, QUARTER), StartPose())
+    track = run("factor-graph", resolve_relative_priors(corner_walk(), own, 0.3, QUARTER), StartPose())
     assert wrap_angle(track.heading_rad[[5, 15]] - 0.3) == pytest.approx([0.0, QUARTER], abs=0.02)
     assert track.position_m[0] == pytest.approx([0.0, 0.0], abs=1e-3)
     assert np.arctan2(*track.position_m[10, ::-1]) == pytest.approx(0.3, abs=0.02)
@@ -46,5 +46,5 @@ def test_a_walk_in_a_frame_of_its_own_is_turned_into_the_map() -> None:
 
 def test_without_relative_priors_nothing_changes() -> None:
     walk: list[Measurement] = [step(1), heading_prior(1, 0.2)]
-    known = tied_to_map(walk, run("ekf", walk, StartPose()), 0.3, QUARTER)
+    known = resolve_relative_priors(walk, run("ekf", walk, StartPose()), 0.3, QUARTER)
     assert all(a is b for a, b in zip(known, walk, strict=True))

@@ -20,7 +20,7 @@ _SIGMA_POSITION_M = 0.2  # the pace within a step is not known
 _SAME_STEP_S = 0.3  # steps of two devices that end within this time may be the same step
 
 
-def with_way_to_start(devices: Sequence[DeviceMeasurements], late_s: float) -> list[DeviceMeasurements]:
+def extend_late_devices(devices: Sequence[DeviceMeasurements], late_s: float) -> list[DeviceMeasurements]:
     """Extend the measurements of late devices back to the start of the walk.
 
     Parameters
@@ -44,7 +44,7 @@ def with_way_to_start(devices: Sequence[DeviceMeasurements], late_s: float) -> l
     return [complete[one.device] for one in devices]
 
 
-def from_own_start(
+def without_extension(
     track: Track, devices: Sequence[DeviceMeasurements], extended: Sequence[DeviceMeasurements]
 ) -> Track:
     """Remove from a track the poses before the own start of late devices.
@@ -54,7 +54,7 @@ def from_own_start(
     track
         Track of the extended devices.
     devices, extended
-        Measurements before and after `with_way_to_start`.
+        Measurements before and after `extend_late_devices`.
     """
     late_s = {one.device: one.start_s for one, whole in zip(devices, extended, strict=True) if whole is not one}
     begin_s = np.array([late_s.get(str(name), -np.inf) for name in track.device])

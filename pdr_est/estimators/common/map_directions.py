@@ -9,7 +9,7 @@ from pdr_est.types.measurements import HeadingPrior, Measurement
 from pdr_est.types.track import Track
 
 
-def tied_to_map(
+def resolve_relative_priors(
     measurements: Iterable[Measurement], track: Track, direction_rad: float, spacing_rad: float
 ) -> list[Measurement]:
     """Make the relative heading priors of a device absolute.

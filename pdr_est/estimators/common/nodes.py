@@ -4,6 +4,7 @@ from bisect import bisect_left, bisect_right
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -60,7 +61,7 @@ class Node:
     @property
     def observes_heading(self) -> bool:
         """Tell whether a measurement at this node helps to find the heading of the walk in the map frame."""
-        return bool(self.fixes) or any(not prior.relative for prior in self.priors)
+        return bool(self.fixes) or (bool(self.priors) and not all(prior.relative for prior in self.priors))
 
 
 class NodeBuilder:
@@ -203,8 +204,8 @@ def split_step(
         Further times strictly between them at which a node is wanted.
     """
     inside = sorted({fix.time_s for fix in fixes}.union(split_times_s))
-    borders = [(time_s - begin_s) / (step.time_s - begin_s) for time_s in inside]
-    shares = [float(share) for share in np.diff([0.0, *borders, 1.0])]
+    borders = [0.0, *((time_s - begin_s) / (step.time_s - begin_s) for time_s in inside), 1.0]
+    shares = [float(after - before) for before, after in pairwise(borders)]
     covariances = split_covariance(step.covariance, step.length_m, shares)
     return [
         Node(

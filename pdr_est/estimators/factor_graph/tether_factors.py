@@ -11,7 +11,7 @@ interpolated position. Such a place is a variable of its own:
 * The tether is a RangeFactorPose2 to p.
 
 Stiff auxiliary factors would force GTSAM's optimisers to take tiny steps. The variance of the tether is therefore
-divided among its four factors, in a way that their least sum is the cost of the tether: the auxiliary factors have the
+divided among its four factors so that their least sum is the cost of the tether: the auxiliary factors have the
 variance u² = σ² / (2 + s² + (1 - s)²) along each axis, p given the poses has (1 + s² + (1 - s)²) u², and the range
 factor adds u². The auxiliary variables are returned at the values of that least sum.
 """
@@ -67,7 +67,7 @@ def tether_factors(tethers: TetherConstraints, active: NDArray[np.bool_], pose: 
         other = (a, b)[1 - end]
         noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_u)
         ends = (tethered_place(number), other) if end == 0 else (other, tethered_place(number))
-        made.graph.add(gtsam.RangeFactorPose2(*ends, length_m, noise))
+        made.graph.add(gtsam.RangeFactorPose2(ends[0], ends[1], length_m, noise))
     return made
 
 
@@ -107,9 +107,7 @@ def _interpolation(keys: tuple[int, int, int], share: float, sigma_m: float) -> 
     for i, weight in enumerate((1.0 - share, share, -1.0)):
         blocks[i, :2, :2] = weight / sigma_m * np.eye(2)
         blocks[i, 2 + i, 2] = 1.0 / _FIXED_HEADING_RAD
-    linear = gtsam.JacobianFactor(
-        keys[0], blocks[0], keys[1], blocks[1], keys[2], blocks[2], np.zeros(5), _UNIT
-    )
+    linear = gtsam.JacobianFactor(keys[0], blocks[0], keys[1], blocks[1], keys[2], blocks[2], np.zeros(5), _UNIT)
     origin = gtsam.Values()
     for key in keys:
         origin.insert(key, gtsam.Pose2())

@@ -1,12 +1,13 @@
-"""Where and in which direction a walk began, found from fixes and heading priors on the way.
+"""Search for the heading of a walk that begins with an unknown one, from fixes and heading priors on the way.
 
-While the start heading is unknown, the pose is far from Gaussian in angle, but exactly linear in the heading vector
-(u, v) = scale (cos heading, sin heading): a turn rotates the vector and a step adds L (u, v) to the position. A
-uniform heading has the moments (u, v) ~ N(0, I/2), so a linear Kalman filter follows the walk honestly from the
-first step, and hands over to the pose once the measurements have settled the direction.
+While the heading is unknown, the pose is far from Gaussian in angle, but exactly linear in the heading vector
+(u, v) = scale (cos heading, sin heading): a turn rotates the vector, and a step adds L (u, v) to the position. A
+uniformly distributed heading has mean and covariance (u, v) ~ N(0, I/2). A linear Kalman filter can therefore follow
+the walk with a consistent covariance from the first step, and hands over to the EKF of the pose once the measurements
+have determined the heading.
 
-Before, the noise of a step is spread evenly over the directions it may have. Once the direction is known, the same
-nodes are followed a second time with the noise where it belongs.
+Until then the noise of a step is averaged over all headings. Once the heading is known, the same nodes are filtered a
+second time with the noise in the right directions.
 """
 
 from collections.abc import Sequence
@@ -18,54 +19,35 @@ from filterpy.kalman import KalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
-from pdr_est.estimators.common.motion_model import STATES, GaussianState
-from pdr_est.estimators.common.timeline import Node
+from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
+from pdr_est.estimators.common.nodes import Node
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
-ALIGNED_SIGMA_RAD = 0.2  # below this the pose is close enough to Gaussian for an EKF
-_UNIFORM_VARIANCE = 0.5  # of each component of a unit vector of uniform direction
-_VAGUE_VARIANCE = 50.0  # as before, but so wide that it does not matter
-_SIGMA_OF_NORM = 0.5  # what a heading prior says of the norm of (u, v), the length scale: next to nothing
+ALIGNED_SIGMA_RAD = 0.2
+"""Standard deviation of the heading, rad, below which the pose is close enough to Gaussian for an EKF."""
+
+_UNIFORM_VARIANCE = 0.5  # of each component of a unit vector with a uniformly distributed direction
+_VAGUE_VARIANCE = 50.0  # the same, but so large that it does not matter
+_SIGMA_OF_NORM = 0.5  # a heading prior tells next to nothing about the norm of (u, v), which is the length scale
 _NOW, _POSITION, _DIRECTION, _FIRST_DIRECTION = slice(0, 4), slice(0, 2), slice(2, 4), slice(4, 6)
 
 
 @dataclass(frozen=True)
-class Alignment:
-    """The nodes followed until the direction was known: all of them if it never was.
-
-    pose (k, 3) and covariance (k, 3, 3) for the track; aligned: the state at the last of these nodes, or None.
-    """
-
-    pose: Array
-    covariance: Array
-    aligned: GaussianState | None
-
-
-def align(nodes: tuple[Node, ...], prior: GaussianState) -> Alignment:
-    """Follow the walk with the heading vector until its direction is known.
-
-    prior: of the state at the first node; its heading is ignored. Until the direction is known, the heading is what
-    the measurements favour, with the sigma of a uniform direction or less.
-    """
-    seeking: HeadingSearch | None = None
-    poses: list[Array] = []
-    covariances: list[Array] = []
-    for i, node in enumerate(nodes):
-        seeking, aligned = search_heading(seeking, node, nodes[: i + 1], prior)
-        if aligned is not None:
-            poses.append(aligned.mean[:3])
-            covariances.append(aligned.covariance[:3, :3])
-            return Alignment(np.array(poses), np.array(covariances), aligned)
-        poses.append(seeking.pose)
-        covariances.append(seeking.covariance)
-    return Alignment(np.array(poses), np.array(covariances), None)
-
-
-@dataclass(frozen=True)
 class HeadingSearch:
-    """How far the search for the direction has come: the heading vector's mean (6,) and covariance (6, 6), and what
-    they say of the pose, (3,) and (3, 3)."""
+    """State of the heading search after a node.
+
+    Attributes
+    ----------
+    vector
+        Mean (6,) of (east m, north m, u, v, u at the start, v at the start).
+    vector_covariance
+        Its covariance (6, 6).
+    pose
+        Pose (3,) that follows from it, east m, north m, heading rad.
+    covariance
+        Its covariance (3, 3).
+    """
 
     vector: Array
     vector_covariance: Array
@@ -76,30 +58,47 @@ class HeadingSearch:
 def search_heading(
     before: HeadingSearch | None, node: Node, nodes: Sequence[Node], prior: GaussianState
 ) -> tuple[HeadingSearch, GaussianState | None]:
-    """Follow the walk to its next node; with the state there once the direction is known.
+    """Continue the heading search to the next node.
 
-    before: None at the first node, where `prior` holds. nodes: all of them up to this one.
+    Parameters
+    ----------
+    before
+        State of the search at the node before; None at the first node.
+    node
+        Node to continue to.
+    nodes
+        All nodes from the first one up to this one.
+    prior
+        Prior of the state at the first node; its heading is ignored.
+
+    Returns
+    -------
+    HeadingSearch
+        State of the search after the node. Until the heading is known, its pose has the heading that the measurements
+        favour, with at most the standard deviation of a uniform distribution.
+    GaussianState or None
+        State of the device once the heading is known.
     """
     heading_vector = _HeadingVectorFilter(prior, before)
-    heading_vector.follow(node, before is None, None)
-    found = heading_vector.found()
+    heading_vector.filter_node(node, before is None, None)
+    found = heading_vector.search()
     if heading_vector.sigma_heading_rad() > ALIGNED_SIGMA_RAD:
         return found, None
-    return found, _follow_again(nodes, prior, float(found.pose[2])).state()
+    return found, _filter_again(nodes, prior, float(found.pose[2])).state()
 
 
-def _follow_again(nodes: Sequence[Node], prior: GaussianState, heading_rad: float) -> "_HeadingVectorFilter":
-    """The filter at the last of some nodes, when the heading there is known about."""
+def _filter_again(nodes: Sequence[Node], prior: GaussianState, heading_rad: float) -> "_HeadingVectorFilter":
+    """Filter all nodes a second time with an approximately known heading at the last one."""
     turns = np.array([node.heading_change_rad for node in nodes])
     headings = heading_rad - turns.sum() + turns.cumsum()
     heading_vector = _HeadingVectorFilter(prior)
     for i, node in enumerate(nodes):
-        heading_vector.follow(node, i == 0, float(headings[i]))
+        heading_vector.filter_node(node, i == 0, float(headings[i]))
     return heading_vector
 
 
 class _HeadingVectorFilter:
-    """Linear Kalman filter over (east, north, u, v, u at the start, v at the start)."""
+    """Linear Kalman filter of (east, north, u, v, u at the start, v at the start)."""
 
     def __init__(self, prior: GaussianState, before: HeadingSearch | None = None) -> None:
         self._prior = prior
@@ -114,7 +113,7 @@ class _HeadingVectorFilter:
         self._filter.P[_FIRST_DIRECTION, _DIRECTION] = _UNIFORM_VARIANCE * np.eye(2)
 
     def sigma_heading_rad(self) -> float:
-        """Of the direction now; infinite while the heading vector may as well be zero."""
+        """Return the standard deviation of the heading; infinity while the heading vector is zero."""
         vector, covariance = self._filter.x[_DIRECTION], self._filter.P[_DIRECTION, _DIRECTION]
         norm = float(np.hypot(*vector))
         if norm < 1e-6:
@@ -122,32 +121,32 @@ class _HeadingVectorFilter:
         across = np.array([-vector[1], vector[0]]) / norm
         return float(np.sqrt(across @ covariance @ across)) / norm
 
-    def follow(self, node: Node, first: bool, heading_rad: float | None) -> None:
-        """The motion that leads to `node`, unless it is the first, and what was measured there.
+    def filter_node(self, node: Node, first: bool, heading_rad: float | None) -> None:
+        """Predict the motion to a node, unless it is the first, and update with the measurements there.
 
-        heading_rad: of the walker on the way to `node`, to about a radian, or None.
+        The heading on the way to the node is needed to about a radian, or None.
         """
         if not first:
-            self._advance(node, heading_rad)
+            self._predict(node, heading_rad)
         for fix in node.fixes:
             self._update_position(fix)
         for prior in node.priors:
             if not prior.relative:
                 self._update_heading(prior)
 
-    def found(self) -> HeadingSearch:
-        """With mean (x, y, heading) and covariance (3, 3) for the track."""
+    def search(self) -> HeadingSearch:
+        """Return the state of the search, with the pose and its covariance for the track."""
         x, y, u, v = self._filter.x[_NOW]
         covariance = np.diag([0.0, 0.0, min(self.sigma_heading_rad(), UNKNOWN_SIGMA_RAD) ** 2])
         covariance[:2, :2] = self._filter.P[_POSITION, _POSITION]
         return HeadingSearch(self._filter.x, self._filter.P, np.array([x, y, np.arctan2(v, u)]), covariance)
 
     def state(self) -> GaussianState:
-        """The state for a heading vector that is known well enough for a first-order conversion."""
+        """Convert to the state of a device, to first order: the heading vector must be known well enough."""
         mean, covariance = self._without_uniform_prior()
         return _with_scale_prior(_to_state(mean[_NOW], covariance[_NOW, _NOW], self._prior), self._prior)
 
-    def _advance(self, node: Node, heading_rad: float | None) -> None:
+    def _predict(self, node: Node, heading_rad: float | None) -> None:
         c, s = cos(node.heading_change_rad), sin(node.heading_change_rad)
         turn = np.array([[c, -s], [s, c]])
         transition, noise = np.eye(6), np.zeros((6, 6))
@@ -171,9 +170,10 @@ class _HeadingVectorFilter:
         self._filter.update(z, R=noise, H=np.eye(6)[part])
 
     def _without_uniform_prior(self) -> tuple[Array, Array]:
-        """Make the prior of the heading vector at the start vague: it is centred at zero and shortens the vector.
+        """Replace the prior of the heading vector at the start by a vague one.
 
-        This is the Kalman update with the information of the one less that of the other.
+        The uniform prior is centred at zero and shortens the vector. This is the Kalman update with the information
+        of the vague prior less that of the uniform one.
         """
         x, covariance = self._filter.x, self._filter.P
         variance = 1.0 / (1.0 / _VAGUE_VARIANCE - 1.0 / _UNIFORM_VARIANCE)
@@ -183,23 +183,23 @@ class _HeadingVectorFilter:
 
 
 def _even_noise(node: Node) -> Array:
-    """Of (x, y, u, v), the mean over all directions of the walker."""
+    """Return the process noise (4, 4) of (x, y, u, v), averaged over all headings of the walker."""
     of_length = node.covariance[0, 0] + node.covariance[1, 1]
     turn = node.covariance[2, 2]
-    of_turn = -np.expm1(-turn)  # a vector of length one that turns is never off by more than that
+    of_turn = -np.expm1(-turn)  # the error of a unit vector that turns is bounded
     shared = node.covariance[1, 2] * (of_turn / turn if turn > 0.0 else 0.0)
     return np.kron(0.5 * np.array([[of_length, shared], [shared, of_turn]]), np.eye(2)).astype(np.float64)
 
 
 def _directed_noise(node: Node, heading_rad: float) -> Array:
-    """Of (x, y, u, v) for a walker with this heading: a heading error moves the heading vector to its left."""
+    """Return the process noise (4, 4) of (x, y, u, v) at a heading, whose error moves (u, v) to the left."""
     c, s = cos(heading_rad), sin(heading_rad)
     to_map = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, -s], [0.0, 0.0, c]])
     return np.asarray(to_map @ node.covariance @ to_map.T)
 
 
 def _to_state(vector_state: Array, covariance: Array, prior: GaussianState) -> GaussianState:
-    """The state from (x, y, u, v), to first order; nothing was learnt of the reference direction."""
+    """Convert (x, y, u, v) to a state, to first order; the reference direction keeps its prior."""
     x, y, u, v = vector_state
     norm = np.hypot(u, v)
     jacobian = np.eye(STATES, 4)
@@ -210,8 +210,10 @@ def _to_state(vector_state: Array, covariance: Array, prior: GaussianState) -> G
     return GaussianState(np.array([x, y, np.arctan2(v, u), norm, prior.mean[4]]), state)
 
 
-def _with_scale_prior(moments: GaussianState, prior: GaussianState) -> GaussianState:
-    """What is known of the length scale beside these measurements: one Kalman update of the last state."""
-    gain = moments.covariance[:, 3] / (moments.covariance[3, 3] + prior.covariance[3, 3])
-    mean = moments.mean + gain * (prior.mean[3] - moments.mean[3])
-    return GaussianState(mean, moments.covariance - np.outer(gain, moments.covariance[3]))
+def _with_scale_prior(state: GaussianState, prior: GaussianState) -> GaussianState:
+    """Update a state with the prior of the length scale."""
+    gain = state.covariance[:, LENGTH_SCALE] / (
+        state.covariance[LENGTH_SCALE, LENGTH_SCALE] + prior.covariance[LENGTH_SCALE, LENGTH_SCALE]
+    )
+    mean = state.mean + gain * (prior.mean[LENGTH_SCALE] - state.mean[LENGTH_SCALE])
+    return GaussianState(mean, state.covariance - np.outer(gain, state.covariance[LENGTH_SCALE]))

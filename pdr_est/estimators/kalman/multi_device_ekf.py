@@ -22,7 +22,8 @@ _TETHER_ITERATIONS = 3  # a distance is not linear in the positions
 class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     """Extended Kalman filter of filterpy with the motion model of `motion_model.py`; x is one-dimensional throughout.
 
-    A device takes part once its state has been set; before that its state and covariance are zero.
+    A device takes part once its state has been set; before that its state and covariance are zero. The arrays x and P
+    are replaced by every operation and never changed in place, so that `load` and `dump` need no copies.
 
     Parameters
     ----------
@@ -37,16 +38,17 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         self.F, self.Q = np.eye(STATES * devices), np.zeros((STATES * devices, STATES * devices))
 
     def load(self, state: GaussianState) -> None:
-        """Set the states of all devices to a copy of what `dump` returned."""
-        self.x, self.P = state.mean.copy(), state.covariance.copy()
+        """Set the states of all devices to what `dump` returned."""
+        self.x, self.P = state.mean, state.covariance
 
     def dump(self) -> GaussianState:
-        """Return a copy of the states of all devices; the covariance is symmetric only up to rounding."""
-        return GaussianState(self.x.copy(), self.P.copy())
+        """Return the states of all devices; the covariance is symmetric only up to rounding."""
+        return GaussianState(self.x, self.P)
 
     def set_state(self, state: GaussianState, device: int = 0) -> None:
         """Set the state of a device, uncorrelated with the others."""
         own = rows_of(device)
+        self.x, self.P = self.x.copy(), self.P.copy()
         self.x[own] = state.mean
         self.P[own, :], self.P[:, own] = 0.0, 0.0
         self.P[own, own] = state.covariance
@@ -101,6 +103,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     def predict_x(self, u: tuple[Node, slice]) -> None:
         """Predict the mean; called by `predict` of filterpy."""
         node, own = u
+        self.x = self.x.copy()
         self.x[own] = move(self.x[own], node)
 
     def update_node(self, node: Node, device: int = 0) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from pdr_est.config import Config, StartParams
 from pdr_est.estimators import EstimatorName, estimate_walk
-from pdr_est.estimators.common.late_start import from_own_start, with_way_to_start
+from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
 from pdr_est.performance.odometry import SIGMA_SCALE, START, walk_of
 from pdr_est.pipeline.measurements import run_estimator
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StepOdometry
@@ -23,8 +23,8 @@ def begun_at(device: DeviceMeasurements, start_s: float) -> DeviceMeasurements:
 
 
 def reckoned(devices: list[DeviceMeasurements]) -> Track:
-    extended = with_way_to_start(devices, LATE_START_S)
-    return from_own_start(estimate_walk("dead-reckoning", extended, START, SIGMA_SCALE), devices, extended)
+    extended = extend_late_devices(devices, LATE_START_S)
+    return without_extension(estimate_walk("dead-reckoning", extended, START, SIGMA_SCALE), devices, extended)
 
 
 @pytest.mark.parametrize("first", [0, 1])
@@ -69,9 +69,9 @@ def test_every_offline_estimator_does_it(name: EstimatorName) -> None:
 
 def test_devices_that_begin_together_stay_the_same_objects() -> None:
     known, _ = walk_of(20, 2)
-    assert all(a is b for a, b in zip(with_way_to_start(known, LATE_START_S), known, strict=True))
+    assert all(a is b for a, b in zip(extend_late_devices(known, LATE_START_S), known, strict=True))
     track = estimate_walk("dead-reckoning", known, START, SIGMA_SCALE)
-    kept = from_own_start(track, known, known)
+    kept = without_extension(track, known, known)
     assert np.array_equal(kept.time_s, track.time_s)
     assert np.array_equal(kept.step_length_m, track.step_length_m)
 
@@ -80,8 +80,8 @@ def test_one_that_nobody_recorded_with_at_its_start_stays_as_it_is() -> None:
     known, _ = walk_of(100, 2)
     early = replace(known[0], measurements=known[0].measurements[:20])
     late = begun_at(known[1], 30.0)
-    assert with_way_to_start([early, late], LATE_START_S)[1] is late
-    assert with_way_to_start([], LATE_START_S) == []
+    assert extend_late_devices([early, late], LATE_START_S)[1] is late
+    assert extend_late_devices([], LATE_START_S) == []
 
 
 def test_a_late_one_may_lend_in_turn() -> None:
