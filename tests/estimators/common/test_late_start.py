@@ -84,7 +84,7 @@ def test_one_that_nobody_recorded_with_at_its_start_stays_as_it_is() -> None:
     assert extend_late_devices([], LATE_S) == []
 
 
-def test_a_late_one_may_lend_in_turn() -> None:
+def test_a_late_device_may_be_a_donor_in_turn() -> None:
     known, _ = walk_of(100, 3)
     first = replace(known[0], measurements=known[0].measurements[:40])  # until 20 s
     devices = [begun_at(known[2], 30.0), first, begun_at(known[1], 10.0)]
@@ -93,7 +93,7 @@ def test_a_late_one_may_lend_in_turn() -> None:
     assert last.position_m[0] == pytest.approx(second.at(last.time_s[:1])[0][0], abs=0.15)
 
 
-def test_fixes_before_its_start_hold_on_the_way_that_is_borrowed() -> None:
+def test_fixes_before_its_start_hold_on_the_steps_of_the_donor() -> None:
     known, _ = walk_of(60, 2)
     fixes = tuple(PositionFix(t, np.array([0.7 * t, 0.0]) / 0.5, 0.25 * np.eye(2)) for t in (2.0, 12.0))
     devices = [known[0], begun_at(known[1], 15.0)]
@@ -102,7 +102,7 @@ def test_fixes_before_its_start_hold_on_the_way_that_is_borrowed() -> None:
     assert late.position_m[0] == pytest.approx(early.at(late.time_s[:1])[0][0], abs=0.15)
 
 
-def test_a_late_device_without_a_step_stands_at_the_lender() -> None:
+def test_a_late_device_without_a_step_stands_at_the_donor() -> None:
     known, _ = walk_of(60, 2)
     track = reckoned([known[0], replace(known[1], start_s=20.1, measurements=())])
     late, early = track.of_device("phone2"), track.of_device("phone1")
