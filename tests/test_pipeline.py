@@ -296,7 +296,7 @@ def test_steps_without_heading_are_refused_by_every_estimator(name: EstimatorNam
 def test_a_track_is_refused_before_any_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
     recording = without_gyroscope(DeviceParams(name="left"), DeviceParams(name="right"))
     whole = simulated(DeviceParams(name="left"), DeviceParams(name="right")).recording.devices[0]
-    monkeypatch.setattr(pipeline, "analyse", lambda *_: pytest.fail("the front end ran"))
+    monkeypatch.setattr(pipeline, "analyse_recording", lambda *_: pytest.fail("the front end ran"))
     with pytest.raises(RecordingError, match=r"^l_shape \(right\): no gyroscope"):
         pipeline.smooth_recording(replace(recording, devices=(whole, recording.devices[1])), Config())
 

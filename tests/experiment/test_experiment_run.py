@@ -268,7 +268,7 @@ def test_a_fault_of_ours_costs_one_walk_only(tmp_path: Path, monkeypatch: pytest
             raise ZeroDivisionError("a fault")
         return intact(recording, config)
 
-    monkeypatch.setattr(pipeline, "analyse", faulty)
+    monkeypatch.setattr(pipeline, "analyse_recording", faulty)
     finished = run_experiment(load_experiment(experiment_file(tmp_path)), tmp_path / "out")
     assert finished.failed == 1
     assert failures(tmp_path / "out") == [

@@ -132,7 +132,7 @@ def test_estimator_gets_no_truth_but_the_points_that_are_given(data, monkeypatch
         assert config.start.heading_rad is None
         return estimate(walks, config, fixes)
 
-    monkeypatch.setattr(pipeline, "estimate", spy)
+    monkeypatch.setattr(pipeline, "estimate_tracks", spy)
     run_benchmark("ilc20", data, EKF, limit=1)
     without, sparse = given
     assert without == ()
@@ -144,7 +144,7 @@ def test_a_programming_error_in_a_walk_is_not_hidden_and_names_the_walk(data, mo
     def fail(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(pipeline, "analyse", fail)
+    monkeypatch.setattr(pipeline, "analyse_recording", fail)
     with pytest.raises(ZeroDivisionError) as caught:
         run_benchmark("ilc20", data, EKF)
     assert caught.value.__notes__ == ["in the walk site1/F1/one"]
@@ -170,7 +170,7 @@ def analyses(monkeypatch):
         configs.append(config)
         return analyse(recording, config)
 
-    monkeypatch.setattr(pipeline, "analyse", spy)
+    monkeypatch.setattr(pipeline, "analyse_recording", spy)
     return configs
 
 
@@ -261,5 +261,5 @@ def test_the_name_of_a_skipped_walk_is_said_once(data, monkeypatch):
     def refuse(recording, config):
         raise RecordingError(f"{recording.name}: too dull")
 
-    monkeypatch.setattr(pipeline, "analyse", refuse)
+    monkeypatch.setattr(pipeline, "analyse_recording", refuse)
     assert {skipped.reason for skipped in run_benchmark("ilc20", data, EKF).failures} == {"too dull"}

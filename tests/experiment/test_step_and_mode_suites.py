@@ -35,7 +35,7 @@ def no_estimator(monkeypatch):
     def fail(*_):
         pytest.fail("an estimator was run")
 
-    monkeypatch.setattr(pipeline, "estimate", fail)
+    monkeypatch.setattr(pipeline, "estimate_tracks", fail)
 
 
 # --- oxford-steps ------------------------------------------------------------------------------------------------
@@ -152,7 +152,7 @@ def test_phone_gps_scores_against_fixes_that_no_estimator_sees(tmp_path, monkeyp
         given.append(tuple(fixes))
         return estimate(walks, config, fixes)
 
-    monkeypatch.setattr(pipeline, "estimate", spy)
+    monkeypatch.setattr(pipeline, "estimate_tracks", spy)
     plain_table(tmp_path / "phone-gps/Soccer_swing1.csv", speed_mps=1.3)
     plain_table(tmp_path / "phone-gps/Basket_1.csv", speed_mps=1.3)
     document = run("phone-gps", tmp_path)

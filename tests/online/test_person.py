@@ -45,8 +45,8 @@ def same(track: Track, other: Track) -> None:
         assert np.array_equal(getattr(track, name), getattr(other, name)), name
 
 
-def in_seconds(config: Config, gap: bool = False, fixes: tuple = ()) -> Track:
-    recording = recorded(2, gap)
+def in_seconds(config: Config, gap: bool = False, fixes: tuple = (), short: bool = False) -> Track:
+    recording = recorded(2, gap, short)
     tracker = tracker_of(recording, config)
     for fix in fixes:
         tracker.push_fix(fix)
@@ -86,8 +86,8 @@ def test_any_cut_gives_the_same(gap: bool, fixes: tuple, config: Config) -> None
 
 
 def test_sample_by_sample_and_device_by_device_are_the_same() -> None:
-    recording = recorded(2, gap=True)
-    whole = in_seconds(KNOWN_START, gap=True)
+    recording = recorded(2, gap=True, short=True)
+    whole = in_seconds(KNOWN_START, gap=True, short=True)
     singles = slices(recording, [np.arange(0.0, 60.0, 0.005)] * 2)
     assert max(len(block.time_s) for _, block in singles) == 1
     same(of_person(push_all(tracker_of(recording, KNOWN_START), singles)), whole)

@@ -72,11 +72,12 @@ def test_one_device_after_the_other_gives_the_same() -> None:
 
 
 def test_one_sample_at_a_time_with_a_restart_between() -> None:
-    recording = recorded(2, gap=True)
-    blocks = slices(recording, [np.arange(0.0, 60.0, 0.01)] * 2)
+    recording = recorded(2, gap=True, short=True)
+    blocks = slices(recording, [np.arange(0.0, 60.0, 0.005)] * 2)
+    assert max(len(block.time_s) for _, block in blocks) == 1
     tracker, updates = tracker_of(recording, KNOWN_START), []
     for number, (name, block) in enumerate(blocks):
-        if number % 3000 == 1500:
+        if number % 1000 == 500:
             tracker = Tracker.restore(tracker.state())
         updates += tracker.push(name, block)
     updates += tracker.flush()

@@ -10,7 +10,7 @@ from pdr_est import pipeline
 from pdr_est.config import Config, DevicesParams, StartParams
 from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.frames import Array
-from pdr_est.online import ExpectedDevice, Tracker, Update
+from pdr_est.online import ExpectedDevice, OnlineParams, Tracker, Update
 from pdr_est.simulate import DeviceParams, PathParams, Pause, Scenario, SensorParams, WalkerGaitParams, simulate_walk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Recording
@@ -22,14 +22,19 @@ KNOWN_START = replace(ONE_CLOCK, start=StartParams(x_m=0.0, y_m=0.0, heading_rad
 
 
 @cache
-def recorded(devices: int = 2, gap: bool = False) -> Recording:
-    """About forty seconds around two corners with a pause; the second phone has a gap."""
+def recorded(devices: int = 2, gap: bool = False, short: bool = False) -> Recording:
+    """Simulate forty seconds around two corners with a pause, or ten around one; the second phone has a gap."""
     names = ("left", "right", "back")[:devices]
+    vertices_m = ((0.0, 0.0), (14.0, 0.0), (14.0, 9.0), (4.0, 9.0))
+    pause = Pause(at_m=9.0, duration_s=6.0)
+    if short:
+        vertices_m, pause = ((0.0, 0.0), (5.0, 0.0), (5.0, 4.0)), Pause(at_m=3.0, duration_s=2.5)
+    gap_s = (6.5, 7.8) if short else (20.0, 21.5)
     scenario = Scenario(
-        path=PathParams(vertices_m=((0.0, 0.0), (14.0, 0.0), (14.0, 9.0), (4.0, 9.0))),
-        gait=WalkerGaitParams(lead_in_s=1.0, lead_out_s=1.0, pauses=(Pause(at_m=9.0, duration_s=6.0),)),
+        path=PathParams(vertices_m=vertices_m),
+        gait=WalkerGaitParams(lead_in_s=1.0, lead_out_s=1.0, pauses=(pause,)),
         devices=tuple(
-            DeviceParams(name=name, sensors=SensorParams(gaps_s=((20.0, 21.5),) if gap and i == 1 else ()))
+            DeviceParams(name=name, sensors=SensorParams(gaps_s=(gap_s,) if gap and i == 1 else ()))
             for i, name in enumerate(names)
         ),
         seed=5,
@@ -44,8 +49,6 @@ def offline(recording: Recording, config: Config, fixes: Sequence[PositionFix] =
 
 
 def tracker_of(recording: Recording, config: Config, **online: float) -> Tracker:
-    from pdr_est.online import OnlineParams
-
     return Tracker(config, [ExpectedDevice(device.name) for device in recording.devices], OnlineParams(**online))
 
 

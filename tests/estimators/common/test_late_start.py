@@ -49,8 +49,10 @@ def test_the_graph_leaves_the_complete_device_where_it_is() -> None:
     known, tethers = walk_of(120, 2)
     together = [replace(tether, sigma_m=0.1) for tether in tethers if tether.time_s > 30.0]
     config = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0)).with_estimator("factor-graph")
-    alone = run_estimator(known[:1], [], config)
-    both = run_estimator([known[0], begun_at(known[1], 30.2)], together, config).of_device("phone1")
+    alone = run_estimator(known[:1], [], config.estimator.make(), config)
+    both = run_estimator([known[0], begun_at(known[1], 30.2)], together, config.estimator.make(), config).of_device(
+        "phone1"
+    )
     apart_m = np.linalg.norm(both.position_m - alone.position_m, axis=1)
     radius_m = np.sqrt(np.trace(alone.covariance_m2, axis1=1, axis2=2))
     assert np.all(apart_m <= radius_m + 0.05)
@@ -62,7 +64,7 @@ def test_every_offline_estimator_does_it(name: EstimatorName) -> None:
     known, tethers = walk_of(60, 2)
     config = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0)).with_estimator(name)
     together = [tether for tether in tethers if tether.time_s > 15.0]
-    track = run_estimator([known[0], begun_at(known[1], 15.0)], together, config)
+    track = run_estimator([known[0], begun_at(known[1], 15.0)], together, config.estimator.make(), config)
     late, early = track.of_device("phone2"), track.of_device("phone1")
     assert np.linalg.norm(late.position_m[0] - early.at(late.time_s[:1])[0][0]) < 0.7
 
@@ -84,7 +86,7 @@ def test_one_that_nobody_recorded_with_at_its_start_stays_as_it_is() -> None:
     assert extend_late_devices([], LATE_START_S) == []
 
 
-def test_a_late_one_may_lend_in_turn() -> None:
+def test_a_late_device_may_be_a_donor_in_turn() -> None:
     known, _ = walk_of(100, 3)
     first = replace(known[0], measurements=known[0].measurements[:40])  # until 20 s
     devices = [begun_at(known[2], 30.0), first, begun_at(known[1], 10.0)]
@@ -93,7 +95,7 @@ def test_a_late_one_may_lend_in_turn() -> None:
     assert last.position_m[0] == pytest.approx(second.at(last.time_s[:1])[0][0], abs=0.15)
 
 
-def test_fixes_before_its_start_hold_on_the_way_that_is_borrowed() -> None:
+def test_fixes_before_its_start_hold_on_the_steps_of_the_donor() -> None:
     known, _ = walk_of(60, 2)
     fixes = tuple(PositionFix(t, np.array([0.7 * t, 0.0]) / 0.5, 0.25 * np.eye(2)) for t in (2.0, 12.0))
     devices = [known[0], begun_at(known[1], 15.0)]
@@ -102,7 +104,7 @@ def test_fixes_before_its_start_hold_on_the_way_that_is_borrowed() -> None:
     assert late.position_m[0] == pytest.approx(early.at(late.time_s[:1])[0][0], abs=0.15)
 
 
-def test_a_late_device_without_a_step_stands_at_the_lender() -> None:
+def test_a_late_device_without_a_step_stands_at_the_donor() -> None:
     known, _ = walk_of(60, 2)
     track = reckoned([known[0], replace(known[1], start_s=20.1, measurements=())])
     late, early = track.of_device("phone2"), track.of_device("phone1")

@@ -8,9 +8,10 @@ import pytest
 from estimator_walks import DEVICE, fix, heading_prior, simulate, winding
 
 from pdr_est.estimators.common.timeline import build_timeline
-from pdr_est.estimators.factor_graph.factors import Keys, add_motion, anchors, motion_noise
+from pdr_est.estimators.factor_graph.factors import add_anchors, add_motion, motion_noise
+from pdr_est.estimators.factor_graph.initial_values import initial_states
+from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances
-from pdr_est.estimators.factor_graph.smoother import initial_states
 from pdr_est.types.measurements import LoopClosure, StartPose
 
 
@@ -29,9 +30,10 @@ def test_they_are_those_of_gtsam(closed: bool, with_references: bool) -> None:
     timeline = build_timeline(DEVICE, 0.0, measurements)
     start = StartPose((0.0, 0.0), 0.0, 0.1, 0.1)
     states = initial_states([timeline], [], [start], 0.1)[0]
-    keys = Keys.of([timeline])
+    keys = GraphKeys.of_timelines([timeline])
     assert keys.present_references == ([len(timeline.nodes)] if with_references else [])
-    graph = anchors([timeline], keys, [start], [states])
+    graph = gtsam.NonlinearFactorGraph()
+    add_anchors(graph, [timeline], keys, [start], [states])
     add_motion(graph, timeline.nodes, 0, motion_noise(timeline.nodes).models, 1.0)
     values = gtsam.Values()
     for i, state in enumerate(states):

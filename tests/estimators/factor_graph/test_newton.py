@@ -5,13 +5,14 @@ import numpy as np
 import pytest
 
 from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
+from pdr_est.estimators.factor_graph.tether_factors import tether_factors
 
 POSE = np.array([[0.0, 0.0, 0.3], [0.6, 0.4, -1.0], [1.0, 1.0, 2.0]])
 
 
 def tethers_of(ends: list[list[int]], max_distance_m: list[float]) -> TetherConstraints:
     keys = np.array(ends)
-    return TetherConstraints.between(
+    return TetherConstraints.between_places(
         keys, keys, np.ones(keys.shape), np.array(max_distance_m), np.full(len(ends), 0.1)
     )
 
@@ -30,11 +31,28 @@ def vector_of(change: np.ndarray) -> gtsam.VectorValues:
     return vector
 
 
+def values_at(pose: np.ndarray) -> gtsam.Values:
+    values = gtsam.Values()
+    for key, own in enumerate(pose):
+        values.insert(key, gtsam.Pose2(*own))
+    return values
+
+
+def linear_factors(tethers: TetherConstraints) -> gtsam.GaussianFactorGraph:
+    """Range factors of the active tethers at POSE, linearised, and their stiffness."""
+    near = tethers.linearised(POSE)
+    active = near.violation_m > 0.0
+    linear = gtsam.GaussianFactorGraph()
+    linear.push_back(tether_factors(tethers, active, POSE).graph.linearize(values_at(POSE)))
+    linear.push_back(near.stiffness_factors(active, near.violation_m))
+    return linear
+
+
 @pytest.mark.parametrize("move", [[2e-3, 0.0], [0.0, 2e-3], [1e-3, -2e-3]])
 def test_taut_tethers_in_second_order(move: list[float]) -> None:
-    near = tethers_of([[0, 1], [0, 2]], [0.5, 5.0]).near(POSE)
-    linear = near.factors(near.violation_m > 0.0, near.violation_m)
-    assert linear.size() == 1  # the other is slack
+    tethers = tethers_of([[0, 1], [0, 2]], [0.5, 5.0])
+    near, linear = tethers.linearised(POSE), linear_factors(tethers)
+    assert linear.size() == 2  # range and stiffness; the other is slack
     change = np.zeros((3, 3))
     change[0, :2] = move
     error = near.tethers.error(after(POSE, change))
@@ -43,8 +61,8 @@ def test_taut_tethers_in_second_order(move: list[float]) -> None:
 
 
 def test_a_line_that_turns_with_those_who_hold_it_costs_what_it_did() -> None:
-    near = tethers_of([[0, 1]], [0.5]).near(POSE)
-    linear = near.factors(near.violation_m > 0.0, near.violation_m)
+    tethers = tethers_of([[0, 1]], [0.5])
+    linear = linear_factors(tethers)
     angle = 0.1
     to_own = -POSE[:, 2]
     swing = angle * np.stack([-POSE[:, 1], POSE[:, 0]], axis=1)  # of the whole walk about the origin
@@ -52,11 +70,11 @@ def test_a_line_that_turns_with_those_who_hold_it_costs_what_it_did() -> None:
     change = np.stack(
         [c * swing[:, 0] - s * swing[:, 1], s * swing[:, 0] + c * swing[:, 1], np.full(3, angle)], axis=1
     )
-    assert linear.error(vector_of(change)) == pytest.approx(near.tethers.error(POSE), rel=1e-12)
+    assert linear.error(vector_of(change)) == pytest.approx(tethers.error(POSE), rel=1e-12)
 
 
 def test_a_tether_between_places_on_the_way_from_one_pose_to_the_next() -> None:
-    places = TetherConstraints.between(
+    places = TetherConstraints.between_places(
         np.array([[0, 1], [0, 2]]),
         np.array([[0, 2], [0, 2]]),
         np.array([[1.0, 0.25], [1.0, 1.0]]),
@@ -64,20 +82,22 @@ def test_a_tether_between_places_on_the_way_from_one_pose_to_the_next() -> None:
         np.array([0.1, 0.1]),
     )
     distance_m = np.array([np.hypot(0.6 + 0.25 * 0.4, 0.4 + 0.25 * 0.6), np.hypot(1.0, 1.0)])
-    assert places.near(POSE).distance_m == pytest.approx(distance_m)
+    assert places.linearised(POSE).distance_m == pytest.approx(distance_m)
     assert places.error(POSE) == pytest.approx(0.5 * np.sum(((distance_m - [0.5, 0.1]) / 0.1) ** 2))
-    near, step = places.near(POSE), 1e-6
-    linear = near.factors(np.array([True, True]), np.zeros(2))
-    for row in range(3):
-        for column in range(3):
-            change = np.zeros((3, 3))
-            change[row, column] = step
-            slope = (places.error(after(POSE, change)) - places.error(after(POSE, -change))) / (2.0 * step)
-            linear_slope = (linear.error(vector_of(change)) - linear.error(vector_of(-change))) / (2.0 * step)
-            assert linear_slope == pytest.approx(slope, abs=1e-5)
+    rng = np.random.default_rng(8)
+    for change in (np.zeros((3, 3)), *(1e-2 * rng.standard_normal((4, 3, 3)))):
+        pose = after(POSE, change)
+        made = tether_factors(places, np.array([True, True]), pose)
+        values = values_at(pose)
+        values.insert(made.auxiliary)
+        assert made.graph.error(values) == pytest.approx(places.error(pose), rel=1e-6)
+        # The auxiliary variables are where the error is least.
+        linear = made.graph.linearize(values)
+        slope = linear.gradientAtZero()
+        assert all(np.abs(slope.at(key)).max() < 1e-3 for key in made.auxiliary.keys())
 
 
 def test_slack_tethers_have_no_factors() -> None:
-    near = tethers_of([[0, 1], [0, 2]], [1.0, 5.0]).near(POSE)
-    assert near.factors(near.violation_m > 0.0, near.violation_m).size() == 0
-    assert near.tethers.error(POSE) == 0.0
+    tethers = tethers_of([[0, 1], [0, 2]], [1.0, 5.0])
+    assert linear_factors(tethers).size() == 0
+    assert tethers.error(POSE) == 0.0
