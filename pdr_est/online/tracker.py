@@ -33,19 +33,19 @@ class Tracker:
     `estimator.name: fixed-lag` there are also estimates of kind "delayed". With several devices there are also
     estimates of the person, device "fused" (see `person_estimates.py`).
 
-    A step is a lot of work for one sample. A push of a single sample therefore does one piece of the pending work,
-    such as samples to steps or steps to poses; the next pushes, twenty at most, do the rest. A push of a longer block
-    does everything at once.
+    A push of a single sample does one piece of the pending work, such as samples to steps or steps to poses; the next
+    pushes, twenty at most, do the rest. A push of a longer block does everything at once.
 
     Parameters
     ----------
     config
         Configuration; the defaults without it.
     devices
-        Devices that will send samples; others join when their first block comes. The first one is the first device
-        of the walk.
+        Devices that will send samples, the first device of the walk first; others join with their first block.
     online
         Waiting and rewinding.
+    parts
+        Stages and an estimator of the user's own.
 
     Attributes
     ----------

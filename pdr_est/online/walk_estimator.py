@@ -142,7 +142,7 @@ class WalkEstimator:
         """Tell whether there are delayed estimates."""
         return self._delayed is not None
 
-    def add_device(self, _name: str) -> None:
+    def add_device(self, _name: str = "") -> None:
         """Add a device that has not sent anything yet."""
         self.filter.add_device()
         self._rewind_delayed(len(self.filter.history))

@@ -94,7 +94,7 @@ def test_a_tether_between_places_on_the_way_from_one_pose_to_the_next() -> None:
         # The auxiliary variables are where the error is least.
         linear = made.graph.linearize(values)
         slope = linear.gradientAtZero()
-        assert all(np.abs(slope.at(key)).max() < 1e-3 for key in made.auxiliary.keys())
+        assert all(np.abs(slope.at(key)).max() < 1e-3 for key in list(made.auxiliary.keys()))
 
 
 def test_slack_tethers_have_no_factors() -> None:
