@@ -231,7 +231,7 @@ start: {x_m: 0.0, y_m: 0.0, heading_rad: 0.0}
 
 EXPERIMENT = """
 data:
-  simulated: {presets: [l_shape]}
+  simulated: {presets: [l_shape], repeats: 2}
 settings:
   start: {x_m: 0.0, y_m: 0.0, heading_rad: 0.0}
 variants:
