@@ -1,9 +1,9 @@
 """Suite of an experiment: a benchmark suite with other fixes, or the ground truth that recordings bring along."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
-from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate.heading_errors import HEADING_METRICS
 from pdr_est.evaluate.position_errors import OPEN_METRICS
 from pdr_est.evaluate.step_detection import STEP_METRICS
@@ -11,14 +11,7 @@ from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.config import FixesProtocol
 from pdr_est.experiment.scoring.annotated_steps import heading_part, step_part
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, position_parts
-from pdr_est.experiment.scoring.track_scores import (
-    MODE_METRIC,
-    MetricPart,
-    device_scores,
-    mode_part,
-    person_scores,
-    step_times_s,
-)
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, MetricPart, score_tracks
 from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
 from pdr_est.frames import Array
 from pdr_est.types.track import Track
@@ -52,16 +45,7 @@ def experiment_suite(suite: Suite | None, fixes: FixesProtocol) -> Suite:
 
 def _score_known_truth(walk: AnalysedWalk) -> list[TrackScores]:
     """Compute every metric that the ground truth allows, for each device and the person who carries several."""
-    track = walk.track()
-    scores = [
-        device_scores(
-            walk, device, mode_part(walk, device), *_known_parts(walk, device.device, step_times_s(device), track)
-        )
-        for device in walk.devices
-    ]
-    if FUSED in track.devices:
-        scores.append(person_scores(walk, *_known_parts(walk, FUSED, track.of_device(FUSED).time_s[1:], track)))
-    return scores
+    return score_tracks(walk, partial(_known_parts, walk))
 
 
 def _known_parts(walk: AnalysedWalk, name: str, step_s: Array, track: Track) -> list[MetricPart]:

@@ -1,14 +1,13 @@
 """Scores of tracks against true positions."""
 
 from pdr_est.errors import RecordingError
-from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.evaluate.held_out_fixes import LEAST_POINTS as LEAST_WAYPOINTS
 from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_errors
 from pdr_est.evaluate.time_association import Association, associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.held_out import HeldOut
-from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores, mode_part, person_scores
+from pdr_est.experiment.scoring.track_scores import MetricPart, score_tracks
 from pdr_est.experiment.suite import TrackScores
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.track import Track
@@ -30,14 +29,7 @@ def score_positions(walk: AnalysedWalk) -> list[TrackScores]:
     truth = walk.recording.truth.positions
     if truth is None or not len(truth.time_s):
         raise RecordingError(f"{walk.recording.name}: no true positions: nothing to score the track against")
-    track = walk.track()
-    scores = [
-        device_scores(walk, device, *position_parts(walk, device.device, track, truth), mode_part(walk, device))
-        for device in walk.devices
-    ]
-    if FUSED in track.devices:
-        scores.append(person_scores(walk, *position_parts(walk, FUSED, track, truth)))
-    return scores
+    return score_tracks(walk, lambda name, _, track: position_parts(walk, name, track, truth))
 
 
 def position_parts(walk: AnalysedWalk, name: str, track: Track, truth: TruePositions) -> list[MetricPart]:

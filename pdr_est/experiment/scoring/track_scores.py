@@ -1,6 +1,6 @@
 """Assembly of the scores of a track from groups of metrics."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +14,7 @@ from pdr_est.frames import Array
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import TrueModes, Truth
 from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track
 
 MODE_METRIC = "mode_accuracy"
 
@@ -40,9 +41,30 @@ def device_scores(walk: AnalysedWalk, device: DeviceWalk, *parts: MetricPart) ->
     return track_scores(name, _main_mode(device), *parts)
 
 
-def person_scores(walk: AnalysedWalk, *parts: MetricPart) -> TrackScores:
-    """Assemble the scores of the person who carries several devices; the mode is that of the first device."""
-    return track_scores(FUSED, _main_mode(walk.devices[0]), *parts)
+def score_tracks(
+    walk: AnalysedWalk, parts: Callable[[str, Array, Track], Sequence[MetricPart]], with_modes: bool = True
+) -> list[TrackScores]:
+    """Score the track of each device, and of the person who carries several, from the sensors alone.
+
+    Parameters
+    ----------
+    walk : AnalysedWalk
+        The walk.
+    parts : Callable
+        Computes the metrics of one track from its name (a device or "fused"), the times (n,) of its steps, s, and the
+        track of all devices.
+    with_modes : bool
+        True if each device also gets `mode_accuracy`.
+    """
+    track = walk.track()
+    scores = []
+    for device in walk.devices:
+        own = parts(device.device, step_times_s(device), track)
+        scores.append(device_scores(walk, device, *own, *([mode_part(walk, device)] if with_modes else [])))
+    if FUSED in track.devices:
+        own = parts(FUSED, track.of_device(FUSED).time_s[1:], track)
+        scores.append(track_scores(FUSED, _main_mode(walk.devices[0]), *own))  # the mode is that of the first device
+    return scores
 
 
 def track_scores(track: str, mode: str, *parts: MetricPart) -> TrackScores:

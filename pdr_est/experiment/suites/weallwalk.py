@@ -7,14 +7,15 @@ none.
 import re
 from pathlib import Path
 
-from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate.heading_errors import HEADING_METRICS
 from pdr_est.evaluate.step_detection import STEP_METRICS
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.annotated_steps import heading_part, step_part
-from pdr_est.experiment.scoring.track_scores import device_scores, person_scores, step_times_s
+from pdr_est.experiment.scoring.track_scores import MetricPart, score_tracks
 from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
+from pdr_est.frames import Array
+from pdr_est.types.track import Track
 
 _TABLE = re.compile(r"(?P<path>iPhoneSensors_T\d+_ID\d+)_(?:1L|2R)_(?P<aid>\w+)")
 
@@ -32,20 +33,11 @@ def _find(folder: Path) -> list[WalkFile]:
 
 def _score(walk: AnalysedWalk) -> list[TrackScores]:
     """Score steps and headings of each phone, and of the person who carries both."""
-    track = walk.track()
-    scores = [
-        device_scores(
-            walk,
-            device,
-            step_part(walk, step_times_s(device)),
-            heading_part(walk, track.of_device(device.device)),
-        )
-        for device in walk.devices
-    ]
-    if FUSED in track.devices:
-        person = track.of_device(FUSED)
-        scores.append(person_scores(walk, step_part(walk, person.time_s[1:]), heading_part(walk, person)))
-    return scores
+
+    def parts(name: str, step_s: Array, track: Track) -> list[MetricPart]:
+        return [step_part(walk, step_s), heading_part(walk, track.of_device(name))]
+
+    return score_tracks(walk, parts, with_modes=False)
 
 
 SUITE = Suite(
