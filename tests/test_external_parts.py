@@ -20,7 +20,7 @@ import polars as pl
 import pytest
 
 from pdr_est import pipeline
-from pdr_est.config import Config, StartParams, config_to_yaml, import_folders, load_config
+from pdr_est.config import Config, StartParams, config_to_yaml, external_files, import_folders, load_config
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators import SPECS, EstimatorSpec, estimator_named
 from pdr_est.online import Tracker, Update
@@ -415,6 +415,7 @@ def test_a_file_names_them(folder: Path, recording: Recording, user: ModuleType)
     assert sys.path == before
     assert config.steps.parameters == {"threshold_mps2": 1.2}
     assert import_folders(config) == (str(folder),)
+    assert external_files(config) == (folder / "user_parts.py",)
     walk = pipeline.smooth_recording(recording, config)
     objects = Parts(
         step_detector=lambda rate_hz: user.upward(rate_hz, threshold_mps2=1.2), estimator=user.Jumping(0.8)

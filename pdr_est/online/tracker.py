@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Sequence
 
 from pdr_est.config import Config
-from pdr_est.errors import ConfigError, EstimationError
+from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.person.track import NAME as PERSON
 from pdr_est.online.device_front_end import DeviceFrontEnd, ExpectedDevice, refuse_malformed
@@ -15,7 +15,7 @@ from pdr_est.online.update import Kind, Update
 from pdr_est.online.update_assembly import UpdateAssembly
 from pdr_est.online.walk_estimator import WalkEstimator
 from pdr_est.parts import NO_PARTS, Parts
-from pdr_est.pipeline.inputs import refuse_no_config
+from pdr_est.pipeline.inputs import refuse_settings_for_whole_walks
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import SensorBlock
 
@@ -68,12 +68,7 @@ class Tracker:
         parts: Parts = NO_PARTS,
     ) -> None:
         self._config = Config() if config is None else config
-        refuse_no_config(self._config)
-        if self._config.heading.dominant.direction_rad is not None:
-            raise ConfigError(
-                "heading.dominant.direction_rad: the directions of a building are found from the whole walk: leave "
-                "it out for tracking, or use `pdr-est smooth`"
-            )
+        refuse_settings_for_whole_walks(self._config)
         self._online, self._parts = online, parts
         self._names: list[str] = []
         self._front_ends: list[DeviceFrontEnd] = []

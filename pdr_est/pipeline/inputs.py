@@ -20,6 +20,16 @@ def refuse_no_config(config: Any) -> None:
         raise ConfigError(f"config = {brief(config)}: is no configuration: {remedy}")
 
 
+def refuse_settings_for_whole_walks(config: Any) -> None:
+    """Raise ConfigError for something that is no configuration, and for settings that need the whole walk."""
+    refuse_no_config(config)
+    if config.heading.dominant.direction_rad is not None:
+        raise ConfigError(
+            "heading.dominant.direction_rad: the directions of a building are found from the whole walk: leave "
+            "it out for tracking, or use `pdr-est smooth`"
+        )
+
+
 def refuse_wrong_types(recording: Any, config: Any) -> None:
     """Raise RecordingError or ConfigError for something that is no recording or no configuration."""
     refuse_no_config(config)
