@@ -23,6 +23,7 @@ from pdr_est import pipeline
 from pdr_est.config import Config, StartParams, config_to_yaml, external_files, import_folders, load_config
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators import SPECS, EstimatorSpec, estimator_named
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.online import Tracker, Update
 from pdr_est.online.update import track_of
 from pdr_est.parts import Parts
@@ -445,6 +446,7 @@ def run_cli(*arguments: str, where: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_an_experiment_of_another_folder_in_two_processes(folder: Path, tmp_path: Path) -> None:
     done = run_cli("experiment", str(folder / "compare.yaml"), "-o", "out", "--workers", "2", where=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -455,10 +457,9 @@ def test_an_experiment_of_another_folder_in_two_processes(folder: Path, tmp_path
     assert "user_parts:upward" in shown.stdout
 
 
-def test_smooth_and_track_of_another_folder(folder: Path, tmp_path: Path) -> None:
-    demo = run_cli("demo", "-o", "demo", where=tmp_path)
-    assert demo.returncode == 0, demo.stderr
-    walk, settings = str(tmp_path / "demo" / "simulated-walk.csv"), str(folder / "settings.yaml")
+def test_smooth_and_track_of_another_folder(folder: Path, recording: Recording, tmp_path: Path) -> None:
+    write_plain_csv(recording, tmp_path / "walk.csv")
+    walk, settings = str(tmp_path / "walk.csv"), str(folder / "settings.yaml")
     done = run_cli("smooth", walk, "-o", "out", "--config", settings, where=tmp_path)
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))

@@ -57,7 +57,17 @@ CASES = [
     ("dead-reckoning", False, range(15, STEPS + 1, 10)),
 ]
 cases = pytest.mark.parametrize(
-    ("name", "known", "steps"), CASES, ids=[f"{name}-{'known' if known else 'unknown'}" for name, known, _ in CASES]
+    ("name", "known", "steps"),
+    [
+        pytest.param(
+            name,
+            known,
+            steps,
+            id=f"{name}-{'known' if known else 'unknown'}",
+            marks=[pytest.mark.slow] if (name, known) == ("fixed-lag", False) else [],
+        )
+        for name, known, steps in CASES
+    ],
 )
 
 
@@ -68,8 +78,17 @@ def test_normalised_errors_are_chi_squared(name: EstimatorName, known: bool, ste
     assert all(LEAST_NEES < value < MOST_NEES for value in nees.values()), nees
 
 
-@pytest.mark.parametrize("known", [True, False])
-@pytest.mark.parametrize("name", ["ekf", "fixed-lag", "factor-graph"])
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [
+        ("ekf", True),
+        ("ekf", False),
+        ("fixed-lag", True),
+        pytest.param("fixed-lag", False, marks=pytest.mark.slow),
+        ("factor-graph", True),
+        ("factor-graph", False),
+    ],
+)
 def test_the_95_percent_regions_hold_95_percent(name: EstimatorName, known: bool) -> None:
     assert 0.92 <= coverage(outcomes(name, known), slice(None)) <= 0.98
 
@@ -116,7 +135,7 @@ def outcomes_with_gap(name: EstimatorName) -> list[tuple[Track, Array]]:
     return results
 
 
-@pytest.mark.parametrize("name", ["ekf", "fixed-lag", "factor-graph"])
+@pytest.mark.parametrize("name", ["ekf", pytest.param("fixed-lag", marks=pytest.mark.slow), "factor-graph"])
 def test_a_gap_in_which_the_direction_was_lost_leaves_an_honest_track(name: EstimatorName) -> None:
     results = outcomes_with_gap(name)
     assert coverage(results, slice(31, None)) >= 0.9

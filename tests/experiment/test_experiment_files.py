@@ -57,8 +57,12 @@ def test_the_methods_that_a_paper_is_compared_with(stem: str, key: str, values: 
         assert {config.estimator.map_fusion.feedback for config in configs} == {False, True}
 
 
-def named(paths: list[Path]) -> pytest.MarkDecorator:
-    return pytest.mark.parametrize("path", paths, ids=[path.stem for path in paths])
+def named(paths: list[Path], slow: str = "") -> pytest.MarkDecorator:
+    """A case for each file; that of the name `slow` takes seconds."""
+    return pytest.mark.parametrize(
+        "path",
+        [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if path.stem == slow else []) for path in paths],
+    )
 
 
 @named(SIMULATED)
@@ -68,7 +72,7 @@ def test_simulated(path: Path, tmp_path: Path) -> None:
     check(shorter, tmp_path / "out")
 
 
-@named(RECORDED)
+@named(RECORDED, slow="weallwalk")
 def test_recorded(path: Path, tmp_path: Path, shared_data: Path) -> None:
     if not (shared_data / suite_named(CONTENTS[path.stem]["data"]["suite"]).folder).is_dir():
         pytest.skip("the data set is not there")

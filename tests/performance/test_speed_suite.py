@@ -52,6 +52,7 @@ def test_a_longer_walk_takes_more_memory() -> None:
     assert long["peak_mb"] > long["memory_mb"] + 30.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("steps", "devices"), [(1_000, 1), (300, 2)])
 def test_smoothing_is_hardly_slower_than_bare_gtsam(steps: int, devices: int) -> None:
     """The best of some tries: the machine may be busy."""
