@@ -82,9 +82,7 @@ def solve(
     values, tethered = problem.initial_values(initial), len(problem.tethers) > 0
     for softening in CONTINUATION_FACTORS[:-1] if tethered else ():
         problem.softening = softening
-        scales, values = optimise_with_scales(
-            problem, values, scales, sigma_length_scale, SOFTLY, _SOFT_SCALE_ROUNDS
-        )
+        scales, values = optimise_with_scales(problem, values, scales, sigma_length_scale, SOFTLY, _SOFT_SCALE_ROUNDS)
         problem.add_violated_tethers(values)
     problem.softening = 1.0
     for _ in range(_CUTTING_ROUNDS if tethered or problem.scale_is_observable else 0):
@@ -107,7 +105,8 @@ def pose_marginals(
     problem : SmoothingProblem
         The walk.
     graph, values
-        Its complete graph and values; both may have further variables.
+        Its complete graph and values; both may have further variables. Values of variables that the graph does not
+        have are left out.
 
     Returns
     -------
@@ -118,7 +117,7 @@ def pose_marginals(
     """
     pose, count = problem.poses(values), problem.keys.poses
     rotation = to_map(pose[:, 2])
-    auxiliary, others = problem.further_variables(values)
+    auxiliary, others = problem.further_variables(graph)
     order = (*problem.variables.order, *others)
     covariance = marginal_covariances(graph.linearize(values), order, auxiliary)
     own = np.array([covariance[key] for key in range(count)])
@@ -132,9 +131,7 @@ def track_of(problem: SmoothingProblem, pose: Array, covariance: Array, scales: 
         own = slice(first, first + len(timeline.nodes))
         scale = (float(scales.value[d]), float(np.sqrt(scales.covariance[d, d])))
         position_m, heading_rad = pose[own, :2], pose[own, 2]
-        tracks.append(
-            track_from_nodes(timeline, position_m, heading_rad, covariance[own], "smoothed", NAME, scale)
-        )
+        tracks.append(track_from_nodes(timeline, position_m, heading_rad, covariance[own], "smoothed", NAME, scale))
     return concatenate(tracks)
 
 

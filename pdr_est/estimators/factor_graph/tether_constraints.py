@@ -5,10 +5,10 @@ deviations beyond. Where it is violated it is active, and has the same cost as a
 (`tether_factors`).
 
 Gauss-Newton neglects that a tether under tension also resists displacements across its direction; the missing
-stiffness is tension over length. But a tether that turns together with the poses at its ends is not stretched, so only
-displacements across it relative to the headings of these poses count. With the full stiffness, which is right for a
-tether between two free points, bending a long walk as a whole would appear far too expensive, and the number of Newton
-steps would grow with the length of the walk.
+stiffness is tension over length. But a tether that turns together with the poses at its ends is not stretched, so
+only displacements across it relative to the headings of these poses count. With the full stiffness, which is right
+for a tether between two free points, bending a long walk as a whole would appear far too expensive, and the number of
+Newton steps would grow with the length of the walk.
 """
 
 from collections.abc import Sequence
@@ -177,9 +177,7 @@ class LinearTethers:
         resisting = self._stiffness(expected_violation_m) * across
         return 0.5 * float(np.sum((violation_m / self.tethers.sigma_m) ** 2 + resisting**2))
 
-    def stiffness_factors(
-        self, active: NDArray[np.bool_], expected_violation_m: Array
-    ) -> gtsam.GaussianFactorGraph:
+    def stiffness_factors(self, active: NDArray[np.bool_], expected_violation_m: Array) -> gtsam.GaussianFactorGraph:
         """Return linear factors of the stiffness of active tethers across their direction.
 
         Parameters

@@ -1,4 +1,4 @@
-"""Walking a walk again carries out changes that its linear description cannot."""
+"""Changes composed along the walk are right where changes pose by pose are not."""
 
 import numpy as np
 import pytest
@@ -6,14 +6,14 @@ import pytest
 from pdr_est.estimators.factor_graph.chained_retraction import ChainedRetraction
 
 LEADER, FOLLOWER = 40, 25
-REWALKING = ChainedRetraction(LEADER, np.sort(np.random.default_rng(3).integers(0, LEADER, FOLLOWER)))
+CHAINS = ChainedRetraction(LEADER, np.sort(np.random.default_rng(3).integers(0, LEADER, FOLLOWER)))
 
 
 def some_walk() -> np.ndarray:
     rng = np.random.default_rng(5)
     heading = np.cumsum(rng.normal(0.0, 0.3, LEADER))
     place = np.cumsum(0.7 * np.stack([np.cos(heading), np.sin(heading)], axis=1), axis=0)
-    beside = place[REWALKING.led_by] + rng.normal(0.0, 0.3, (FOLLOWER, 2))
+    beside = place[CHAINS.leader] + rng.normal(0.0, 0.3, (FOLLOWER, 2))
     return np.concatenate(
         [np.column_stack([place, heading]), np.column_stack([beside, rng.normal(0.0, 2.0, FOLLOWER)])]
     )
@@ -28,7 +28,7 @@ def test_a_walk_that_turns_about_its_start_goes_along_the_arc() -> None:
     pose, angle = some_walk(), 1.2
     lever = pose[:, :2] - pose[0, :2]
     swing = own_axes(angle * np.stack([-lever[:, 1], lever[:, 0]], axis=1), pose[:, 2])
-    found = REWALKING.walked(pose, np.column_stack([swing, np.full(len(pose), angle)]))
+    found = CHAINS.moved(pose, np.column_stack([swing, np.full(len(pose), angle)]))
     c, s = np.cos(angle), np.sin(angle)
     expected = pose[0, :2] + lever @ np.array([[c, s], [-s, c]])
     assert found[:, :2] == pytest.approx(expected, abs=1e-9)
@@ -42,5 +42,5 @@ def test_small_changes_are_those_of_every_pose_by_itself() -> None:
     plain = pose + np.stack(
         [c * change[:, 0] - s * change[:, 1], s * change[:, 0] + c * change[:, 1], change[:, 2]], axis=1
     )
-    assert np.abs(REWALKING.walked(pose, change) - plain).max() < 1e-7
-    assert np.abs(REWALKING.walked(pose, 0.0 * change) - pose).max() < 1e-12
+    assert np.abs(CHAINS.moved(pose, change) - plain).max() < 1e-7
+    assert np.abs(CHAINS.moved(pose, 0.0 * change) - pose).max() < 1e-12

@@ -12,11 +12,17 @@ from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.motion_model import GaussianState, linearise, linearise_each, move, reckoned
 from pdr_est.estimators.common.tethers import node_tethers_between, starts_of
 from pdr_est.estimators.common.timeline import build_timeline
-from pdr_est.estimators.factor_graph import smoother as factor_graph
 from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
-from pdr_est.estimators.factor_graph.factors import Keys
 from pdr_est.estimators.factor_graph.initial_values import initial_states
-from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY_TETHERED, ROUGHLY, _step, minimised
+from pdr_est.estimators.factor_graph.keys import GraphKeys
+from pdr_est.estimators.factor_graph.newton import (
+    CONTINUATION_FACTORS,
+    EXACTLY_TETHERED,
+    ROUGHLY,
+    minimised,
+    newton_step,
+)
+from pdr_est.estimators.factor_graph.smoothing_problem import SmoothingProblem
 from pdr_est.estimators.person.track import fuse
 from pdr_est.performance.odometry import SIGMA_SCALE, START, STEP_S, walk_of
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, HeadingPrior, StepOdometry
@@ -106,26 +112,28 @@ def test_where_tracks_part_between_tethers_one_is_missed() -> None:
     tethers = [DeviceTether("a", "b", at_s, 1.2, 0.02) for at_s in (1.0, 3.0, 20.0)]
     timelines = [build_timeline(one.device, one.start_s, one.measurements) for one in known]
     pose = np.concatenate([reckoned(one.nodes, np.array([0.0, 0.0, 0.0, 1.0, 0.0]))[:, :3] for one in timelines])
-    keys = Keys.of(timelines)
-    wide = BetweenStepConstraints.of(timelines, node_tethers_between(timelines, tethers), keys)
-    assert len(wide.exceeded(pose)[0]) == 0
+    keys = GraphKeys.of_timelines(timelines)
+    wide = BetweenStepConstraints.of_timelines(timelines, node_tethers_between(timelines, tethers), keys)
+    assert len(wide.most_violated(pose)[0]) == 0
     tight = [replace(tether, max_distance_m=0.9) for tether in tethers]
-    missed, rest = BetweenStepConstraints.of(timelines, node_tethers_between(timelines, tight), keys).exceeded(pose)
+    missed, rest = BetweenStepConstraints.of_timelines(
+        timelines, node_tethers_between(timelines, tight), keys
+    ).most_violated(pose)
     assert missed.later.tolist() == [[2, 7]]  # at 2 s; not behind 3 s, for the tethers there are rare
-    assert missed.near(pose).distance_m == pytest.approx([1.0])
-    assert len(rest.exceeded(pose)[0]) == 0  # nothing is held twice
+    assert missed.linearised(pose).distance_m == pytest.approx([1.0])
+    assert len(rest.most_violated(pose)[0]) == 0  # nothing is held twice
 
 
 def test_no_tether_is_added_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     """Soft tethers are exceeded again and again; each addition would make them stricter."""
     held_with: list[np.ndarray] = []
-    optimised = factor_graph._WalkGraph.optimised
+    optimised = SmoothingProblem.optimised
 
-    def seen(graph: factor_graph._WalkGraph, *args: object) -> gtsam.Values:
+    def seen(graph: SmoothingProblem, *args: object) -> gtsam.Values:
         held_with.append(graph.tethers.ends)
         return optimised(graph, *args)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(factor_graph._WalkGraph, "optimised", seen)
+    monkeypatch.setattr(SmoothingProblem, "optimised", seen)
     known, tethers = walk_of(150, 2)
     estimate_walk("factor-graph", known, START, SIGMA_SCALE, tethers)
     assert len(held_with[-1]) > len(tethers)
@@ -144,8 +152,8 @@ def test_the_optimum_does_not_depend_on_the_start() -> None:
     ]
     errors = []
     for guesses in (filtered, apart):
-        graph = factor_graph._WalkGraph(timelines, node_tethers, starts, guesses)
-        factors, values = graph.at(np.ones(2)), graph.initial_values(guesses)
+        graph = SmoothingProblem(timelines, node_tethers, starts, guesses)
+        factors, values = graph.without_tethers(np.ones(2)), graph.initial_values(guesses)
         for factor in CONTINUATION_FACTORS:
             tethers_then = graph.tethers.softened(factor)
             least = EXACTLY_TETHERED if factor == 1.0 else ROUGHLY
@@ -164,14 +172,14 @@ def test_the_optimum_of_robust_priors_promises_nothing_more() -> None:
     timelines = [build_timeline(one.device, one.start_s, one.measurements, split_times_s) for one in known]
     node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, START)
     guesses = initial_states(timelines, node_tethers, starts, SIGMA_SCALE)
-    graph = factor_graph._WalkGraph(timelines, node_tethers, starts, guesses)
+    graph = SmoothingProblem(timelines, node_tethers, starts, guesses)
     values = graph.initial_values(guesses)
     for factor in CONTINUATION_FACTORS:
         graph.softening = factor
         values = graph.optimised(values, np.ones(2), EXACTLY_TETHERED)
-    linear = graph.at(np.ones(2)).linearize(values)
-    assert graph.at(np.ones(2)).error(values) > linear.error(values.zeroVectors()) + 0.5
-    assert 0.0 <= _step(linear, graph.tethers, values, graph.variables, None).predicted_decrease < 1e-3
+    linear = graph.without_tethers(np.ones(2)).linearize(values)
+    assert graph.without_tethers(np.ones(2)).error(values) > linear.error(values.zeroVectors()) + 0.5
+    assert 0.0 <= newton_step(linear, graph.tethers, values, graph.variables, None).predicted_decrease < 1e-3
 
 
 def test_states_at_once_are_those_one_by_one() -> None:
