@@ -287,11 +287,8 @@ class Tracker:
 
     def _warn_of_missed_fixes(self) -> None:
         """Warn of fixes that were missed since the last warning."""
-        missed, before = self.missed_fixes, self._reported_missed
-        if missed > before:
+        missed, new = self.missed_fixes, self.missed_fixes - self._reported_missed
+        if new:
             self._reported_missed = missed
-            warnings.warn(
-                f"a fix was not used for {missed - before} of {len(self._names)} devices, whose last step is longer "
-                f"ago than can be undone: {missed} so far",
-                stacklevel=3,
-            )
+            words = f"a fix was not used for {new} of {len(self._names)} devices"
+            warnings.warn(f"{words}, whose last step is longer ago than can be undone: {missed} so far", stacklevel=3)

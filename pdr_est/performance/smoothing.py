@@ -10,9 +10,10 @@ from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.factor_graph import smoother as factor_graph
-from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph
+from pdr_est.estimators.factor_graph.build import build_graph
 from pdr_est.estimators.factor_graph.deep_stack import with_large_stack
 from pdr_est.estimators.factor_graph.initial_values import initial_states
+from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS
 from pdr_est.performance.odometry import SIGMA_SCALE, START, walk_of
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether
 
@@ -34,8 +35,9 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     dict of str to float
         ``poses``: number of poses. ``smoothing``: all that `factor-graph` does, from the initial values to the track.
         ``start``: its part for the initial values. ``bare``: what a user of GTSAM would do with `build_graph`: build
-        the graph, run the Levenberg-Marquardt optimiser with its default parameters, for several devices again and
-        again with the tethers that are violated then, and compute the marginal covariances of all poses.
+        the graph, run the Levenberg-Marquardt optimiser with its default parameters, and compute the marginal
+        covariances of all poses. For two devices the optimiser runs again and again with the tethers that are active
+        then, at first softened.
         ``marginals``: its part for these covariances, 0 where GTSAM cannot compute them. ``ratio``: smoothing over
         bare.
     """
@@ -64,12 +66,13 @@ def _bare(known: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether]) 
     """Solve the public graph by GTSAM alone; return CPU seconds of everything and of the marginal covariances."""
     begin = time.process_time()
     built = build_graph(known, tethers=tethers, start=START, sigma_length_scale=SIGMA_SCALE)
-    found = _optimised(built)
-    for _ in range(_MAX_ACTIVE_SETS if tethers else 0):
-        before, built = built, built.with_tethers_at(found)
-        if _tethered(built) == _tethered(before):
-            break
-        found = _optimised(built)
+    found = _optimised(built.graph, built.values) if not tethers else built.values
+    for softening in CONTINUATION_FACTORS if tethers else ():
+        for _ in range(_MAX_ACTIVE_SETS):
+            before, built = built.active_tethers, built.with_tethers_at(found, softening)
+            found = _optimised(built.graph, built.values)
+            if built.active_tethers == before:
+                break
     optimised = time.process_time()
     try:
         marginals = gtsam.Marginals(built.graph, found)
@@ -80,11 +83,5 @@ def _bare(known: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether]) 
     return ended - begin, ended - optimised
 
 
-def _optimised(built: WalkGraph) -> gtsam.Values:
-    return gtsam.LevenbergMarquardtOptimizer(built.graph, built.values, gtsam.LevenbergMarquardtParams()).optimize()
-
-
-def _tethered(built: WalkGraph) -> set[tuple[int, ...]]:
-    """Return the keys of the range factors, which tell one active set from another."""
-    factors = map(built.graph.at, range(built.graph.size()))
-    return {tuple(factor.keys()) for factor in factors if isinstance(factor, gtsam.RangeFactorPose2)}
+def _optimised(graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> gtsam.Values:
+    return gtsam.LevenbergMarquardtOptimizer(graph, values, gtsam.LevenbergMarquardtParams()).optimize()

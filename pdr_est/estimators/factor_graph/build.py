@@ -55,19 +55,30 @@ class WalkGraph:
     _scales: LengthScales = field(repr=False)
     _sigma_length_scale: float = field(repr=False)
 
+    @property
+    def active_tethers(self) -> frozenset[tuple[int, int]]:
+        """Keys of the two ends of each active tether: poses, or places between two poses (``p`` symbols)."""
+        factors = map(self.graph.at, range(self.graph.size()))
+        ends = [one.keys() for one in factors if isinstance(one, gtsam.RangeFactorPose2)]
+        return frozenset((int(a), int(b)) for a, b in ends)
+
     def with_tethers_at(self, values: gtsam.Values, softening: float = 1.0) -> "WalkGraph":
         """Return the graph with those tethers that are active at some values.
 
         A tether has a factor only where it is violated, and that factor would also keep its ends from coming closer.
-        After the solution has moved, the active tethers are others: solve, call this, add your factors again, and
-        repeat until nothing changes.
+        After the solution has moved, other tethers are active: solve, call this, add your factors again, and repeat
+        until `active_tethers` does not change.
 
         Parameters
         ----------
         values : gtsam.Values
             Values of all poses and references. Other variables of yours are kept.
+        softening : float
+            Factor on the standard deviations of the tethers. GTSAM's optimisers hardly move a long walk with stiff
+            tethers; solve with 64, then 8, then 1 if the solution is far away.
         """
-        problem, own = copy(self._problem), _without_auxiliary(self._problem, self._checked(values))
+        problem, own = copy(self._problem), _without_auxiliary(self._problem, values)
+        _refuse_missing(own, problem.variables.order)
         problem.add_violated_tethers(own)
         problem.softening = softening
         graph, complete = problem.complete(own, self.length_scales)
@@ -88,8 +99,8 @@ class WalkGraph:
         Returns
         -------
         Track
-            Smoothed track of all devices. Its covariances contain the uncertainty of the length scale as the
-            estimator `factor-graph` found it. If the graph was not built as `optimised`, and positions were measured,
+            Smoothed track of all devices. Its covariances contain the uncertainty of the length scale that the
+            estimator `factor-graph` found. If the graph was not built as `optimised`, and positions were measured,
             they are those for the given length scale.
 
         Raises
@@ -97,22 +108,14 @@ class WalkGraph:
         EstimationError
             If a variable has no value, or the graph has no unique solution.
         """
-        at = self._checked(self.values if values is None else values)
+        at = self.values if values is None else values
         whole = self.graph if graph is None else graph
+        _refuse_missing(at, whole.keyVector())
         problem, scales = self._problem, self._scales
         if self._sigma_length_scale > 0.0 and not problem.scale_is_observable:
             scales = problem.prior_scales(at, self.length_scales, self._sigma_length_scale)
         pose, covariance = run_gtsam(lambda: pose_marginals(problem, whole, at), self.keys.poses)
         return track_of(problem, pose, covariance + scales.pose_covariance, scales)
-
-    def _checked(self, values: gtsam.Values) -> gtsam.Values:
-        missing = [key for key in self._problem.variables.order if not values.exists(key)]
-        if missing:
-            raise EstimationError(
-                f"{len(missing)} variables of the graph have no value, the first is {min(missing)}: "
-                "give values of all keys of the graph"
-            )
-        return values
 
 
 def build_graph(
@@ -153,8 +156,8 @@ def build_graph(
     Raises
     ------
     EstimationError
-        For measurements that are out of order or without steps, for tethers that do not fit the devices, and where
-        the optimum is asked for and there is no unique one.
+        For measurements that are out of order or without steps, for tethers that do not fit the devices, and if the
+        optimum is asked for and is not unique.
     """
     times_s = sorted({*(tether.time_s for tether in tethers), *pose_times_s})
     timelines = _timelines(_devices(measurements), tuple(fixes), times_s)
@@ -207,3 +210,11 @@ def _without_auxiliary(problem: SmoothingProblem, values: gtsam.Values) -> gtsam
     for key in problem.further_variables(values)[0]:
         kept.erase(key)
     return kept
+
+
+def _refuse_missing(values: gtsam.Values, keys: Iterable[int]) -> None:
+    """Raise EstimationError if a variable has no value."""
+    missing = [key for key in keys if not values.exists(key)]
+    if missing:
+        name = gtsam.DefaultKeyFormatter(missing[0])
+        raise EstimationError(f"{len(missing)} variables have no value, the first is {name}: give values of all keys")

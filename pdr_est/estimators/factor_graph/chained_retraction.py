@@ -4,7 +4,8 @@ The linear change of a pose is exact to first order only. Where a walk is bent b
 swings, and a pose that is moved by its own change goes along the tangent instead of the arc: an error that grows with
 the square of the angle and with the length of the walk. The change of the motion from one pose to the next, however,
 is small however long the walk is. The changes are therefore converted to changes of these motions, and the poses are
-composed anew. With two devices this reduces the number of Newton steps from 49 to 18 at 10 000 steps each.
+composed anew. For two devices of 10 000 steps each this needs 18 Newton steps instead of 49, of 50 000 steps each 20
+instead of 220 and an eighth of the time.
 """
 
 from collections.abc import Sequence

@@ -44,7 +44,7 @@ class GraphKeys:
 
     @classmethod
     def of_timelines(cls, timelines: Sequence[Timeline]) -> "GraphKeys":
-        """Number the nodes of all devices, one device after the other."""
+        """Assign keys to the nodes of all devices, one device after the other."""
         times_s = tuple(np.array([node.time_s for node in timeline.nodes]) for timeline in timelines)
         counts = [len(timeline.nodes) for timeline in timelines]
         first = tuple(int(n) for n in np.cumsum([0, *counts[:-1]]))

@@ -106,7 +106,8 @@ def pose_marginals(
     problem : SmoothingProblem
         The walk.
     graph, values
-        Its complete graph and values; both may have further variables.
+        Its complete graph and values; both may have further variables. Values of variables that the graph does not
+        have are left out.
 
     Returns
     -------
@@ -117,7 +118,7 @@ def pose_marginals(
     """
     pose, count = problem.poses(values), problem.keys.poses
     rotation = to_map(pose[:, 2])
-    auxiliary, others = problem.further_variables(values)
+    auxiliary, others = problem.further_variables(graph)
     order = (*problem.variables.order, *others)
     covariance = marginal_covariances(graph.linearize(values), order, auxiliary)
     own = np.array([covariance[key] for key in range(count)])

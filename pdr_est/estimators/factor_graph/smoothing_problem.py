@@ -140,11 +140,10 @@ class SmoothingProblem:
         self.tethers = self.tethers + more
         return len(more) > 0
 
-    def further_variables(self, values: gtsam.Values) -> tuple[list[int], list[int]]:
-        """Return the keys of values that are neither poses nor references: auxiliary ones of tethers, and others."""
-        if values.size() == len(self.variables.order):
-            return [], []
-        further = [key for key in values.keys() if key >= len(self.variables.order)]  # noqa: SIM118
+    def further_variables(self, variables: gtsam.NonlinearFactorGraph | gtsam.Values) -> tuple[list[int], list[int]]:
+        """Return the keys that are neither of poses nor of references: auxiliary ones of tethers, and all others."""
+        keys = variables.keyVector() if isinstance(variables, gtsam.NonlinearFactorGraph) else variables.keys()
+        further = [key for key in keys if key >= len(self.variables.order)]
         auxiliary = [key for key in further if is_auxiliary(key)]
         return auxiliary, sorted(set(further) - set(auxiliary))
 

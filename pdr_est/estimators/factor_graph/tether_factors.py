@@ -11,9 +11,10 @@ interpolated position. Such a place is a variable of its own:
 * The tether is a RangeFactorPose2 to p.
 
 Stiff auxiliary factors would force GTSAM's optimisers to take tiny steps. The variance of the tether is therefore
-divided among its four factors so that their least sum is the cost of the tether: the auxiliary factors have the
-variance u² = σ² / (2 + s² + (1 - s)²) along each axis, p given the poses has (1 + s² + (1 - s)²) u², and the range
-factor adds u². The auxiliary variables are returned at the values of that least sum.
+divided among its four factors, so that their least sum over the auxiliary variables is the cost of the tether: each
+auxiliary factor has the variance u² = σ² / (2 + s² + (1 - s)²) along each axis, which gives p the variance
+(1 + s² + (1 - s)²) u² for given poses, and the range factor has u². The auxiliary variables are returned at the
+values of that least sum.
 """
 
 from dataclasses import dataclass
@@ -50,55 +51,51 @@ class TetherFactors:
 def tether_factors(tethers: TetherConstraints, active: NDArray[np.bool_], pose: Array) -> TetherFactors:
     """Make the factors of those tethers that are active (m,), with auxiliary variables for poses (n, 3)."""
     made = TetherFactors(gtsam.NonlinearFactorGraph(), gtsam.Values())
-    separation = tethers.separation(pose[:, :2])
+    near = tethers.linearised(pose)
+    violation = near.violation_m[:, None] * near.along  # to where the first end would be, from the second end
     for number in np.flatnonzero(active).tolist():
-        (a, b), later = tethers.earlier[number].tolist(), tethers.later[number].tolist()
+        earlier, later = tethers.earlier[number].tolist(), tethers.later[number].tolist()
         length_m, sigma_m = float(tethers.max_distance_m[number]), float(tethers.sigma_m[number])
-        if (a, b) == tuple(later):
-            range_noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_m)
-            made.graph.add(gtsam.RangeFactorPose2(a, b, length_m, range_noise))
-            continue
-        end = 0 if a != later[0] else 1
-        share = float(tethers.share[number, end])
-        distance_m = max(float(np.hypot(*separation[number])), 1e-9)
-        violation = (distance_m - length_m) / distance_m * separation[number] * (-1.0 if end == 0 else 1.0)
-        poses = ((a, b)[end], later[end])
-        sigma_u = _add_place(made, number, poses, share, sigma_m, violation, pose)
-        other = (a, b)[1 - end]
-        noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_u)
-        ends = (tethered_place(number), other) if end == 0 else (other, tethered_place(number))
+        ends, pulls = list(earlier), (-violation[number], violation[number])
+        for end in (0, 1):
+            if earlier[end] != later[end]:
+                line = _Line(earlier[end], later[end], float(tethers.share[number, end]))
+                ends[end], sigma_m = _add_place(made, number, line, sigma_m, pulls[end], pose)
+        noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_m)
         made.graph.add(gtsam.RangeFactorPose2(ends[0], ends[1], length_m, noise))
     return made
 
 
-def _add_place(
-    made: TetherFactors,
-    number: int,
-    poses: tuple[int, int],
-    share: float,
-    sigma_m: float,
-    violation: Array,
-    pose: Array,
-) -> float:
-    """Add the place of a tether between two poses, and return the standard deviation of its parts, m.
+@dataclass(frozen=True)
+class _Line:
+    """A place at a share of the straight way from one pose to another one, by key."""
 
-    `violation` (2,) leads from the place to where the tether would hold, in the map frame.
+    earlier: int
+    later: int
+    share: float
+
+
+def _add_place(
+    made: TetherFactors, number: int, line: _Line, sigma_m: float, pull: Array, pose: Array
+) -> tuple[int, float]:
+    """Add the place of a tether; return its key and the standard deviation that is left for the range factor, m.
+
+    `pull` (2,) leads from the place to where the tether would hold, in the map frame.
     """
     copies, place = position_copies(number), tethered_place(number)
-    sigma_u = sigma_m / np.sqrt(2.0 + share**2 + (1.0 - share) ** 2)
-    pull = violation * (sigma_u / sigma_m) ** 2  # what a part of variance u² yields
-    at = np.zeros(2)
+    part = 1.0 / (2.0 + line.share**2 + (1.0 - line.share) ** 2)  # of the variance, and so of the violation
+    sigma_u = float(sigma_m * np.sqrt(part))
     noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma_u, sigma_u, _FREE_HEADING_RAD]))
-    for key, copy, weight in zip(poses, copies, (1.0 - share, share), strict=True):
-        position = pose[key, :2] + weight * pull
+    at = part * pull
+    for key, copy, weight in zip((line.earlier, line.later), copies, (1.0 - line.share, line.share), strict=True):
+        position = pose[key, :2] + weight * part * pull
+        at = at + weight * position
         made.auxiliary.insert(copy, gtsam.Pose2(position[0], position[1], 0.0))
         turned = gtsam.Pose2(0.0, 0.0, -pose[key, 2])  # expected turn, as for closed walks
         made.graph.add(gtsam.BetweenFactorPose2(key, copy, turned, noise))
-        at = at + weight * position
-    at = at + pull
     made.auxiliary.insert(place, gtsam.Pose2(at[0], at[1], 0.0))
-    made.graph.add(_interpolation((*copies, place), share, sigma_u))
-    return float(sigma_u)
+    made.graph.add(_interpolation((*copies, place), line.share, sigma_u))
+    return place, sigma_u
 
 
 def _interpolation(keys: tuple[int, int, int], share: float, sigma_m: float) -> gtsam.LinearContainerFactor:

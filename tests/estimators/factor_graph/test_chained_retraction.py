@@ -1,4 +1,4 @@
-"""Walking a walk again carries out changes that its linear description cannot."""
+"""Changes composed along the walk are right where changes pose by pose are not."""
 
 import numpy as np
 import pytest
