@@ -6,13 +6,13 @@ under it, which `pdr_est.params.field_docstrings` reads for the JSON schema and 
 """
 
 from collections.abc import Callable
-from functools import wraps
+from dataclasses import MISSING, dataclass, fields
+from functools import cache, wraps
 from inspect import get_annotations
 from typing import Annotated, Any, TypeVar, dataclass_transform
 
 from annotated_types import Ge, Gt, Le
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, ValidationError
-from pydantic.dataclasses import dataclass as validated_dataclass
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
 from pdr_est.errors import ConfigError
@@ -62,22 +62,37 @@ def params(cls: type[T]) -> type[T]:
     """
     hints = get_annotations(cls)
     cls.__annotations__ = {name: _without_booleans(hint) for name, hint in hints.items()}
-    made = validated_dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))(cls)
-    made.__init__ = _with_plain_errors(made.__init__)  # type: ignore[method-assign]
-    return made  # type: ignore[return-value]
+    cls.__pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)  # type: ignore[attr-defined]
+    made = dataclass(frozen=True, kw_only=True)(cls)
+    made.__init__ = _validating(made, made.__init__)  # type: ignore[method-assign]
+    return made
 
 
-def _with_plain_errors(validate: Callable[..., None]) -> Callable[..., None]:
-    """Let the constructor of a record raise ConfigError in place of pydantic's error."""
+def _validating(record: Any, set_fields: Callable[..., None]) -> Callable[..., None]:
+    """Make the constructor of a record that validates its arguments; defaults need no validation."""
+    names = [entry.name for entry in fields(record)]
+    complete = all(entry.default is not MISSING or entry.default_factory is not MISSING for entry in fields(record))
 
-    @wraps(validate)
+    @wraps(set_fields)
     def init(self: Any, **values: Any) -> None:
+        if complete and not values:
+            set_fields(self)
+            return
         try:
-            validate(self, **values)
+            kind: Any = type(self)
+            valid = _validator_of(kind).validate_python(values)
         except ValidationError as error:
             raise ConfigError(f"{type(self).__name__}: {explain(error, type(self))}") from error
+        for name in names:
+            object.__setattr__(self, name, getattr(valid, name))
 
     return init
+
+
+@cache
+def _validator_of(record: Any) -> TypeAdapter[Any]:
+    """Build the validator of a record at its first use: those of all records together take 0.15 s."""
+    return TypeAdapter(record)
 
 
 def _without_booleans(hint: Any) -> Any:

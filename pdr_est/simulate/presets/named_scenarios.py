@@ -1,6 +1,6 @@
 """Scenarios that are known by a name, for the demonstration and for experiment files."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from types import MappingProxyType
@@ -14,25 +14,28 @@ from pdr_est.types.steps import CarryingMode
 
 _RECTANGLE = ((0.0, 0.0), (24.0, 0.0), (24.0, 28.0), (-24.0, 28.0), (-24.0, 0.0), (0.0, 0.0))
 
-PRESETS: Mapping[str, Scenario] = MappingProxyType(
+PRESETS: Mapping[str, Callable[[], Scenario]] = MappingProxyType(
     {
-        "office_loop": Scenario(
+        "office_loop": lambda: Scenario(
             name="office_loop",
             path=PathParams(vertices_m=_RECTANGLE),
             gait=WalkerGaitParams(pauses=(Pause(at_m=90.0, duration_s=6.0),)),
         ),
-        "straight": Scenario(name="straight", path=PathParams(vertices_m=((0.0, 0.0), (80.0, 0.0)))),
-        "l_shape": Scenario(name="l_shape", path=PathParams(vertices_m=((0.0, 0.0), (30.0, 0.0), (30.0, 20.0)))),
-        "mmpdr_indoor_holding": mmpdr_indoor(CarryingMode.HOLDING),
-        "mmpdr_indoor_swing": mmpdr_indoor(CarryingMode.SWING),
-        "mmpdr_indoor_pocket": mmpdr_indoor(CarryingMode.POCKET),
-        "mmpdr_indoor_multi": replace(
+        "straight": lambda: Scenario(name="straight", path=PathParams(vertices_m=((0.0, 0.0), (80.0, 0.0)))),
+        "l_shape": lambda: Scenario(
+            name="l_shape", path=PathParams(vertices_m=((0.0, 0.0), (30.0, 0.0), (30.0, 20.0)))
+        ),
+        "mmpdr_indoor_holding": lambda: mmpdr_indoor(CarryingMode.HOLDING),
+        "mmpdr_indoor_swing": lambda: mmpdr_indoor(CarryingMode.SWING),
+        "mmpdr_indoor_pocket": lambda: mmpdr_indoor(CarryingMode.POCKET),
+        "mmpdr_indoor_multi": lambda: replace(
             mmpdr_indoor(CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.HOLDING, CarryingMode.POCKET),
             name="mmpdr_indoor_multi",
         ),
-        "park_348": park_348(),
+        "park_348": park_348,
     }
 )
+"""Functions that make the scenarios, by name; making one at the import would cost the validation of its records."""
 
 
 def preset(name: str) -> Scenario:
@@ -47,4 +50,4 @@ def preset(name: str) -> Scenario:
         near = get_close_matches(name, PRESETS, n=1)
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(PRESETS)}"
         raise ConfigError(f"no simulated walk is called {name!r}: {hint}")
-    return PRESETS[name]
+    return PRESETS[name]()
