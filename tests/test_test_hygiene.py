@@ -11,8 +11,6 @@ PACKAGE = "pdr_est"
 FILES = {str(path.relative_to(TESTS)): path for path in sorted(TESTS.rglob("*.py"))}
 PATCHERS = ("setattr", "delattr", "getattr", "hasattr", "patch", "object")  # which take names as strings
 NAMED_TUPLE = {"_replace", "_asdict", "_fields", "_make"}
-# Files that still touch private names; to become empty.
-STILL_PRIVATE = {"estimators/factor_graph/test_tethered_walks.py", "test_external_parts.py"}
 
 
 def private(name: str) -> bool:
@@ -64,11 +62,7 @@ def private_uses(source: str) -> Iterator[str]:
 
 @pytest.mark.parametrize("name", FILES)
 def test_no_private_name_of_the_package_is_touched(name: str) -> None:
-    found = list(private_uses(FILES[name].read_text(encoding="utf-8")))
-    if name in STILL_PRIVATE:
-        assert found, f"{name} is clean: take it from STILL_PRIVATE"
-    else:
-        assert found == []
+    assert list(private_uses(FILES[name].read_text(encoding="utf-8"))) == []
 
 
 @pytest.mark.parametrize(
