@@ -62,8 +62,7 @@ def private_uses(source: str) -> Iterator[str]:
 
 @pytest.mark.parametrize("name", FILES)
 def test_no_private_name_of_the_package_is_touched(name: str) -> None:
-    found = list(private_uses(FILES[name].read_text(encoding="utf-8")))
-    assert found == []
+    assert list(private_uses(FILES[name].read_text(encoding="utf-8"))) == []
 
 
 @pytest.mark.parametrize(
