@@ -135,20 +135,14 @@ class RewindableFilter:
             Standard deviation of the distance between start and end of the walk of a single device; None for a walk
             that is not closed.
         """
-        after_s = inf
         for device, (log, own) in enumerate(zip(self.logs, self.state.walk.devices, strict=True)):
             if log is None:
                 continue
             log.complete = True
-            last_s = log.step_end_s(log.last_step)
             if closing_sigma_m is not None and len(self.logs) == 1:
-                log.closing_fix = self._known.closing_fix(device, last_s, closing_sigma_m)
-            if (log.closing_fix is not None or self._known.last_fix_s > last_s) and log.next_step > log.last_step:
-                after_s = min(after_s, log.motion_begin_s(log.last_step))
+                log.closing_fix = self._known.closing_fix(device, log.step_end_s(log.last_step), closing_sigma_m)
             if log.closing_fix is not None and own is not None and own.lost_heading_s is not None:
-                after_s = min(after_s, nextafter(own.lost_heading_s, -inf))
-        if after_s < inf:
-            self.rewind_after(after_s)
+                self.rewind_after(nextafter(own.lost_heading_s, -inf))
 
     def apply_tail_tethers(self) -> None:
         """Apply the tethers after the last node; nothing may come after."""
@@ -291,7 +285,7 @@ class RewindableFilter:
         """Apply the tethers before a time."""
         if self._tether is None or state.walk.joint is None:
             return state, ()
-        pairs, next_tether = self._schedule.due(state.next_tether, min(self.now_s, before_s), before_s)
+        pairs, next_tether = self._schedule.due(state.next_tether, self.now_s, before_s)
         due = [PairTether(a, b, self._tether.max_distance_m, self._tether.sigma_m) for a, b in pairs]
         walk, tethers = self._stepper.apply_tethers(state.walk, due)
         return replace(state, walk=walk, next_tether=next_tether), tethers

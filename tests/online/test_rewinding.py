@@ -1,6 +1,7 @@
 """Events in any order: the filter that rewinds ends where the offline filter does, to the last bit."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from event_streams import (
     Walk,
     assert_same,
     estimator_of,
+    fix_at,
     follow,
     in_time_order,
     offline,
@@ -22,7 +24,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pdr_est.online.filter_history import tethered_devices
-from pdr_est.types.measurements import PositionFix, StartPose
+from pdr_est.types.measurements import PositionFix, StartPose, StepOdometry
 
 STARTS = [EAST, StartPose(), StartPose((1.0, 2.0)), StartPose(heading_rad=0.3)]
 seeds = st.integers(0, 10_000)
@@ -30,7 +32,7 @@ seeds = st.integers(0, 10_000)
 
 def random_walk(rng: np.random.Generator) -> Walk:
     devices = int(rng.integers(1, 4))
-    return walk_of(
+    walk = walk_of(
         rng,
         devices,
         seconds=float(rng.uniform(5.0, 20.0)),
@@ -39,6 +41,10 @@ def random_walk(rng: np.random.Generator) -> Walk:
         fixes_s=sorted(rng.uniform(-1.0, 22.0, rng.choice([0, 1, 4]))),
         start=STARTS[rng.integers(len(STARTS))],
     )
+    ends_s = [m.time_s for own in walk.devices for m in own]
+    special_s = [*rng.choice(ends_s, 1), *[fix.time_s for fix in walk.fixes[:1]]]  # a step's end, a time taken twice
+    more = [fix_at(float(s), 1.4 * s, rng.normal()) for s in special_s if rng.random() < 0.4]
+    return replace(walk, fixes=(*walk.fixes, *more))
 
 
 def shuffled(walk: Walk, rng: np.random.Generator) -> list[Event]:
@@ -46,7 +52,8 @@ def shuffled(walk: Walk, rng: np.random.Generator) -> list[Event]:
     queues: list[list[Event]] = [
         list(walk.blocks(d, rng.uniform(0.0, 22.0, rng.integers(0, 12)))) for d in range(len(walk.devices))
     ]
-    queues += [[fix] for fix in walk.fixes]
+    for time_s in {fix.time_s for fix in walk.fixes}:  # fixes of one time keep their order, which counts
+        queues.append([fix for fix in walk.fixes if fix.time_s == time_s])
     events = []
     while queues:
         queue = queues[rng.integers(len(queues))]
@@ -121,6 +128,81 @@ def test_a_fix_after_a_long_standstill_applies_to_the_last_step(after_s: float) 
     assert follower.estimator.filter.missed_fixes == 0
 
 
+def test_the_last_step_of_a_single_device_is_kept_for_fixes_while_it_stands() -> None:
+    """Everything comes in one block, which ends with a standstill longer than the horizon."""
+    walk = walk_of(np.random.default_rng(20), 1, 6.0, pauses=False)
+    last_s = walk.devices[0][-1].time_s
+    fix = fix_at(last_s + 16.0, 9.0, 1.0)
+    walk = Walk(walk.devices, walk.begins_s, (last_s + 20.0,), (fix,))
+    follower = Follower(walk, estimator_of(walk, horizon_s=5.0))
+    follower.take(*walk.blocks(0, []))
+    assert follower.take(fix) >= 1
+    assert follower.estimator.filter.missed_fixes == 0
+    assert_same(follower.finish(), offline(walk))
+
+
+def test_a_fix_waits_as_long_as_a_step_may_still_come() -> None:
+    """A step that ended half a second ago is not known yet, and would take the fix."""
+    walk = walk_of(np.random.default_rng(21), 1, 6.0, pauses=False)
+    follower = Follower(walk, estimator_of(walk))
+    last_s = walk.devices[0][-1].time_s
+    follower.take(Block(0, last_s + LATENCY_S, walk.devices[0]))
+    assert follower.take(fix_at(last_s + 0.5 * LATENCY_S, 9.0, 1.0)) == 0
+    assert follower.take(Block(0, last_s + 1.4 * LATENCY_S, ())) == 0
+    assert follower.take(Block(0, last_s + 1.6 * LATENCY_S, ())) == 1
+
+
+@pytest.mark.parametrize("devices", [1, 2])
+@pytest.mark.parametrize("start", [EAST, StartPose(heading_rad=0.2)], ids=["known", "no place"])
+def test_a_fix_that_comes_long_after_a_lost_heading_gives_it_up_there(devices: int, start: StartPose) -> None:
+    """Until the fix comes, nothing could find the heading again, and the turn is one like others."""
+    walk = walk_of(np.random.default_rng(22), devices, 20.0, pauses=False, start=start)
+    lost = walk.devices[0][10]
+    while not isinstance(lost, StepOdometry):
+        lost = walk.devices[0][11]
+    turned = replace(lost, covariance=lost.covariance + np.diag([0.0, 0.0, 1.0]))
+    own = tuple(turned if one is lost else one for one in walk.devices[0])
+    walk = replace(walk, devices=(own, *walk.devices[1:]), fixes=(fix_at(16.2, 14.0, 8.0), fix_at(18.3, 14.0, 10.0)))
+    events = [event for event in in_time_order(walk) if isinstance(event, Block)]
+    follower = Follower(walk, estimator_of(walk, horizon_s=100.0))
+    for event in (*events, *walk.fixes):
+        follower.take(event)
+        state = follower.estimator.filter.state.walk.devices[0]
+    assert state is not None
+    assert state.segment_begin >= 9
+    assert_same(follower.finish(), offline(walk))
+
+
+def test_a_lost_heading_is_remembered_until_something_observes_it() -> None:
+    """Its nodes may have to be filtered again, however long ago they were; after a fix they may be forgotten."""
+    walk = walk_of(np.random.default_rng(23), 1, 60.0, pauses=False)
+    steps = [m for m in walk.devices[0] if isinstance(m, StepOdometry)]
+    turned = replace(steps[10], covariance=steps[10].covariance + np.diag([0.0, 0.0, 1.0]))
+    walk = replace(walk, devices=(tuple(turned if one is steps[10] else one for one in walk.devices[0]),))
+    follower = Follower(walk, estimator_of(walk, horizon_s=5.0))
+    for block in walk.blocks(0, np.arange(1.0, 62.0)):
+        follower.take(block)
+    walk_filter = follower.estimator.filter
+    assert walk_filter.history[0].time_s <= turned.time_s
+    follower.take(fix_at(58.0, 50.0, 0.0))
+    assert walk_filter.state.walk.devices[0] is not None
+    assert walk_filter.state.walk.devices[0].lost_heading_s is None
+    assert walk_filter.history[0].time_s > 50.0
+
+
+def test_a_heading_search_longer_than_can_be_remembered_begins_anew() -> None:
+    walk = walk_of(np.random.default_rng(24), 1, 150.0, pauses=False, fixes_s=[0.0], start=StartPose())
+    follower = Follower(walk, estimator_of(walk, remembered_steps=100))
+    for event in in_time_order(walk, 5.0):
+        follower.take(event)
+    state = follower.estimator.filter.state.walk.devices[0]
+    assert state is not None
+    assert not state.heading_known
+    assert state.segment_begin >= 100
+    assert len(follower.estimator.filter.logs[0].nodes) <= 202  # type: ignore[union-attr]
+    assert np.sqrt(np.trace(state.covariance[:2, :2])) > 50.0  # anywhere around the fix by now
+
+
 def tether_count(follower: Follower) -> int:
     walk_filter = follower.estimator.filter
     return sum(len(record.tethers) for record in walk_filter.history) + len(walk_filter.tail_tethers)
@@ -188,7 +270,9 @@ def test_only_the_horizon_is_remembered() -> None:
         walk_filter = follower.estimator.filter
         sizes.append(follower.estimator.remembered)
         if walk_filter.history:
-            assert walk_filter.history[0].time_s > walk_filter.now_s - 5.0 - 4.0
+            oldest = walk_filter.history[0]
+            assert oldest.time_s > walk_filter.now_s - 5.0 - 4.0
+            assert oldest.time_s == oldest.pending.step_first_s  # no step is divided
         follower.estimator.forget(walk_filter.now_s - 10.0)
     assert max(sizes[len(sizes) // 2 :]) <= 1.3 * max(sizes[: len(sizes) // 2])
     assert len(follower.estimator.filter.history) < 50

@@ -67,8 +67,12 @@ def walk_of(
     begins = [*begins_s, *[0.0] * devices][:devices]
     measured = tuple(tuple(_steps(rng, d, begins[d], seconds, pauses, lost_headings)) for d in range(devices))
     ends = tuple(max((m.time_s for m in own), default=begins[d]) + 2.0 * LATENCY_S for d, own in enumerate(measured))
-    fixes = tuple(PositionFix(s, np.array([1.4 * s, rng.normal()]), 0.5 * np.eye(2)) for s in fixes_s)
+    fixes = tuple(fix_at(s, 1.4 * s, rng.normal()) for s in fixes_s)
     return Walk(measured, tuple(begins), ends, fixes, start)
+
+
+def fix_at(time_s: float, east_m: float, north_m: float) -> PositionFix:
+    return PositionFix(time_s, np.array([east_m, north_m]), 0.5 * np.eye(2))
 
 
 def _steps(

@@ -13,7 +13,7 @@ from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.kalman.multi_device_ekf import MultiDeviceEkf
 from pdr_est.estimators.kalman.walk_filter import filter_walk, run_filter
 from pdr_est.estimators.kalman.walk_step import WalkFilterState, WalkStepper
-from pdr_est.types.measurements import LoopClosure, StartPose
+from pdr_est.types.measurements import DeviceTether, LoopClosure, StartPose, StepOdometry
 
 EAST = StartPose((0.0, 0.0), 0.0, 0.1, 0.1)
 
@@ -104,6 +104,20 @@ def test_a_loop_closure_draws_the_end_of_a_single_device_only() -> None:
     assert np.hypot(*drawn.mean[:2]) < 0.3 * np.hypot(*free.mean[:2])
     joint = [filter_walk([one], (), [EAST], 0.1).posteriors[-1].mean for one in (timeline, closed)]
     assert np.array_equal(*joint)
+
+
+@pytest.mark.parametrize(("off_s", "node"), [(0.0, 4), (5e-10, 4), (2e-9, 3)])
+def test_a_tether_at_the_time_of_a_node_applies_after_it(off_s: float, node: int) -> None:
+    """Times within a nanosecond are the same."""
+    devices = [
+        [StepOdometry(name, 0.5 * k + off_s, 0.5 * k - 0.5, 0.7, turn, 0.01 * np.eye(3)) for k in range(1, 9)]
+        for name, turn in (("a", 0.2), ("b", -0.2))
+    ]
+    timelines = [build_timeline(own[0].device, 0.0, own) for own in devices]
+    tethers = node_tethers_between(timelines, [DeviceTether("a", "b", 2.0, 0.1, 0.02)])
+    posteriors = filter_walk(timelines, tethers, [EAST] * 2, 0.1).posteriors
+    (tethered,) = [posterior for posterior in posteriors if posterior.node_tethers]
+    assert tethered.touched == ((1, node), (0, node))
 
 
 def two_apart(offset_m: tuple[float, float]) -> MultiDeviceEkf:
