@@ -173,6 +173,22 @@ def test_a_fix_that_comes_long_after_a_lost_heading_gives_it_up_there(devices: i
     assert_same(follower.finish(), offline(walk))
 
 
+@pytest.mark.parametrize("lost", [False, True])
+def test_a_closed_walk_is_filtered_again_from_where_its_heading_was_lost(lost: bool) -> None:
+    """That a walk ends where it began is only used at its end, and then it may find the heading again."""
+    walk = walk_of(np.random.default_rng(25), 1, 15.0, pauses=False)
+    if lost:
+        own = list(walk.devices[0])
+        own[8] = (
+            replace(own[8], covariance=np.diag([0.01, 0.01, 1.0])) if isinstance(own[8], StepOdometry) else own[8]
+        )
+        walk = replace(walk, devices=(tuple(own),))
+    follower = Follower(walk, estimator_of(walk, horizon_s=100.0))
+    for event in in_time_order(walk):
+        follower.take(event)
+    assert_same(follower.finish(closing_sigma_m=0.4), offline(walk, closing_sigma_m=0.4))
+
+
 def test_a_lost_heading_is_remembered_until_something_observes_it() -> None:
     """Its nodes may have to be filtered again, however long ago they were; after a fix they may be forgotten."""
     walk = walk_of(np.random.default_rng(23), 1, 60.0, pauses=False)
@@ -265,7 +281,7 @@ def test_only_the_horizon_is_remembered() -> None:
     walk = walk_of(np.random.default_rng(8), 2, 120.0)
     follower = Follower(walk, estimator_of(walk, horizon_s=5.0, wait_s=0.0))
     sizes = []
-    for event in in_time_order(walk):
+    for event in in_time_order(walk, 0.7):
         follower.take(event)
         walk_filter = follower.estimator.filter
         sizes.append(follower.estimator.remembered)

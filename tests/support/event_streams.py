@@ -11,7 +11,14 @@ from pdr_est.estimators.common.tethers import TetherParams, tethers_between
 from pdr_est.front_end.odometry import step_covariance
 from pdr_est.online import OnlineParams
 from pdr_est.online.walk_estimator import WalkEstimator
-from pdr_est.types.measurements import DeviceMeasurements, HeadingPrior, PositionFix, StartPose, StepOdometry
+from pdr_est.types.measurements import (
+    DeviceMeasurements,
+    HeadingPrior,
+    LoopClosure,
+    PositionFix,
+    StartPose,
+    StepOdometry,
+)
 from pdr_est.types.track import Track
 
 LATENCY_S = 1.0  # of the front end: a step is known that long after its end
@@ -126,9 +133,9 @@ class Follower:
             self.estimator.add_fix(event)
         return self._keep()
 
-    def finish(self) -> "Follower":
-        """End the walk."""
-        self.estimator.finish(None)
+    def finish(self, closing_sigma_m: float | None = None) -> "Follower":
+        """End the walk, which may be closed."""
+        self.estimator.finish(closing_sigma_m)
         self._keep()
         return self
 
@@ -153,11 +160,12 @@ def in_time_order(walk: Walk, every_s: float = 1.0) -> list[Event]:
     return sorted([*blocks, *walk.fixes], key=lambda one: one.end_s if isinstance(one, Block) else one.time_s)
 
 
-def offline(walk: Walk) -> Track:
+def offline(walk: Walk, closing_sigma_m: float | None = None) -> Track:
     """Estimate the walk with the offline EKF."""
-    devices = [
-        DeviceMeasurements(str(d), walk.begins_s[d], (*own, *walk.fixes)) for d, own in enumerate(walk.devices)
-    ]
+    devices = []
+    for device, own in enumerate(walk.devices):
+        closure = [] if closing_sigma_m is None else [LoopClosure(str(device), closing_sigma_m)]
+        devices.append(DeviceMeasurements(str(device), walk.begins_s[device], (*own, *walk.fixes, *closure)))
     spans_s = {str(d): (walk.begins_s[d], walk.ends_s[d]) for d in range(len(walk.devices))}
     tethers = tethers_between(spans_s, TETHER) if len(walk.devices) > 1 else []
     return estimate_walk("ekf", devices, config_of(walk).start.pose(), SIGMA_SCALE, tethers)

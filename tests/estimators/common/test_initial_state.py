@@ -5,6 +5,7 @@ import pytest
 from estimator_walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, step, straight, turned, winding
 
 from pdr_est.estimators import ESTIMATORS, EstimatorName
+from pdr_est.estimators.common.initial_state import late_start_donor
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.kalman.walk_filter import run_filter
 from pdr_est.frames import Array, rotation_matrix, wrap_angle
@@ -255,3 +256,20 @@ def test_position_and_length_scale_outlast_a_gap_in_the_direction() -> None:
     assert after.sigma_heading_rad[41] == pytest.approx(UNIFORM_RAD)
     assert after.length_scale == pytest.approx(before.length_scale, abs=1e-6)
     assert after.sigma_length_scale == pytest.approx(before.sigma_length_scale, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("number", "time_s", "present", "donor"),
+    [
+        (0, 5.0, {0, 2}, None),
+        (0, 5.1, {0, 2}, 0),
+        (0, 9.0, {3, 1, 2}, 1),
+        (0, 9.0, set(), None),
+        (1, 9.0, {0}, None),
+    ],
+    ids=["in time", "late", "the first of several", "nobody there", "not its first node"],
+)
+def test_a_device_that_begins_more_than_five_seconds_late_has_a_donor(
+    number: int, time_s: float, present: set[int], donor: int | None
+) -> None:
+    assert late_start_donor(number, time_s, 0.0, present) == donor
