@@ -85,6 +85,14 @@ def test_an_estimator_restored_at_any_point_goes_on_as_before(seed: int, share: 
     assert_same(follower.finish(), offline(walk))
 
 
+def with_lost_heading(walk: Walk, number: int) -> tuple[Walk, float]:
+    """Let a step of the first device have a turn that leaves nothing of the heading; return its time as well."""
+    step = [m for m in walk.devices[0] if isinstance(m, StepOdometry)][number]
+    turned = replace(step, covariance=step.covariance + np.diag([0.0, 0.0, 1.0]))
+    own = tuple(turned if one is step else one for one in walk.devices[0])
+    return replace(walk, devices=(own, *walk.devices[1:])), step.time_s
+
+
 def test_blocks_of_two_devices_that_are_late_in_turn() -> None:
     """Each device sends nothing for six seconds, then everything at once, while the other one goes on."""
     walk = walk_of(np.random.default_rng(1), 2, 20.0)
@@ -157,12 +165,8 @@ def test_a_fix_waits_as_long_as_a_step_may_still_come() -> None:
 def test_a_fix_that_comes_long_after_a_lost_heading_gives_it_up_there(devices: int, start: StartPose) -> None:
     """Until the fix comes, nothing could find the heading again, and the turn is one like others."""
     walk = walk_of(np.random.default_rng(22), devices, 20.0, pauses=False, start=start)
-    lost = walk.devices[0][10]
-    while not isinstance(lost, StepOdometry):
-        lost = walk.devices[0][11]
-    turned = replace(lost, covariance=lost.covariance + np.diag([0.0, 0.0, 1.0]))
-    own = tuple(turned if one is lost else one for one in walk.devices[0])
-    walk = replace(walk, devices=(own, *walk.devices[1:]), fixes=(fix_at(16.2, 14.0, 8.0), fix_at(18.3, 14.0, 10.0)))
+    walk, _ = with_lost_heading(walk, 9)
+    walk = replace(walk, fixes=(fix_at(16.2, 14.0, 8.0), fix_at(18.3, 14.0, 10.0)))
     events = [event for event in in_time_order(walk) if isinstance(event, Block)]
     follower = Follower(walk, estimator_of(walk, horizon_s=100.0))
     for event in (*events, *walk.fixes):
@@ -178,11 +182,7 @@ def test_a_closed_walk_is_filtered_again_from_where_its_heading_was_lost(lost: b
     """That a walk ends where it began is only used at its end, and then it may find the heading again."""
     walk = walk_of(np.random.default_rng(25), 1, 15.0, pauses=False)
     if lost:
-        own = list(walk.devices[0])
-        own[8] = (
-            replace(own[8], covariance=np.diag([0.01, 0.01, 1.0])) if isinstance(own[8], StepOdometry) else own[8]
-        )
-        walk = replace(walk, devices=(tuple(own),))
+        walk, _ = with_lost_heading(walk, 8)
     follower = Follower(walk, estimator_of(walk, horizon_s=100.0))
     for event in in_time_order(walk):
         follower.take(event)
@@ -192,14 +192,12 @@ def test_a_closed_walk_is_filtered_again_from_where_its_heading_was_lost(lost: b
 def test_a_lost_heading_is_remembered_until_something_observes_it() -> None:
     """Its nodes may have to be filtered again, however long ago they were; after a fix they may be forgotten."""
     walk = walk_of(np.random.default_rng(23), 1, 60.0, pauses=False)
-    steps = [m for m in walk.devices[0] if isinstance(m, StepOdometry)]
-    turned = replace(steps[10], covariance=steps[10].covariance + np.diag([0.0, 0.0, 1.0]))
-    walk = replace(walk, devices=(tuple(turned if one is steps[10] else one for one in walk.devices[0]),))
+    walk, lost_s = with_lost_heading(walk, 10)
     follower = Follower(walk, estimator_of(walk, horizon_s=5.0))
     for block in walk.blocks(0, np.arange(1.0, 62.0)):
         follower.take(block)
     walk_filter = follower.estimator.filter
-    assert walk_filter.history[0].time_s <= turned.time_s
+    assert walk_filter.history[0].time_s <= lost_s
     follower.take(fix_at(58.0, 50.0, 0.0))
     assert walk_filter.state.walk.devices[0] is not None
     assert walk_filter.state.walk.devices[0].lost_heading_s is None
