@@ -1,4 +1,4 @@
-"""What cannot be samples, fixes or a saved state is refused at once, in words, and leaves the tracker as it was."""
+"""Samples, fixes and saved states that cannot be used are refused at once and leave the tracker as it was."""
 
 import pickle
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a tether tells the filter of two devices: how they differ, not what they have in common."""
+"""A tether tells the filter of two devices how they differ, and nothing about what they have in common."""
 
 from dataclasses import replace
 
