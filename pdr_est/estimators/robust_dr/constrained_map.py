@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.robust_dr.interior_point import Tied, solve
+from pdr_est.estimators.robust_dr.slsqp import constrained_optimum
 from pdr_est.frames import Array
 
 _LEAST_VARIANCE = 1e-12  # over the largest of all; ours: a certain position cannot be weighed against another
@@ -73,7 +73,7 @@ def general_many(
         return estimates_m.copy()
     if len(estimates_m) == 2:
         return general(estimates_m, covariances_m2, float(max_distance_m.min()))
-    return solve(estimates_m, with_width(covariances_m2), Tied(a, b, max_distance_m))
+    return constrained_optimum(estimates_m, with_width(covariances_m2), pairs, max_distance_m)
 
 
 def with_width(covariances_m2: Array) -> Array:
