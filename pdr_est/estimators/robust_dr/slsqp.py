@@ -3,8 +3,8 @@
 The problem of Robust DR (section IV-B) for any number of devices is convex: minimise the sum over devices of
 (l - e)' S^-1 (l - e) / 2 subject to |l_a - l_b| <= d for each tethered pair. SLSQP of scipy solves it. Very unequal
 covariances make the Hessian of the Lagrangian ill-conditioned, and the quasi-Newton updates of SLSQP start at the
-identity matrix. Each run therefore uses coordinates in which the Hessian at the best known multipliers is the identity,
-and starts at the optimum of the run before. Two or three runs are enough.
+identity matrix. Each run therefore uses coordinates in which the Hessian at the best known multipliers is the
+identity, and starts at the optimum of the run before. One or two runs are usually enough.
 
 References
 ----------
@@ -21,7 +21,7 @@ from scipy.optimize import minimize, nnls
 from pdr_est.errors import EstimationError
 from pdr_est.frames import Array
 
-_MAX_RUNS = 12  # two or three are usual
+_MAX_RUNS = 12  # one or two are usual
 _MAX_ITERATIONS = 100  # of SLSQP in one run
 _COST_TOLERANCE = 1e-20  # of a cost of order one: SLSQP goes on until rounding stops it
 _CONVERGED = 1e-8  # relative error of the conditions of the optimum that no further run can improve
@@ -31,7 +31,7 @@ _LEAST_CURVATURE = 1e-16  # relative to the largest: rounding of a symmetric mat
 
 @dataclass(frozen=True)
 class _Problem:
-    """Positions relative to the point about which the tethers are drawn together, in units of the cost of a start.
+    """Constrained problem with positions relative to the information-weighted mean of the estimates.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ def _axes(problem: _Problem, multipliers: Array) -> Array:
 
 
 def _run_slsqp(problem: _Problem, position_m: Array, axes_m: Array, size: float) -> Array:
-    """Return the step y (2 n,) of SLSQP from a position to position + axes y; the cost is in units of size squared."""
+    """Return the step y (2 n,) of SLSQP to position + axes y; the cost is in units of size squared."""
     whitened = problem.whitening @ axes_m / size
     gradient = whitened.T @ (problem.whitening @ (position_m - problem.estimate_m)) / size
     separation, before = problem.separation @ axes_m, problem.separation @ position_m
@@ -160,8 +160,8 @@ def _run_slsqp(problem: _Problem, position_m: Array, axes_m: Array, size: float)
 def _balance(problem: _Problem, position_m: Array, axes_m: Array, size: float) -> tuple[Array, float]:
     """Return the multipliers (k,) that fit the conditions of an optimum best, and the relative part that is left.
 
-    The conditions of Karush, Kuhn and Tucker: the gradients of the slacks balance that of the cost, the multipliers are
-    not negative, and that of a pair within its limit is zero.
+    The conditions of Karush, Kuhn and Tucker: the gradients of the slacks balance that of the cost, the multipliers
+    are not negative, and that of a pair within its limit is zero.
     """
     gradient = (problem.whitening @ axes_m / size).T @ (problem.whitening @ (position_m - problem.estimate_m)) / size
     before = problem.separation @ position_m
