@@ -1,4 +1,4 @@
-"""Dead reckoning: MMPDR eq. 1 step by step, with a covariance that grows as the motion model says."""
+"""Dead reckoning: apply MMPDR eq. 1 step by step, with the covariance of the motion model."""
 
 import numpy as np
 

@@ -1,1 +1,1 @@
-"""Fixed lag."""
+"""Fixed-lag smoother: poses with a constant delay."""

@@ -1,4 +1,4 @@
-"""The parameter of the fixed-lag smoother, apart from the smoother: gtsam is slow to load."""
+"""Define the settings of the fixed-lag smoother, in a module of their own because gtsam is slow to load."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from pdr_est.params import params
 
 @params
 class FixedLagParams:
-    """Fixed-lag smoother."""
+    """Settings of the fixed-lag smoother."""
 
     lag_s: Annotated[float, Ge(0.5), Le(600.0)] = 10.0
     """Lag, s: each pose is estimated from what was measured up to this long after it."""

@@ -1,9 +1,9 @@
-"""Smoothing with a fixed delay in GTSAM's IncrementalFixedLagSmoother: each pose from what came up to a lag after.
+"""Smooth with a fixed delay: each pose uses the measurements up to a lag after it.
 
-The factors are those of the batch graph. The walker's length scale would tie one variable to every step, so it comes
-from the filter that runs beside the smoother: steps have the scale that the filter believes in, and what the filter
-knows of pose and scale together gives the share of the covariance that the scale adds. When the filter changes its
-mind, the window is built anew at the new scale, from the filter's state where the window begins.
+GTSAM's IncrementalFixedLagSmoother does it, with the factors of the batch graph. The walker's length scale would be
+connected to every step; it is therefore taken from an EKF that runs in parallel. Steps are scaled by its estimate,
+and its cross-covariance of pose and scale gives the part of the covariance that the scale adds. When the EKF estimate
+changes noticeably, the window is rebuilt at the new scale, from the EKF state at its beginning.
 
 The smoother makes one Gauss-Newton step an update and would ignore a kernel with a dead zone; a tether is therefore a
 plain distance, added only where the poses are predicted to be further apart than it allows.
@@ -34,16 +34,38 @@ def estimate(
     sigma_length_scale: float,
     parameters: FixedLagParams,
 ) -> Track:
-    """Delayed tracks of all devices: each pose from the measurements up to lag_s after it.
+    """Estimate the tracks of all devices, each pose from the measurements up to `lag_s` after it.
 
-    Where the direction of a device is open for longer than the lag, its poses are those of the filter. Raises
-    EstimationError if GTSAM finds a window indeterminate, or tethers do not fit the devices.
+    Poses of a device whose heading is unknown for longer than the lag are those of the EKF.
+
+    Parameters
+    ----------
+    timelines
+        Nodes of each device.
+    tethers
+        Largest distances between pairs of devices.
+    start
+        Start pose; unknown parts are found from measurements.
+    sigma_length_scale
+        Standard deviation of the walker's length scale.
+    parameters
+        Settings of the smoother.
+
+    Returns
+    -------
+    Track
+        Delayed poses of all devices.
+
+    Raises
+    ------
+    EstimationError
+        If a window has no unique solution, or a tether names a device that is not there.
     """
     node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, start)
     walk = filter_walk(timelines, node_tethers, starts, sigma_length_scale)
-    tracks = [_Delayed(stretches, parameters.lag_s) for stretches in walk.segments]
-    window, numbers = LagWindow(parameters), [iter(track.followed) for track in tracks]
-    for item in _followed(timelines, walk):
+    tracks = [_Delayed(segments, parameters.lag_s) for segments in walk.segments]
+    window, numbers = LagWindow(parameters), [iter(track.smoothed_nodes) for track in tracks]
+    for item in _filtered_nodes(timelines, walk):
         for ready in window.push(item):
             tracks[ready.device].record(next(numbers[ready.device]), ready)
     for ready in window.flush():
@@ -51,51 +73,64 @@ def estimate(
     return concatenate([track.track(timeline) for track, timeline in zip(tracks, timelines, strict=True)])
 
 
-def _followed(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterator[FilteredNode]:
+def _filtered_nodes(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterator[FilteredNode]:
+    """Yield the results of the joint EKF in order of time."""
     present: frozenset[int] = frozenset()
-    for moment in walk.posteriors:
-        device, node = moment.touched[0]
+    for posterior in walk.posteriors:
+        device, node = posterior.touched[0]
         present |= {device}
         limits = tuple(
             Limit(node_tether.device_a, node_tether.device_b, node_tether.max_distance_m, node_tether.sigma_m)
-            for node_tether in moment.node_tethers
+            for node_tether in posterior.node_tethers
         )
         yield FilteredNode(
-            device, timelines[device].nodes[node], moment.entered, limits, moment.mean, moment.covariance, present
+            device,
+            timelines[device].nodes[node],
+            posterior.entered,
+            limits,
+            posterior.mean,
+            posterior.covariance,
+            present,
         )
 
 
 class _Delayed:
-    """The poses of one device: those of its own filter until the smoother gives them. followed: numbers of the nodes
-    that the smoother gives."""
+    """Poses of one device: those of its own EKF until the smoother replaces them.
 
-    def __init__(self, stretches: Sequence[FilteredSegment], lag_s: float) -> None:
-        self._pose = np.concatenate([_known_later(stretch, lag_s)[0] for stretch in stretches])
-        self._covariance = np.concatenate([_known_later(stretch, lag_s)[1] for stretch in stretches])
-        self._scale = stretches[-1].end.length_scale
-        self.followed: list[int] = []
+    Attributes
+    ----------
+    smoothed_nodes : list[int]
+        Indices of the nodes that the smoother estimates.
+    """
+
+    def __init__(self, segments: Sequence[FilteredSegment], lag_s: float) -> None:
+        self._pose = np.concatenate([_with_late_heading(segment, lag_s)[0] for segment in segments])
+        self._covariance = np.concatenate([_with_late_heading(segment, lag_s)[1] for segment in segments])
+        self._scale = segments[-1].end.length_scale
+        self.smoothed_nodes: list[int] = []
         begin = 0
-        for stretch in stretches:
-            first = len(stretch.nodes) if stretch.aligned_from is None else stretch.aligned_from
-            self.followed += range(begin + first, begin + len(stretch.nodes))
-            begin += len(stretch.nodes)
+        for segment in segments:
+            first = len(segment.nodes) if segment.aligned_from is None else segment.aligned_from
+            self.smoothed_nodes += range(begin + first, begin + len(segment.nodes))
+            begin += len(segment.nodes)
 
     def record(self, node: int, found: LaggedPose) -> None:
+        """Replace the pose of a node by the smoothed one."""
         self._pose[node], self._covariance[node], self._scale = found.pose, found.covariance, found.scale
 
     def track(self, timeline: Timeline) -> Track:
+        """Return the track of the device."""
         pose = self._pose
         return track_from_nodes(timeline, pose[:, :2], pose[:, 2], self._covariance, "delayed", NAME, self._scale)
 
 
-def _known_later(stretch: FilteredSegment, lag_s: float) -> tuple[Array, Array]:
-    """Filtered poses (n, 3) and covariances (n, 3, 3); where the direction became known within the lag, those that
-    lead there."""
-    pose, covariance, aligned = stretch.pose.copy(), stretch.covariance.copy(), stretch.aligned_from
+def _with_late_heading(segment: FilteredSegment, lag_s: float) -> tuple[Array, Array]:
+    """Return filtered poses (n, 3) and covariances (n, 3, 3), reckoned back where the heading is found late."""
+    pose, covariance, aligned = segment.pose.copy(), segment.covariance.copy(), segment.aligned_from
     if aligned is None:
         return pose, covariance
-    back = reckon(stretch.nodes[: aligned + 1], aligned, stretch.states[0])
+    back = reckon(segment.nodes[: aligned + 1], aligned, segment.states[0])
     for i, state in enumerate(back[:-1]):
-        if stretch.nodes[i].time_s >= stretch.nodes[aligned].time_s - lag_s:
+        if segment.nodes[i].time_s >= segment.nodes[aligned].time_s - lag_s:
             pose[i], covariance[i] = state.mean[:3], state.covariance[:3, :3]
     return pose, covariance

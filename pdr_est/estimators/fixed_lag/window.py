@@ -1,4 +1,4 @@
-"""The window of the fixed-lag smoother: the poses of the last seconds, in GTSAM's IncrementalFixedLagSmoother."""
+"""Keep the window of the fixed-lag smoother: the poses of the last seconds in IncrementalFixedLagSmoother."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -16,6 +16,7 @@ from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window_prior import (
     ConditionalPrior,
+    device_state,
     of_entering,
     pose_per_scale,
     prior_factors,
@@ -23,14 +24,22 @@ from pdr_est.estimators.fixed_lag.window_prior import (
 )
 from pdr_est.frames import Array
 
-_SCALE_TOLERANCE = 0.1  # of the scale's sigma; a scale that moved further needs a new window
+_SCALE_TOLERANCE = 0.1  # in units of the scale's sigma; a larger change of the scale needs a new window
 _RELINEARISE = 1e-3  # m and rad
-_ITERATIONS = 3  # more of them where a tether pulls, and at the end
+_ITERATIONS = 3  # additional ones after adding a tether, and at the end
 
 
 @dataclass(frozen=True)
 class Limit:
-    """Two devices that are never further apart than max_distance_m."""
+    """Largest distance between two devices.
+
+    Attributes
+    ----------
+    device_a, device_b : int
+        Indices of the devices.
+    max_distance_m, sigma_m : float
+        Largest distance and its standard deviation, m.
+    """
 
     device_a: int
     device_b: int
@@ -40,10 +49,24 @@ class Limit:
 
 @dataclass(frozen=True)
 class FilteredNode:
-    """What the filter beside the smoother did last. node: of which device; entered: the state that this device
-    entered with, None if it moved on to the node; limits: tethers that were asked for then.
+    """Result of the joint EKF at a node.
 
-    mean (5 d,), covariance (5 d, 5 d): of all devices afterwards; present: those that take part.
+    Attributes
+    ----------
+    device : int
+        Index of the device.
+    node : Node
+        Node of this device.
+    entered : GaussianState or None
+        State with which the device entered the filter here; None if it moved on from its previous node.
+    limits : tuple[Limit, ...]
+        Tethers to be applied at this time.
+    mean : Array
+        Posterior mean of all d devices, (5 d,).
+    covariance : Array
+        Posterior covariance, (5 d, 5 d).
+    present : frozenset[int]
+        Indices of the devices that have entered.
     """
 
     device: int
@@ -57,8 +80,21 @@ class FilteredNode:
 
 @dataclass(frozen=True)
 class LaggedPose:
-    """A pose (3,) with its covariance (3, 3) in the map frame, and the length scale with its sigma. The covariance of
-    a node that is no step, and so in no track, is NaN: it takes most of the time."""
+    """Smoothed pose of a device at a node.
+
+    Attributes
+    ----------
+    device : int
+        Index of the device.
+    node : Node
+        Node of this device.
+    pose : Array
+        East, north (m) and heading (rad) in the map frame, (3,).
+    covariance : Array
+        Covariance, (3, 3). NaN at a node that is no step and appears in no track, because it is slow to compute.
+    scale : tuple[float, float]
+        Length scale and its standard deviation.
+    """
 
     device: int
     node: Node
@@ -68,15 +104,17 @@ class LaggedPose:
 
 
 class LagWindow:
-    """Takes what the filter did in the order of time, gives each pose a lag later.
+    """Fixed-lag window that takes EKF results in order of time and returns each pose a lag later.
 
-    Pickled, it keeps what it was given; the smoother is built anew from that, which changes results by what
-    linearising does. Raises EstimationError when a window has no unique solution.
+    A pickled window keeps its input; the smoother is rebuilt from it, which changes results slightly by other
+    linearisation points.
+
+    Methods raise EstimationError if a window has no unique solution.
     """
 
     def __init__(self, parameters: FixedLagParams) -> None:
         self._lag_s = parameters.lag_s
-        self._waiting: deque[FilteredNode] = deque()  # poses that were not given out yet
+        self._waiting: deque[FilteredNode] = deque()  # items whose poses were not returned yet
         self._relative: set[int] = set()  # devices with headings relative to a reference
         self._graph: _Graph | None = None
 
@@ -84,37 +122,36 @@ class LagWindow:
         return {**self.__dict__, "_graph": None}
 
     def push(self, item: FilteredNode) -> list[LaggedPose]:
-        """The poses that are a lag before `item`."""
+        """Add an item and return the poses that are more than the lag before it."""
         ready = self.until(item.node.time_s - self._lag_s)
         new_reference = item.device not in self._relative and any(prior.relative for prior in item.node.priors)
         if new_reference:
             self._relative.add(item.device)
         self._waiting.append(item)
         if self._graph is None or new_reference or self._graph.outdated_by(item):
-            self._graph = self._anew()
+            self._graph = self._rebuilt()
             return ready
         try:
             self._graph.add(item)
         except (RuntimeError, ValueError):
-            # GTSAM's incremental smoother loses count of its variables now and then; a new one has lost none.
-            self._graph = self._anew()
+            # GTSAM's incremental smoother occasionally loses track of its variables; a new one has not.
+            self._graph = self._rebuilt()
         return ready
 
-    def _anew(self) -> "_Graph":
+    def _rebuilt(self) -> "_Graph":
         try:
             return _Graph(self._lag_s, self._waiting, self._relative)
         except (RuntimeError, ValueError) as error:
             raise _no_solution(error) from error
 
     def undo(self, count: int) -> None:
-        """Forget the last items, because they will come again in another form; those that were given out already
-        must not."""
+        """Remove the last `count` items, which will come again in another form; returned poses stay as they are."""
         for _ in range(min(count, len(self._waiting))):
             self._waiting.pop()
         self._graph = None
 
     def until(self, time_s: float) -> list[LaggedPose]:
-        """The poses before a time that were not given out yet, by what is known now."""
+        """Return the poses before a time that were not returned yet, from the measurements so far."""
         ready = []
         while self._waiting and self._waiting[0].node.time_s < time_s:
             graph = self._built()
@@ -123,19 +160,19 @@ class LagWindow:
         return ready
 
     def flush(self) -> list[LaggedPose]:
-        """The rest."""
+        """Return all remaining poses at the end of a walk."""
         if self._waiting:
             self._built().iterate()
         return self.until(np.inf)
 
     def _built(self) -> "_Graph":
         if self._graph is None:  # after a pickle
-            self._graph = self._anew()
+            self._graph = self._rebuilt()
         return self._graph
 
 
 class _Graph:
-    """The smoother of a window at fixed length scales: begun with a prior from the filter, then node by node."""
+    """Smoother of a window at fixed length scales: it begins with a prior from the EKF and grows node by node."""
 
     def __init__(self, lag_s: float, items: Sequence[FilteredNode], relative: set[int]) -> None:
         parameters = gtsam.ISAM2Params()
@@ -146,7 +183,7 @@ class _Graph:
         self._smoother = gtsam.IncrementalFixedLagSmoother(lag_s, parameters)
         self._scale, self._relative = scales(items[-1].mean), relative
         self._next_key = 0
-        self._keys: deque[int] = deque()  # of the poses that were not given out, the last ones of `items`
+        self._keys: deque[int] = deque()  # poses that were not returned yet, the last ones of `items`
         self._poses: dict[int, int] = {}  # device -> its last pose
         self._references: dict[int, int] = {}
         self._now_s = items[0].node.time_s
@@ -156,12 +193,13 @@ class _Graph:
             self.add(item)
 
     def outdated_by(self, item: FilteredNode) -> bool:
-        """Whether the filter believes in other length scales than this window has."""
+        """Return True if the length scales of the EKF differ noticeably from those of this window."""
         sigma = np.sqrt(np.maximum(np.diag(item.covariance)[LENGTH_SCALE::STATES], 0.0))
         moved = np.abs(scales(item.mean) - self._scale) > _SCALE_TOLERANCE * sigma + 1e-9
         return bool(moved[sorted(item.present)].any())
 
     def add(self, item: FilteredNode) -> None:
+        """Add the pose, the motion, the measurements and the tethers of an item."""
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         self._now_s, self._last = max(self._now_s, item.node.time_s), item
         scale, before = float(self._scale[item.device]), self._poses.get(item.device)
@@ -173,15 +211,17 @@ class _Graph:
             add_measurements(graph, item.node, key, self._references.get(item.device))
             self._poses[item.device] = key
         else:
-            entered = item.entered if item.entered is not None else _own(item)
+            entered = (
+                item.entered if item.entered is not None else device_state(item.mean, item.covariance, item.device)
+            )
             self._enter(graph, values, [item.device], of_entering(entered, scale))
             key = self._poses[item.device]
         self._keys.append(key)
         self._update(graph, values)
-        self._keep_together(item.limits)
+        self._add_active_tethers(item.limits)
 
     def pose_of(self, item: FilteredNode, waiting: int) -> LaggedPose:
-        """Pose of a window's item, the first of so many that wait, in the map with the scale's share."""
+        """Return the pose of an item, the first of `waiting` ones, with the part of the covariance from the scale."""
         while len(self._keys) > waiting:
             self._keys.popleft()
         key = self._keys[0]
@@ -198,7 +238,7 @@ class _Graph:
         return LaggedPose(item.device, item.node, mean, 0.5 * (covariance + covariance.T), scale)
 
     def iterate(self) -> None:
-        """Gauss-Newton steps without news."""
+        """Run Gauss-Newton iterations without new factors."""
         for _ in range(_ITERATIONS):
             self._smoother.update()
 
@@ -214,7 +254,7 @@ class _Graph:
     def _enter(
         self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, devices: list[int], known: ConditionalPrior
     ) -> None:
-        """Add first poses of devices, with what is known of them."""
+        """Add the first poses of devices with their priors."""
         keys, references = [], []
         for number, device in enumerate(devices):
             self._poses[device] = self._new_key()
@@ -229,7 +269,7 @@ class _Graph:
         for factor in prior_factors(known, keys, references):
             graph.add(factor)
 
-    def _keep_together(self, limits: Sequence[Limit]) -> None:
+    def _add_active_tethers(self, limits: Sequence[Limit]) -> None:
         for limit in limits:
             a, b = self._poses.get(limit.device_a), self._poses.get(limit.device_b)
             if a is None or b is None:
@@ -243,18 +283,13 @@ class _Graph:
                 self.iterate()
 
     def _update(self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> None:
-        """What later factors will refer to must not leave the window: the last poses, and the references."""
+        """Update the smoother; last poses and references stay in the window, because later factors refer to them."""
         alive = (*self._poses.values(), *self._references.values())
         self._smoother.update(graph, values, dict.fromkeys(alive, self._now_s))
 
     def _new_key(self) -> int:
         self._next_key += 1
         return self._next_key - 1
-
-
-def _own(item: FilteredNode) -> GaussianState:
-    own = slice(STATES * item.device, STATES * (item.device + 1))
-    return GaussianState(item.mean[own], item.covariance[own, own])
 
 
 def _no_solution(error: RuntimeError | ValueError) -> EstimationError:

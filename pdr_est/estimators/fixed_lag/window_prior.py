@@ -1,4 +1,4 @@
-"""What the filter knows where a window of the fixed-lag smoother begins, as factors at given length scales."""
+"""Turn the EKF state at the beginning of a fixed-lag window into prior factors at given length scales."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,21 +12,28 @@ from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
 
-_PARTS = 4  # of a device's state without it: east, north, heading, reference direction
-_ANYWHERE_M = 1.0  # sigma of where a reference is, which is of no meaning
+_PARTS = 4  # states of a device without the length scale: east, north, heading, reference heading
+_ANYWHERE_M = 1.0  # sigma of the position of a reference, which has no meaning
 
 
 @dataclass(frozen=True)
 class ConditionalPrior:
-    """Mean (4 d,) and covariance (4 d, 4 d) of east, north, heading and reference of some devices, given the length
-    scales."""
+    """Gaussian of east, north, heading and reference heading of d devices, given their length scales.
+
+    Attributes
+    ----------
+    mean : Array
+        Mean, (4 d,), m and rad.
+    covariance : Array
+        Covariance, (4 d, 4 d).
+    """
 
     mean: Array
     covariance: Array
 
     @classmethod
     def of_filter(cls, mean: Array, covariance: Array, scale: Array, devices: Sequence[int]) -> "ConditionalPrior":
-        """From a filter's state (5 n,): what it says of some devices if the scales (n,) are these."""
+        """Condition the EKF state (5 n,) of some devices on given length scales (n,)."""
         others = [STATES * d + i for d in devices for i in range(STATES) if i != LENGTH_SCALE]
         of_scales = [STATES * d + LENGTH_SCALE for d in devices]
         across = covariance[np.ix_(others, of_scales)]
@@ -35,18 +42,24 @@ class ConditionalPrior:
         return cls(mean[others] + moved, covariance[np.ix_(others, others)] - gain @ across.T)
 
 
-def of_entering(moments: GaussianState, scale: float) -> ConditionalPrior:
-    """From the state of one device."""
-    return ConditionalPrior.of_filter(moments.mean, moments.covariance, np.array([scale]), [0])
+def of_entering(state: GaussianState, scale: float) -> ConditionalPrior:
+    """Condition the EKF state of one device on its length scale."""
+    return ConditionalPrior.of_filter(state.mean, state.covariance, np.array([scale]), [0])
+
+
+def device_state(mean: Array, covariance: Array, device: int) -> GaussianState:
+    """Return the marginal state of one device from the joint EKF state."""
+    own = slice(STATES * device, STATES * (device + 1))
+    return GaussianState(mean[own], covariance[own, own])
 
 
 def scales(mean: Array) -> Array:
-    """The length scales (n,) in a filter's state (5 n,)."""
+    """Return the length scales (n,) in the mean (5 n,) of the EKF."""
     return mean[LENGTH_SCALE::STATES].copy()
 
 
 def pose_per_scale(covariance: Array, device: int) -> Array:
-    """How the pose (3,) of a device moves with its length scale, by a filter's covariance; zero for a known scale."""
+    """Return the regression (3,) of the pose of a device on its length scale; zero for a known scale."""
     first = STATES * device
     variance = covariance[first + LENGTH_SCALE, first + LENGTH_SCALE]
     if variance <= 0.0:
@@ -57,10 +70,17 @@ def pose_per_scale(covariance: Array, device: int) -> Array:
 def prior_factors(
     known: ConditionalPrior, poses: Sequence[int], references: Sequence[int | None]
 ) -> Iterator[gtsam.NonlinearFactor]:
-    """One factor a variable, by the chain rule: a pose given the first device's and the one's before it, a reference
-    given its device's pose. For two devices without references that is all that is known.
+    """Yield one conditional factor for each variable, by the chain rule.
 
-    poses, references: keys, for which values are to be set at the mean.
+    A pose is conditioned on the first device's pose and the one before it, a reference on the pose of its device. For
+    two devices without references this is exact.
+
+    Parameters
+    ----------
+    known
+        Gaussian of all devices.
+    poses, references
+        Keys of each device, whose values must be inserted at the mean; a reference may be None.
     """
     at, covariance = gtsam.Values(), _in_own_frames(known)
     for number, (pose, reference) in enumerate(zip(poses, references, strict=True)):
@@ -81,7 +101,7 @@ def prior_factors(
 
 
 def _in_own_frames(known: ConditionalPrior) -> Array:
-    """The covariance with positions in the poses' own frames, in which GTSAM counts."""
+    """Rotate the covariance so that positions are in the frames of the poses, as GTSAM expects."""
     covariance = known.covariance + MIN_SIGMA**2 * np.eye(len(known.mean))
     turn = np.eye(len(known.mean))
     for first in range(0, len(known.mean), _PARTS):
@@ -90,7 +110,7 @@ def _in_own_frames(known: ConditionalPrior) -> Array:
 
 
 def _conditional(covariance: Array, keys: Sequence[int], rows: Sequence[Any]) -> gtsam.JacobianFactor:
-    """The first variable given the others. rows: of each in the covariance; a single one is a rotation."""
+    """Condition the first variable on the others; rows index each in the covariance, a single row is a rotation."""
     own, others = rows[0], np.concatenate([*rows[1:], np.zeros(0, dtype=np.intp)]).astype(np.intp)
     gain = np.linalg.solve(covariance[np.ix_(others, others)], covariance[np.ix_(others, own)]).T
     spread = covariance[np.ix_(own, own)] - gain @ covariance[np.ix_(others, own)]

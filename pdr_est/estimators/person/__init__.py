@@ -1,1 +1,1 @@
-"""Person."""
+"""Fusion of the tracks of several devices into the track of the person who carries them."""

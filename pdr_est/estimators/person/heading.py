@@ -1,10 +1,10 @@
-"""The heading of a person from those of the devices on the body.
+"""Fuse the headings of the devices on a body into the heading of the person.
 
-Two things of it are ours. The weights of the devices are the same through the walk. With weights from the variance of
-each moment, the first device would have all the say at the start, where its direction defines the frame and is known
-exactly, and share it at the end: by how much the others set off in another direction would become a turn that no
-device saw. And the person's direction is that of a few strides: hips and phones turn to and fro with the legs, and a
-walk sets off and ends with steps that are not yet like the others. Walkers who turn are not averaged.
+Two choices are ours. First, the weights of the devices are constant over the walk. With weights from the variance at
+each time, the first device would have all the weight at the start, where its heading defines the frame and is known
+exactly, and only part of it at the end: a constant offset between the devices would become a turn that no device
+measured. Second, the heading of the person is averaged over a few strides, because hips and phones sway with the
+legs, and the first and last steps of a walk differ from the others. Headings are not averaged over turns.
 """
 
 from collections.abc import Sequence
@@ -15,26 +15,53 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.track import Track
 
-_BEND_RAD = 0.26  # a range of the headings beyond which the walker turns, as within a stride in the front end
-_HALF_WINDOWS = (4, 2)  # steps to either side: four strides, or two, whichever is without a bend first
-LEAST_VARIANCE = 1e-8  # keeps what is known exactly invertible
+_TURN_RAD = 0.26  # range of headings above which the walker turns; the front end uses the same within a stride
+_HALF_WINDOWS = (4, 2)  # steps to either side: four strides, or two, the first one without a turn
+LEAST_VARIANCE = 1e-8  # rad^2 or m^2; keeps exactly known values invertible
 
 
 def heading_of_person(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Heading, rad, not wrapped, and its variance (n,) at the start of a walk and the ends of its steps, time_s (n,).
+    """Fuse the headings of the devices at the start of a walk and the ends of its steps.
 
-    present: (d, n) which of the tracks, each of one device, have a say when. The variance is true for any dependence
-    between devices and between steps.
+    Parameters
+    ----------
+    tracks
+        Tracks of the d devices.
+    time_s
+        Start of the walk and ends of its steps, (n,), s.
+    present
+        True where a device takes part, (d, n).
+
+    Returns
+    -------
+    heading_rad : Array
+        Unwrapped heading of the person, (n,), rad.
+    variance_rad2 : Array
+        Its variance, (n,), rad^2, which is consistent for any correlation between devices and between steps.
     """
     return over_strides(*_of_devices(tracks, time_s, present))
 
 
 def over_strides(heading_rad: Array, variance: Array) -> tuple[Array, Array]:
-    """Headings (n,), not wrapped, at the start and at the ends of steps, averaged over whole strides, with variances.
+    """Average headings over whole strides, except in turns.
 
-    The outer steps weigh half, so that what changes from one step to the next cancels. The first and the last steps
-    get the mean of the first and the last strides. What the averaged headings vary by is part of the variance. Where
-    there is a bend in every window, and at a start in a known direction, the heading stays as it is.
+    The outer steps of a window have half the weight, so that alternating left and right deviations cancel. The first
+    and last steps get the mean of the first and last strides. The spread of the averaged headings is added to the
+    variance. If every window contains a turn, and at a start with known heading, the heading is not changed.
+
+    Parameters
+    ----------
+    heading_rad
+        Unwrapped headings at the start and at the ends of steps, (n,), rad.
+    variance
+        Their variances, (n,), rad^2.
+
+    Returns
+    -------
+    heading_rad : Array
+        Averaged headings, (n,), rad.
+    variance : Array
+        Their variances, (n,), rad^2.
     """
     mean, spread = heading_rad.copy(), variance.copy()
     undecided = np.ones(len(heading_rad), dtype=np.bool_)
@@ -45,14 +72,14 @@ def over_strides(heading_rad: Array, variance: Array) -> tuple[Array, Array]:
             continue
         nearest = np.clip(np.arange(len(heading_rad)) - 1 - half, 0, len(heading_rad) - 1 - width)
         means, spreads, ranges = (part[nearest] for part in _windows(heading_rad[1:], variance[1:], width))
-        straight = undecided & (np.maximum(ranges, np.abs(heading_rad - means)) < _BEND_RAD)
+        straight = undecided & (np.maximum(ranges, np.abs(heading_rad - means)) < _TURN_RAD)
         mean[straight], spread[straight] = means[straight], spreads[straight]
         undecided &= ~straight
     return mean, spread
 
 
 def _windows(heading_rad: Array, variance: Array, width: int) -> tuple[Array, Array, Array]:
-    """Mean, variance and range of the headings (n,) in every window of that many steps, (n - width + 1,) each."""
+    """Compute mean, variance and range of the headings in every window of `width` steps, (n - width + 1,) each."""
     weights = np.ones(width)
     weights[[0, -1]] = 0.5
     weights /= weights.sum()
@@ -63,11 +90,11 @@ def _windows(heading_rad: Array, variance: Array, width: int) -> tuple[Array, Ar
 
 
 def _of_devices(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """The mean of the devices' headings, each unwrapped beside the first, and its variance.
+    """Return the weighted mean of the devices' headings, each unwrapped beside the first, and its variance.
 
-    This is covariance intersection (Julier and Uhlmann 1997) whose weights are those that give the device k the say
-    s_k at all times: the mean is sum s_k h_k, the variance sum s_k v_k. The say goes by the mean variance, so that a
-    device that loses its direction on the way has little of it from the beginning.
+    This is covariance intersection (Julier and Uhlmann 1997) with weights w_k of device k that are constant in time:
+    the mean is sum w_k h_k, the variance sum w_k v_k. Weights are inverse to the mean variance, so that a device that
+    loses its heading during the walk has a small weight from the beginning.
     """
     headings: list[Array] = []
     variances: list[Array] = []
@@ -77,6 +104,6 @@ def _of_devices(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool
         variances.append(np.interp(time_s, one.time_s, np.square(one.sigma_heading_rad)))
     variance = np.stack(variances)
     usual = np.sum(variance * present, axis=1) / np.maximum(present.sum(axis=1), 1)
-    say = present / (usual + LEAST_VARIANCE)[:, None]
-    say /= say.sum(axis=0)
-    return np.unwrap(np.sum(say * np.stack(headings), axis=0)), np.sum(say * variance, axis=0)
+    weights = present / (usual + LEAST_VARIANCE)[:, None]
+    weights /= weights.sum(axis=0)
+    return np.unwrap(np.sum(weights * np.stack(headings), axis=0)), np.sum(weights * variance, axis=0)

@@ -1,10 +1,10 @@
-"""The steps of a person from those that the devices on the body saw.
+"""Find the steps of a person from the steps that the devices on the body detected.
 
-Not from a paper. Devices are aligned one after the other: of all ways to pair their steps in order, the one is taken
-that brings most of them nearest together, so that a step too many on one side does not shift the pairs after it. Two
-devices that see a step make it one. What one device alone saw is a step where both its own rhythm and that of the
-person leave no doubt: the device steps on as before, and there is room between the steps of all. In a pause a phone
-that moves alone is a leg or a hand that does; but somebody who walks on and on is no leg.
+The method is ours. Devices are aligned one after the other by dynamic programming: of all ordered pairings of their
+steps, the one with the most and closest pairs is used, so that a false step of one device does not shift later pairs.
+A step that two devices detected is accepted. A step that only one device detected is accepted if it continues the
+rhythm of that device and leaves enough time to the neighbouring steps. If all other devices stand still meanwhile, it
+is taken for a movement of a leg or hand, unless a long series of such steps shows that the person walks.
 """
 
 from collections.abc import Sequence
@@ -16,27 +16,45 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.types.track import Track
 
-SAME_STEP_S = 0.35  # furthest apart that two devices see one step
+SAME_STEP_S = 0.35  # largest time difference of one step between two devices
 # An extra step leaves half the usual time to its neighbour, a real one the whole, a missed one twice as much. The
-# borders lie in the middle, the upper one near enough for a walker who changes pace.
+# thresholds lie in the middle, the upper one low enough for a walker who changes pace.
 _ROOM, _STRIDES_ON = 0.75, 1.25
-_RHYTHM_STEPS = 8  # to either side, whose median stride is a device's rhythm
-_WALK_STEPS = 10  # that one device saw alone, in its rhythm and one after the other: they are a walk
+_RHYTHM_STEPS = 8  # to either side; their median time is the rhythm of a device
+_WALK_STEPS = 10  # consecutive steps in rhythm that prove a walk although only one device detected them
 
 
 @dataclass(frozen=True)
 class PersonSteps:
-    """time_s: (n,) of the steps, rising; moving_from_s: (n,) when the movement to each began."""
+    """Steps of a person.
+
+    Attributes
+    ----------
+    time_s : Array
+        Ends of the steps, (n,), s, increasing.
+    moving_from_s : Array
+        Beginning of the movement to each step, (n,), s.
+    """
 
     time_s: Array
     moving_from_s: Array
 
 
 def steps_of_person(tracks: Sequence[Track]) -> PersonSteps:
-    """The steps of the person who carries the devices of these tracks, each of one device.
+    """Find the steps of the person who carries the devices of these tracks.
 
-    A track tells nothing of the time before its start, nor of what comes more than a step after its last pose: there
-    the others decide. The time of a step is the mean over those who saw it.
+    A track gives no evidence before its start or more than a step after its last pose; there the others decide. The
+    time of a step is the mean over the devices that detected it.
+
+    Parameters
+    ----------
+    tracks
+        One track for each device.
+
+    Returns
+    -------
+    PersonSteps
+        Accepted steps in order of time.
     """
     seen = _aligned([one.time_s[1:] for one in tracks])
     begins = np.full(seen.shape, np.nan)
@@ -51,16 +69,42 @@ def steps_of_person(tracks: Sequence[Track]) -> PersonSteps:
 
 
 def present_at(tracks: Sequence[Track], time_s: Array, within_s: float = 0.0) -> NDArray[np.bool_]:
-    """Which of the tracks tell something at some times (n,): those between their first and last pose, or within_s of
-    it, (d, n)."""
+    """Mark the times that lie between the first and last pose of each track.
+
+    Parameters
+    ----------
+    tracks
+        Tracks of the d devices.
+    time_s
+        Times, (n,), s.
+    within_s
+        Margin before the first and after the last pose, s.
+
+    Returns
+    -------
+    NDArray[np.bool_]
+        True where a track covers a time, (d, n).
+    """
     return np.array([(one.time_s[0] - within_s <= time_s) & (time_s <= one.time_s[-1] + within_s) for one in tracks])
 
 
 def nearest_pairs(a_s: Array, b_s: Array, within_s: float) -> list[tuple[int, int]]:
-    """Pairs (i, j) of times a_s (n,) and b_s (m,), both rising, each used once and in order, at most within_s apart.
+    """Pair two series of times in order, each time at most once.
 
-    Of all such pairings the one with the largest sum of within_s - |a_s[i] - b_s[j]|: many pairs, and near ones. By
-    dynamic programming over the times that are near enough, so that it takes time in proportion to n.
+    Of all pairings the one with the largest sum of within_s - |a_s[i] - b_s[j]| is found: many pairs, and close ones.
+    Dynamic programming visits only times that are close enough, so that the cost grows linearly with n.
+
+    Parameters
+    ----------
+    a_s, b_s
+        Increasing times, (n,) and (m,), s.
+    within_s
+        Largest time difference of a pair, s.
+
+    Returns
+    -------
+    list[tuple[int, int]]
+        Indices (i, j) of the pairs, both increasing.
     """
     first = np.searchsorted(b_s, a_s - within_s)
     stop = np.searchsorted(b_s, a_s + within_s, side="right")
@@ -79,11 +123,11 @@ def nearest_pairs(a_s: Array, b_s: Array, within_s: float) -> list[tuple[int, in
             best[j + 1] = options[choice]
             row.append(choice)
         choices.append(row)
-    return _followed_back(choices, first.tolist(), len(b_s))
+    return _trace_back(choices, first.tolist(), len(b_s))
 
 
-def _followed_back(choices: Sequence[Sequence[str]], first: Sequence[int], number: int) -> list[tuple[int, int]]:
-    """The pairs that a table of choices leads to. choices[i][j - first[i]]: what was best up to i and j."""
+def _trace_back(choices: Sequence[Sequence[str]], first: Sequence[int], number: int) -> list[tuple[int, int]]:
+    """Trace back the pairs; choices[i][j - first[i]] is the best choice up to i and j."""
     pairs = []
     i, j = len(choices) - 1, number - 1
     while i >= 0 and j >= 0:
@@ -96,7 +140,7 @@ def _followed_back(choices: Sequence[Sequence[str]], first: Sequence[int], numbe
 
 
 def _aligned(times_s: Sequence[Array]) -> Array:
-    """When each device saw each step of anyone, (n, d), NaN where it did not; the rows in order of their mean."""
+    """Return the time of each step at each device, (n, d), NaN if not detected; rows in order of their mean."""
     seen = times_s[0][:, None]
     for time_s in times_s[1:]:
         pairs = nearest_pairs(np.nanmean(seen, axis=1) if len(seen) else np.empty(0), time_s, SAME_STEP_S)
@@ -110,8 +154,7 @@ def _aligned(times_s: Sequence[Array]) -> Array:
 
 
 def _sure(seen: Array, time_s: Array, tracks: Sequence[Track]) -> NDArray[np.bool_]:
-    """Whether two devices saw a step, or there was one only that could: the others had not started, or are silent for
-    good since more than a step."""
+    """Mark steps that two devices detected, or one if no other was recording then."""
     witnesses = np.sum(~np.isnan(seen), axis=1)
     could = np.zeros(len(time_s), dtype=np.int64)
     for one in tracks:
@@ -122,7 +165,7 @@ def _sure(seen: Array, time_s: Array, tracks: Sequence[Track]) -> NDArray[np.boo
 
 
 def _in_rhythm(seen: Array, time_s: Array, sure: NDArray[np.bool_], tracks: Sequence[Track]) -> NDArray[np.bool_]:
-    """Whether a step that one device alone saw goes on with its rhythm, and leaves room for the person's steps."""
+    """Mark steps of a single device that continue its rhythm and leave enough time to the person's other steps."""
     kept = np.zeros(len(time_s), dtype=np.bool_)
     usual_s, goes_on = np.full(len(time_s), np.inf), np.zeros(len(time_s), dtype=np.bool_)
     for number in range(len(tracks)):
@@ -141,10 +184,10 @@ def _in_rhythm(seen: Array, time_s: Array, sure: NDArray[np.bool_], tracks: Sequ
 
 
 def _rhythm(time_s: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Of the steps (n,) of one device: the usual time between them there, (n,), and whether each follows and is
-    followed by another one about as soon as that.
+    """Return the usual step time (n,) around each step of one device, and mark steps whose neighbours keep to it.
 
-    The usual time is half of that of a stride, which is the same for both feet. Fewer than three steps are no rhythm.
+    The usual time is half the time of a stride, which is the same for both feet. Fewer than three steps have no
+    rhythm.
     """
     if len(time_s) < 3:
         return np.full(len(time_s), np.inf), np.zeros(len(time_s), dtype=np.bool_)
@@ -156,8 +199,7 @@ def _rhythm(time_s: Array) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _others_move(seen: Array, time_s: Array, tracks: Sequence[Track]) -> NDArray[np.bool_]:
-    """Whether a device that did not see a step was moving on its way to its next one, and may have missed it; after
-    its last pose it may have, too."""
+    """Mark steps that another device may have missed: it was moving towards its next step, or had ended."""
     moves = np.zeros(len(time_s), dtype=np.bool_)
     for number, one in enumerate(tracks):
         after = np.searchsorted(one.time_s, time_s)
@@ -167,7 +209,7 @@ def _others_move(seen: Array, time_s: Array, tracks: Sequence[Track]) -> NDArray
 
 
 def _is_walk(seen: Array, sure: NDArray[np.bool_], goes_on: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether a step is one of many that the same device saw alone, one after the other and in its rhythm."""
+    """Mark steps in a long series that the same device alone detected in its rhythm."""
     whose = np.where(sure | ~goes_on, -1, np.argmax(~np.isnan(seen), axis=1))
     borders = np.flatnonzero(np.diff(whose, prepend=-2, append=-2))
     runs = np.diff(borders)

@@ -1,11 +1,11 @@
-"""The track of the person from those of the devices on the body.
+"""Fuse the tracks of the devices on a body into the track of the person.
 
-Errors of devices on one body depend on each other in a way that their marginals do not tell: their tethers and the
-fixes are common. The tracks are therefore joined by covariance intersection (Julier and Uhlmann 1997) with equal
-weights, which is honest for any dependence: the information is the mean of theirs, so that a bad device has little
-say, and nothing is counted twice. Whose steps count is told in `person_steps`, what the heading is in
-`person_heading`. Both look a few steps ahead, so that the last rows of a walk that goes on may still change; the
-weights of the headings are those of the track that is given.
+Errors of devices on one body are correlated, because tethers and fixes are common, and their marginal covariances do
+not show by how much. The tracks are therefore fused by covariance intersection (Julier and Uhlmann 1997) with equal
+weights, which is consistent for any correlation: the information is the mean of the devices' information, so that an
+uncertain device has little weight and nothing is counted twice. `person.steps` selects the steps and `person.heading`
+fuses the headings. Both look a few steps ahead, so that the last rows of an unfinished walk may still change; heading
+weights depend on the whole given track.
 """
 
 from collections.abc import Sequence
@@ -24,9 +24,17 @@ NAME = "fused"
 
 
 def fuse(track: Track) -> Track:
-    """The track of the person, with device `NAME`, from the track of several devices: the start, then a row a step.
+    """Fuse the tracks of several devices into the track of the person.
 
-    A device has a say from its start to its last pose: one that comes later or stops earlier is left out elsewhere.
+    Parameters
+    ----------
+    track
+        Track of all devices. Each takes part from its first to its last pose only.
+
+    Returns
+    -------
+    Track
+        Track of the device `NAME`: a row for the start, then one for each step.
     """
     tracks = [track.of_device(device) for device in track.devices]
     begin_s = min(float(one.time_s[0]) for one in tracks)
@@ -57,15 +65,27 @@ def fuse(track: Track) -> Track:
 
 
 def at_lever_arm(track: Track, offset_m: tuple[float, float]) -> Track:
-    """The track of a device that sits offset_m, forward and left, from the centre of the body whose track it is."""
+    """Move the track of the body centre to the place of a device on the body.
+
+    Parameters
+    ----------
+    track
+        Track of the body centre.
+    offset_m
+        Position of the device relative to the body centre, forward and left, m.
+
+    Returns
+    -------
+    Track
+        Track of the device.
+    """
     if offset_m == (0.0, 0.0):
         return track
     return replace(track, position_m=track.position_m + rotate_vectors(np.array(offset_m), track.heading_rad))
 
 
 def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Covariance intersection with equal weights of the estimates (d, n, k) with covariances (d, n, k, k) that are
-    present (d, n)."""
+    """Fuse present (d, n) estimates (d, n, k) with covariances (d, n, k, k) by covariance intersection."""
     weights = present / present.sum(axis=0)
     information = weights[..., None, None] * np.linalg.inv(covariance + LEAST_VARIANCE * np.eye(mean.shape[-1]))
     joined = np.linalg.inv(information.sum(axis=0))
@@ -74,7 +94,7 @@ def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tu
 
 
 def _modes(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> NDArray[np.int8]:
-    """The carrying mode (n,) of the device that is surest of its heading, of those that are present (d, n)."""
+    """Return the carrying mode (n,) of the present device (d, n) with the smallest heading uncertainty."""
     sigma = np.array([float(np.mean(one.sigma_heading_rad)) for one in tracks])
     whose = np.argmin(np.where(present, sigma[:, None], np.inf), axis=0)
     rows = [np.minimum(np.searchsorted(one.time_s, time_s - SAME_S), len(one) - 1) for one in tracks]

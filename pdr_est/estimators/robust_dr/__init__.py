@@ -1,1 +1,1 @@
-"""Robust dr."""
+"""Robust dead reckoning: maximum a posteriori fusion of several devices on one body."""

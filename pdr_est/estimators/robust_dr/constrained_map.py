@@ -1,8 +1,12 @@
-"""Robust DR's maximum a posteriori fusion as pure geometry: positions of devices that a body holds together.
+"""Maximum a posteriori positions of tethered devices at one time, as in Robust DR.
 
 The paper maximises the product of the devices' Gaussian likelihoods, subject to a largest distance 2R between them
 (section IV-B). Here that is: minimise the sum over devices of (l - e)' S^-1 (l - e), e the estimate, S its
 covariance, subject to |l_a - l_b| <= 2R for each pair of devices, which is convex and has one solution.
+
+References
+----------
+Y. Jin et al., A Robust Dead-Reckoning Pedestrian Tracking System with Low Cost Sensors, section IV.
 """
 
 from collections.abc import Sequence
@@ -10,19 +14,39 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.robust_dr.interior_point import Tied, solve
+from pdr_est.estimators.robust_dr.slsqp import constrained_optimum
 from pdr_est.frames import Array
 
-_LEAST_VARIANCE = 1e-12  # over the largest of all; ours: a certain position cannot be weighed against another
+_LEAST_VARIANCE = 1e-12  # relative to the largest of all (our choice): an exactly known position has no finite weight
 _MOST_NEWTON = 100  # far more than the ten or so that it takes
 
 
 def closed_form(estimates_m: Array, max_distance_m: float) -> Array:
-    """Fused positions (2, 2) of two devices whose errors have the same size in all directions: eqs. 21-28.
+    """Fuse two devices whose errors have the same size in all directions.
 
-    estimates_m: (2, 2), of devices a and b; max_distance_m: 2R. Estimates within 2R stay as they are (the paper's
-    first case). Otherwise both move to R from the middle between them, on the line that connects them (eq. 28).
-    Raises EstimationError if a number is not finite or 2R not positive.
+    Estimates within the limit 2R stay as they are (the paper's first case). Otherwise both move to the distance R
+    from the middle between them, on the line that connects them (eq. 28).
+
+    Parameters
+    ----------
+    estimates_m
+        Estimated positions of both devices, (2, 2), m.
+    max_distance_m
+        Largest distance 2R between them, m.
+
+    Returns
+    -------
+    Array
+        Fused positions, (2, 2), m.
+
+    Raises
+    ------
+    EstimationError
+        If a number is not finite or the limit is not positive.
+
+    References
+    ----------
+    Jin et al., eqs. 21-28.
     """
     _check(estimates_m, np.array([max_distance_m]))
     a, b = estimates_m
@@ -36,23 +60,43 @@ def closed_form(estimates_m: Array, max_distance_m: float) -> Array:
 
 
 def general(estimates_m: Array, covariances_m2: Array, max_distance_m: float) -> Array:
-    """Fused positions (2, 2) of two devices of any covariances (2, 2, 2): eqs. 8-20.
+    """Fuse two devices with any covariances.
 
-    With q = l_b - l_a (eq. 8), eqs. 13 and 14 say that the sum of eq. 16 is zero, and give l_a for any q. Left is
-    eq. 15, the best direction phi of q. The paper calls the three linear, but phi stands in eqs. 15 and 20 as sine
-    and cosine. In the eigenvectors of S = S_a + S_b they come down to q_i = d_i / (1 + m s_i), d the distance
-    between the estimates, with one unknown: the multiplier m > 0 at which |q| = 2R. 1 / |q| is nearly linear in it,
-    and Newton's method on 1 / |q| = 1 / 2R climbs to the root from m = 0 without a way to fail.
+    With q = l_b - l_a (eq. 8), eqs. 13 and 14 say that the sum of eq. 16 is zero, and give l_a for any q. Eq. 15
+    remains, for the best direction phi of q. The paper calls the three linear, but phi enters eqs. 15 and 20 as sine
+    and cosine. In the eigenvectors of S = S_a + S_b they reduce to q_i = d_i / (1 + m s_i), where d is the difference
+    of the estimates, with one unknown: the multiplier m > 0 at which |q| = 2R. 1 / |q| is nearly linear and concave
+    in it, so that Newton's method on 1 / |q| = 1 / 2R rises to the root monotonically from m = 0.
 
-    A covariance without width in some direction is taken as if it had 1e-12 of the largest variance there. Raises
-    EstimationError if a number is not finite, 2R not positive, or a covariance not positive semi-definite.
+    Parameters
+    ----------
+    estimates_m
+        Estimated positions of both devices, (2, 2), m.
+    covariances_m2
+        Covariances of the estimates, (2, 2, 2), m^2; singular ones are changed as in `with_least_variance`.
+    max_distance_m
+        Largest distance 2R between them, m.
+
+    Returns
+    -------
+    Array
+        Fused positions, (2, 2), m.
+
+    Raises
+    ------
+    EstimationError
+        If a number is not finite, the limit is not positive, or a covariance is not positive semi-definite.
+
+    References
+    ----------
+    Jin et al., eqs. 8-20.
     """
     _check(estimates_m, np.array([max_distance_m]))
     a, b = estimates_m
     apart = b - a
     if np.hypot(*apart) <= max_distance_m:
         return estimates_m.copy()
-    of_a, of_b = with_width(covariances_m2)
+    of_a, of_b = with_least_variance(covariances_m2)
     variance, axes = np.linalg.eigh(of_a + of_b)
     along = axes.T @ apart
     multiplier = _multiplier(along, variance, max_distance_m)
@@ -63,9 +107,29 @@ def general(estimates_m: Array, covariances_m2: Array, max_distance_m: float) ->
 def general_many(
     estimates_m: Array, covariances_m2: Array, pairs: Sequence[tuple[int, int]], max_distance_m: Array
 ) -> Array:
-    """Fused positions (n, 2) of any number of devices, as `general`: the paper says only that it extends to them.
+    """Fuse any number of devices with any covariances; the paper says only that its method extends to them.
 
-    pairs: which devices are held together; max_distance_m: (len(pairs),) 2R of each. A device in no pair stays.
+    Parameters
+    ----------
+    estimates_m
+        Estimated positions of the devices, (n, 2), m.
+    covariances_m2
+        Covariances of the estimates, (n, 2, 2), m^2.
+    pairs
+        Indices of the devices of each tethered pair.
+    max_distance_m
+        Largest distance 2R of each pair, (len(pairs),), m.
+
+    Returns
+    -------
+    Array
+        Fused positions, (n, 2), m. A device without a tether keeps its estimate.
+
+    Raises
+    ------
+    EstimationError
+        If a number is not finite, a limit is not positive, a covariance is not positive semi-definite, or the
+        numerical optimisation for three devices or more does not converge.
     """
     _check(estimates_m, max_distance_m)
     a, b = (np.array([pair[end] for pair in pairs], dtype=np.int64) for end in (0, 1))
@@ -73,12 +137,28 @@ def general_many(
         return estimates_m.copy()
     if len(estimates_m) == 2:
         return general(estimates_m, covariances_m2, float(max_distance_m.min()))
-    return solve(estimates_m, with_width(covariances_m2), Tied(a, b, max_distance_m))
+    return constrained_optimum(estimates_m, with_least_variance(covariances_m2), pairs, max_distance_m)
 
 
-def with_width(covariances_m2: Array) -> Array:
-    """Covariances (n, 2, 2) of which none is without width, as `general` says."""
-    # What is left of a long walk's large variances off the diagonal has their rounding, not its own.
+def with_least_variance(covariances_m2: Array) -> Array:
+    """Raise variances along the principal axes to at least 1e-12 of the largest one, so that all can be inverted.
+
+    Parameters
+    ----------
+    covariances_m2
+        Positive semi-definite covariances, (n, 2, 2), m^2.
+
+    Returns
+    -------
+    Array
+        Positive definite covariances, (n, 2, 2), m^2.
+
+    Raises
+    ------
+    EstimationError
+        If a covariance is not finite, symmetric and positive semi-definite, or all are zero.
+    """
+    # After a long walk the elements off the diagonal carry the rounding errors of much larger variances.
     skew = np.abs(covariances_m2 - np.swapaxes(covariances_m2, 1, 2)).max(axis=(1, 2))
     rounding = 1e-9 * np.abs(covariances_m2).max(axis=(1, 2)) + 1e-12
     if not (np.isfinite(covariances_m2).all() and np.all(skew <= rounding)):
@@ -89,12 +169,12 @@ def with_width(covariances_m2: Array) -> Array:
         raise EstimationError(
             f"covariances with variances {variance.tolist()} m^2 cannot be weighed: give positive ones"
         )
-    widened: Array = (axes * np.maximum(variance, _LEAST_VARIANCE * largest)[:, None, :]) @ np.swapaxes(axes, 1, 2)
-    return widened
+    raised: Array = (axes * np.maximum(variance, _LEAST_VARIANCE * largest)[:, None, :]) @ np.swapaxes(axes, 1, 2)
+    return raised
 
 
 def _multiplier(along: Array, variance: Array, max_distance_m: float) -> float:
-    """The m > 0 at which along / (1 + m variance) is max_distance_m long."""
+    """Find the multiplier m > 0 at which along / (1 + m variance) has the length max_distance_m."""
     multiplier = 0.0
     for _ in range(_MOST_NEWTON):
         shrunk = along / (1.0 + multiplier * variance)
@@ -109,6 +189,7 @@ def _multiplier(along: Array, variance: Array, max_distance_m: float) -> float:
 
 
 def _check(estimates_m: Array, max_distance_m: Array) -> None:
+    """Refuse positions that are not finite and limits that are not positive."""
     if not np.isfinite(estimates_m).all():
         raise EstimationError(f"positions to fuse {estimates_m.tolist()}: all must be finite")
     if not np.all(max_distance_m > 0.0):
