@@ -39,7 +39,7 @@ class ProfileNote:
     """Date of the calibration."""
 
     distances_m: tuple[Positive, ...] = ()
-    """True lengths of the walks, m; empty when fixes told the scale."""
+    """True lengths of the walks, m; empty when the scale comes from fixes."""
 
 
 @params

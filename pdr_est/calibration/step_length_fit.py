@@ -259,6 +259,6 @@ def _scale_from_fixes_alone(
     sigma = math.inf if both <= prior else (both - prior) ** -0.5
     if sigma > _LARGEST_SIGMA_OF_FIXES:
         raise RecordingError(
-            f"{place}: its fixes hardly tell how long the steps are: give some farther apart, or the distance"
+            f"{place}: its fixes hardly determine the step length: give fixes farther apart, or the distance"
         )
     return (both * track.length_scale - prior) / (both - prior), sigma

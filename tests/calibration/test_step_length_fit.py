@@ -217,5 +217,5 @@ def test_an_estimator_without_fixes_cannot_tell_the_scale(simulated) -> None:
 
 def test_fixes_that_tell_nothing_are_refused(simulated) -> None:
     walks, fixes, _ = simulated
-    with pytest.raises(RecordingError, match="walk: its fixes hardly tell how long the steps are"):
+    with pytest.raises(RecordingError, match="walk: its fixes hardly determine the step length"):
         observe_fixes(walks, Config(), fixes[:1], "walk")

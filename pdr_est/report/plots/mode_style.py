@@ -109,7 +109,7 @@ def draw_strip(axes: Axes, runs: Iterable[ModeRun], axis: TimeAxis, row: int = 0
     row : int
         Number of the strip, from 0 at the bottom.
     device_colour : str
-        Colour of a dot to the left of the strip that tells its device; none for an empty string.
+        Colour of a dot to the left of the strip that shows its device; none for an empty string.
     """
     width_in, height_in = axes.bbox.transformed(axes.figure.dpi_scale_trans.inverted()).size
     bottom, height = 1.0 + (strips_height_in(row) + STRIP_GAP_IN) / height_in, STRIP_IN / height_in
