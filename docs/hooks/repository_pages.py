@@ -18,10 +18,15 @@ def on_files(files: Any, config: Any) -> Any:
 
     for name, source in PAGES.items():
         path = ROOT / source
-        files.append(File.generated(config, name, content=path.read_text(encoding="utf-8")))
+        files.append(File.generated(config, name, content=links_on_site(path.read_text(encoding="utf-8"))))
         for target in sorted(linked_pictures(path)):
             files.append(File.generated(config, target, content=(path.parent / target).read_bytes()))
     return files
+
+
+def links_on_site(text: str) -> str:
+    """Turn links to pages from the root of the repository into links between pages of the site."""
+    return text.replace("](docs/", "](").replace("](experiments/README.md)", "](papers.md)")
 
 
 def linked_pictures(page: Path) -> set[str]:
