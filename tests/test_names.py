@@ -10,17 +10,6 @@ PACKAGE = Path(__file__).resolve().parents[1] / "pdr_est"
 MODULES = {str(path.relative_to(PACKAGE)): ast.parse(path.read_text("utf-8")) for path in PACKAGE.rglob("*.py")}
 INTERFACES = {"sniff", "read_source", "estimate"}  # the same function of every format and of every estimator
 FACADE = "public_api.py"  # passes on what others define
-# To become empty.
-STILL_SHARED = {"in_time_order", "solve", "track_of"}
-STILL_FRAGMENTS = {
-    "estimators/built_in.py",
-    "estimators/fixed_lag/window.py",
-    "estimators/fixed_lag/window_prior.py",
-    "estimators/person/steps.py",
-    "estimators/robust_dr/fusion.py",
-    "estimators/robust_dr/interior_point.py",
-    "estimators/spec.py",
-}
 FRAGMENTS = ("Of ", "What ", "Whether ", "How ", "Where ", "Which ", "Whose ", "Those ", "That ")
 
 
@@ -31,7 +20,7 @@ def test_no_two_public_classes_or_functions_share_a_name() -> None:
             if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
                 places[node.name].append(module)
     shared = {name: found for name, found in places.items() if len(found) > 1 and name not in INTERFACES}
-    assert {name: found for name, found in shared.items() if name not in STILL_SHARED} == {}
+    assert shared == {}
 
 
 @pytest.mark.parametrize("module", sorted(MODULES))
@@ -43,7 +32,7 @@ def test_no_docstring_begins_as_a_fragment(module: str) -> None:
     ]
     openings = [(ast.get_docstring(node) or "").split("\n")[0] for node in nodes]
     found = [opening for opening in openings if opening.startswith(FRAGMENTS)]
-    assert found == [] or module in STILL_FRAGMENTS
+    assert found == []
 
 
 @pytest.mark.parametrize("module", sorted(MODULES))

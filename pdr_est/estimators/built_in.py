@@ -78,7 +78,7 @@ def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measureme
 
 @dataclass(frozen=True)
 class _Walk:
-    """What the estimators of the package start from."""
+    """Inputs that the estimators of the package share."""
 
     timelines: Sequence[Timeline]
     tethers: Sequence[DeviceTether]

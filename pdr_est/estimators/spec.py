@@ -1,4 +1,4 @@
-"""What an estimator is and what it can do: the contract, and the record of its abilities.
+"""Define the contract of an estimator, and the record of its abilities.
 
 Whoever has to know what an estimator can do reads its `EstimatorSpec`; nobody compares names.
 """

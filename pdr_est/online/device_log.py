@@ -10,7 +10,7 @@ from pdr_est.online.start_and_fixes import StartAndFixes
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 
 Fixes = Sequence[PositionFix]
-"""Position fixes as ordered by `in_time_order`."""
+"""Position fixes as ordered by `sort_fixes`."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from pdr_est.estimators.common.initial_state import StartPrior, closing_fix, device_starts, start_prior_from
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.common.motion_model import GaussianState
-from pdr_est.estimators.common.nodes import in_time_order
+from pdr_est.estimators.common.nodes import sort_fixes
 from pdr_est.types.measurements import PositionFix, StartPose
 
 
@@ -26,7 +26,7 @@ class StartAndFixes:
     Attributes
     ----------
     fixes
-        Remembered fixes, with the covariance of a share, as ordered by `in_time_order`.
+        Remembered fixes, with the covariance of a share, as ordered by `sort_fixes`.
     last_fix_s
         Time of the latest fix.
     latency_s
@@ -82,7 +82,7 @@ class StartAndFixes:
     def share_among(self, devices: int) -> None:
         """Divide the information of each fix equally among a number of devices."""
         self._devices = devices
-        ordered = in_time_order(self._given)
+        ordered = sort_fixes(self._given)
         self.fixes = tuple(replace(fix, covariance_m2=fix.covariance_m2 * devices) for fix in ordered)
 
     def forget(self, before_s: float, most: int) -> None:

@@ -130,7 +130,7 @@ class NodeBuilder:
         number
             Number of the step; 0 returns the single node of the start.
         fixes
-            Position fixes, as ordered by `in_time_order`.
+            Position fixes, as ordered by `sort_fixes`.
         split_times_s
             Ascending times at which a node is wanted.
         known_until_s
@@ -181,7 +181,7 @@ class NodeBuilder:
                 del self._priors[number]
 
 
-def in_time_order(fixes: Iterable[PositionFix]) -> tuple[PositionFix, ...]:
+def sort_fixes(fixes: Iterable[PositionFix]) -> tuple[PositionFix, ...]:
     """Sort fixes by time, those of equal time with the last given first: the order in which estimators use them."""
     latest_first = sorted(fixes, key=_time_of, reverse=True)
     return tuple(reversed(latest_first))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
-from pdr_est.estimators.common.nodes import SAME_S, Node, NodeBuilder, in_time_order
+from pdr_est.estimators.common.nodes import SAME_S, Node, NodeBuilder, sort_fixes
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, LoopClosure, Measurement, PositionFix, StepOdometry
 from pdr_est.types.track import Track
@@ -87,7 +87,7 @@ def build_timeline(
         builder.append(step)
     for prior in priors:
         builder.append(prior)
-    ordered, splits = in_time_order(fixes), sorted(split_times_s)
+    ordered, splits = sort_fixes(fixes), sorted(split_times_s)
     nodes = [node for number in range(builder.count + 1) for node in builder.nodes_of(number, ordered, splits)]
     closure_sigma_m = min((closure.sigma_m for closure in closures), default=None)
     return Timeline(device, tuple(nodes), closure_sigma_m)

@@ -13,7 +13,7 @@ from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.estimators.factor_graph.keys import GraphKeys
-from pdr_est.estimators.factor_graph.smoother import pose_marginals, run_gtsam, solve, track_of
+from pdr_est.estimators.factor_graph.smoother import pose_marginals, run_gtsam, solve, track_from_solution
 from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem
 from pdr_est.frames import Array
 from pdr_est.types.measurements import (
@@ -115,7 +115,7 @@ class WalkGraph:
         if self._sigma_length_scale > 0.0 and not problem.scale_is_observable:
             scales = problem.prior_scales(at, self.length_scales, self._sigma_length_scale)
         pose, covariance = run_gtsam(lambda: pose_marginals(problem, whole, at), self.keys.poses)
-        return track_of(problem, pose, covariance + scales.pose_covariance, scales)
+        return track_from_solution(problem, pose, covariance + scales.pose_covariance, scales)
 
 
 def build_graph(

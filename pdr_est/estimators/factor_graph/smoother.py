@@ -71,7 +71,7 @@ def estimate(
         return scales, pose, covariance
 
     scales, pose, covariance = run_gtsam(work, problem.keys.poses)
-    return track_of(problem, pose, covariance + scales.pose_covariance, scales)
+    return track_from_solution(problem, pose, covariance + scales.pose_covariance, scales)
 
 
 def solve(
@@ -125,7 +125,7 @@ def pose_marginals(
     return pose, rotation @ own @ rotation.transpose(0, 2, 1)
 
 
-def track_of(problem: SmoothingProblem, pose: Array, covariance: Array, scales: LengthScales) -> Track:
+def track_from_solution(problem: SmoothingProblem, pose: Array, covariance: Array, scales: LengthScales) -> Track:
     """Make the track of all devices from poses (n, 3) and their covariances (n, 3, 3) in the map frame."""
     tracks = []
     for d, (timeline, first) in enumerate(zip(problem.timelines, problem.keys.first, strict=True)):

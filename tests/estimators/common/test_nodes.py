@@ -9,7 +9,7 @@ from estimator_walks import DEVICE, STEP_S, fix, heading_prior, step, straight
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pdr_est.estimators.common.nodes import Node, NodeBuilder, in_time_order
+from pdr_est.estimators.common.nodes import Node, NodeBuilder, sort_fixes
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 
@@ -44,7 +44,7 @@ def test_one_step_at_a_time_gives_the_nodes_of_the_whole_walk(
         builder.append(one)
     for prior in priors:
         builder.append(prior)
-    ordered, splits = in_time_order(fixes), sorted(splits_s)
+    ordered, splits = sort_fixes(fixes), sorted(splits_s)
     nodes = [builder.nodes_of(number, ordered, splits) for number in range(13)]
     for number in range(4, 13):  # numbers stay when steps are forgotten
         builder.forget(number - 1)
@@ -71,7 +71,7 @@ def test_fixes_after_the_last_step_wait_until_it_is_known_that_the_walker_stands
     builder = NodeBuilder(0.0)
     for one in straight(2):
         builder.append(one)
-    fixes = in_time_order(fix(k / STEP_S, 0.0, 0.0) for k in (1.2, 1.6, 9.0))
+    fixes = sort_fixes(fix(k / STEP_S, 0.0, 0.0) for k in (1.2, 1.6, 9.0))
     assert len(builder.standing_fixes(2, fixes, known_until_s)) == expected
     (node,) = builder.nodes_of(2, fixes, (), known_until_s)
     assert len(node.fixes) == expected
@@ -82,7 +82,7 @@ def test_fixes_after_the_last_step_wait_until_it_is_known_that_the_walker_stands
 def test_fixes_of_one_time_are_used_in_the_same_order_offline_and_online() -> None:
     fixes = [fix(1, float(k), 0.0) for k in range(3)]
     (_, node) = build_timeline(DEVICE, 0.0, [step(1), *fixes]).nodes
-    assert node.fixes == in_time_order(fixes)
+    assert node.fixes == sort_fixes(fixes)
     assert [one.position_m[0] for one in node.fixes] == [2.0, 1.0, 0.0]
 
 
