@@ -5,8 +5,8 @@ import numpy as np
 from pdr_est.estimators.common.initial_state import start_prior
 from pdr_est.estimators.common.motion_model import GaussianState, reckon
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
+from pdr_est.estimators.kalman.offline_filter import FilteredSegment, run_filter
 from pdr_est.estimators.kalman.rts_smoother import smooth
-from pdr_est.estimators.kalman.walk_filter import FilteredSegment, run_filter
 from pdr_est.types.measurements import StartPose
 from pdr_est.types.track import Track
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.run_lengths import label_runs
+from pdr_est.label_runs import label_runs
 from pdr_est.types.ground_truth import TrueModes
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, Step

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import PairTether
-from pdr_est.estimators.kalman.walk_step import WalkFilterState
+from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState
 from pdr_est.online.device_log import PendingNode
 
 _NEAR = 50  # records within which all nodes of a step are found

@@ -1,7 +1,7 @@
 """Multi-device EKF that rewinds and replays out-of-sequence measurements.
 
-Its steps are those of the offline filter (`estimators/kalman/walk_step.py`); waiting, rewinding and forgetting are
-added here.
+Its steps are those of the offline filter (`estimators/kalman/joint_filter_step.py`); waiting, rewinding and forgetting
+are added here.
 """
 
 from bisect import bisect_left
@@ -12,7 +12,7 @@ from math import inf, nextafter
 from pdr_est.estimators.common.nodes import SAME_S
 from pdr_est.estimators.common.tether_schedule import TetherSchedule
 from pdr_est.estimators.common.tethers import PairTether, TetherParams
-from pdr_est.estimators.kalman.walk_step import WalkFilterState, WalkStepper
+from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
 from pdr_est.online.device_log import DeviceLog, PendingNode, queue_nodes, release_steps
 from pdr_est.online.filter_history import FilterRecord, OnlineState, last_states, tethered_devices, whole_steps
 from pdr_est.online.params import OnlineParams

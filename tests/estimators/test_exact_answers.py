@@ -7,7 +7,7 @@ from least_squares import solve, solve_linear
 
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.kalman import ekf, rts_smoother
-from pdr_est.estimators.kalman.walk_filter import run_filter
+from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 

@@ -9,7 +9,7 @@ from least_squares import solve
 
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.kalman import rts_smoother
-from pdr_est.estimators.kalman.walk_filter import run_filter
+from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import HeadingPrior, Measurement, StartPose
 

@@ -17,8 +17,8 @@ from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.factor_graph.deep_stack import LARGE_STACK_POSES, with_large_stack
 from pdr_est.estimators.factor_graph.initial_values import initial_states
+from pdr_est.estimators.factor_graph.large_stack_thread import LARGE_STACK_POSES, with_large_stack
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTLY

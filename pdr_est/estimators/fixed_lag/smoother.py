@@ -19,7 +19,7 @@ from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow, Limit
-from pdr_est.estimators.kalman.walk_filter import FilteredSegment, FilteredWalk, filter_walk
+from pdr_est.estimators.kalman.offline_filter import FilteredSegment, FilteredWalk, filter_walk
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate

@@ -7,7 +7,7 @@ import numpy as np
 from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.kalman.walk_filter import filter_walk
+from pdr_est.estimators.kalman.offline_filter import filter_walk
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
 

@@ -16,8 +16,8 @@ from pdr_est.estimators.common.motion_model import (
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.multi_device_ekf import rows_of
-from pdr_est.estimators.kalman.walk_filter import FilteredSegment, JointPosterior, filter_walk
+from pdr_est.estimators.kalman.offline_filter import FilteredSegment, JointPosterior, filter_walk
+from pdr_est.estimators.kalman.predict_and_update import rows_of
 from pdr_est.types.measurements import StartPose
 
 

@@ -41,8 +41,8 @@ from pdr_est.front_end.signal.event_detection import RefractoryPeriod, local_max
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.steps.mode_transition import StepFrequency, TransitionCompensation
 from pdr_est.front_end.steps.sample_buffer import SampleBuffer
+from pdr_est.label_runs import label_runs
 from pdr_est.params import NonNegative, Positive, params
-from pdr_est.run_lengths import label_runs
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 

@@ -13,11 +13,11 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from pdr_est.frames import Array
+from pdr_est.label_runs import label_runs
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.time_axis import TimeAxis
-from pdr_est.run_lengths import label_runs
 from pdr_est.types.steps import CarryingMode
 
 STRIP_IN, STRIP_GAP_IN = 0.16, 0.05  # height of a strip, and the room below it

@@ -4,9 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from pdr_est.frames import Array
+from pdr_est.label_runs import label_runs
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.mode_style import MODE_DASHES
-from pdr_est.run_lengths import label_runs
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 

@@ -7,7 +7,7 @@ from estimator_walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, s
 from pdr_est.estimators import ESTIMATORS, EstimatorName
 from pdr_est.estimators.common.initial_state import late_start_donor
 from pdr_est.estimators.common.timeline import build_timeline
-from pdr_est.estimators.kalman.walk_filter import run_filter
+from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.frames import Array, rotation_matrix, wrap_angle
 from pdr_est.types.measurements import Measurement, PositionFix, StartPose
 

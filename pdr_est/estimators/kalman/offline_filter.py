@@ -11,9 +11,9 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import SAME_S, Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_step import DeviceFilterState, with_open_heading
-from pdr_est.estimators.kalman.multi_device_ekf import rows_of
-from pdr_est.estimators.kalman.walk_step import WalkFilterState, WalkStepper
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, with_open_heading
+from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
+from pdr_est.estimators.kalman.predict_and_update import rows_of
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 

@@ -7,7 +7,7 @@ from estimator_walks import DEVICE, fix, heading_prior, simulate, winding
 from pdr_est.estimators.common.motion_model import GaussianState, advance, linearise, move, reckon, retreat
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.kalman import ekf, rts_smoother
-from pdr_est.estimators.kalman.walk_filter import run_filter
+from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.types.measurements import StartPose
 
 

@@ -12,7 +12,7 @@ from pdr_est.estimators.common.initial_state import StartPrior, prior_after_lost
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.kalman.heading_search import HeadingSearch, search_heading
-from pdr_est.estimators.kalman.multi_device_ekf import MultiDeviceEkf
+from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.frames import Array
 
 HEADING_RESET_VARIANCE_RAD2 = 0.25

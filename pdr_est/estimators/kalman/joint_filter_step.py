@@ -1,7 +1,7 @@
 """Step of the filter of a whole walk: every device by itself, and all devices in one joint state.
 
-The offline filter (`walk_filter.py`) is a fold of these steps over all nodes; the online filter takes the same steps
-and can return to any earlier state, because a state is never changed in place.
+The offline filter (`offline_filter.py`) is a fold of these steps over all nodes; the online filter takes the same
+steps and can return to any earlier state, because a state is never changed in place.
 """
 
 from collections.abc import Sequence
@@ -13,8 +13,8 @@ from pdr_est.estimators.common.initial_state import StartPrior, late_start_donor
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
-from pdr_est.estimators.kalman.device_step import DeviceFilterState, restart_device, start_device, step_device
-from pdr_est.estimators.kalman.multi_device_ekf import MultiDeviceEkf, rows_of
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, restart_device, start_device, step_device
+from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf, rows_of
 from pdr_est.frames import Array
 
 Tether = TypeVar("Tether", NodeTether, PairTether)
