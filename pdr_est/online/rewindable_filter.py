@@ -1,7 +1,7 @@
 """Multi-device EKF that rewinds and replays out-of-sequence measurements.
 
-Its steps are those of the offline filter (`estimators/kalman/joint_filter_step.py`); waiting, rewinding and forgetting
-are added here.
+Its steps are those of the offline filter (`estimators/kalman/joint_filter_step.py`); waiting, rewinding and
+forgetting are added here.
 """
 
 from bisect import bisect_left
