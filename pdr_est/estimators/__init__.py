@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, get_args
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.built_in import SPECS, BuiltInEstimator, EstimatorSettings, timelines_of
-from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.built_in import SPECS, BuiltInEstimator, EstimatorSettings
+from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams
 from pdr_est.estimators.spec import Estimator, EstimatorSpec, OnlineEstimator, OnlineFilter, OnlinePose

@@ -1,16 +1,16 @@
 """The estimators of the package in one table: what each can do, and how it is called."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from pdr_est.estimators import dead_reckoning
-from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.kalman import ekf
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
 from pdr_est.estimators.spec import EstimatorSpec
-from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, PositionFix, StartPose
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
 
 
@@ -55,25 +55,6 @@ class BuiltInEstimator:
         """Estimate the track of every device, as the contract says."""
         walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings)
         return _CALLS[self.spec.name](walk)
-
-
-def timelines_of(devices: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether] = ()) -> list[Timeline]:
-    """Put the measurements of each device in order of time, with a node at the time of each tether.
-
-    A position fix among the measurements of n devices is one piece of knowledge about one walker: each device gets it
-    with n times its covariance.
-    """
-    split_times_s = sorted({tether.time_s for tether in tethers})
-    return [
-        build_timeline(one.device, one.start_s, _shared(one.measurements, len(devices)), split_times_s)
-        for one in devices
-    ]
-
-
-def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measurement]:
-    return [
-        replace(m, covariance_m2=m.covariance_m2 * devices) if isinstance(m, PositionFix) else m for m in measurements
-    ]
 
 
 @dataclass(frozen=True)

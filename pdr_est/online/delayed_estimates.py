@@ -5,7 +5,7 @@ from math import inf
 
 from pdr_est.estimators.common.tethers import PairTether
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow, Limit
+from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow
 from pdr_est.online.filter_history import FilterRecord, OnlineState
 
 
@@ -81,13 +81,12 @@ class DelayedEstimates:
         if not smoothed:
             return []
         joint = state.walk.joint_state()
-        limits = tuple(Limit(one.device_a, one.device_b, one.max_distance_m, one.sigma_m) for one in tethers)
         found = self._window.push(
             FilteredNode(
                 device,
                 record.pending.node,
                 record.entered,
-                limits,
+                tuple(tethers),
                 joint.mean,
                 joint.covariance,
                 record.after.walk.present,

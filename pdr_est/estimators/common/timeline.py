@@ -3,18 +3,26 @@
 All estimators work on the same timeline, so that their results can be compared number by number.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.common.nodes import SAME_S, Node, NodeBuilder, sort_fixes
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.types.measurements import HeadingPrior, LoopClosure, Measurement, PositionFix, StepOdometry
+from pdr_est.types.measurements import (
+    DeviceMeasurements,
+    DeviceTether,
+    HeadingPrior,
+    LoopClosure,
+    Measurement,
+    PositionFix,
+    StepOdometry,
+)
 from pdr_est.types.track import Track
 
-__all__ = ["SAME_S", "Node", "Timeline", "build_timeline", "track_from_nodes"]
+__all__ = ["SAME_S", "Node", "Timeline", "build_timeline", "timelines_of", "track_from_nodes"]
 
 
 @dataclass(frozen=True)
@@ -91,6 +99,39 @@ def build_timeline(
     nodes = [node for number in range(builder.count + 1) for node in builder.nodes_of(number, ordered, splits)]
     closure_sigma_m = min((closure.sigma_m for closure in closures), default=None)
     return Timeline(device, tuple(nodes), closure_sigma_m)
+
+
+def timelines_of(
+    devices: Sequence[DeviceMeasurements],
+    tethers: Iterable[DeviceTether] = (),
+    pose_times_s: Iterable[float] = (),
+) -> list[Timeline]:
+    """Build the timeline of each device, with a node at the time of each tether.
+
+    A position fix among the measurements of n devices is one piece of knowledge about one walker: each device gets it
+    with n times its covariance.
+
+    Parameters
+    ----------
+    devices
+        Measurements of each device.
+    tethers
+        Tethers between the devices.
+    pose_times_s
+        Further times at which each device gets a node, s.
+    """
+    split_times_s = sorted({*(tether.time_s for tether in tethers), *pose_times_s})
+    return [
+        build_timeline(one.device, one.start_s, _shared(one.measurements, len(devices)), split_times_s)
+        for one in devices
+    ]
+
+
+def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measurement]:
+    """Return measurements with the share of one device in each position fix."""
+    return [
+        replace(m, covariance_m2=m.covariance_m2 * devices) if isinstance(m, PositionFix) else m for m in measurements
+    ]
 
 
 def track_from_nodes(

@@ -10,7 +10,7 @@ import numpy as np
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.tethers import node_tethers_between
-from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.common.timeline import timelines_of
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.estimators.factor_graph.smoother import pose_marginals, run_gtsam, solve, track_from_solution
@@ -159,8 +159,9 @@ def build_graph(
         For measurements that are out of order or without steps, for tethers that do not fit the devices, and if the
         optimum is asked for and is not unique.
     """
-    times_s = sorted({*(tether.time_s for tether in tethers), *pose_times_s})
-    timelines = _timelines(_devices(measurements), tuple(fixes), times_s)
+    given = tuple(fixes)
+    devices = [replace(one, measurements=(*one.measurements, *given)) for one in _devices(measurements)]
+    timelines = timelines_of(devices, tethers, pose_times_s)
     starts, node_tethers = starts_of(timelines, start), node_tethers_between(timelines, tethers)
     initial = initial_states(timelines, node_tethers, starts, sigma_length_scale)
     problem = SmoothingProblem(timelines, node_tethers, starts, initial)
@@ -188,20 +189,6 @@ def _devices(measurements: Sequence[DeviceMeasurements] | Sequence[Measurement])
         )
     single = tuple(one for one in measurements if not isinstance(one, DeviceMeasurements))
     return [DeviceMeasurements(steps[0].device, steps[0].start_s, single)]
-
-
-def _timelines(
-    devices: Sequence[DeviceMeasurements], fixes: tuple[PositionFix, ...], times_s: Sequence[float]
-) -> list[Timeline]:
-    """Build the timeline of each device, which gets its share of the information of each fix."""
-    timelines = []
-    for one in devices:
-        shared = [
-            replace(m, covariance_m2=m.covariance_m2 * len(devices)) if isinstance(m, PositionFix) else m
-            for m in (*one.measurements, *fixes)
-        ]
-        timelines.append(build_timeline(one.device, one.start_s, shared, times_s))
-    return timelines
 
 
 def _without_auxiliary(problem: SmoothingProblem, values: gtsam.Values) -> gtsam.Values:

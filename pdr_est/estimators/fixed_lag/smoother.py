@@ -18,7 +18,7 @@ from pdr_est.estimators.common.motion_model import reckon
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow, Limit
+from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, FilteredWalk, filter_walk
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
@@ -79,15 +79,11 @@ def _filtered_nodes(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterat
     for posterior in walk.posteriors:
         device, node = posterior.touched[0]
         present |= {device}
-        limits = tuple(
-            Limit(node_tether.device_a, node_tether.device_b, node_tether.max_distance_m, node_tether.sigma_m)
-            for node_tether in posterior.node_tethers
-        )
         yield FilteredNode(
             device,
             timelines[device].nodes[node],
             posterior.entered,
-            limits,
+            posterior.node_tethers,
             posterior.mean,
             posterior.covariance,
             present,

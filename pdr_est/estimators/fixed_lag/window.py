@@ -10,6 +10,7 @@ import numpy as np
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
+from pdr_est.estimators.common.tethers import NodeTether, PairTether
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, add_measurements, displacement, motion_noise
 from pdr_est.estimators.factor_graph.marginals import to_map
@@ -30,24 +31,6 @@ _ITERATIONS = 3  # additional ones after adding a tether, and at the end
 
 
 @dataclass(frozen=True)
-class Limit:
-    """Largest distance between two devices.
-
-    Attributes
-    ----------
-    device_a, device_b : int
-        Indices of the devices.
-    max_distance_m, sigma_m : float
-        Largest distance and its standard deviation, m.
-    """
-
-    device_a: int
-    device_b: int
-    max_distance_m: float
-    sigma_m: float
-
-
-@dataclass(frozen=True)
 class FilteredNode:
     """Result of the joint EKF at a node.
 
@@ -59,7 +42,7 @@ class FilteredNode:
         Node of this device.
     entered : GaussianState or None
         State with which the device entered the filter here; None if it moved on from its previous node.
-    limits : tuple[Limit, ...]
+    tethers : tuple of NodeTether or of PairTether
         Tethers to be applied at this time.
     mean : Array
         Posterior mean of all d devices, (5 d,).
@@ -72,7 +55,7 @@ class FilteredNode:
     device: int
     node: Node
     entered: GaussianState | None
-    limits: tuple[Limit, ...]
+    tethers: tuple[NodeTether, ...] | tuple[PairTether, ...]
     mean: Array
     covariance: Array
     present: frozenset[int]
@@ -218,7 +201,7 @@ class _Graph:
             key = self._poses[item.device]
         self._keys.append(key)
         self._update(graph, values)
-        self._add_active_tethers(item.limits)
+        self._add_active_tethers(item.tethers)
 
     def pose_of(self, item: FilteredNode, waiting: int) -> LaggedPose:
         """Return the pose of an item, the first of `waiting` ones, with the part of the covariance from the scale."""
@@ -269,16 +252,16 @@ class _Graph:
         for factor in prior_factors(known, keys, references):
             graph.add(factor)
 
-    def _add_active_tethers(self, limits: Sequence[Limit]) -> None:
-        for limit in limits:
-            a, b = self._poses.get(limit.device_a), self._poses.get(limit.device_b)
+    def _add_active_tethers(self, tethers: Sequence[NodeTether | PairTether]) -> None:
+        for tether in tethers:
+            a, b = self._poses.get(tether.device_a), self._poses.get(tether.device_b)
             if a is None or b is None:
                 continue
             between = self._smoother.calculateEstimatePose2(a).between(self._smoother.calculateEstimatePose2(b))
-            if np.hypot(between.x(), between.y()) > limit.max_distance_m:
-                noise = gtsam.noiseModel.Isotropic.Sigma(1, max(limit.sigma_m, MIN_SIGMA))
+            if np.hypot(between.x(), between.y()) > tether.max_distance_m:
+                noise = gtsam.noiseModel.Isotropic.Sigma(1, max(tether.sigma_m, MIN_SIGMA))
                 graph = gtsam.NonlinearFactorGraph()
-                graph.add(gtsam.RangeFactorPose2(a, b, limit.max_distance_m, noise))
+                graph.add(gtsam.RangeFactorPose2(a, b, tether.max_distance_m, noise))
                 self._update(graph, gtsam.Values())
                 self.iterate()
 
