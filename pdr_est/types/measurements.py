@@ -7,11 +7,35 @@ front end.
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from pdr_est.frames import Array
 from pdr_est.types.steps import CarryingMode
 
 LATE_START_S = 5.0
 """A device that starts recording at most this long after another is taken to start at the same place (our choice)."""
+
+
+@dataclass(frozen=True)
+class TurnHypothesis:
+    """One possible heading change of a step before which the phone was put elsewhere on the body.
+
+    Attributes
+    ----------
+    probability
+        Probability of the hypothesis before any other measurement; those of a step add up to 1.
+    heading_change_rad
+        Heading change since the previous step, rad, counter-clockwise.
+    sigma_rad
+        Standard deviation of the heading change, rad.
+    origin
+        What suggests it, in words, such as "straight on" or "principal axis".
+    """
+
+    probability: float
+    heading_change_rad: float
+    sigma_rad: float
+    origin: str
 
 
 @dataclass(frozen=True)
@@ -38,6 +62,10 @@ class StepOdometry:
         Carrying mode of the device.
     observed
         False for the odometry that bridges a gap in the recording.
+    turn_hypotheses
+        Possible heading changes of a step before which the phone was put elsewhere; empty for any other step.
+        `heading_change_rad` and `covariance` are then their mean and covariance, for estimators that take no notice
+        of hypotheses.
     """
 
     device: str
@@ -48,6 +76,7 @@ class StepOdometry:
     covariance: Array
     mode: CarryingMode = CarryingMode.UNKNOWN
     observed: bool = True
+    turn_hypotheses: tuple[TurnHypothesis, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -83,6 +112,10 @@ class HeadingPrior:
 class PositionFix:
     """Known position in the map frame.
 
+    The error of a fix has two parts. One is independent from fix to fix. The other wanders slowly and is common to
+    the fixes of one source: divided by its standard deviation, it is a first-order Gauss-Markov process in each
+    coordinate.
+
     Attributes
     ----------
     time_s
@@ -90,11 +123,15 @@ class PositionFix:
     position_m
         (2,) east and north, m.
     covariance_m2
-        (2, 2) covariance of the position, m².
+        (2, 2) covariance of the independent part of the error, m².
     source
-        Origin of the fix in words, such as "waypoint" or "gps".
+        Origin of the fix in words, such as "waypoint" or "gps"; the wandering error is common to a source.
     robust
         True for a position that may be an outlier and is weighted by a robust kernel.
+    sigma_wander_m
+        Standard deviation of the wandering part at this fix in each coordinate, m; 0 for a source without one.
+    wander_time_s
+        Correlation time of the wandering part, s.
     """
 
     time_s: float
@@ -102,6 +139,13 @@ class PositionFix:
     covariance_m2: Array
     source: str = "waypoint"
     robust: bool = False
+    sigma_wander_m: float = 0.0
+    wander_time_s: float = 60.0
+
+    @property
+    def total_covariance_m2(self) -> Array:
+        """Covariance (2, 2) of both parts of the error, m²."""
+        return np.asarray(self.covariance_m2) + self.sigma_wander_m**2 * np.eye(2)
 
 
 @dataclass(frozen=True)

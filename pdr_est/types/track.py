@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pdr_est.frames import Array
 from pdr_est.types import track_table
+from pdr_est.types.findings import Finding
 
 if TYPE_CHECKING:
     import pandas
@@ -62,6 +63,8 @@ class Track:
         Name of the estimator.
     length_scale, sigma_length_scale
         Estimated ratio of the walker's step length to that of the step-length model, and its standard deviation.
+    findings
+        What does not fit among the measurements, and what the estimator chose.
     """
 
     time_s: Array
@@ -77,6 +80,7 @@ class Track:
     estimator: str
     length_scale: float = 1.0
     sigma_length_scale: float = 0.0
+    findings: tuple[Finding, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -235,8 +239,9 @@ def bracketing_poses(
 
 
 def concatenate(tracks: Sequence[Track]) -> Track:
-    """Join the tracks of several devices; kind, estimator and length scale are those of the first."""
+    """Join the tracks of several devices and their findings; the other properties are those of the first track."""
     columns: dict[str, Any] = {
         name: np.concatenate([getattr(track, name) for track in tracks]) for name in _POSE_FIELDS
     }
-    return replace(tracks[0], **columns)
+    findings = tuple(dict.fromkeys(finding for track in tracks for finding in track.findings))
+    return replace(tracks[0], **columns, findings=findings)

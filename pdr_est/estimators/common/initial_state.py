@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, GaussianState
+from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, STATES, GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.types.measurements import LATE_START_S, PositionFix, StartPose
@@ -56,7 +56,7 @@ def start_prior(timeline: Timeline, start: StartPose, sigma_length_scale: float)
     start
         Start pose as far as it is known.
     sigma_length_scale
-        Standard deviation of the walker's length scale around 1.
+        Standard deviation of the walker's length scale around 1, over the scale.
     """
     first = next((fix for node in timeline.nodes for fix in node.fixes), None)
     return start_prior_from(first, timeline.observes_heading, start, sigma_length_scale)
@@ -78,7 +78,7 @@ def start_prior_from(
     """
     position_open = start.position_m is None and first_fix is not None
     heading_open = start.heading_rad is None and heading_observed
-    mean = np.array([0.0, 0.0, 0.0, 1.0, 0.0])
+    mean = np.zeros(STATES)
     sigma = np.array([0.0, 0.0, 0.0, sigma_length_scale, VAGUE_SIGMA_RAD])
     if start.position_m is not None:
         mean[:2], sigma[:2] = start.position_m, start.sigma_position_m

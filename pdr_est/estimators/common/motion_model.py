@@ -1,13 +1,14 @@
 """Motion model of all estimators: a pose, the walker's length scale, and the reference direction of headings.
 
-The state (5,) of a device holds east m, north m, heading rad, length scale (true over modelled step length), and the
-direction in the map from which relative heading priors count, rad. The motion to a node changes it by
-x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in the convention of the map frame.
+The state (5,) of a device holds east m, north m, heading rad, the logarithm of the length scale (true over modelled
+step length, which is thus positive), and the direction in the map from which relative heading priors count, rad. The
+motion to a node changes it by x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in the convention of the map
+frame.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin, sqrt
+from math import cos, exp, sin, sqrt
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from pdr_est.frames import Array
 STATES = 5
 """Number of states of a device."""
 
-LENGTH_SCALE = 3
-"""Index of the length scale in the state of a device."""
+LOG_SCALE = 3
+"""Index of the logarithm of the length scale in the state of a device."""
 
 JITTER_VARIANCE = 1e-12
 """Variance far below all that matters; it keeps matrices regular where parts of a state are known exactly."""
@@ -41,17 +42,18 @@ class GaussianState:
 
     @property
     def length_scale(self) -> tuple[float, float]:
-        """Return the length scale of the first device and its standard deviation."""
-        variance = float(self.covariance[LENGTH_SCALE, LENGTH_SCALE])
-        return float(self.mean[LENGTH_SCALE]), sqrt(max(variance, 0.0))
+        """Return the length scale of the first device and its standard deviation, to first order."""
+        variance = float(self.covariance[LOG_SCALE, LOG_SCALE])
+        scale = exp(float(self.mean[LOG_SCALE]))
+        return scale, scale * sqrt(max(variance, 0.0))
 
 
 def move(state: Array, node: Node) -> Array:
     """Return the state (5,) after the motion that leads to a node."""
-    x, y, heading, scale, reference = state
+    x, y, heading, log_scale, reference = state
     heading = heading + node.heading_change_rad
-    length = scale * node.length_m
-    return np.array([x + length * cos(heading), y + length * sin(heading), heading, scale, reference])
+    length = exp(log_scale) * node.length_m
+    return np.array([x + length * cos(heading), y + length * sin(heading), heading, log_scale, reference])
 
 
 def linearise(state: Array, node: Node) -> tuple[Array, Array]:
@@ -73,10 +75,10 @@ def linearise(state: Array, node: Node) -> tuple[Array, Array]:
     """
     heading = state[2] + node.heading_change_rad
     c, s = cos(heading), sin(heading)
-    length = state[3] * node.length_m
+    length = exp(state[LOG_SCALE]) * node.length_m
     jacobian = np.eye(STATES)
     jacobian[:2, 2] = [-length * s, length * c]
-    jacobian[:2, 3] = [node.length_m * c, node.length_m * s]
+    jacobian[:2, LOG_SCALE] = [length * c, length * s]
     to_map = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     noise = np.zeros((STATES, STATES))
     noise[:3, :3] = to_map @ node.covariance @ to_map.T
@@ -105,11 +107,11 @@ def linearise_each(states: Array, nodes: Sequence[Node]) -> tuple[Array, Array, 
     turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
     heading_rad = states[:, 2] + turn_rad
     c, s = np.cos(heading_rad), np.sin(heading_rad)
-    scaled_m = states[:, 3] * length_m
+    scaled_m = np.exp(states[:, LOG_SCALE]) * length_m
     moved = np.column_stack([states[:, 0] + scaled_m * c, states[:, 1] + scaled_m * s, heading_rad, states[:, 3:]])
     jacobian = np.tile(np.eye(STATES), (len(nodes), 1, 1))
     jacobian[:, 0, 2], jacobian[:, 1, 2] = -scaled_m * s, scaled_m * c
-    jacobian[:, 0, 3], jacobian[:, 1, 3] = length_m * c, length_m * s
+    jacobian[:, 0, LOG_SCALE], jacobian[:, 1, LOG_SCALE] = scaled_m * c, scaled_m * s
     to_map = np.zeros((len(nodes), 3, 3))
     to_map[:, 0, 0], to_map[:, 0, 1], to_map[:, 1, 0], to_map[:, 1, 1], to_map[:, 2, 2] = c, -s, s, c, 1.0
     noise = np.zeros((len(nodes), STATES, STATES))
@@ -125,10 +127,10 @@ def advance(state: GaussianState, node: Node) -> GaussianState:
 
 def retreat(state: GaussianState, node: Node) -> GaussianState:
     """Predict the state before the motion that led to a node: `advance` backwards in time."""
-    x, y, heading, scale, reference = state.mean
-    length = scale * node.length_m
+    x, y, heading, log_scale, reference = state.mean
+    length = exp(log_scale) * node.length_m
     before = heading - node.heading_change_rad
-    mean = np.array([x - length * cos(heading), y - length * sin(heading), before, scale, reference])
+    mean = np.array([x - length * cos(heading), y - length * sin(heading), before, log_scale, reference])
     jacobian, noise = linearise(mean, node)
     jacobian[:2, 2:4] *= -1.0  # its inverse
     return GaussianState(mean, jacobian @ (state.covariance + noise) @ jacobian.T)
@@ -159,5 +161,5 @@ def reckon_means(nodes: Sequence[Node], first: Array) -> Array:
     turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
     turn_rad[0], length_m[0] = first[2], 0.0
     heading_rad = np.cumsum(turn_rad)
-    steps_m = first[3] * length_m[:, None] * np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)
+    steps_m = exp(first[LOG_SCALE]) * length_m[:, None] * np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)
     return np.column_stack([first[:2] + np.cumsum(steps_m, axis=0), heading_rad, np.tile(first[3:], (len(nodes), 1))])

@@ -10,7 +10,7 @@ from math import inf
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
+from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry, TurnHypothesis
 from pdr_est.types.steps import CarryingMode
 
 SAME_S = 1e-9
@@ -45,6 +45,9 @@ class Node:
         Position fixes that apply to this pose.
     priors
         Heading priors that apply to this pose.
+    turn_hypotheses
+        Possible heading changes at the beginning of a step before which the phone was put elsewhere;
+        `heading_change_rad` and `covariance` are their mean and covariance. Empty for any other node.
     """
 
     time_s: float
@@ -57,6 +60,7 @@ class Node:
     mode: CarryingMode
     fixes: tuple[PositionFix, ...] = ()
     priors: tuple[HeadingPrior, ...] = ()
+    turn_hypotheses: tuple[TurnHypothesis, ...] = ()
 
     @property
     def observes_heading(self) -> bool:
@@ -218,6 +222,7 @@ def split_step(
             step_length_m=step.length_m,
             mode=step.mode,
             fixes=tuple(fix for fix in fixes if fix.time_s == time_s),
+            turn_hypotheses=step.turn_hypotheses if k == 0 else (),
         )
         for k, time_s in enumerate([*inside, step.time_s])
     ]

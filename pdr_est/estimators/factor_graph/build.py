@@ -168,7 +168,7 @@ def build_graph(
     if optimised:
         scales, values = run_gtsam(lambda: solve(problem, initial, sigma_length_scale), problem.keys.poses)
     else:
-        expected = [states[-1].mean[3] if problem.scale_is_observable else 1.0 for states in initial]
+        expected = [states[-1].length_scale[0] if problem.scale_is_observable else 1.0 for states in initial]
         scales = LengthScales.known(np.array(expected), problem.keys.poses)
         values = problem.initial_values(initial)
         problem.add_violated_tethers(values)

@@ -78,7 +78,7 @@ def solve(
     problem: SmoothingProblem, initial: Sequence[Sequence[GaussianState]], sigma_length_scale: float
 ) -> tuple[LengthScales, gtsam.Values]:
     """Find the optimal length scales and values of poses and references, from initial states of each device."""
-    expected = [states[-1].mean[3] if problem.scale_is_observable else 1.0 for states in initial]
+    expected = [states[-1].length_scale[0] if problem.scale_is_observable else 1.0 for states in initial]
     scales = LengthScales.known(np.array(expected), problem.keys.poses)
     values, tethered = problem.initial_values(initial), len(problem.tethers) > 0
     for softening in CONTINUATION_FACTORS[:-1] if tethered else ():

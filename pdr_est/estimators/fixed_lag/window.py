@@ -9,7 +9,7 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
+from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, add_measurements, displacement, motion_noise
@@ -177,7 +177,7 @@ class _Graph:
 
     def outdated_by(self, item: FilteredNode) -> bool:
         """Return True if the length scales of the EKF differ noticeably from those of this window."""
-        sigma = np.sqrt(np.maximum(np.diag(item.covariance)[LENGTH_SCALE::STATES], 0.0))
+        sigma = np.sqrt(np.maximum(np.diag(item.covariance)[LOG_SCALE::STATES], 0.0))
         moved = np.abs(scales(item.mean) - self._scale) > _SCALE_TOLERANCE * sigma + 1e-9
         return bool(moved[sorted(item.present)].any())
 
@@ -210,9 +210,10 @@ class _Graph:
         key = self._keys[0]
         pose = self._smoother.calculateEstimatePose2(key)
         mean = np.array([pose.x(), pose.y(), pose.theta()])
-        place = STATES * item.device + LENGTH_SCALE
+        place = STATES * item.device + LOG_SCALE
         variance = max(float(self._last.covariance[place, place]), 0.0)
-        scale = (float(self._last.mean[place]), float(np.sqrt(variance)))
+        value = float(np.exp(self._last.mean[place]))
+        scale = (value, value * float(np.sqrt(variance)))
         if not item.node.is_step:
             return LaggedPose(item.device, item.node, mean, np.full((3, 3), np.nan), scale)
         turn, per_scale = to_map(mean[2:])[0], pose_per_scale(item.covariance, item.device)

@@ -7,7 +7,7 @@ from typing import Any
 import gtsam
 import numpy as np
 
-from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
+from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState
 from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
@@ -34,11 +34,11 @@ class ConditionalPrior:
     @classmethod
     def of_filter(cls, mean: Array, covariance: Array, scale: Array, devices: Sequence[int]) -> "ConditionalPrior":
         """Condition the EKF state (5 n,) of some devices on given length scales (n,)."""
-        others = [STATES * d + i for d in devices for i in range(STATES) if i != LENGTH_SCALE]
-        of_scales = [STATES * d + LENGTH_SCALE for d in devices]
+        others = [STATES * d + i for d in devices for i in range(STATES) if i != LOG_SCALE]
+        of_scales = [STATES * d + LOG_SCALE for d in devices]
         across = covariance[np.ix_(others, of_scales)]
         gain = across @ np.linalg.pinv(covariance[np.ix_(of_scales, of_scales)], hermitian=True)
-        moved = gain @ (scale[list(devices)] - mean[of_scales])
+        moved = gain @ (np.log(scale[list(devices)]) - mean[of_scales])
         return cls(mean[others] + moved, covariance[np.ix_(others, others)] - gain @ across.T)
 
 
@@ -55,16 +55,16 @@ def device_state(mean: Array, covariance: Array, device: int) -> GaussianState:
 
 def scales(mean: Array) -> Array:
     """Return the length scales (n,) in the mean (5 n,) of the EKF."""
-    return mean[LENGTH_SCALE::STATES].copy()
+    return np.exp(mean[LOG_SCALE::STATES])
 
 
 def pose_per_scale(covariance: Array, device: int) -> Array:
     """Return the regression (3,) of the pose of a device on its length scale; zero for a known scale."""
     first = STATES * device
-    variance = covariance[first + LENGTH_SCALE, first + LENGTH_SCALE]
+    variance = covariance[first + LOG_SCALE, first + LOG_SCALE]
     if variance <= 0.0:
         return np.zeros(3)
-    return np.asarray(covariance[first : first + 3, first + LENGTH_SCALE] / variance)
+    return np.asarray(covariance[first : first + 3, first + LOG_SCALE] / variance)
 
 
 def prior_factors(

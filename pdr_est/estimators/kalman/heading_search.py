@@ -19,7 +19,7 @@ from filterpy.kalman import KalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
-from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState
+from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix
@@ -204,16 +204,16 @@ def _to_state(vector_state: Array, covariance: Array, prior: GaussianState) -> G
     norm = np.hypot(u, v)
     jacobian = np.eye(STATES, 4)
     jacobian[2, 2:] = [-v / norm**2, u / norm**2]
-    jacobian[3, 2:] = [u / norm, v / norm]
+    jacobian[LOG_SCALE, 2:] = [u / norm**2, v / norm**2]
     state = jacobian @ covariance @ jacobian.T
     state[4, 4] = prior.covariance[4, 4]
-    return GaussianState(np.array([x, y, np.arctan2(v, u), norm, prior.mean[4]]), state)
+    return GaussianState(np.array([x, y, np.arctan2(v, u), np.log(norm), prior.mean[4]]), state)
 
 
 def _with_scale_prior(state: GaussianState, prior: GaussianState) -> GaussianState:
     """Update a state with the prior of the length scale."""
-    gain = state.covariance[:, LENGTH_SCALE] / (
-        state.covariance[LENGTH_SCALE, LENGTH_SCALE] + prior.covariance[LENGTH_SCALE, LENGTH_SCALE]
+    gain = state.covariance[:, LOG_SCALE] / (
+        state.covariance[LOG_SCALE, LOG_SCALE] + prior.covariance[LOG_SCALE, LOG_SCALE]
     )
-    mean = state.mean + gain * (prior.mean[LENGTH_SCALE] - state.mean[LENGTH_SCALE])
-    return GaussianState(mean, state.covariance - np.outer(gain, state.covariance[LENGTH_SCALE]))
+    mean = state.mean + gain * (prior.mean[LOG_SCALE] - state.mean[LOG_SCALE])
+    return GaussianState(mean, state.covariance - np.outer(gain, state.covariance[LOG_SCALE]))

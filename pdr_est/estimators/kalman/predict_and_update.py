@@ -7,7 +7,7 @@ from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
-from pdr_est.estimators.common.motion_model import LENGTH_SCALE, STATES, GaussianState, linearise, move
+from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
@@ -166,7 +166,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
             residual_m = max_distance_m - distance_m - float(jacobian[0] @ (before - at))
             gain = self.P @ jacobian[0] / float(jacobian[0] @ self.P @ jacobian[0] + sigma_m**2)
             at = before + gain * residual_m
-        scales = np.arange(LENGTH_SCALE, len(at), STATES)
+        scales = np.arange(LOG_SCALE, len(at), STATES)
         scales = scales[self.P[scales, scales] > 0.0]
         gain[scales] -= gain[scales].sum() / max(len(scales), 1)
         rest = np.eye(len(at)) - np.outer(gain, jacobian[0])
