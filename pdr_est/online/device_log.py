@@ -178,10 +178,6 @@ class DeviceLog:
             number -= 1
         return self.motion_begin_s(number)
 
-    def nodes_from(self, number: int) -> list[Node]:
-        """Return the remembered nodes from a number on."""
-        return self.nodes[max(number - self._first_node, 0) :]
-
     def release(self, until_s: float) -> None:
         """Allow the filter to process the steps that end up to a time."""
         number = max(self.released, 1)

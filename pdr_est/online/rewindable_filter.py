@@ -226,12 +226,9 @@ class RewindableFilter:
             if log is None:
                 continue
             own = next((record for record in self.history if record.pending.device == device), None)
-            oldest = self.history[0].before if self.history else self.state
-            searching = [one.walk.devices[device] for one in (oldest, self.state)]
-            begins = [one.segment_begin for one in searching if one is not None and not one.heading_known]
             log.forget(
                 log.next_step - 1 if own is None else own.pending.step - 1,
-                min([log.next_node if own is None else own.number, *begins]),
+                log.next_node if own is None else own.number,
             )
 
     def _restart_here(self) -> None:
@@ -263,13 +260,11 @@ class RewindableFilter:
         tethered, tethers = self._tethered(before, pending.time_s)
         number, own = log.next_node, tethered.walk.devices[device]
         log.nodes.append(pending.node)
-        segment = log.nodes_from(own.segment_begin) if own is not None and not own.heading_known else ()
         walk, entered = self._stepper.step(
             tethered.walk,
             device,
             number,
             pending.node,
-            segment=segment if len(segment) <= self._parameters.remembered_steps else None,
             heading_observed_later=pending.heading_observed_later,
             prior=self._known.prior(device) if own is None else None,
         )

@@ -11,9 +11,9 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import SAME_S, Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, with_open_heading
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState
 from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
-from pdr_est.estimators.kalman.predict_and_update import rows_of
+from pdr_est.estimators.kalman.predict_and_update import marginal_of
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 
@@ -48,7 +48,11 @@ class FilteredSegment:
     def open_anchor(self) -> tuple[int, GaussianState]:
         """Return the last node that observes the heading and the state there, if the heading never became known."""
         anchor = max((i for i, node in enumerate(self.nodes) if node.observes_heading), default=0)
-        return anchor, with_open_heading(self.pose[anchor], self.covariance[anchor], self.end)
+        mean, covariance = self.end.mean.copy(), self.end.covariance.copy()
+        mean[:3] = self.pose[anchor]
+        covariance[:3, :], covariance[:, :3] = 0.0, 0.0
+        covariance[:3, :3] = self.covariance[anchor]
+        return anchor, replace(self.end, mean=mean, covariance=covariance)
 
 
 @dataclass(frozen=True)
@@ -63,22 +67,21 @@ class JointPosterior:
         Tethers that were applied after the node.
     entered
         State with which the device entered the joint state at this node, if it did.
-    mean
-        Joint mean (5 d,).
-    covariance
-        Joint covariance (5 d, 5 d).
+    joint
+        Joint state of all devices and sources.
+    devices
+        Number of devices.
     """
 
     touched: tuple[tuple[int, int], ...]
     node_tethers: tuple[NodeTether, ...]
     entered: GaussianState | None
-    mean: Array
-    covariance: Array
+    joint: GaussianState
+    devices: int
 
     def state_of(self, device: int) -> GaussianState:
         """Return the state of a device."""
-        own = rows_of(device)
-        return GaussianState(self.mean[own].copy(), self.covariance[own, own].copy())
+        return marginal_of(self.joint, device, self.devices)
 
 
 @dataclass(frozen=True)
@@ -111,8 +114,8 @@ def filter_walk(
 ) -> FilteredWalk:
     """Filter the nodes of all devices in order of time, then of device.
 
-    While the heading of a device is unknown, its filter works on the heading vector and the device is left out of
-    the joint state. A turn that leaves no knowledge of the heading begins a new segment, if later measurements can
+    While the heading of a device is unknown, its filter has several hypotheses and the device is left out of the
+    joint state. A turn that leaves no knowledge of the heading begins a new segment, if later measurements can
     find the heading again. A loop closure concerns the device's own filter only.
 
     Parameters
@@ -136,14 +139,11 @@ def filter_walk(
     order = [(node.time_s, device, i) for device, one in enumerate(timelines) for i, node in enumerate(one.nodes)]
     for time_s, device, i in sorted(order):
         fold.tether(time_s)
-        previous = fold.state.devices[device]
-        searching = previous is not None and not previous.heading_known
         fold.state, entered = fold.stepper.step(
             fold.state,
             device,
             i,
             timelines[device].nodes[i],
-            segment=own_nodes[device][previous.segment_begin : i + 1] if previous is not None and searching else (),
             heading_observed_later=i <= last_observing[device],
             prior=priors[device],
             own_node=own_nodes[device][i],
@@ -178,8 +178,8 @@ class _Fold:
             tuple(dict.fromkeys((*last.touched, *ends))),
             (*last.node_tethers, *applied),
             last.entered,
-            joint.mean,
-            joint.covariance,
+            joint,
+            last.devices,
         )
 
     def record(self, device: int, number: int, entered: GaussianState | None) -> None:
@@ -190,7 +190,7 @@ class _Fold:
         self.own_states[device].append(own)
         if self.state.joint is not None and own.heading_known:
             joint = self.state.joint_state()
-            self.posteriors.append(JointPosterior(((device, number),), (), entered, joint.mean, joint.covariance))
+            self.posteriors.append(JointPosterior(((device, number),), (), entered, joint, len(self.state.devices)))
 
 
 def _closed(timeline: Timeline, prior: StartPrior) -> tuple[Node, ...]:
