@@ -130,7 +130,7 @@ def track_from_solution(problem: SmoothingProblem, pose: Array, covariance: Arra
     tracks = []
     for d, (timeline, first) in enumerate(zip(problem.timelines, problem.keys.first, strict=True)):
         own = slice(first, first + len(timeline.nodes))
-        scale = (float(scales.value[d]), float(np.sqrt(scales.covariance[d, d])))
+        scale = scales.of_device(d)
         position_m, heading_rad = pose[own, :2], pose[own, 2]
         tracks.append(track_from_nodes(timeline, position_m, heading_rad, covariance[own], "smoothed", NAME, scale))
     return concatenate(tracks)
