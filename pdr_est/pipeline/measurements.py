@@ -7,6 +7,7 @@ from pdr_est.config import Config
 from pdr_est.config.contradictions import unused_closure
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators import Estimator, EstimatorSpec
+from pdr_est.estimators.common.fix_noise import fixes_with_noise
 from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
 from pdr_est.estimators.common.map_directions import resolve_relative_priors
 from pdr_est.estimators.common.tethers import tethers_between
@@ -47,11 +48,13 @@ def measurements_of(
     """Collect the measurements of a device.
 
     A smoother gets the headings that are known only at the end of the walk, a filter those that were known at the
-    step.
+    step. The fixes get the noise of their source.
     """
     odometry = walk.whole_walk_odometry if spec.smooths else walk.odometry
     closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
-    return DeviceMeasurements(walk.device, walk.start_s, (*odometry, *closure, *fixes))
+    return DeviceMeasurements(
+        walk.device, walk.start_s, (*odometry, *closure, *fixes_with_noise(fixes, config.fixes))
+    )
 
 
 def tethers_of(walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec) -> list[DeviceTether]:
