@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class FindingKind(StrEnum):
-    """What a finding is about."""
+    """Kind of a finding: what it is about."""
 
     FIXES = "fixes"
     """Fixes that disagree with the steps or with each other and count less."""
