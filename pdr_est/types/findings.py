@@ -60,3 +60,8 @@ class Finding:
     value: float | None = None
     sigma: float | None = None
     doubtful: bool = True
+
+    @property
+    def words(self) -> str:
+        """The finding in one line, with the name of its device."""
+        return f"{self.device}: {self.message}" if self.device else self.message
