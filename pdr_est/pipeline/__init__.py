@@ -15,10 +15,11 @@ from pdr_est.pipeline.measurements import (
     refuse_without_heading,
     run_estimator,
     tethers_of,
+    with_findings,
     with_map_directions,
     with_person,
 )
-from pdr_est.pipeline.warnings import mismatches, warnings_of
+from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -52,7 +53,11 @@ def smooth_recording(
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=(*warnings_of(recording, devices), *mismatches(devices, config, estimator.spec, fixes)),
+        warnings=(
+            *warnings_of(recording, devices),
+            *mismatches(devices, config, estimator.spec, fixes),
+            *doubts(track.findings),
+        ),
         fixes_used=estimator.spec.uses_fixes,
     )
 
@@ -96,4 +101,5 @@ def estimate_tracks(
             with_map_directions(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)
         ]
         track = run_estimator(devices, tethers, estimator, config)
+    track = with_findings(track, devices, tethers, estimator, config)
     return with_person(track, config) if len(walks) > 1 else track

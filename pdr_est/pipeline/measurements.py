@@ -12,6 +12,7 @@ from pdr_est.estimators.common.late_start import extend_late_devices, without_ex
 from pdr_est.estimators.common.map_directions import resolve_relative_priors
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.estimators.person.track import at_lever_arm, fuse
+from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
@@ -108,6 +109,20 @@ def with_map_directions(
     own = track.of_device(walk.device)
     tied = resolve_relative_priors(known.measurements, own, direction_rad, walk.directions.spacing_rad)
     return replace(known, measurements=tuple(tied))
+
+
+def with_findings(
+    track: Track,
+    devices: Sequence[DeviceMeasurements],
+    tethers: Sequence[DeviceTether],
+    estimator: Estimator,
+    config: Config,
+) -> Track:
+    """Add what does not fit in the walk to what the estimator has found itself."""
+    start, sigma = config.start.pose(), config.odometry.sigma_length_scale
+    return replace(
+        track, findings=(*track.findings, *findings_of(track, devices, tethers, start, sigma, estimator.spec))
+    )
 
 
 def with_person(track: Track, config: Config) -> Track:
