@@ -40,7 +40,7 @@ def kalman_filter(timeline: Timeline, sigma_scale: float) -> tuple[Array, Array]
             f = np.array([[1.0, 0.0, length_m], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
             q = np.zeros((3, 3))
             q[:2, :2] = node.covariance[:2, :2]
-            x, p = [*x, length_m, 0.0, 0.0], f @ p @ f.T + q
+            x, p = x + np.array([length_m, 0.0, 0.0]), f @ p @ f.T + q
         for measured in node.fixes:
             gain = p @ h.T @ np.linalg.inv(h @ p @ h.T + measured.covariance_m2)
             x, p = x + gain @ (measured.position_m - h @ x), (np.eye(3) - gain @ h) @ p

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pdr_est.estimators.common.initial_state import StartPrior, prior_after_lost_heading
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
+from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank, Lineage
 from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.frames import Array
 
@@ -40,6 +40,8 @@ class DeviceFilterState:
     lost_heading_s
         Time of the first turn, since the last measurement that observes the heading, that left no knowledge of the
         heading. A later measurement of that kind would begin a new segment there.
+    decided
+        Turns that were chosen where there were hypotheses about them, up to the last one that is decided.
     """
 
     segment_begin: int
@@ -48,6 +50,7 @@ class DeviceFilterState:
     heading_known: bool
     heading_found: bool
     lost_heading_s: float | None = None
+    decided: Lineage = ()
 
     @property
     def pose(self) -> Array:
@@ -87,7 +90,8 @@ def restart_device(before: DeviceFilterState, node: Node, number: int, scratch: 
 
     The parameters are those of `step_device`.
     """
-    return start_device(node, number, prior_after_lost_heading(before.state, node), scratch)
+    started = start_device(node, number, prior_after_lost_heading(before.state, node), scratch)
+    return replace(started, decided=before.decided)
 
 
 def step_device(
@@ -116,20 +120,22 @@ def step_device(
     lost_s = None if node.observes_heading else lost_s
     bank = before.bank
     if bank is None and node.turn_hypotheses:
-        bank = HypothesisBank.of_state(before.state)
+        bank = HypothesisBank.of_state(before.state, before.decided)
     if bank is not None:
         after = _after_bank(bank.predicted(node, number).updated(node), before.segment_begin, before.heading_known)
-        return replace(after, lost_heading_s=lost_s)
+        return replace(
+            after, lost_heading_s=lost_s, decided=before.decided if after.bank is not None else after.decided
+        )
     scratch.load(before.state)
     scratch.predict_node(node)
     scratch.update_node(node)
-    return DeviceFilterState(before.segment_begin, scratch.state_of(), None, True, False, lost_s)
+    return DeviceFilterState(before.segment_begin, scratch.state_of(), None, True, False, lost_s, before.decided)
 
 
 def _after_bank(bank: HypothesisBank, begin: int, heading_known: bool) -> DeviceFilterState:
     """Return the state after a node up to which there were hypotheses; they end where they agree."""
     state = bank.moments()
-    agree = len(bank) == 1 or bool(state.covariance[2, 2] < ALIGNED_SIGMA_RAD**2)
-    agree = agree and bool(state.covariance[2, 2] < HEADING_RESET_VARIANCE_RAD2)
-    found = agree and not heading_known
-    return DeviceFilterState(begin, state, None if agree else bank, heading_known or agree, found)
+    largest = HEADING_RESET_VARIANCE_RAD2 if len(bank) == 1 else ALIGNED_SIGMA_RAD**2
+    agree = bool(state.covariance[2, 2] < largest)
+    found, decided = agree and not heading_known, bank.lineages[bank.likeliest]
+    return DeviceFilterState(begin, state, None if agree else bank, heading_known or agree, found, decided=decided)

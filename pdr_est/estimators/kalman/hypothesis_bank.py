@@ -12,7 +12,6 @@ A. R. Runnalls, "Kullback-Leibler approach to Gaussian mixture reduction", IEEE 
 (2007), for the cost of a merger.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,6 +36,7 @@ _LEAST_WEIGHT = 1e-4  # of a hypothesis that is kept
 _MERGING_COST = 0.02  # nats by which a merger may change the distribution of the two
 
 Lineage = tuple[tuple[int, int], ...]
+"""Turns that a hypothesis chose: number of the node and of the turn hypothesis there."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,7 @@ class HypothesisBank:
     sources
         Sources of fixes with wandering errors, as in `GaussianState`.
     lineages
-        For each hypothesis, the turns that it chose: number of the node and of the turn hypothesis there. A merged
-        one has those of its more probable part.
+        For each hypothesis, the turns that it chose. A merged one has those of its more probable part.
     """
 
     weights: Array
@@ -68,9 +67,9 @@ class HypothesisBank:
         return len(self.weights)
 
     @classmethod
-    def of_state(cls, state: GaussianState) -> "HypothesisBank":
+    def of_state(cls, state: GaussianState, lineage: Lineage = ()) -> "HypothesisBank":
         """Return the bank of a single hypothesis."""
-        return cls(np.ones(1), state.mean[None], state.covariance[None], state.sources, ((),))
+        return cls(np.ones(1), state.mean[None], state.covariance[None], state.sources, (lineage,))
 
     @classmethod
     def of_unknown_heading(cls, state: GaussianState) -> "HypothesisBank":
@@ -92,9 +91,14 @@ class HypothesisBank:
         covariance = within + between
         return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources)
 
-    def sigma_heading_rad(self) -> float:
-        """Return the standard deviation of the heading of the mixture."""
-        return float(np.sqrt(self.moments().covariance[2, 2]))
+    @property
+    def likeliest(self) -> int:
+        """Number of the most probable hypothesis."""
+        return int(np.argmax(self.weights))
+
+    def state_of_hypothesis(self, number: int) -> GaussianState:
+        """Return the state of one hypothesis."""
+        return GaussianState(self.means[number], self.covariances[number], self.sources)
 
     def predicted(self, node: Node, number: int) -> "HypothesisBank":
         """Predict the motion to a node, which is the device's `number`-th one, with each of its turn hypotheses."""
@@ -251,9 +255,3 @@ class HypothesisBank:
             self.sources,
             (*(self.lineages[k] for k in others), self.lineages[likelier]),
         )
-
-
-def probable(bank: HypothesisBank, least: float, most: int) -> Sequence[int]:
-    """Return the numbers of at most `most` hypotheses of at least the probability `least`, the likeliest first."""
-    order = np.argsort(-bank.weights, kind="stable")[:most]
-    return [int(i) for i in order if bank.weights[i] >= least or i == order[0]]

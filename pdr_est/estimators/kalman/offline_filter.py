@@ -12,10 +12,13 @@ from pdr_est.estimators.common.nodes import SAME_S, Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState
+from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
 from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
 from pdr_est.estimators.kalman.predict_and_update import marginal_of
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
+
+_MORE_THAN_MOST = 2.0  # share of a hypothesis over the mean share, from which on it is more probable than others
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,9 @@ class FilteredSegment:
         Filtered states at the nodes from `aligned_from` on.
     end
         Filtered state at the last node.
+    bank
+        Hypotheses at the last node that the measurements could not decide; None where one Gaussian describes the
+        state.
     """
 
     nodes: tuple[Node, ...]
@@ -44,9 +50,16 @@ class FilteredSegment:
     covariance: Array
     states: tuple[GaussianState, ...]
     end: GaussianState
+    bank: HypothesisBank | None
 
     def open_anchor(self) -> tuple[int, GaussianState]:
-        """Return the last node that observes the heading and the state there, if the heading never became known."""
+        """Return a node and a state there to reckon from, if the heading never became known.
+
+        It is the last node, and its most probable state, if some headings are more probable than others; otherwise
+        the last node that observes the heading.
+        """
+        if self.bank is not None and self.bank.weights.max() > _MORE_THAN_MOST / len(self.bank):
+            return len(self.nodes) - 1, self.bank.state_of_hypothesis(self.bank.likeliest)
         anchor = max((i for i, node in enumerate(self.nodes) if node.observes_heading), default=0)
         mean, covariance = self.end.mean.copy(), self.end.covariance.copy()
         mean[:3] = self.pose[anchor]
@@ -217,6 +230,7 @@ def _segments(nodes: Sequence[Node], states: Sequence[DeviceFilterState]) -> lis
                 np.array([state.covariance for state in own]),
                 () if aligned is None else tuple(state.state for state in own[aligned:]),
                 own[-1].state,
+                own[-1].bank,
             )
         )
     return segments
