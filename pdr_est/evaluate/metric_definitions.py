@@ -38,6 +38,7 @@ def with_unit(metric: str) -> str:
 _START = "after moving the first true position onto the track and turning to the first one at least 20 m away"
 _HELD = "of a track that was given the other true positions as fixes"
 _GPS = "of a track whose only fixes are the GPS positions in the recording"
+_NORTH = "of a track that was given the first true position, and whose direction comes from the phone's north"
 _CALIBRATED = "after calibrating the walker on other walks of the set"
 
 DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
@@ -61,6 +62,15 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
             f"Mean squared error in units of the stated covariance, at the held-out true positions {_HELD}. 2 is "
             "right; more: the track claims to be surer than it is.",
             2.0,
+        ),
+        "error_start_m": Metric(f"Mean distance to the later true positions {_NORTH}, nothing aligned."),
+        "heading_start_error_deg": Metric(
+            f"Rotation, without its sign, of the best rigid alignment of the track to the true positions {_NORTH}."
+        ),
+        "coverage95_start": Metric(
+            f"Share of the later true positions inside the stated 95 % region {_NORTH}. More than 0.95 is as wrong "
+            "as less.",
+            0.95,
         ),
         "error_gps_m": Metric(f"Mean distance to the surveyed points {_GPS}, nothing aligned."),
         "coverage95_gps": Metric(

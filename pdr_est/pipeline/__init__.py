@@ -7,7 +7,7 @@ from dataclasses import replace
 from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.parts import NO_PARTS, Parts
-from pdr_est.pipeline.front_end_chain import analyse_device
+from pdr_est.pipeline.front_end_chain import analyse_device, north_of
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.measurements import (
     chosen_estimator,
@@ -75,7 +75,8 @@ def analyse_recording(recording: Recording, config: Config, parts: Parts = NO_PA
     refuse_wrong_types(recording, config)
     walks = []
     for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
-        walk = analyse_device(device, recording.place_of(device), config, parts)
+        north = north_of(device, recording, config)
+        walk = analyse_device(device, recording.place_of(device), config, parts, north)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))
     return tuple(walks)
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from pdr_est.frames import Array
 from pdr_est.types.clock import ClockEstimate
+from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import Gap, LevelBlock
 from pdr_est.types.steps import Step
@@ -79,6 +80,8 @@ class DeviceWalk:
         Gaps of the recording.
     dropped_samples
         Number of samples left out, by reason.
+    findings
+        What of the device's measurements does not fit together.
     """
 
     device: str
@@ -93,6 +96,12 @@ class DeviceWalk:
     warnings: tuple[str, ...] = ()
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def knows_north(self) -> bool:
+        """Tell whether any heading is known against north."""
+        return any(isinstance(one, HeadingPrior) and not one.relative for one in self.odometry)
 
     @property
     def span_s(self) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from pdr_est.evaluate.position_errors import OPEN_METRICS
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.gps_positions import GPS_METRICS, gps_part
+from pdr_est.experiment.scoring.known_start import START_METRICS, start_part
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, position_parts
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth, score_tracks
 from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
@@ -26,11 +27,15 @@ def _find(folder: Path) -> list[WalkFile]:
 
 
 def _score(walk: AnalysedWalk) -> list[TrackScores]:
-    """Score the track at the surveyed points, without fixes, with some of the points as fixes, and with GPS."""
+    """Score the track at the surveyed points, without fixes, with some of the points as fixes, with GPS, and with its start."""
     truth = surveyed_points(walk.recording)
     return score_tracks(
         walk,
-        lambda name, _, track: [*position_parts(walk, name, track, truth), gps_part(walk, name, truth)],
+        lambda name, _, track: [
+            *position_parts(walk, name, track, truth),
+            gps_part(walk, name, truth),
+            start_part(walk, name, truth),
+        ],
     )
 
 
@@ -62,7 +67,7 @@ def from_first_point(recording: Recording) -> Recording:
 SUITE = Suite(
     name="ipin2023",
     folder="ipin2023",
-    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, *GPS_METRICS, MODE_METRIC),
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, *GPS_METRICS, *START_METRICS, MODE_METRIC),
     find=_find,
     prepare=from_first_point,
     score=_score,
