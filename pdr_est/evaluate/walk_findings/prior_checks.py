@@ -30,8 +30,8 @@ def length_scale_finding(track: Track, sigma_length_scale: float) -> Finding | N
     return Finding(
         FindingKind.LENGTH_SCALE,
         f"length scale {track.length_scale:.2f} is {abs(ratio):.1f} sigma from the usual 1: a position fix, its "
-        "stated accuracy or its time is wrong, the start heading is wrong, steps were missed or counted twice, or the "
-        "walker has very unusual steps (then make a profile with `pdr-est calibrate`)",
+        "stated accuracy or its time is wrong, the start heading is wrong, steps were missed or counted twice, or "
+        "the walker has very unusual steps (then make a profile with `pdr-est calibrate`)",
         value=track.length_scale,
         sigma=sigma_length_scale,
     )
