@@ -133,7 +133,7 @@ class SmoothedWalk:
     timings_s
         CPU seconds by part of the pipeline.
     warnings
-        Doubts about recording, walk and settings, in words.
+        Doubts about recording, walk and settings, in words, and the doubtful ones of the findings of the track.
     fixes_used
         False for an estimator that only aligns the track with the fixes.
     """

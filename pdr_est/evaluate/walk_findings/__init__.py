@@ -51,6 +51,6 @@ def findings_of(
 
 
 def _fixes_of(devices: Sequence[DeviceMeasurements]) -> list[PositionFix]:
-    """List the fixes of the walk, each of which stands among the measurements of every device."""
-    fixes = {id(one): one for device in devices for one in device.measurements if isinstance(one, PositionFix)}
-    return sorted(fixes.values(), key=lambda fix: fix.time_s)
+    """List the fixes of the walk in order of time; they all stand among the measurements of each device."""
+    fixes = [one for one in devices[0].measurements if isinstance(one, PositionFix)] if devices else []
+    return sorted(fixes, key=lambda fix: fix.time_s)
