@@ -54,9 +54,13 @@ def expected_devices(recording: Recording, config: Config) -> list[ExpectedDevic
     for device in recording.devices:
         require_track_sensors(device, recording.place_of(device))
     auto = config.attitude.source == "auto"
+    # Which of several devices will know north is not known in advance, and the others could not be placed beside it.
+    alone = len(recording.devices) == 1
     return [
         ExpectedDevice(
-            device.name, prefers_recorded_attitude(device) if auto else None, north_of(device, recording, config)
+            device.name,
+            prefers_recorded_attitude(device) if auto else None,
+            north_of(device, recording, config) if alone else None,
         )
         for device in recording.devices
     ]

@@ -18,6 +18,7 @@ from pdr_est.pipeline.measurements import (
     with_findings,
     with_map_directions,
     with_person,
+    without_partial_north,
 )
 from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
@@ -93,7 +94,7 @@ def estimate_tracks(
     """
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts)
-    devices = [measurements_of(walk, config, fixes, estimator.spec) for walk in walks]
+    devices = without_partial_north([measurements_of(walk, config, fixes, estimator.spec) for walk in walks])
     tethers = tethers_of(walks, config, estimator.spec)
     track = run_estimator(devices, tethers, estimator, config)
     direction_rad = config.heading.dominant.direction_rad

@@ -15,7 +15,15 @@ from pdr_est.estimators.person.track import at_lever_arm, fuse
 from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
+from pdr_est.types.measurements import (
+    LATE_START_S,
+    DeviceMeasurements,
+    DeviceTether,
+    HeadingPrior,
+    LoopClosure,
+    Measurement,
+    PositionFix,
+)
 from pdr_est.types.track import Track, concatenate
 
 
@@ -56,6 +64,20 @@ def measurements_of(
     return DeviceMeasurements(
         walk.device, walk.start_s, (*odometry, *closure, *fixes_with_noise(fixes, config.fixes))
     )
+
+
+def without_partial_north(devices: Sequence[DeviceMeasurements]) -> list[DeviceMeasurements]:
+    """Leave the headings in the map out of a walk in which only some of its devices have any.
+
+    The others could not be placed beside them: how their headings differ is known only roughly.
+    """
+    if all(any(_in_map(m) for m in one.measurements) for one in devices):
+        return list(devices)
+    return [replace(one, measurements=tuple(m for m in one.measurements if not _in_map(m))) for one in devices]
+
+
+def _in_map(measurement: Measurement) -> bool:
+    return isinstance(measurement, HeadingPrior) and not measurement.relative
 
 
 def tethers_of(walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec) -> list[DeviceTether]:
