@@ -1,0 +1,211 @@
+"""Explanations of a section's fixes: what may be otherwise than stated, and how probable that is beforehand."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.estimators.fix_checks.dead_reckoned_path import PathPoints
+from pdr_est.estimators.fix_checks.outlier_weights import WeighedFixes, weigh
+from pdr_est.estimators.fix_checks.position_regression import regress
+from pdr_est.estimators.fix_checks.section import START, FixTable, Section
+from pdr_est.frames import Array
+
+LEAST_FIXES = 4
+"""Fewer fixes of a source tell nothing about it as a whole."""
+
+_LOG_WRONG = log(0.02)  # of a given start heading, a fix clock, or the usual range of length scales (our choice)
+_SIGMA_UNUSUAL_SCALE = 0.35
+_SIGMA_SHIFT_S = 3.0
+_SHIFTS_S = tuple(sign * shift for shift in range(1, 9) for sign in (-1.0, 1.0))
+_FINER_S = (-0.5, 0.5)
+_FACTORS = (1.5, 2.2, 3.3, 5.0, 8.0)
+_LOG_OTHER_ACCURACY, _SIGMA_LOG_FACTOR = log(0.1), 0.8  # also phones that state a wrong accuracy state one
+
+
+@dataclass(frozen=True)
+class BadStretch:
+    """Stretch of time in which the fixes of a source have a common error on top of that which they state.
+
+    Attributes
+    ----------
+    source
+        Number of the source.
+    begin_s, end_s
+        Stretch, s.
+    sigma_m
+        Standard deviation of the error in each coordinate, m.
+    """
+
+    source: int
+    begin_s: float
+    end_s: float
+    sigma_m: float
+
+    def has(self, fixes: FixTable) -> NDArray[np.bool_]:
+        """Find the fixes (n,) in the stretch."""
+        inside = (fixes.time_s >= self.begin_s) & (fixes.time_s <= self.end_s)
+        return np.asarray(inside & (fixes.source == self.source))
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What is otherwise than stated; nothing by default.
+
+    Attributes
+    ----------
+    log_prior
+        Logarithm of its probability before the measurements.
+    heading_wrong
+        True if the given start heading is wrong.
+    unusual_scale
+        True if the length scale lies outside of the usual range.
+    shift_s
+        Correction of the clock of a source, s, by its number.
+    factor
+        Factor on the stated errors of a source, by its number.
+    stretches
+        Bad stretches.
+    """
+
+    log_prior: float = 0.0
+    heading_wrong: bool = False
+    unusual_scale: bool = False
+    shift_s: tuple[tuple[int, float], ...] = ()
+    factor: tuple[tuple[int, float], ...] = ()
+    stretches: tuple[BadStretch, ...] = ()
+
+    def shifts(self, fixes: FixTable) -> Array:
+        """Return the clock correction (n,) of each fix, s."""
+        return _by_source(fixes, self.shift_s, 0.0)
+
+    def apply(self, fixes: FixTable) -> FixTable:
+        """Return the fixes with the errors that their sources then have."""
+        factor = _by_source(fixes, self.factor, 1.0)
+        return replace(
+            fixes,
+            white_m2=fixes.white_m2 * (factor**2)[:, None, None],
+            sigma_wander_m=fixes.sigma_wander_m * factor,
+        )
+
+    def common_m2(self, some: FixTable, others: FixTable) -> Array:
+        """Return the covariance (n, k) of the common errors of fixes and others in each coordinate, m²."""
+        covariance = some.wander_m2(others)
+        for stretch in self.stretches:
+            apart_s = np.abs(some.time_s[:, None] - others.time_s) / some.wander_time_s[:, None]
+            inside = np.outer(stretch.has(some), stretch.has(others))
+            covariance = covariance + inside * stretch.sigma_m**2 * np.exp(-apart_s)
+        return covariance
+
+
+@dataclass(frozen=True)
+class Explained:
+    """An explanation with the fixes that were compared under it.
+
+    Attributes
+    ----------
+    explanation
+        The explanation.
+    fixes
+        Fixes that were compared, with the errors under the explanation.
+    points
+        Points of the path at their times.
+    weighed
+        What came out.
+    """
+
+    explanation: Explanation
+    fixes: FixTable
+    points: PathPoints
+    weighed: WeighedFixes
+
+    @property
+    def score(self) -> float:
+        """Logarithm of evidence and prior probability together."""
+        return self.weighed.score + self.explanation.log_prior
+
+
+def explain(section: Section, explanation: Explanation) -> Explained:
+    """Weigh the fixes of a section under an explanation."""
+    fixes, points, common_m2, heading, sigma_scale = _assumed(section, explanation)
+    weighed = weigh(fixes, points.position_m, common_m2, heading, sigma_scale)
+    return Explained(explanation, fixes, points, weighed)
+
+
+def spread_m2(common_m2: Array) -> Array:
+    """Return the covariance (2 n, 2 k) of two coordinates, each of which has the covariance (n, k)."""
+    return np.asarray(np.kron(common_m2, np.eye(2)))
+
+
+def first_pose(points: PathPoints) -> int:
+    """Return the number of the pose from which the errors of a section's path count."""
+    return int(points.pose.min())
+
+
+def _assumed(
+    section: Section, explanation: Explanation
+) -> tuple[FixTable, PathPoints, Array, tuple[float, float] | None, float]:
+    """Return fixes, points, their common covariance, heading and sigma of the scale under an explanation."""
+    fixes = explanation.apply(section.table.rows(section.chosen))
+    points = section.path.at(fixes.time_s + explanation.shifts(fixes))
+    of_path = section.path.covariance(points, points, first_pose(points))
+    heading = None if explanation.heading_wrong else section.heading
+    sigma_scale = max(section.sigma_scale, _SIGMA_UNUSUAL_SCALE) if explanation.unusual_scale else section.sigma_scale
+    return fixes, points, of_path + spread_m2(explanation.common_m2(fixes, fixes)), heading, sigma_scale
+
+
+def alternatives(section: Section, now: Explained) -> Iterator[Explanation]:
+    """Yield explanations that differ from one in one respect."""
+    known = now.explanation
+    if section.heading is not None and not known.heading_wrong:
+        yield replace(known, heading_wrong=True, log_prior=known.log_prior + _LOG_WRONG)
+    if not known.unusual_scale and 0.0 < section.sigma_scale < _SIGMA_UNUSUAL_SCALE:
+        yield replace(known, unusual_scale=True, log_prior=known.log_prior + _LOG_WRONG)
+    for source, name in enumerate(now.fixes.names):
+        if name == START or np.count_nonzero(now.fixes.source == source) < LEAST_FIXES:
+            continue
+        if source not in dict(known.factor):
+            for factor in _FACTORS:
+                cost = _LOG_OTHER_ACCURACY - 0.5 * (log(factor) / _SIGMA_LOG_FACTOR) ** 2
+                yield replace(known, factor=(*known.factor, (source, factor)), log_prior=known.log_prior + cost)
+        if source not in dict(known.shift_s):
+            yield from _likely_shifts(section, now, source)
+
+
+def _likely_shifts(section: Section, now: Explained, source: int) -> list[Explanation]:
+    """Return the most probable clock correction of a source, at the present weights."""
+    best = _best_shift(section, now, source, _SHIFTS_S)
+    coarse = dict(best.shift_s)[source]
+    finer = _best_shift(section, now, source, [coarse, *(coarse + step for step in _FINER_S)])
+    return [finer]
+
+
+def _best_shift(
+    section: Section, now: Explained, source: int, shifts_s: "tuple[float, ...] | list[float]"
+) -> Explanation:
+    known, weighed = now.explanation, now.weighed
+    found = []
+    for shift in shifts_s:
+        cost = _LOG_WRONG - 0.5 * (shift / _SIGMA_SHIFT_S) ** 2 - log(_SIGMA_SHIFT_S * np.sqrt(2.0 * np.pi))
+        tried = replace(known, shift_s=(*known.shift_s, (source, shift)), log_prior=known.log_prior + cost)
+        fixes, points, common_m2, _, _ = _assumed(section, tried)
+        white_m2 = fixes.white_m2 + weighed.more_m2[:, None, None] * np.eye(2)
+        solved = regress(
+            fixes.position_m,
+            points.position_m,
+            common_m2,
+            white_m2,
+            weighed.regression.prior,
+            weighed.regression.heading_rad,
+        )
+        found.append((solved.log_evidence + cost, tried))
+    return max(found, key=lambda one: one[0])[1]
+
+
+def _by_source(fixes: FixTable, values: tuple[tuple[int, float], ...], default: float) -> Array:
+    of_source = np.full(len(fixes.names), default)
+    for source, value in values:
+        of_source[source] = value
+    return np.asarray(of_source[fixes.source])
