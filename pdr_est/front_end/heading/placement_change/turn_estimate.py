@@ -96,6 +96,15 @@ class TurnEstimate:
     density: Array
     cues: tuple[tuple[str, Array], ...]
 
+    @property
+    def most_probable_rad(self) -> float:
+        """Most probable turn, rad."""
+        return self.hypotheses()[0].heading_change_rad
+
+    def given(self, name: str, likelihood: Array) -> "TurnEstimate":
+        """Return the turn given something else that tells it, by its likelihood (360,)."""
+        return TurnEstimate(normalised(self.density * likelihood), (*self.cues, (name, likelihood)))
+
     def hypotheses(self) -> tuple[TurnHypothesis, ...]:
         """Return the possible turns, the most probable one first."""
         return hypotheses_from(self.density, self.cues, _LEAST_SIGMA_RAD)
