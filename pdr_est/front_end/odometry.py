@@ -1,8 +1,11 @@
 """Turn steps into measurements for the estimators; the noise of the odometry is set here and nowhere else."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.placement_change.turn_density import mean_and_sigma
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.steps import CarryingMode, Step
@@ -86,6 +89,8 @@ class Odometry:
         elapsed = item.event.time_s - previous.event.time_s
         if item.event.segment == previous.event.segment:
             sigma = self._sigma_heading(elapsed, self._extra_sigma(previous, item))
+            if item.turn_hypotheses:
+                return [self._undecided_step(item, sigma)]
             return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
         bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)
         return [bridge, self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
@@ -116,6 +121,14 @@ class Odometry:
             ),
             mode=step.event.mode,
         )
+
+    def _undecided_step(self, step: Step, sigma_heading_rad: float) -> StepOdometry:
+        """Make the motion of a step with several possible turns, and their mean and covariance."""
+        hypotheses = tuple(
+            replace(one, sigma_rad=float(np.hypot(one.sigma_rad, sigma_heading_rad))) for one in step.turn_hypotheses
+        )
+        change_rad, sigma_rad = mean_and_sigma(hypotheses)
+        return replace(self._step(step, change_rad, sigma_rad), turn_hypotheses=hypotheses)
 
     def _bridge(self, start_s: float, end_s: float, mode: CarryingMode) -> StepOdometry:
         """Make an unobserved motion: anywhere within reach, with a heading change up to uniform (pi / sqrt 3)."""

@@ -11,31 +11,10 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.types.steps import CarryingMode
+from pdr_est.types.steps import TurnHypothesis as TurnHypothesis
 
 LATE_START_S = 5.0
 """A device that starts recording at most this long after another is taken to start at the same place (our choice)."""
-
-
-@dataclass(frozen=True)
-class TurnHypothesis:
-    """One possible heading change of a step before which the phone was put elsewhere on the body.
-
-    Attributes
-    ----------
-    probability
-        Probability of the hypothesis before any other measurement; those of a step add up to 1.
-    heading_change_rad
-        Heading change since the previous step, rad, counter-clockwise.
-    sigma_rad
-        Standard deviation of the heading change, rad.
-    origin
-        What suggests it, in words, such as "straight on" or "principal axis".
-    """
-
-    probability: float
-    heading_change_rad: float
-    sigma_rad: float
-    origin: str
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,28 @@ class StepEvent:
 
 
 @dataclass(frozen=True)
+class TurnHypothesis:
+    """One possible heading change of a step before which the phone was put elsewhere on the body.
+
+    Attributes
+    ----------
+    probability
+        Probability of the hypothesis before any other measurement; those of a step add up to 1.
+    heading_change_rad
+        Heading change since the previous step, rad, counter-clockwise.
+    sigma_rad
+        Standard deviation of the heading change, rad.
+    origin
+        What suggests it, in words, such as "straight on" or "principal axis".
+    """
+
+    probability: float
+    heading_change_rad: float
+    sigma_rad: float
+    origin: str
+
+
+@dataclass(frozen=True)
 class Step:
     """A step on its way through the front end; length and heading are NaN until their stages have run.
 
@@ -90,6 +112,10 @@ class Step:
     sigma_turn_rad
         Standard deviation of the heading change since the previous step, rad, in addition to the noise that every
         step has.
+    turn_hypotheses
+        Possible heading changes since the previous step, where the phone was put elsewhere before the step and the
+        heading stage cannot tell how far the walker turned meanwhile; the most probable one is the change to
+        `heading_rad`. Empty for any other step.
     placement_tracked
         True when the heading stage itself accounts for rotations of the phone against the body; otherwise a change
         of the carrying mode adds to the uncertainty of the heading.
@@ -113,6 +139,7 @@ class Step:
     length_m: float = float("nan")
     heading_rad: float = float("nan")
     sigma_turn_rad: float = 0.0
+    turn_hypotheses: tuple[TurnHypothesis, ...] = ()
     placement_tracked: bool = False
     path_heading_rad: float = float("nan")
     sigma_path_heading_rad: float = float("nan")

@@ -1,6 +1,7 @@
 """Find the heading of each step; one file for each method, chosen by name.
 
-* `posture_aware_yaw`: the default; `phone_posture` has its geometry.
+* `posture_aware_yaw`: the default; `phone_posture` has its geometry, `placement_change/` the turns of the walker
+  while the phone is put elsewhere.
 * `step_yaw`: the mean yaw of the phone over the step (MMPDR Table IV).
 * `mmpdr_aoc`: MMPDR's adaptive offset compensation.
 * `psp`: the y axis of a phone in a pocket, with `hde_controller` and `tie_controller` (PSP).
@@ -27,6 +28,7 @@ from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
+from pdr_est.front_end.heading.whole_walk.placement_turns import PlacementTurnParams
 from pdr_est.params import params
 from pdr_est.parts import STAGE, PartName, is_external, loaded, named_part
 from pdr_est.stage import Stage
@@ -89,7 +91,8 @@ def needs_magnetometer(parameters: HeadingParams) -> bool:
 def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     """Make the configured stage Step -> Step that fills in the heading.
 
-    It fills in `heading_rad`, `sigma_turn_rad` and, on straight paths, `path_heading_rad`.
+    It fills in `heading_rad`, `sigma_turn_rad`, on straight paths `path_heading_rad`, and `turn_hypotheses` where the
+    phone was put elsewhere.
 
     Raises
     ------
@@ -124,4 +127,6 @@ def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:
     """Make the stage Step -> Step that corrects headings at the end of the walk; None for a method that has none."""
     if parameters.method != "auto" or not parameters.dominant.enabled:
         return None
-    return WholeWalkHeading(parameters.dominant, as_priors=parameters.use == "priors")
+    auto = parameters.auto
+    placement = PlacementTurnParams(auto.placement, auto.turn, parameters.principal_axis, auto.bend_rad)
+    return WholeWalkHeading(parameters.dominant, as_priors=parameters.use == "priors", placement=placement)

@@ -101,6 +101,73 @@ def dominant_directions(sections: LegSections, parameters: DominantParams) -> Do
     """Estimate the most probable dominant directions of a walk; None for one without straight legs."""
     if not len(sections):
         return None
+    number, log_odds, fitted = _best_fit(sections, parameters)
+    used = parameters.given_number is not None or log_odds >= parameters.least_log_odds
+    return _smooth(sections, fitted, number, log_odds, bool(used))
+
+
+@dataclass(frozen=True)
+class OffsetEvidence:
+    """What the directions of a building tell about an error of all headings from one section on.
+
+    Attributes
+    ----------
+    spacing_rad : float
+        Angle between neighbouring directions, rad.
+    error_rad : ndarray, shape (m,)
+        Errors from 0 to the spacing, rad.
+    likelihood : ndarray, shape (m,)
+        Their likelihood over that without any building.
+    """
+
+    spacing_rad: float
+    error_rad: Array
+    likelihood: Array
+
+    def at(self, error_rad: Array) -> Array:
+        """Compute the likelihood of any errors (n,), rad."""
+        return np.interp(error_rad, self.error_rad, self.likelihood, period=self.spacing_rad)
+
+
+def offset_evidence(
+    sections: LegSections, parameters: DominantParams, borders: Sequence[int]
+) -> dict[int, OffsetEvidence]:
+    """Compute what the directions tell about an error of the headings from some steps on.
+
+    Parameters
+    ----------
+    sections : LegSections
+        Sections of the straight legs.
+    parameters : DominantParams
+        Parameters of the search.
+    borders : sequence of int
+        Numbers of the first steps with the error.
+
+    Returns
+    -------
+    dict of int to OffsetEvidence
+        For each border that has sections on both sides.
+    """
+    inside = [border for border in borders if len(sections) and sections.first[0] < border <= sections.first[-1]]
+    if not inside:
+        return {}
+    _, log_odds, fitted = _best_fit(sections, parameters)
+    building = 1.0 if parameters.given_number is not None else 1.0 / (1.0 + np.exp(-log_odds))
+    future = _futures(fitted)
+    found = {}
+    for border in inside:
+        i = int(np.searchsorted(sections.first, border))
+        before = np.fft.rfft(fitted.forward[i - 1].sum(axis=0))
+        after = np.fft.rfft(_LEG_PRIOR @ (fitted.likelihood[i] * future[i]))
+        likelihood = np.fft.irfft(after * before.conj(), fitted.grid.cells)
+        likelihood = building * np.maximum(likelihood / likelihood.mean(), 0.0) + 1.0 - building
+        error = np.arange(fitted.grid.cells) * fitted.grid.spacing_rad / fitted.grid.cells
+        found[border] = OffsetEvidence(fitted.grid.spacing_rad, error, likelihood)
+    return found
+
+
+def _best_fit(sections: LegSections, parameters: DominantParams) -> "tuple[int, float, _ForwardPass]":
+    """Find the most probable number of directions, its log odds against none, and the forward pass of its drift."""
     given = parameters.given_number
     numbers = _NUMBER_PRIOR if given is None else {given: 1.0 - _PRIOR_OF_NONE}
     transitions = _Transitions.of(sections, parameters.turn_rad)
@@ -118,8 +185,7 @@ def dominant_directions(sections: LegSections, parameters: DominantParams) -> Do
         zip(passes[number], _DRIFT_LEVELS, strict=True),
         key=lambda pair: pair[0].log_evidence + np.log(pair[1].probability),
     )
-    used = given is not None or log_odds[number] >= parameters.least_log_odds
-    return _smooth(sections, best[0], number, float(log_odds[number]), bool(used))
+    return number, float(log_odds[number]), best[0]
 
 
 @dataclass(frozen=True)
@@ -215,15 +281,7 @@ def _smooth(
     sections: LegSections, fitted: _ForwardPass, number: int, log_odds: float, used: bool
 ) -> DominantDirections:
     """Compute the directions of the sections given all sections, by a backward pass."""
-    belief, future = np.empty_like(fitted.forward), np.ones_like(fitted.forward[0])
-    for i in range(len(sections) - 1, -1, -1):
-        belief[i] = fitted.forward[i] * future
-        if i:
-            future = future * fitted.likelihood[i]
-            if fitted.new_leg[i - 1]:
-                future = np.broadcast_to(_LEG_PRIOR @ future, future.shape)
-            future = fitted.grid.diffuse(future, fitted.sigma[i - 1])
-            future = future / future.mean()
+    belief = fitted.forward * _futures(fitted)
     mean, sigma = fitted.grid.mean_and_sigma(belief.sum(axis=1))
     straight = belief[:, 0].sum(axis=1) / belief.sum(axis=(1, 2))
     spacing = fitted.grid.spacing_rad
@@ -244,3 +302,15 @@ def _smooth(
         path_heading_rad=along + drift[0],
         follows=straight * gaussian / (gaussian + _OUTLIER_SHARE),
     )
+
+
+def _futures(fitted: _ForwardPass) -> Array:
+    """Compute the likelihood (n, 2, cells) of all later sections given the drift and the kind of leg of each section."""
+    futures = np.ones_like(fitted.forward)
+    for i in range(len(futures) - 1, 0, -1):
+        future = futures[i] * fitted.likelihood[i]
+        if fitted.new_leg[i - 1]:
+            future = np.broadcast_to(_LEG_PRIOR @ future, future.shape)
+        future = fitted.grid.diffuse(future, fitted.sigma[i - 1])
+        futures[i - 1] = future / future.mean()
+    return futures

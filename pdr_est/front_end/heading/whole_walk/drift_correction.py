@@ -7,7 +7,14 @@ from itertools import groupby
 import numpy as np
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
+from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
+from pdr_est.front_end.heading.placement_change.turn_estimate import TurnEstimate
+from pdr_est.front_end.heading.whole_walk.dominant_directions import (
+    DominantParams,
+    dominant_directions,
+    offset_evidence,
+)
+from pdr_est.front_end.heading.whole_walk.placement_turns import PlacementTurnParams, placed_walk
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
@@ -27,6 +34,8 @@ class WholeWalkHeading:
     as_priors : bool
         True to give steps along a dominant direction a `path_heading_rad` and leave their heading; False to take the
         drift off their heading.
+    placement : PlacementTurnParams or None
+        How to estimate the turns while the phone was put elsewhere again, from the whole walk; None leaves them.
 
     Attributes
     ----------
@@ -36,9 +45,12 @@ class WholeWalkHeading:
 
     latency_s = float("inf")  # the end of the recording
 
-    def __init__(self, parameters: DominantParams, as_priors: bool) -> None:
+    def __init__(
+        self, parameters: DominantParams, as_priors: bool, placement: PlacementTurnParams | None = None
+    ) -> None:
         self._parameters = parameters
         self._as_priors = as_priors
+        self._placement = placement
         self._steps: list[Step] = []
         self.directions: DominantDirections | None = None
 
@@ -53,7 +65,28 @@ class WholeWalkHeading:
         segments = groupby(steps, key=lambda step: step.event.segment)
         return [step for _, segment in segments for step in self._correct(list(segment))]
 
-    def _correct(self, steps: list[Step]) -> list[Step]:
+    def _with_turns(self, steps: list[Step]) -> list[Step]:
+        """Estimate the turns while the phone was put elsewhere from all steps and from the directions of the building."""
+        if self._placement is None:
+            return steps
+        walk = placed_walk(steps, self._placement)
+        if walk is None:
+            return steps
+        sections = straight_leg_sections(walk.oriented(self._placement.bend_rad), self._parameters.straight)
+        borders = {number: walk.places[number].first for number in walk.turns}
+        evidence = offset_evidence(sections, self._parameters, list(borders.values()))
+
+        def refine(number: int, turn: TurnEstimate) -> TurnEstimate:
+            if borders[number] not in evidence:
+                return turn
+            likelihood = evidence[borders[number]].at(walk.turns[number].most_probable_rad - ANGLES_RAD)
+            return turn.given("directions of the building", likelihood)
+
+        refined = placed_walk(steps, self._placement, refine) if evidence else walk
+        return steps if refined is None else refined.oriented(self._placement.bend_rad)
+
+    def _correct(self, found: list[Step]) -> list[Step]:
+        steps = self._with_turns(found)
         sections = straight_leg_sections(steps, self._parameters.straight)
         directions = dominant_directions(sections, self._parameters)
         if self.directions is None:

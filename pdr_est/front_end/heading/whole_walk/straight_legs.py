@@ -9,7 +9,7 @@ import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
-from pdr_est.frames import Array
+from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.stride_pairing import stride_average
 from pdr_est.params import params
 from pdr_est.types.steps import Step
@@ -62,10 +62,11 @@ def straight_leg_sections(steps: Sequence[Step], parameters: StraightLegParams) 
     """Find the sections of the straight legs of some steps, which lie in one segment of the recording."""
     time_s = np.array([step.event.time_s for step in steps])
     heading = _stride_averages(np.unwrap([step.heading_rad for step in steps]))
-    variance = np.cumsum([step.sigma_turn_rad**2 for step in steps])
+    variance = np.cumsum([step.sigma_turn_rad**2 + _spread(step) ** 2 for step in steps])
+    moved = np.flatnonzero([bool(step.turn_hypotheses) for step in steps])
     rows = [
         (number, first, last)
-        for number, (begin, end) in enumerate(_straight_legs(heading, parameters))
+        for number, (begin, end) in enumerate(_straight_legs(heading, moved, parameters))
         for first, last in _divide(begin, end, parameters.piece_steps)
     ]
     leg, first, last = np.array(rows, dtype=np.int64).reshape(-1, 3).T
@@ -86,13 +87,30 @@ def _stride_averages(heading: Array) -> Array:
     return stride_average(padded[:-2], padded[1:-1], padded[2:])
 
 
-def _straight_legs(heading: Array, parameters: StraightLegParams) -> list[tuple[int, int]]:
-    """Find the runs of steps, from and to (exclusive), in which the heading changes slowly."""
+def _spread(step: Step) -> float:
+    """Compute the standard deviation, rad, of the turn of a step around its most probable one; 0 where it is known."""
+    if not step.turn_hypotheses:
+        return 0.0
+    first = step.turn_hypotheses[0].heading_change_rad
+    squares = [
+        one.probability * (one.sigma_rad**2 + wrap_angle(one.heading_change_rad - first) ** 2)
+        for one in step.turn_hypotheses
+    ]
+    return float(np.sqrt(np.sum(squares)))
+
+
+def _straight_legs(heading: Array, moved: NDArray[np.int64], parameters: StraightLegParams) -> list[tuple[int, int]]:
+    """Find the runs of steps, from and to (exclusive), in which the heading changes slowly.
+
+    None goes on beyond a step before which the phone was put elsewhere, whose numbers are `moved`.
+    """
     count = len(heading)
     index = np.arange(count)
     across = heading[np.minimum(index + _HALF_SPAN, count - 1)] - heading[np.maximum(index - _HALF_SPAN, 0)]
     straight = np.concatenate([[False], np.abs(across) <= parameters.turn_rad, [False]])
     borders = np.flatnonzero(np.diff(straight.astype(np.int8)))
+    inside = moved[straight[moved] & straight[moved + 1]]  # at the border of two legs that would be one
+    borders = np.sort(np.concatenate([borders, inside, inside]))
     runs = zip(borders[::2].tolist(), borders[1::2].tolist(), strict=True)
     return [(begin, end) for begin, end in runs if end - begin >= parameters.least_steps]
 

@@ -1,0 +1,188 @@
+"""Where the phone stays in one place on the body and where it is put elsewhere, step by step.
+
+The posture is the direction of gravity in the phone. When it changes by more than a limb changes it in a stride, the
+phone was put elsewhere. It has settled in its new place after some steps without another such change.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Ge, Le
+
+from pdr_est.frames import Array
+from pdr_est.front_end.heading.phone_posture import angle_between, mean_up
+from pdr_est.params import params
+from pdr_est.types.steps import CarryingMode, Step
+
+LIMB_MODES = (CarryingMode.SWING, CarryingMode.POCKET)
+_DISTINCT_MODES = (CarryingMode.HOLDING, *LIMB_MODES)
+_Angle = Annotated[float, Ge(0.05), Le(1.5)]
+
+
+@params
+class PlacementParams:
+    """Parameters that tell where the phone was put elsewhere; all values are ours."""
+
+    moved_rad: _Angle = 0.7
+    """Change of the direction of gravity in the phone, rad, mean over a step, beyond which it was put elsewhere."""
+    moved_in_mode_rad: _Angle = 0.35
+    """The same, rad, where the carrying mode is another one, too."""
+    other_mode_steps: Annotated[int, Ge(1), Le(20)] = 2
+    """Number of steps in a row in another carrying mode after which the phone was put elsewhere, whatever its posture:
+    a hand at the thigh and a trouser pocket may hold it alike.
+    """
+    returned_rad: _Angle = 0.4
+    """Posture change, rad, below which the phone counts as back in its old posture."""
+    training_steps: Annotated[int, Ge(2), Le(20)] = 4
+    """Number of steps in a new place from which the heading offset is learnt."""
+
+
+class Placing(Enum):
+    """What a step tells about the place of the phone."""
+
+    STAYS = auto()
+    """In its place."""
+    LEAVES = auto()
+    """The first step away from its place."""
+    AWAY = auto()
+    """In the hand that moves it, or not long enough in a new place."""
+    RETURNS = auto()
+    """Back in its old place."""
+    SETTLES = auto()
+    """Long enough in a new place, which `training` and `up` describe."""
+
+
+class PlacementTracker:
+    """Tell for one step after the other whether the phone is in its place.
+
+    Parameters
+    ----------
+    parameters : PlacementParams
+        Thresholds.
+
+    Attributes
+    ----------
+    up : ndarray, shape (3,)
+        Unit vector upwards in device axes in the present place, or in the last one while the phone is away from it.
+    training : list of Step
+        Steps since the hand let go of the phone, while it is away from its last place; the first one may still be
+        disturbed. At the step at which it settles they are those that it settled by, without the first.
+    """
+
+    def __init__(self, parameters: PlacementParams) -> None:
+        self._parameters = parameters
+        self._mode = CarryingMode.UNKNOWN
+        self._away = False
+        self._started = False
+        self._otherwise = 0  # steps in a row in another mode, with hardly another posture
+        self.up: Array = np.array([0.0, 0.0, 1.0])
+        self.training: list[Step] = []
+
+    def push(self, step: Step) -> Placing:
+        """Take the next step of the segment."""
+        up, handled = mean_up(step.samples), is_handled(step)
+        if not self._started:
+            self._started, self.up, self._mode = True, up, step.event.mode
+        moved_rad = angle_between(up, self.up)
+        other_mode = self._in_other_mode(step)
+        if self._away:
+            if not (handled or other_mode) and moved_rad < self._parameters.returned_rad:
+                self._away = False
+                return Placing.RETURNS
+            return self._settle(step, up, handled)
+        self._otherwise = self._otherwise + 1 if other_mode else 0
+        limit_rad = self._parameters.moved_in_mode_rad if other_mode else self._parameters.moved_rad
+        if handled or moved_rad > limit_rad or self._otherwise >= self._parameters.other_mode_steps:
+            self._away, self._otherwise, self.training = True, 0, []
+            return Placing.LEAVES if self._settle(step, up, handled) is Placing.AWAY else Placing.SETTLES
+        return Placing.STAYS
+
+    def staying(self, steps: Sequence[Step]) -> Sequence[Step]:
+        """Return some steps in the last place without the last ones, at which the phone may have moved already."""
+        stay = list(steps)
+        while len(stay) > 1 and self._in_other_mode(stay[-1]):
+            stay.pop()
+        slight_rad = 0.5 * self._parameters.moved_in_mode_rad
+        if len(stay) > 1 and angle_between(mean_up(stay[-1].samples), self.up) > slight_rad:
+            stay.pop()
+        return stay
+
+    def _in_other_mode(self, step: Step) -> bool:
+        """Return True for a mode that is another one for certain: recognisers tell these apart well."""
+        return step.event.mode is not self._mode and {step.event.mode, self._mode} <= set(_DISTINCT_MODES)
+
+    def _settle(self, step: Step, up: Array, handled: bool) -> Placing:
+        latest = self.training[-2:]
+        steady = all(angle_between(up, mean_up(one.samples)) < self._parameters.moved_rad for one in latest)
+        if handled or not steady:
+            self.training = []
+        if not handled:
+            self.training.append(step)
+        if len(self.training) <= self._parameters.training_steps:
+            return Placing.AWAY
+        self.training = self.training[1:]
+        self.up, self._mode, self._away = common_up(self.training), step.event.mode, False
+        return Placing.SETTLES
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Steps during which the phone stays in one place.
+
+    Attributes
+    ----------
+    first, last : int
+        Numbers of the first step and of the one after the last.
+    up : ndarray, shape (3,)
+        Unit vector upwards in device axes.
+    returned : bool
+        True if it is the place before, to which the phone returned.
+    settled_at : int
+        Number of the step at which the phone had settled.
+    mode : CarryingMode
+        Carrying mode.
+    """
+
+    first: int
+    last: int
+    up: Array
+    returned: bool
+    settled_at: int
+    mode: CarryingMode
+
+
+def placements_of(steps: Sequence[Step], parameters: PlacementParams) -> list[Placement]:
+    """Find the places of the phone over the steps of a segment."""
+    tracker = PlacementTracker(parameters)
+    found: list[Placement] = []
+    first, settled, returned, up, inside = 0, 0, False, np.zeros(3), True
+    for number, step in enumerate(steps):
+        event = tracker.push(step)
+        if number == 0:
+            up = tracker.up
+        if event is Placing.LEAVES:
+            stay = tracker.staying(steps[first:number])
+            if stay:
+                found.append(Placement(first, first + len(stay), up, returned, settled, stay[-1].event.mode))
+            inside = False
+        elif event in (Placing.RETURNS, Placing.SETTLES):
+            returned, settled, inside = event is Placing.RETURNS, number, True
+            first = number if returned else number - len(tracker.training) + 1
+            up = tracker.up
+    if inside and first < len(steps):
+        found.append(Placement(first, len(steps), up, returned, settled, steps[-1].event.mode))
+    return found
+
+
+def is_handled(step: Step) -> bool:
+    """Return True for a step at which a hand moves the phone, or that was not seen."""
+    return step.event.mode is CarryingMode.TRANS or step.event.compensated
+
+
+def common_up(steps: Sequence[Step]) -> Array:
+    """Compute the mean unit vector (3,) upwards in device axes over some steps, at least one."""
+    total = np.sum([mean_up(step.samples) for step in steps], axis=0)
+    return np.asarray(total / max(float(np.linalg.norm(total)), 1e-9))

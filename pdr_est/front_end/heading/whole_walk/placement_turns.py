@@ -1,0 +1,153 @@
+"""The turns while the phone was put elsewhere, estimated from all steps before and after.
+
+At the end of a walk the walking direction in each place of the phone is known from all its strides, and the time at
+which the phone was put down, too. So the headings of the steps in between are interpolated, and the possible turns
+belong to the first step in the new place. Later steps in the walk change nothing about what a hand did.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.placement_change.placement_tracker import (
+    LIMB_MODES,
+    Placement,
+    PlacementParams,
+    placements_of,
+)
+from pdr_est.front_end.heading.placement_change.turn_estimate import (
+    KnownPlace,
+    PlacedSteps,
+    TurnEstimate,
+    TurnParams,
+    estimate_turn,
+    first_heading,
+    last_heading,
+)
+from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
+from pdr_est.front_end.heading.stride_pairing import stride_average
+from pdr_est.types.steps import Step, TurnHypothesis
+
+
+@dataclass(frozen=True)
+class PlacementTurnParams:
+    """Parameters of the places of the phone, of turns, of the principal axis, and of the average over a stride."""
+
+    placement: PlacementParams
+    turn: TurnParams
+    axis: PrincipalAxisParams
+    bend_rad: float
+
+
+@dataclass(frozen=True)
+class PlacedWalk:
+    """Steps of a segment with the places of the phone and the turns between them.
+
+    Attributes
+    ----------
+    steps : sequence of Step
+        The steps.
+    places : sequence of Placement
+        Places in order of time.
+    turns : mapping of int to TurnEstimate
+        Turn before each place to which the phone did not return, by the number of the place.
+    heading_rad : ndarray, shape (n,)
+        Headings by the most probable turns, not averaged over the stride, continuous; interpolated between two places.
+    """
+
+    steps: Sequence[Step]
+    places: Sequence[Placement]
+    turns: dict[int, TurnEstimate]
+    heading_rad: Array
+
+    def oriented(self, bend_rad: float) -> list[Step]:
+        """Return the steps with headings by the most probable turns, and with the other possible turns."""
+        averaged = _stride_averaged(self.steps, self.heading_rad, bend_rad)
+        done = [
+            replace(step, heading_rad=float(wrap_angle(angle)), turn_hypotheses=(), placement_tracked=True)
+            for step, angle in zip(self.steps, averaged.tolist(), strict=True)
+        ]
+        for number, turn in self.turns.items():
+            self._mark(done, averaged, number, turn.hypotheses())
+        return done
+
+    def _mark(self, steps: list[Step], heading: Array, number: int, hypotheses: Sequence[TurnHypothesis]) -> None:
+        """Give the first step in a place the possible turns, and the steps before it their share of the noise.
+
+        The interpolated turn is as uncertain at each of these steps, and all of them together as the narrowest
+        hypothesis.
+        """
+        first, last_before = self.places[number].first, self.places[number - 1].last
+        share = min(one.sigma_rad for one in hypotheses) ** 2 / (first - last_before + 1)
+        for k in range(last_before, first):
+            steps[k] = replace(steps[k], sigma_turn_rad=float(np.hypot(steps[k].sigma_turn_rad, np.sqrt(share))))
+        spent = share * (first - last_before)
+        change = heading[first] - heading[first - 1] - hypotheses[0].heading_change_rad
+        steps[first] = replace(
+            steps[first],
+            turn_hypotheses=tuple(
+                replace(
+                    one,
+                    heading_change_rad=float(wrap_angle(one.heading_change_rad + change)),
+                    sigma_rad=float(np.sqrt(one.sigma_rad**2 - spent)),
+                )
+                for one in hypotheses
+            ),
+        )
+
+
+Refine = Callable[[int, TurnEstimate], TurnEstimate]
+
+
+def placed_walk(
+    steps: Sequence[Step], parameters: PlacementTurnParams, refine: Refine = lambda _, turn: turn
+) -> PlacedWalk | None:
+    """Find the places of the phone over the steps of a segment and the turns between them; None for one place only.
+
+    Parameters
+    ----------
+    steps : sequence of Step
+        All steps of the segment.
+    parameters : PlacementTurnParams
+        Parameters.
+    refine : callable
+        Function of the number of a place and of the turn before it that returns a better estimate of the turn.
+    """
+    places = placements_of(steps, parameters.placement)
+    if len(places) < 2:
+        return None
+    turns: dict[int, TurnEstimate] = {}
+    known: list[KnownPlace] = []
+    at, headings = [], []
+    offset_rad = end_rad = 0.0
+    for number, place in enumerate(places):
+        here = PlacedSteps(steps[place.first : place.last], place.up)
+        yaw = here.yaws_rad()
+        if number and not place.returned:
+            last = places[number - 1]
+            before = PlacedSteps(steps[last.first : last.last], last.up)
+            between = place.first - last.last
+            turn = estimate_turn(before, here, between, known, end_rad, parameters.turn, parameters.axis)
+            turns[number] = refine(number, turn)
+            turn_rad = turns[number].hypotheses()[0].heading_change_rad
+            offset_rad = first_heading(yaw) - end_rad - turn_rad
+        heading = yaw - offset_rad
+        if number:
+            heading = heading + 2.0 * np.pi * np.round((end_rad - heading[0]) / (2.0 * np.pi))
+        end_rad = last_heading(heading)
+        if not place.returned:
+            known.append(here.known(offset_rad))
+        at += list(range(place.first, place.last))
+        headings += heading.tolist()
+    return PlacedWalk(steps, places, turns, np.asarray(np.interp(np.arange(len(steps)), at, headings)))
+
+
+def _stride_averaged(steps: Sequence[Step], heading: Array, bend_rad: float) -> Array:
+    """Average headings (n,) over the stride where the phone is on a limb and the walker does not turn."""
+    padded = np.concatenate([heading[1:2], heading, heading[-2:-1]])
+    before, after = padded[:-2], padded[2:]
+    on_limb = np.array([step.event.mode in LIMB_MODES for step in steps])
+    chosen = on_limb & (np.abs(after - before) < bend_rad)
+    return np.where(chosen, stride_average(before, heading, after), heading)
