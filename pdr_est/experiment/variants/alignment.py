@@ -3,13 +3,20 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pdr_est.config import import_folders
 from pdr_est.estimators import SPECS
 from pdr_est.experiment.variants.axes import Variant
+from pdr_est.parts import importable
 
 
 def aligned_variants(variants: Iterable[Variant]) -> tuple[str, ...]:
     """Return the names of the variants whose estimator takes no measurement from position fixes."""
-    return tuple(variant.name for variant in variants if not variant.config.estimator.make().spec.uses_fixes)
+    aligned = []
+    for variant in variants:
+        with importable(import_folders(variant.config)):
+            if not variant.config.estimator.make().spec.uses_fixes:
+                aligned.append(variant.name)
+    return tuple(aligned)
 
 
 def aligned_in_file(variants: Mapping[str, Any]) -> tuple[str, ...]:
