@@ -135,16 +135,16 @@ def with_map_directions(
 
 def with_findings(
     track: Track,
+    walks: Sequence[DeviceWalk],
     devices: Sequence[DeviceMeasurements],
     tethers: Sequence[DeviceTether],
     estimator: Estimator,
     config: Config,
 ) -> Track:
-    """Add what does not fit in the walk to what the estimator has found itself."""
+    """Add what the front end found and what else does not fit in the walk to what the estimator has found itself."""
     start, sigma = config.start.pose(), config.odometry.sigma_length_scale
-    return replace(
-        track, findings=(*track.findings, *findings_of(track, devices, tethers, start, sigma, estimator.spec))
-    )
+    further = findings_of(track, devices, tethers, start, sigma, estimator.spec)
+    return replace(track, findings=(*(one for walk in walks for one in walk.findings), *track.findings, *further))
 
 
 def with_person(track: Track, config: Config) -> Track:

@@ -19,7 +19,8 @@ EKF = Config(mode=ModeParams(method="fixed")).with_estimator("ekf")
 
 
 def gps(time_s, east_m, north_m, sigma_m=1.0):
-    return PositionFix(time_s, np.array([east_m, north_m]), sigma_m**2 * np.eye(2), source="gps")
+    """A position of a source whose errors are independent, as its accuracy states."""
+    return PositionFix(time_s, np.array([east_m, north_m]), sigma_m**2 * np.eye(2), source="beacon")
 
 
 @pytest.fixture

@@ -190,7 +190,8 @@ def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
     places = {tuple(fix.position_m) for fix in walk.fixes}
     if start is not None and start.position_m is not None:
         places.add(start.position_m)
-    directed = (start is not None and start.heading_rad is not None) or any(map(_knows_north, walk.devices))
+    north = bool(walk.devices) and all(map(_knows_north, walk.devices))  # the north of some of them is not used
+    directed = north or (start is not None and start.heading_rad is not None)
     return "map" if len(places) >= (1 if directed else 2) else "own"
 
 
