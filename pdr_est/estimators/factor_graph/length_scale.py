@@ -5,8 +5,8 @@ graph: linear systems at neighbouring scales give the slope and the curvature of
 scales. For a linear walk the result is that of a variable in the graph.
 
 The prior is that of the logarithm of a scale, with mean 0, so that no measurement makes a scale negative. The error
-quadratic in the scales themselves; its minimum together with the prior is therefore found by an iteration of its own
-(`most_probable_scales`), which needs no further linear systems.
+is quadratic in the scales themselves; its minimum together with the prior is therefore found by an iteration of its
+own (`most_probable_scales`), which needs no further linear systems.
 """
 
 from dataclasses import dataclass

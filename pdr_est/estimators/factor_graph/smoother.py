@@ -6,6 +6,7 @@ tethers that are active at the optimum (`tether_factors`). Its optimum is found 
 the share of the scale is added to the marginals. `build` hands out the graph.
 """
 
+import threading
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -18,7 +19,6 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.factor_graph.initial_values import initial_states, with_headings
-from pdr_est.estimators.factor_graph.large_stack_thread import LARGE_STACK_POSES, with_large_stack
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTLY
@@ -30,6 +30,11 @@ from pdr_est.types.track import Track, concatenate
 NAME = "factor-graph"
 _SCALE_ROUNDS, _SOFT_SCALE_ROUNDS = 30, 2  # Newton steps on the scales, with tethers as they are and softened
 _CUTTING_ROUNDS = 6  # rounds of adding tethers between the given ones
+
+LARGE_STACK_POSES = 5_000
+"""From how many poses on GTSAM's elimination, which recurses deeply, needs a large stack."""
+
+_STACK_BYTES = 512 * 1024 * 1024
 
 T = TypeVar("T")
 
@@ -151,3 +156,26 @@ def run_gtsam(work: Callable[[], T], poses: int) -> T:
         raise EstimationError(
             f"the factor graph has no unique solution ({reason}): give a start pose, more fixes, or use the ekf"
         ) from error
+
+
+def with_large_stack(work: Callable[[], T]) -> T:
+    """Run `work` in a thread with a stack of 512 MB and return its result; what it raises is raised here."""
+    outcome: list[T] = []
+    failure: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            outcome.append(work())
+        except BaseException as error:
+            failure.append(error)
+
+    previous = threading.stack_size(_STACK_BYTES)
+    try:
+        thread = threading.Thread(target=run)
+        thread.start()
+    finally:
+        threading.stack_size(previous)
+    thread.join()
+    if failure:
+        raise failure[0]
+    return outcome[0]

@@ -1,0 +1,180 @@
+"""Fixes with a wandering error: graph and fixed-lag smoother against least squares with the correlated errors."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from estimator_walks import (
+    DEVICE,
+    SIGMA_SCALE,
+    STEP_S,
+    SimulatedWalk,
+    fix,
+    heading_prior,
+    run,
+    simulate,
+    straight,
+    winding,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from least_squares import solve, solve_linear
+
+from pdr_est.estimators import estimate_walk
+from pdr_est.estimators.common.timeline import build_timeline, timelines_of
+from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.frames import Array
+from pdr_est.types.measurements import DeviceMeasurements, Measurement, PositionFix, StartPose
+from pdr_est.types.track import Track
+
+EAST = StartPose((3.0, -2.0), 0.0, sigma_position_m=2.0)
+STEPS = 40
+ANISOTROPIC = np.array([[1.0, 0.4], [0.4, 0.5]])
+
+
+def wandering(
+    k: float, x_m: float, y_m: float, source: str = "gps", sigma_m: float = 3.0, time_s: float = 8.0
+) -> PositionFix:
+    return replace(fix(k, x_m, y_m, 0.7), source=source, sigma_wander_m=sigma_m, wander_time_s=time_s)
+
+
+def walk_east(seed: int = 4) -> SimulatedWalk:
+    covariance = np.diag([0.005, 0.004, 1e-8])
+    return simulate(np.random.default_rng(seed), np.zeros(STEPS), (3.5, -2.5, 0.0), 1.1, covariance=covariance)
+
+
+def many_fixes(walk: SimulatedWalk) -> list[PositionFix]:
+    """Two wandering sources and surveyed points, before the walk, within steps, at the same time and after it."""
+    places = np.concatenate([np.arange(-3.0, 0.0), np.arange(0.35, STEPS, 1.7), [STEPS, STEPS + 2.0, STEPS + 2.0]])
+    near = [walk.truth[int(np.clip(k, 0, STEPS)), :2] for k in places]
+    gps = [
+        wandering(k, *(at + np.array([2.0, 1.0])), sigma_m=3.0 + 0.1 * k) for k, at in zip(places, near, strict=True)
+    ]
+    gps[7] = replace(gps[7], covariance_m2=ANISOTROPIC)
+    beacon = [wandering(k, 3.0 + 0.75 * k, -1.0, "beacon", 1.0, 30.0) for k in (4.0, 9.5, 30.0)]
+    return [*gps, *beacon, fix(20.2, 17.0, -3.0, 0.4), fix(31.0, 25.0, -2.0, 0.5)]
+
+
+@pytest.mark.parametrize("sigma_scale", [0.0, SIGMA_SCALE])
+def test_the_graph_is_least_squares_with_correlated_errors(sigma_scale: float) -> None:
+    walk = walk_east()
+    measurements = [*walk.odometry, *many_fixes(walk)]
+    timeline = build_timeline(DEVICE, 0.0, measurements)
+    (position,), (covariance,), (log_scale,), of_scale = solve_linear([timeline], EAST, sigma_scale)
+    track = run("factor-graph", measurements, EAST, sigma_scale)
+    steps = [node.is_step for node in timeline.nodes]
+    assert track.position_m == pytest.approx(position[steps], abs=2e-4)
+    assert track.covariance_m2 == pytest.approx(covariance[steps], rel=1e-3, abs=2e-5)
+    assert track.length_scale == pytest.approx(np.exp(log_scale), abs=1e-5)
+    assert track.sigma_length_scale == pytest.approx(np.exp(log_scale) * np.sqrt(of_scale[0, 0]), abs=1e-5)
+
+
+def test_with_turns_the_graph_is_dense_least_squares() -> None:
+    rng = np.random.default_rng(7)
+    start = StartPose((3.0, -2.0), 2.5, sigma_position_m=2.0, sigma_heading_rad=0.1)
+    walk = simulate(rng, 2.0 * winding(24, rng), (3.0, -2.0, 2.6), 1.1)
+    fixes = [
+        wandering(k, *(walk.truth[k, :2] + np.array([1.5, -1.0]) + rng.normal(0, 0.5, 2))) for k in range(0, 25, 2)
+    ]
+    fixes[3] = replace(fixes[3], covariance_m2=ANISOTROPIC)
+    measurements = [*walk.odometry, *fixes, heading_prior(20, walk.truth[20, 2] + 0.02)]
+    track = run("factor-graph", measurements, start)
+    timeline = build_timeline(DEVICE, 0.0, measurements)
+    guess = np.column_stack([track.position_m, track.heading_rad])
+    mean, covariance = solve(timeline, start, SIGMA_SCALE, guess)
+    poses = mean[:-1].reshape(-1, 3)
+    assert track.position_m == pytest.approx(poses[:, :2], abs=2e-3)
+    assert np.sin(track.heading_rad - poses[:, 2]) == pytest.approx(np.zeros(25), abs=2e-4)
+    assert track.length_scale == pytest.approx(np.exp(mean[-1]), abs=1e-4)
+    for k in range(25):
+        expected = covariance[3 * k : 3 * k + 2, 3 * k : 3 * k + 2]
+        assert np.linalg.norm(track.covariance_m2[k] - expected) < 0.01 * np.linalg.norm(expected)
+        assert track.sigma_heading_rad[k] == pytest.approx(np.sqrt(covariance[3 * k + 2, 3 * k + 2]), rel=0.01)
+
+
+def two_devices() -> list[DeviceMeasurements]:
+    """Two phones of one walker, whose steps end at other times, with the same fixes."""
+    first, second = walk_east(), walk_east(5)
+    fixes = many_fixes(first)
+    later = [replace(one, device="b", time_s=one.time_s + 0.2, start_s=one.start_s + 0.2) for one in second.odometry]
+    return [
+        DeviceMeasurements(DEVICE, 0.0, (*first.odometry, *fixes)),
+        DeviceMeasurements("b", 0.0, (*later, *fixes)),
+    ]
+
+
+def test_a_wandering_error_is_common_to_two_devices() -> None:
+    devices = two_devices()
+    timelines = timelines_of(devices)
+    positions, covariances, log_scales, _ = solve_linear(timelines, EAST, SIGMA_SCALE)
+    track = estimate_walk("factor-graph", devices, EAST, SIGMA_SCALE)
+    for timeline, position, covariance in zip(timelines, positions, covariances, strict=True):
+        own, steps = track.of_device(timeline.device), [node.is_step for node in timeline.nodes]
+        assert own.position_m == pytest.approx(position[steps], abs=5e-4)
+        assert own.covariance_m2 == pytest.approx(covariance[steps], rel=1e-3, abs=5e-5)
+    alone = run("factor-graph", devices[0].measurements, EAST)
+    assert np.exp(log_scales[0]) != pytest.approx(alone.length_scale, abs=1e-4)
+
+
+def lagged(devices: Sequence[DeviceMeasurements], lag_s: float, sigma_scale: float = 0.0) -> Track:
+    return estimate_walk("fixed-lag", devices, EAST, sigma_scale, fixed_lag=FixedLagParams(lag_s=lag_s))
+
+
+def test_a_lag_longer_than_the_walk_gives_the_batch_graph() -> None:
+    walk = walk_east()
+    devices = [DeviceMeasurements(DEVICE, 0.0, (*walk.odometry, *many_fixes(walk)[3:]))]
+    late, whole = lagged(devices, 60.0), estimate_walk("factor-graph", devices, EAST, 0.0)
+    assert late.position_m == pytest.approx(whole.position_m, abs=1e-3)
+    assert late.covariance_m2 == pytest.approx(whole.covariance_m2, rel=1e-3, abs=1e-4)
+
+
+CORNERS = st.tuples(st.floats(-60.0, 60.0), st.floats(-60.0, 60.0))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.tuples(st.floats(0.0, 30.0), CORNERS), min_size=2, max_size=12), st.sampled_from([0.0, 4.0, 15.0]))
+def test_contradicting_fixes_leave_a_positive_finite_scale(
+    given_fixes: list[tuple[float, tuple[float, float]]], sigma_wander_m: float
+) -> None:
+    fixes: list[Measurement] = [
+        replace(wandering(k, *at, sigma_m=sigma_wander_m), robust=True) for k, at in given_fixes
+    ]
+    track = run("factor-graph", [*straight(30), *fixes], StartPose(), 0.06)
+    assert 0.0 < track.length_scale < 5.0
+    assert 0.0 < track.sigma_length_scale < np.inf
+    for values in (track.position_m, track.covariance_m2, track.sigma_heading_rad):
+        assert np.isfinite(values).all()
+
+
+def wandering_walk(
+    rng: np.random.Generator, count: int, sigma_m: float, time_s: float
+) -> tuple[SimulatedWalk, Array]:
+    """A walk, and the wandering errors (n, 2) of fixes at every other step."""
+    walk = simulate(rng, winding(count, rng), (0.0, 0.0, 0.0))
+    kept = np.exp(-2.0 * STEP_S / time_s)
+    errors = [rng.standard_normal(2)]
+    for _ in range(2, count, 2):
+        errors.append(kept * errors[-1] + np.sqrt(1.0 - kept**2) * rng.standard_normal(2))
+    return walk, sigma_m * np.array(errors)
+
+
+def test_covariances_are_true_where_fixes_wander() -> None:
+    """And far too small if the errors are taken for independent ones."""
+    rng = np.random.default_rng(8)
+    squared: dict[float, list[float]] = {4.0: [], 0.0: []}
+    for _ in range(8):
+        walk, errors = wandering_walk(rng, 300, 4.0, 30.0)
+        places = [walk.truth[2 * i, :2] + off for i, off in enumerate(errors + rng.standard_normal(errors.shape))]
+        for sigma_m, found in squared.items():
+            fixes = [
+                replace(wandering(2 * i, *at, sigma_m=sigma_m, time_s=30.0), covariance_m2=np.eye(2))
+                for i, at in enumerate(places)
+            ]
+            track = run("factor-graph", [*walk.odometry, *fixes], StartPose(), 0.05)
+            error = track.position_m - walk.truth[:, :2]
+            found += np.einsum(
+                "ni,ni->n", error, np.linalg.solve(track.covariance_m2, error[..., None])[..., 0]
+            ).tolist()
+    assert 0.4 < np.mean(squared[4.0]) / 2.0 < 2.0
+    assert np.mean(squared[0.0]) / 2.0 > 5.0
