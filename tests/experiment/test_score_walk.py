@@ -17,6 +17,7 @@ from pdr_est.front_end.gait import GaitParams, shipped_model
 from pdr_est.front_end.gait.model import save_model
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
+from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import PositionFix
 
 HELD = Config(mode=ModeParams(method="fixed"))  # made-up signals are not like those of a hand
@@ -237,6 +238,18 @@ def test_missing_value_that_no_reason_explains_is_told():
 def test_a_metric_that_does_not_apply_needs_no_reason():
     scores = TrackScores("device", "HOLDING", {"nees_mean": 1.0}, missing={"coverage95": "too dark"})
     assert missing_reasons(ilc20.SUITE, scores) == ["coverage95: too dark"]
+
+
+def test_doubtful_findings_are_counted(data, monkeypatch):
+    estimate = pipeline.estimate_tracks
+    found = tuple(Finding(FindingKind.NORTH, str(k), doubtful=k < 2) for k in range(3))
+
+    def with_findings(walks, config, fixes=()):
+        return replace(estimate(walks, config, fixes), findings=found if fixes else ())
+
+    monkeypatch.setattr(pipeline, "estimate_tracks", with_findings)
+    document = run_benchmark("ilc20", data, EKF, limit=1).to_dict()
+    assert [walk["findings"] for walk in document["walks"]] == [2]
 
 
 def test_settings_that_no_walk_can_use_end_the_run(data, tmp_path):

@@ -90,7 +90,7 @@ def fix_findings(track: Track, fixes: Sequence[PositionFix], used: bool = True) 
         count[one.fix.source] += 1
         if one.squared > limit and not any(begin_s <= one.fix.time_s <= end_s for begin_s, end_s in told):
             by_source[one.fix.source].append(one)
-    return [_in_words(source, found, count[source]) for source, found in by_source.items()]
+    return [disagreement(source, found, count[source]) for source, found in by_source.items()]
 
 
 def fix_residual(fix: PositionFix, track: Track, devices: int = 1, used: bool = True) -> FixResidual | None:
@@ -165,8 +165,18 @@ def _left_out(fix: PositionFix, error_m: Array, noise_m2: Array, covariance_m2: 
     return FixResidual(fix, np.asarray(root @ axes @ error), float((error**2 / variance).sum()))
 
 
-def _in_words(source: str, found: Sequence[FixResidual], of: int) -> Finding:
-    """Make one finding of the disagreeing fixes of a source: a wrong one lets its neighbours disagree as well."""
+def disagreement(source: str, found: Sequence[FixResidual], of: int) -> Finding:
+    """Make one finding of the disagreeing fixes of a source: a wrong one lets its neighbours disagree as well.
+
+    Parameters
+    ----------
+    source
+        Name of the source.
+    found
+        Its disagreeing fixes in order of time, at least one.
+    of
+        Number of all its fixes.
+    """
     worst = max(found, key=lambda one: one.squared)
     size = f"{worst.distance_m:.1f} m, {math.sqrt(worst.squared):.1f} times its standard deviation"
     begin_s, end_s = found[0].fix.time_s, found[-1].fix.time_s
