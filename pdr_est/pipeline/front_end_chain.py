@@ -83,7 +83,9 @@ def analyse_device(
         has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
-        findings=tuple(found for stage in causal.stages if isinstance(stage, NorthPriors) for found in stage.findings),
+        findings=tuple(
+            found for stage in causal.stages if isinstance(stage, NorthPriors) for found in stage.findings
+        ),
     )
 
 

@@ -142,9 +142,7 @@ def _attitude(log: TaggedLog, decisions: list[str], warnings: list[str]) -> Sign
     vector = _signal(log, "AHRS", (6, 7, 8), decisions, warnings)
     if vector is None:
         return None
-    decisions.append(
-        "attitude is the rotation vector of AHRS, device -> magnetic east, magnetic north, up"
-    )
+    decisions.append("attitude is the rotation vector of AHRS, device -> magnetic east, magnetic north, up")
     return Signal(vector.time_s, quaternion_from_rotation_vector(vector.values))
 
 
