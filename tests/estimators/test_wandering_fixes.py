@@ -178,3 +178,35 @@ def test_covariances_are_true_where_fixes_wander() -> None:
             ).tolist()
     assert 0.4 < np.mean(squared[4.0]) / 2.0 < 2.0
     assert np.mean(squared[0.0]) / 2.0 > 5.0
+
+
+def test_what_leaves_the_window_is_remembered_by_what_stays() -> None:
+    """On a linear walk the last pose is that of the batch graph, however short the lag."""
+    walk = walk_east()
+    devices = [DeviceMeasurements(DEVICE, 0.0, (*walk.odometry, *many_fixes(walk)[3:]))]
+    late, whole = lagged(devices, 3.0), estimate_walk("factor-graph", devices, EAST, 0.0)
+    assert late.position_m[-1] == pytest.approx(whole.position_m[-1], abs=1e-3)
+    assert late.covariance_m2[-1] == pytest.approx(whole.covariance_m2[-1], rel=1e-3, abs=1e-4)
+    assert np.abs(late.position_m[10] - whole.position_m[10]).max() > 0.02  # not there: later fixes are unknown
+
+
+def test_a_window_that_is_built_anew_knows_the_wandering_errors_of_the_filter() -> None:
+    """The window is built anew whenever the filter learns the length scale; the filter itself is linear nearly."""
+    walk = walk_east()
+    devices = [DeviceMeasurements(DEVICE, 0.0, (*walk.odometry, *many_fixes(walk)[3:]))]
+    late, filtered = lagged(devices, 3.0, 0.05), estimate_walk("ekf", devices, EAST, 0.05)
+    assert late.position_m[-1] == pytest.approx(filtered.position_m[-1], abs=0.1)
+    assert late.covariance_m2[-1] == pytest.approx(filtered.covariance_m2[-1], rel=0.05, abs=0.01)
+
+
+def test_two_devices_share_the_wandering_error_in_the_window() -> None:
+    before = {one.time_s for one in many_fixes(walk_east())[:4]}  # with which the devices enter one by one
+    devices = [
+        replace(one, measurements=tuple(m for m in one.measurements if m.time_s not in before))  # type: ignore[union-attr]
+        for one in two_devices()
+    ]
+    late, whole = lagged(devices, 60.0), estimate_walk("factor-graph", devices, EAST, 0.0)
+    for name in (DEVICE, "b"):
+        one, other = late.of_device(name), whole.of_device(name)
+        assert one.position_m == pytest.approx(other.position_m, abs=0.02)
+        assert one.covariance_m2 == pytest.approx(other.covariance_m2, rel=0.02, abs=1e-3)

@@ -143,7 +143,8 @@ def _conditional(covariance: Array, keys: Sequence[int], rows: Sequence[Any]) ->
     spread = covariance[np.ix_(own, own)] - gain @ covariance[np.ix_(others, own)]
     variance, axes = np.linalg.eigh(0.5 * (spread + spread.T))
     whiten = (axes / np.sqrt(np.maximum(variance, MIN_SIGMA**2))).T
-    blocks = [whiten, *np.split(-whiten @ gain, len(rows) - 1, axis=1)] if len(rows) > 1 else [whiten]
+    ends = np.cumsum([len(one) for one in rows[1:-1]])
+    blocks = [whiten, *np.split(-whiten @ gain, ends, axis=1)] if len(rows) > 1 else [whiten]
     if len(own) == 1:
         blocks[0] = np.concatenate([np.zeros((1, 2)), blocks[0]], axis=1)
     pairs = [part for key, block in zip(keys, blocks, strict=True) for part in (key, block)]
