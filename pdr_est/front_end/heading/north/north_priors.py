@@ -1,7 +1,8 @@
 """Stage that makes heading priors in the map from the direction of north."""
 
+import cmath
 from dataclasses import dataclass, replace
-from math import degrees, hypot
+from math import degrees, hypot, sqrt
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import HeadingPrior
 from pdr_est.types.steps import CarryingMode, Step
 
-_LARGEST_SIGMA_RAD = 1.0  # a prior beyond tells nothing
+_LARGEST_SIGMA_RAD = 1.0  # a prior beyond would tell nothing: it waits until there is more to tell
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class _Stretch:
 
 
 class NorthPriors:
-    """Stage Step -> HeadingPrior of one device, absolute, from steps at which the phone was held in front of the body.
+    """Stage Step -> HeadingPrior of one device, absolute, from steps with the phone held in front of the body.
 
     In a pocket or a bag, and in a swinging hand, nothing says how the phone sits on the body, and there is no prior.
     The first one comes with the first such step, and after a gap.
@@ -69,7 +70,8 @@ class NorthPriors:
             stays_rad, parameters.sigma_disturbance_rad, parameters.disturbance_length_m
         )
         self._previous: Step | None = None
-        self._offsets: list[float] = []  # heading in the map less that of the step, since the last prior
+        self._steps = 0  # that told a direction since the last prior
+        self._offset_sum = 0j  # unit vectors of their headings in the map less those of the steps
         self._since_s = 0.0
         self._walked_m = float("inf")  # since the last prior
         self._disturbed: list[_Stretch] = []
@@ -85,18 +87,17 @@ class NorthPriors:
         self._move(item)
         offset_rad = self._offset(item)
         if np.isfinite(offset_rad):
-            if not self._offsets:
-                self._since_s = item.start_s
-            self._offsets.append(offset_rad)
-        if not self._offsets or self._walked_m < self._parameters.spacing_m:
+            self._since_s = self._since_s if self._steps else item.start_s
+            self._steps, self._offset_sum = self._steps + 1, self._offset_sum + cmath.rect(1.0, offset_rad)
+        if not self._steps or self._walked_m < self._parameters.spacing_m:
             return []
-        mean_rad = float(np.angle(np.mean(np.exp(1j * np.array(self._offsets)))))
-        heading_rad = float(wrap_angle(item.heading_rad + mean_rad))
-        found = self._error.measure(heading_rad, self._parameters.sigma_step_rad / np.sqrt(len(self._offsets)))
+        sigma_rad = self._parameters.sigma_step_rad / sqrt(self._steps)
+        if self._error.expected_sigma(sigma_rad) > _LARGEST_SIGMA_RAD:
+            return []
+        heading_rad = float(wrap_angle(item.heading_rad + cmath.phase(self._offset_sum)))
+        found = self._error.measure(heading_rad, sigma_rad)
         self._note_disturbance(found, item.event.time_s)
-        self._offsets, self._walked_m = [], 0.0
-        if found.sigma_rad > _LARGEST_SIGMA_RAD:
-            return []
+        self._begin_window(0.0)
         return [HeadingPrior(self._device, item.event.time_s, heading_rad, found.sigma_rad)]
 
     def flush(self) -> list[HeadingPrior]:
@@ -109,12 +110,16 @@ class NorthPriors:
             return
         if step.event.segment != previous.event.segment:
             self._error.forget_heading()
-            self._offsets, self._walked_m, self._in_disturbance = [], float("inf"), False
+            self._in_disturbance = False
+            self._begin_window(float("inf"))
             return
         passed_s = max(step.event.time_s - previous.event.time_s, 0.0)
         variance = self._drift_per_sqrt_s**2 * passed_s + step.sigma_turn_rad**2
         self._error.move(float(wrap_angle(step.heading_rad - previous.heading_rad)), variance, step.length_m)
         self._walked_m += step.length_m
+
+    def _begin_window(self, walked_m: float) -> None:
+        self._steps, self._offset_sum, self._walked_m = 0, 0j, walked_m
 
     def _offset(self, step: Step) -> float:
         """Compute the heading in the map less that of the step, rad; NaN where the phone does not tell it."""
