@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from pdr_est.estimators.spec import EstimatorSpec
 from pdr_est.evaluate.walk_findings.fix_residuals import fix_findings
+from pdr_est.evaluate.walk_findings.north_check import north_findings
 from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding, unknown_direction_finding
 from pdr_est.evaluate.walk_findings.tether_slack import tether_findings
 from pdr_est.types.findings import Finding, FindingKind
@@ -45,6 +46,7 @@ def findings_of(
     if FindingKind.LENGTH_SCALE not in known:
         found.append(length_scale_finding(track, sigma_length_scale))
     found += fix_findings(track, _fixes_of(devices), spec.uses_fixes)
+    found += north_findings(track, devices)
     if spec.uses_tethers:
         found += tether_findings(track, tethers)
     return tuple(finding for finding in found if finding is not None)
