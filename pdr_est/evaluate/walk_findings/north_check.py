@@ -46,8 +46,8 @@ def _of_device(track: Track, device: DeviceMeasurements) -> Finding | None:
     return Finding(
         FindingKind.NORTH,
         f"the phone's north turns the walk {degrees(abs(off_rad)):.0f} degrees to the {side} of where the other "
-        f"measurements have it, {abs(off_rad) / sigma_rad:.1f} times its standard deviation: the phone was held askew, "
-        "its compass is disturbed, or the map is not north-up; heading.north.source: none leaves it out",
+        f"measurements have it, {abs(off_rad) / sigma_rad:.1f} times its standard deviation: the phone was held "
+        "askew, its compass is disturbed, or the map is not north-up; heading.north.source: none leaves it out",
         device=device.device,
         begin_s=float(time_s[0]),
         end_s=float(time_s[-1]),
