@@ -141,10 +141,11 @@ def with_findings(
     estimator: Estimator,
     config: Config,
 ) -> Track:
-    """Add what the front end found and what else does not fit in the walk to what the estimator has found itself."""
+    """Add what does not fit in the walk, and what the front ends have found, to what the estimator has found."""
     start, sigma = config.start.pose(), config.odometry.sigma_length_scale
-    further = findings_of(track, devices, tethers, start, sigma, estimator.spec)
-    return replace(track, findings=(*(one for walk in walks for one in walk.findings), *track.findings, *further))
+    by_front_end = tuple(finding for walk in walks for finding in walk.findings)
+    of_walk = findings_of(track, devices, tethers, start, sigma, estimator.spec)
+    return replace(track, findings=(*track.findings, *by_front_end, *of_walk))
 
 
 def with_person(track: Track, config: Config) -> Track:
