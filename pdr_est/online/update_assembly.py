@@ -67,7 +67,7 @@ class UpdateAssembly:
         updates = [self._mounted(update) for update in centred]
         if kind == "filtered" and steps:
             findings = self._findings.add(centred, steps[-1].scale[0])
-            updates[-1] = replace(updates[-1], findings=tuple(findings))
+            updates[-1] = replace(updates[-1], findings=tuple(findings)) if findings else updates[-1]
         return updates
 
     def of_person(self, kind: Kind, now_s: float, most: int | None = None) -> list[Update]:

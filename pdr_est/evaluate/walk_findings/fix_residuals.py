@@ -125,8 +125,9 @@ def fix_residual(fix: PositionFix, track: Track, devices: int = 1, used: bool = 
     noise_m2 = fix.total_covariance_m2
     if used and track.kind == "filtered":
         return _innovation(fix, noise_m2, track, *((after, share) if share > 0.0 else (before, 1.0)))
-    (position_m,), (covariance_m2,) = track.at(at_s)
-    error_m = np.asarray(fix.position_m - position_m)
+    shares = np.array([1.0 - share, share])
+    covariance_m2 = np.einsum("p,pij->ij", shares, track.covariance_m2[around])
+    error_m = np.asarray(fix.position_m - shares @ track.position_m[around])
     outlier = fix.robust and float(error_m @ np.linalg.solve(noise_m2, error_m)) > _ROBUST_SIGMAS**2
     if not used or outlier or fix.sigma_wander_m > 0.0:
         return _compared(fix, error_m, noise_m2 + covariance_m2)
