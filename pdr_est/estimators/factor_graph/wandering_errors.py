@@ -2,9 +2,9 @@
 
 The wandering error of a source, divided by its standard deviation, is a Gauss-Markov process e in each coordinate. It
 has one variable for each time at which the source gave a fix, a Point2 that all devices share. The variables of a
-source form a chain: the first one has the stationary distribution, and each later one is a times the one before plus
-white noise of the variance 1 - a², a = exp(-Δt / correlation time). A fix is then a measurement of the position of a
-pose plus σ e with white noise.
+source form a chain: the first one has the variance 1, and each later one is a times the one before plus white noise
+of the variance 1 - a², with the correlation a of `wander_to`. A fix is then a measurement of the position of a pose
+plus σ e with white noise.
 
 GTSAM has no factor of a position and a point that a robust kernel in the map frame could be put on.
 `wandering_fix_factor` is therefore a CustomFactor. It calls Python at each evaluation, which would make the estimator
@@ -14,7 +14,7 @@ slow: the estimator linearises all fixes of a walk together (`WanderingFixes`), 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import exp, expm1, sqrt
+from math import sqrt
 
 import gtsam
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.common.wandering_error import wander_chain
 from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, fix_noise
 from pdr_est.estimators.factor_graph.keys import GraphKeys, pose_array
 from pdr_est.estimators.factor_graph.marginals import to_map
@@ -78,13 +79,14 @@ class WanderingFixes:
         ]
         fixes = tuple(fix for _, _, fix in uses)
         covariance = np.array([fix.covariance_m2 for fix in fixes], dtype=np.float64).reshape(-1, 2, 2)
+        error = np.array([error for _, error, _ in uses], dtype=np.int64)
         return cls(
             keys,
             fixes,
             np.array([key for key, _, _ in uses], dtype=np.int64),
-            np.array([error for _, error, _ in uses], dtype=np.int64),
+            error,
             np.array([fix.position_m for fix in fixes], dtype=np.float64).reshape(-1, 2),
-            np.array([fix.sigma_wander_m for fix in fixes]),
+            _chain(keys, fixes, error)[1][error],
             np.linalg.inv(np.linalg.cholesky(covariance)),
             np.array([HUBER if fix.robust else np.inf for fix in fixes]),
         )
@@ -101,23 +103,22 @@ class WanderingFixes:
 
     def chains(self) -> gtsam.NonlinearFactorGraph:
         """Return the factors of the Gauss-Markov processes of all sources."""
-        graph, of_error = gtsam.NonlinearFactorGraph(), dict(zip(self.error.tolist(), self.fixes, strict=True))
-        first, known = self.keys.first_fix_error, self.keys.fix_errors
-        origin, before_s = zero_errors(range(first, first + len(known))), dict[str, float]()
-        for i, (source, time_s) in enumerate(known):
-            if source in before_s:
-                process = (time_s - before_s[source], of_error[i].wander_time_s)
-                graph.add(gauss_markov_factor(first + i - 1, first + i, *process, origin))
+        graph, correlation = gtsam.NonlinearFactorGraph(), _chain(self.keys, self.fixes, self.error)[0]
+        first = self.keys.first_fix_error
+        origin = zero_errors(range(first, first + len(correlation)))
+        for i, (one, (source, _)) in enumerate(zip(correlation.tolist(), self.keys.fix_errors, strict=True)):
+            if i and self.keys.fix_errors[i - 1][0] == source:
+                graph.add(gauss_markov_factor(first + i - 1, first + i, one, origin))
             else:
                 graph.add(stationary_error(first + i))
-            before_s[source] = time_s
         return graph
 
     def factors(self) -> gtsam.NonlinearFactorGraph:
         """Return one factor for each fix, for solving with GTSAM."""
         graph, first = gtsam.NonlinearFactorGraph(), self.keys.first_fix_error
-        for pose, error, fix in zip(self.pose.tolist(), self.error.tolist(), self.fixes, strict=True):
-            graph.add(wandering_fix_factor(pose, first + error, fix))
+        uses = zip(self.pose.tolist(), self.error.tolist(), self.sigma_m.tolist(), self.fixes, strict=True)
+        for pose, error, sigma_m, fix in uses:
+            graph.add(wandering_fix_factor(pose, first + error, fix, sigma_m))
         return graph
 
     def cost(self, values: gtsam.Values) -> float:
@@ -190,7 +191,7 @@ def stationary_error(key: int) -> gtsam.PriorFactorPoint2:
 
 
 def gauss_markov_factor(
-    before: int, key: int, elapsed_s: float, wander_time_s: float, origin: gtsam.Values
+    before: int, key: int, correlation: float, origin: gtsam.Values
 ) -> gtsam.LinearContainerFactor:
     """Make the factor of the transition from one error of a source to the next one.
 
@@ -198,31 +199,42 @@ def gauss_markov_factor(
     ----------
     before, key : int
         Keys of the earlier and the later error.
-    elapsed_s : float
-        Time between them, s.
-    wander_time_s : float
-        Correlation time, s.
+    correlation : float
+        Correlation of the two, 0 to 1.
     origin : gtsam.Values
         Values in which both errors are zero.
     """
-    kept = exp(-elapsed_s / wander_time_s)
-    sigma = max(sqrt(-expm1(-2.0 * elapsed_s / wander_time_s)), MIN_SIGMA)
-    transition = (key, np.eye(2) / sigma, before, -kept / sigma * np.eye(2))
+    sigma = max(sqrt(1.0 - correlation**2), MIN_SIGMA)
+    transition = (key, np.eye(2) / sigma, before, -correlation / sigma * np.eye(2))
     return gtsam.LinearContainerFactor(gtsam.JacobianFactor(*transition, np.zeros(2), _UNIT), origin)
 
 
-def wandering_fix_factor(pose: int, error: int, fix: PositionFix) -> gtsam.CustomFactor:
-    """Make the factor of a fix: position of the pose + sigma_wander_m · error = measured position + white noise."""
-    return gtsam.CustomFactor(fix_noise(fix), [pose, error], partial(_off_fix, fix))
+def wandering_fix_factor(pose: int, error: int, fix: PositionFix, sigma_m: float) -> gtsam.CustomFactor:
+    """Make the factor of a fix: position of the pose + sigma_m · error = measured position + white noise."""
+    return gtsam.CustomFactor(fix_noise(fix), [pose, error], partial(_off_fix, fix.position_m, sigma_m))
 
 
 def _off_fix(
-    fix: PositionFix, factor: gtsam.CustomFactor, values: gtsam.Values, jacobians: list[Array] | None
+    position_m: Array,
+    sigma_m: float,
+    factor: gtsam.CustomFactor,
+    values: gtsam.Values,
+    jacobians: list[Array] | None,
 ) -> Array:
     """Return the white error (2,) of a fix at some values, m, and set its Jacobians if they are wanted."""
     key, error_key = factor.keys()
     pose, error = values.atPose2(key), values.atPoint2(error_key)
     if jacobians is not None:
         jacobians[0] = to_map(np.array([pose.theta()]))[0, :2]
-        jacobians[1] = fix.sigma_wander_m * np.eye(2)
-    return np.asarray(pose.translation() + fix.sigma_wander_m * error - fix.position_m)
+        jacobians[1] = sigma_m * np.eye(2)
+    return np.asarray(pose.translation() + sigma_m * error - position_m)
+
+
+def _chain(keys: GraphKeys, fixes: Sequence[PositionFix], error: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Return the correlation (v,) of each wandering error with the one before, and its standard deviation (v,), m."""
+    of_error = dict(zip(error.tolist(), fixes, strict=True))
+    correlation, sigma_m = np.zeros(len(keys.fix_errors)), np.zeros(len(keys.fix_errors))
+    for source in dict.fromkeys(name for name, _ in keys.fix_errors):
+        own = [i for i, (name, _) in enumerate(keys.fix_errors) if name == source]
+        correlation[own], sigma_m[own] = wander_chain([of_error[i] for i in own])
+    return correlation, sigma_m

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.common.wandering_error import wander_chain
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath, PathPoints
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StartPose
@@ -74,8 +75,9 @@ class FixTable:
         apart_s = np.abs(self.time_s[:, None] - other.time_s)
         correlated_s = np.minimum(self.wander_time_s[:, None], other.wander_time_s)
         same = self.source[:, None] == other.source
-        sigmas = np.outer(self.sigma_wander_m, other.sigma_wander_m)
-        covariance = same * sigmas * np.exp(-apart_s / correlated_s)
+        earlier = self.time_s[:, None] <= other.time_s
+        variance = np.where(earlier, self.sigma_wander_m[:, None], other.sigma_wander_m) ** 2  # what both have had
+        covariance = same * variance * np.exp(-apart_s / correlated_s)
         return covariance if more_m2 is None else covariance + more_m2
 
 
@@ -88,11 +90,15 @@ def table_of(fixes: Sequence[PositionFix], start: StartPose, begin_s: float) -> 
         known.insert(0, PositionFix(begin_s, np.array(start.position_m), sigma**2 * np.eye(2), START))
         index.insert(0, -1)
     names = tuple(dict.fromkeys(fix.source for fix in known))
+    sigma_wander_m = np.zeros(len(known))
+    for name in names:
+        own = sorted((i for i, fix in enumerate(known) if fix.source == name), key=lambda i: known[i].time_s)
+        sigma_wander_m[own] = wander_chain([known[i] for i in own])[1]
     table = FixTable(
         time_s=np.array([fix.time_s for fix in known]),
         position_m=np.array([fix.position_m for fix in known], dtype=np.float64),
         white_m2=np.array([fix.covariance_m2 for fix in known], dtype=np.float64),
-        sigma_wander_m=np.array([fix.sigma_wander_m for fix in known]),
+        sigma_wander_m=sigma_wander_m,
         wander_time_s=np.array([fix.wander_time_s for fix in known]),
         source=np.array([names.index(fix.source) for fix in known]),
         names=names,

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, inf
+from math import inf
 
 import gtsam
 
 from pdr_est.estimators.common.motion_model import SourceState
 from pdr_est.estimators.common.timeline import Node
+from pdr_est.estimators.common.wandering_error import wander_to
 from pdr_est.estimators.factor_graph.wandering_errors import (
     gauss_markov_factor,
     stationary_error,
@@ -22,10 +23,11 @@ _MARGIN_S = 1e-6  # a variable that is about to leave the window is not used any
 
 @dataclass
 class _WindowError:
-    """Variable of a wandering error: its key, the time of its fix, and up to when it was last told to stay, s."""
+    """Variable of a wandering error: key, time of its fix, standard deviation, and up to when it was told to stay."""
 
     key: int
     time_s: float
+    sigma_m: float
     kept_s: float = inf
 
 
@@ -51,7 +53,9 @@ class WindowErrors:
     def begin(self, source: SourceState, key: int, values: gtsam.Values, mean: Array) -> None:
         """Add the error (2,) of a source at the begin of the window; its prior is left to the caller."""
         values.insert(key, mean)
-        self._last[source.name] = self._present[source.name, source.time_s] = _WindowError(key, source.time_s)
+        self._last[source.name] = self._present[source.name, source.time_s] = _WindowError(
+            key, source.time_s, source.sigma_m
+        )
 
     def kept(self, now_s: float) -> list[int]:
         """Return the keys that must stay in the window, and forget those that have left it."""
@@ -79,23 +83,23 @@ class WindowErrors:
             if fix.sigma_wander_m > 0.0:
                 known = self._present.get((fix.source, fix.time_s))
                 error = known or self._added(graph, values, fix, new_key())
-                graph.add(wandering_fix_factor(pose, error.key, fix))
+                graph.add(wandering_fix_factor(pose, error.key, fix, error.sigma_m))
 
     def _added(
         self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, fix: PositionFix, key: int
     ) -> _WindowError:
         """Add the error of a fix, which follows the last one of its source."""
-        before = self._last.get(fix.source)
+        before, sigma_m = self._last.get(fix.source), fix.sigma_wander_m
         if before is None:
             graph.add(stationary_error(key))
             values.insert(zero_errors([key]))
         else:
-            elapsed_s = abs(fix.time_s - before.time_s)  # a device that lags behind may give an older fix
-            origin = zero_errors([before.key, key])
-            graph.add(gauss_markov_factor(before.key, key, elapsed_s, fix.wander_time_s, origin))
+            # A device that lags behind may give an older fix.
+            correlation, sigma_m = wander_to(fix, before.sigma_m, abs(fix.time_s - before.time_s))
+            graph.add(gauss_markov_factor(before.key, key, correlation, zero_errors([before.key, key])))
             known = values if values.exists(before.key) else None
             mean = known.atPoint2(before.key) if known else self._smoother.calculateEstimatePoint2(before.key)
-            values.insert(key, exp(-elapsed_s / fix.wander_time_s) * mean)
-        added = _WindowError(key, fix.time_s)
+            values.insert(key, correlation * mean)
+        added = _WindowError(key, fix.time_s, sigma_m)
         self._last[fix.source] = self._present[fix.source, fix.time_s] = added
         return added
