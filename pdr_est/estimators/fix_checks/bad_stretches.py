@@ -54,12 +54,12 @@ def _gain(now: Explained, block: NDArray[np.int64], sigma: float) -> float:
     """
     solved, weighed, fixes = now.weighed.regression, now.weighed, now.fixes
     rows = np.stack([2 * block, 2 * block + 1], axis=1).ravel()
-    present = np.linalg.inv(solved.information[np.ix_(rows, rows)])
+    present: Array = np.linalg.inv(solved.information[np.ix_(rows, rows)])
     residual = present @ solved.pulled[rows]
     more_m2 = np.repeat(weighed.more_m2[block], 2)
     apart = np.abs(fixes.time_s[block][:, None] - fixes.time_s[block]) / fixes.wander_time_s[block][:, None]
     variance = (sigma * float(np.median(fixes.sigma_m[block]))) ** 2
-    then = present - np.diag(more_m2) + np.kron(variance * np.exp(-apart), np.eye(2))
+    then: Array = present - np.diag(more_m2) + np.kron(variance * np.exp(-apart), np.eye(2))
     saved = float(outlier_cost(weighed.outlier[block], fixes.doubt[block]).sum())
     return saved + _log_density(residual, then) - _log_density(residual, present)
 

@@ -15,15 +15,17 @@ from threadpoolctl import ThreadpoolController
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
-from pdr_est.estimators.fix_checks.explanations import Explained, Explanation, alternatives, explain
-from pdr_est.estimators.fix_checks.fix_findings import findings_of, repeated_finding
+from pdr_est.estimators.fix_checks.explanations import Explained, Explanation, alternatives, weigh_under
+from pdr_est.estimators.fix_checks.fix_findings import repeated_finding, section_findings
 from pdr_est.estimators.fix_checks.section import Section, sections_of, table_of
+from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPose, StepOdometry
 
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
 _FAR_SIGMAS = 2.5  # at which deviation of a scale or a heading from its prior explanations are compared
 _REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself
+_WENT_ON_M = 0.5  # if the walker went this far meanwhile
 
 
 @dataclass(frozen=True)
@@ -67,12 +69,12 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
     if main is None or not steps_of[main.device] or len(given) + (start.position_m is not None) < 2:
         return unchanged
     with _blas_of_one_thread().limit(limits=1, user_api="blas"):
-        fixes, findings = _without_repeats(given)
         path = DeadReckonedPath(main.start_s, steps_of[main.device])
+        fixes, findings = _without_repeats(given, path)
         heading = None if start.heading_rad is None else (start.heading_rad, max(start.sigma_heading_rad, 1e-3))
         table = table_of(fixes, start, float(path.time_s[0]))
         results = [_examined(one) for one in sections_of(path, table, heading, sigma_length_scale)]
-    findings = [*findings, *findings_of(results)]
+    findings = [*findings, *section_findings(results)]
     if not findings and len(fixes) == len(given):
         return unchanged
     first = results[0].explained.explanation
@@ -86,12 +88,12 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
 
 def _examined(section: Section) -> SectionResult:
     """Find the best explanation of a section; a section that fits costs one comparison."""
-    now = explain(section, Explanation())
+    now = weigh_under(section, Explanation())
     result = weigh_all(section, now)
     if _fits(section, now, result):
         return result
     for _ in range(_MOST_ROUNDS):
-        tried = [explain(section, one) for one in (*alternatives(section, now), *likely_stretches(now))]
+        tried = [weigh_under(section, one) for one in (*alternatives(section, now), *likely_stretches(now))]
         better = max(tried, key=lambda one: one.score, default=now)
         if better.score <= now.score:
             break
@@ -112,17 +114,19 @@ def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
     return bool(abs(off_rad) < _FAR_SIGMAS * section.heading[1])
 
 
-def _without_repeats(given: Sequence[PositionFix]) -> tuple[list[PositionFix], list[Finding]]:
-    """Leave out fixes of a source that repeat its fix before."""
-    kept, before, repeats = [], {}, 0
-    for fix in sorted(given, key=lambda one: one.time_s):
-        last = before.get(fix.source)
-        before[fix.source] = fix
-        if (
-            last is not None
-            and fix.time_s - last.time_s <= _REPEATED_S
-            and np.array_equal(fix.position_m, last.position_m)
-        ):
+def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:
+    """Leave out fixes that repeat the one before of their source, at the same time or though the walker went on."""
+    ordered = sorted(given, key=lambda one: one.time_s)
+    walked_m = path.at(np.array([fix.time_s for fix in ordered])).position_m
+    kept: list[PositionFix] = []
+    last: dict[str, tuple[PositionFix, Array]] = {}
+    repeats = 0
+    for fix, place_m in zip(ordered, walked_m, strict=True):
+        before, there_m = last.get(fix.source, (fix, place_m))
+        elapsed_s, way_m = fix.time_s - before.time_s, np.hypot(*(place_m - there_m))
+        again = before is not fix and np.array_equal(fix.position_m, before.position_m)
+        last[fix.source] = fix, place_m
+        if again and (elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and way_m > _WENT_ON_M)):
             repeats += 1
         else:
             kept.append(fix)

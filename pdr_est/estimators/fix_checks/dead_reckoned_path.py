@@ -1,4 +1,4 @@
-"""Path that the steps alone describe, in the walker's own frame, and the covariance of its errors at any two times."""
+"""Path that the steps alone describe, in the walker's own frame, and the covariance of its errors at two times."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,9 +13,12 @@ from pdr_est.types.track import bracketing_poses
 LEFT = np.array([[0.0, -1.0], [1.0, 0.0]])
 """Rotation by 90 degrees to the left."""
 
+LOST_RAD = 0.7
+"""Standard deviation of a turn, rad, after which a path is another one: no error of its heading is small."""
+
 
 @dataclass(frozen=True)
-class PathPoints:
+class ReckonedPoints:
     """Points of a path at n times.
 
     Attributes
@@ -32,9 +35,9 @@ class PathPoints:
     def __len__(self) -> int:
         return len(self.pose)
 
-    def rows(self, chosen: NDArray[np.int64]) -> "PathPoints":
+    def rows(self, chosen: NDArray[np.int64]) -> "ReckonedPoints":
         """Return some of the points."""
-        return PathPoints(self.position_m[chosen], self.pose[chosen])
+        return ReckonedPoints(self.position_m[chosen], self.pose[chosen])
 
 
 class DeadReckonedPath:
@@ -49,6 +52,15 @@ class DeadReckonedPath:
         Time of the start of the walk, s.
     steps
         Steps of the device in order of time.
+
+    Attributes
+    ----------
+    time_s
+        (n,) times of the poses: the start and the end of each step, s.
+    position_m
+        (n, 2) their positions, m.
+    lost
+        Numbers of the poses before which the heading was lost.
     """
 
     def __init__(self, start_s: float, steps: Sequence[StepOdometry]) -> None:
@@ -63,6 +75,7 @@ class DeadReckonedPath:
         covariance = np.concatenate([np.zeros((1, 3, 3)), [step.covariance for step in steps]])
         turned = np.stack([ahead, ahead @ LEFT.T], axis=2)
         of_heading = covariance[:, 2, 2]
+        self.lost = np.flatnonzero(of_heading > LOST_RAD**2)
         with_heading = np.einsum("kab,kb->ka", turned, covariance[:, :2, 2])
         q = self.position_m
         self._of_position = np.cumsum(turned @ covariance[:, :2, :2] @ turned.transpose(0, 2, 1), axis=0)
@@ -72,13 +85,13 @@ class DeadReckonedPath:
         self._of_heading_at = np.cumsum(of_heading[:, None] * q, axis=0)
         self._of_heading_at_twice = np.cumsum(of_heading[:, None, None] * q[:, :, None] * q[:, None, :], axis=0)
 
-    def at(self, time_s: Array) -> PathPoints:
+    def at(self, time_s: Array) -> ReckonedPoints:
         """Return the points at some times (n,); the walker stands before the first and after the last step."""
         before, after, share = bracketing_poses(self.time_s, self._moving_from_s, time_s)
         position = self.position_m[before] + share[:, None] * (self.position_m[after] - self.position_m[before])
-        return PathPoints(position, np.where(share > 0.5, after, before))
+        return ReckonedPoints(position, np.where(share > 0.5, after, before))
 
-    def covariance(self, some: PathPoints, others: PathPoints, begin: int) -> Array:
+    def covariance(self, some: ReckonedPoints, others: ReckonedPoints, begin: int) -> Array:
         """Return the covariance of the errors of points, relative to the pose of the path at an earlier one.
 
         Parameters
@@ -98,7 +111,7 @@ class DeadReckonedPath:
         blocks = self._blocks(some.position_m[:, None], others.position_m[None, :], first, begin)
         return np.asarray(blocks.transpose(0, 2, 1, 3).reshape(2 * n, 2 * k))
 
-    def variance(self, points: PathPoints, begin: int) -> Array:
+    def variance(self, points: ReckonedPoints, begin: int) -> Array:
         """Return the covariances (n, 2, 2) of the errors of each point, relative to the pose at an earlier one."""
         return self._blocks(points.position_m, points.position_m, points.pose, begin)
 

@@ -7,7 +7,7 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.fix_checks.dead_reckoned_path import PathPoints
+from pdr_est.estimators.fix_checks.dead_reckoned_path import ReckonedPoints
 from pdr_est.estimators.fix_checks.outlier_weights import WeighedFixes, weigh
 from pdr_est.estimators.fix_checks.position_regression import regress
 from pdr_est.estimators.fix_checks.section import START, FixTable, Section
@@ -52,7 +52,7 @@ class BadStretch:
 
 @dataclass(frozen=True)
 class Explanation:
-    """What is otherwise than stated; nothing by default.
+    """Differences from what is stated; none by default.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class Explained:
 
     explanation: Explanation
     fixes: FixTable
-    points: PathPoints
+    points: ReckonedPoints
     weighed: WeighedFixes
 
     @property
@@ -127,7 +127,7 @@ class Explained:
         return self.weighed.score + self.explanation.log_prior
 
 
-def explain(section: Section, explanation: Explanation) -> Explained:
+def weigh_under(section: Section, explanation: Explanation) -> Explained:
     """Weigh the fixes of a section under an explanation."""
     fixes, points, common_m2, heading, sigma_scale = _assumed(section, explanation)
     weighed = weigh(fixes, points.position_m, common_m2, heading, sigma_scale)
@@ -139,14 +139,14 @@ def spread_m2(common_m2: Array) -> Array:
     return np.asarray(np.kron(common_m2, np.eye(2)))
 
 
-def first_pose(points: PathPoints) -> int:
+def first_pose(points: ReckonedPoints) -> int:
     """Return the number of the pose from which the errors of a section's path count."""
     return int(points.pose.min())
 
 
 def _assumed(
     section: Section, explanation: Explanation
-) -> tuple[FixTable, PathPoints, Array, tuple[float, float] | None, float]:
+) -> tuple[FixTable, ReckonedPoints, Array, tuple[float, float] | None, float]:
     """Return fixes, points, their common covariance, heading and sigma of the scale under an explanation."""
     fixes = explanation.apply(section.table.rows(section.chosen))
     points = section.path.at(fixes.time_s + explanation.shifts(fixes))

@@ -15,7 +15,7 @@ _FAR_SIGMAS = 2.5
 _MANY = 0.1  # share of repeated fixes from which it is worth a look
 
 
-def findings_of(results: Sequence[SectionResult]) -> list[Finding]:
+def section_findings(results: Sequence[SectionResult]) -> list[Finding]:
     """Say what does not fit in the sections of a walk."""
     found = [finding for result in results for finding in _of_section(result)]
     return [*found, *_outliers(results), *_scale(results)]
@@ -60,7 +60,8 @@ def _stretch(result: SectionResult, stretch: BadStretch) -> Finding:
     distance_m = _distance_without(result, stretch)
     begin_s, end_s = float(table.time_s[inside][0]), float(table.time_s[inside][-1])
     name = "GPS" if table.names[stretch.source] == "gps" else f"fixes ({table.names[stretch.source]})"
-    message = f"{name} between {begin_s:.0f} s and {end_s:.0f} s disagrees with the steps by {distance_m:.0f} m: weighed down"
+    span = f"between {begin_s:.0f} s and {end_s:.0f} s"
+    message = f"{name} {span} disagrees with the steps by {distance_m:.0f} m: weighed down"
     return Finding(FindingKind.FIXES, message, "", begin_s, end_s, distance_m, stretch.sigma_m)
 
 

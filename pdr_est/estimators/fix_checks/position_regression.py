@@ -1,8 +1,8 @@
 """Joint Gaussian model of the fixes of a walk: the path of the steps, placed, turned and scaled, and all errors.
 
 A fix is z = p0 + s R(heading) q + errors, with the point q of the dead-reckoned path. Place, heading and scale of the
-path enter by their priors, heading and scale to first order about a heading near the solution. The model gives evidence
-and leave-one-out residuals in closed form.
+path enter by their priors, heading and scale to first order about a heading near the solution. The model gives
+evidence and leave-one-out residuals in closed form.
 """
 
 from dataclasses import dataclass

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.wandering_error import wander_chain
-from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath, PathPoints
+from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StartPose
 
@@ -62,23 +62,31 @@ class FixTable:
 
     def rows(self, chosen: NDArray[np.int64]) -> "FixTable":
         """Return some of the fixes."""
-        columns = (self.time_s, self.position_m, self.white_m2, self.sigma_wander_m, self.wander_time_s, self.source)
-        return FixTable(*(column[chosen] for column in columns), self.names, self.doubt[chosen], self.index[chosen])
+        return FixTable(
+            time_s=self.time_s[chosen],
+            position_m=self.position_m[chosen],
+            white_m2=self.white_m2[chosen],
+            sigma_wander_m=self.sigma_wander_m[chosen],
+            wander_time_s=self.wander_time_s[chosen],
+            source=self.source[chosen],
+            names=self.names,
+            doubt=self.doubt[chosen],
+            index=self.index[chosen],
+        )
 
     @property
     def sigma_m(self) -> Array:
         """Standard deviation (n,) of both parts of the error in a coordinate, m."""
         return np.asarray(np.sqrt(np.trace(self.white_m2, axis1=1, axis2=2) / 2.0 + self.sigma_wander_m**2))
 
-    def wander_m2(self, other: "FixTable", more_m2: Array | None = None) -> Array:
+    def wander_m2(self, other: "FixTable") -> Array:
         """Return the covariance (n, k) of the wandering errors of these fixes and others in each coordinate, m²."""
         apart_s = np.abs(self.time_s[:, None] - other.time_s)
         correlated_s = np.minimum(self.wander_time_s[:, None], other.wander_time_s)
         same = self.source[:, None] == other.source
         earlier = self.time_s[:, None] <= other.time_s
         variance = np.where(earlier, self.sigma_wander_m[:, None], other.sigma_wander_m) ** 2  # what both have had
-        covariance = same * variance * np.exp(-apart_s / correlated_s)
-        return covariance if more_m2 is None else covariance + more_m2
+        return np.asarray(same * variance * np.exp(-apart_s / correlated_s))
 
 
 def table_of(fixes: Sequence[PositionFix], start: StartPose, begin_s: float) -> FixTable:
@@ -132,25 +140,20 @@ class Section:
     heading: tuple[float, float] | None
     sigma_scale: float
 
-    def points(self, shift_s: Array | float = 0.0) -> PathPoints:
-        """Return the points of the path at all fixes, whose clock is corrected by a shift, s."""
-        return self.path.at(self.table.time_s + shift_s)
-
 
 def sections_of(
     path: DeadReckonedPath, table: FixTable, heading: tuple[float, float] | None, sigma_scale: float
 ) -> list[Section]:
     """Divide a walk into sections. heading: that of the start, and its standard deviation, rad; None if unknown."""
     chosen = _spread(table)
-    count = max(-(-len(chosen) // MOST_FIXES), 1)
-    sections = []
-    for own in np.array_split(chosen, count):
-        begin = 0 if own[0] == chosen[0] else own[0]
-        later = chosen[chosen > own[-1]]
-        end = later[0] if len(later) else len(table)
-        known = heading if not sections else None
-        sections.append(Section(path, table.rows(np.arange(begin, end)), own - begin, known, sigma_scale))
-    return sections
+    begun_s = path.time_s[path.lost - 1]
+    parts = [part for part in np.split(chosen, np.searchsorted(table.time_s[chosen], begun_s)) if len(part)]
+    groups = [own for part in parts for own in np.array_split(part, -(-len(part) // MOST_FIXES))]
+    borders = [0, *(own[0] for own in groups[1:]), len(table)]
+    return [
+        Section(path, table.rows(np.arange(begin, end)), own - begin, heading if begin == 0 else None, sigma_scale)
+        for own, begin, end in zip(groups, borders[:-1], borders[1:], strict=True)
+    ]
 
 
 def _spread(table: FixTable) -> NDArray[np.int64]:

@@ -134,6 +134,12 @@ def test_gnss_rows_are_fixes_in_the_frame_of_the_truth(tmp_path: Path) -> None:
     assert any("1 of 3 fixes that repeat the previous one are left out" in note for note in recording.notes)
 
 
+def test_rows_on_another_clock_come_from_the_network(tmp_path: Path) -> None:
+    of_network = "GNSS;2.31;1686729661.4;49.464;11.112;0.0;0.0;748.0;0.0;22;19\n"
+    recording = read_text(tmp_path, walk() + POINTS + GNSS + of_network)
+    assert [fix.source for fix in recording.fixes] == ["gps", "gps", "network"]
+
+
 def test_without_surveyed_points_the_first_fix_is_the_origin(tmp_path: Path) -> None:
     recording = read_text(tmp_path, walk() + GNSS)
     assert recording.truth.positions is None
