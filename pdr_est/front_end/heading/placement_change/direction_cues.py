@@ -12,13 +12,13 @@ from the vertical rotation rate over the one along the line, at the stride frequ
 it takes the error of a phone in a pocket from 14.6 to 5.4 degrees, and in a swinging hand from 7.2 to 3.1 degrees.
 
 Neither cue is always right. On 200 simulated walkers the sign of the principal axis is wrong in half of the cases
-without coherence and in 2 % at a coherence of 0.5, and it is of no use in a swinging hand. Real pockets are another
-matter than simulated ones: with the attitude of the phone known from motion capture (OxIOD, user 5) the axis is off by
-3 degrees, at a coherence of 0.95, and the corrected rotation by 24. So the rotation has a narrow and a wide part.
+without coherence and in 2 % at a coherence of 0.5, and it is of no use in a swinging hand. Real pockets differ from
+simulated ones: with the attitude of the phone known from motion capture (OxIOD, user 5) the axis is off by 3 degrees,
+at a coherence of 0.95, and the corrected rotation by 24. So the density by the rotation has a narrow and a wide part.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,11 +41,11 @@ _LEAST_LINEAR = 0.8  # share of the rotation that is along one line, below which
 
 @dataclass(frozen=True)
 class _LimbSwing:
-    """How the rotation of a limb shows the walking direction.
+    """Relation of the rotation of a limb and the walking direction.
 
-    `by_twist_rad`: turn of the line, rad, for a vertical rotation as large as that along the line, in phase with it and
-    a quarter of a stride ahead. The error has the standard deviation `narrow_rad`, or with the probability `wide` the
-    standard deviation `wide_rad`, or with the probability `useless` it may be anything, in another mode than recognised.
+    `by_twist_rad`: turn of the line, rad, for a vertical rotation as large as that along the line, in phase with it
+    and a quarter of a stride ahead. The standard deviation of the error is `narrow_rad`, with the probability `wide`
+    it is `wide_rad`, and with the probability `useless` the error may be anything: the mode is another one.
     """
 
     by_twist_rad: tuple[float, float]
@@ -57,9 +57,7 @@ class _LimbSwing:
     def density(self, ahead_rad: float) -> Array:
         """Compute the density (360,) of the walking direction near one end of the line."""
         narrow = 1.0 - self.wide - self.useless
-        return mixed(
-            (narrow, gaussian(ahead_rad, self.narrow_rad)), (self.wide, gaussian(ahead_rad, self.wide_rad))
-        )
+        return mixed((narrow, gaussian(ahead_rad, self.narrow_rad)), (self.wide, gaussian(ahead_rad, self.wide_rad)))
 
 
 _LIMBS = {
@@ -69,8 +67,9 @@ _LIMBS = {
 _WRONG_SIGN_COHERENCE = 0.13  # the probability of a wrong sign falls by e over so much coherence
 _NO_AXIS_COHERENCE = 0.085  # the probability of no axis at all falls by e over so much coherence
 _LEAST_NO_AXIS = 0.004
-_SIGMA_AXIS_RAD = 0.08  # against the walking direction, by how the phone is worn
-_INCOHERENT_AXIS_RAD = 1.0  # the same in a pocket without coherence: a thigh has a motion of its own
+_INCOHERENT_AXIS_RAD = (
+    1.0  # standard deviation of the axis in a pocket without coherence: a thigh has a motion of its own
+)
 
 
 @dataclass(frozen=True)
@@ -120,23 +119,33 @@ def _cue(pair: Sequence[Step], up: Array) -> StrideCue:
     return StrideCue(motion, rotation / count, twist / count, pair[0].event.mode)
 
 
-def direction_density(cues: Sequence[StrideCue], parameters: PrincipalAxisParams) -> Array:
-    """Compute the density (360,) of the walking direction less the yaw of the phone; uniform without strides."""
+def direction_density(cues: Sequence[StrideCue], sigma_axis_rad: float) -> Array:
+    """Compute the density (360,) of the walking direction less the yaw of the phone; uniform without strides.
+
+    Parameters
+    ----------
+    cues : sequence of StrideCue
+        Motion of each stride.
+    sigma_axis_rad : float
+        Standard deviation of the principal axis against the walking direction, by how the phone is worn.
+    """
     if not cues:
         return np.ones(CELLS)
-    density = _by_acceleration(cues, parameters) * _by_rotation(cues)
+    density = _by_acceleration(cues, sigma_axis_rad) * _by_rotation(cues)
     return np.asarray(density / density.mean())
 
 
-def _by_acceleration(cues: Sequence[StrideCue], parameters: PrincipalAxisParams) -> Array:
-    found = walking_direction([cue.motion for cue in cues], replace(parameters, least_coherence=0.0, sigma_rad=_SIGMA_AXIS_RAD))
+def _by_acceleration(cues: Sequence[StrideCue], sigma_axis_rad: float) -> Array:
+    found = walking_direction(
+        [cue.motion for cue in cues], PrincipalAxisParams(least_coherence=0.0, sigma_rad=sigma_axis_rad)
+    )
     if cues[-1].mode is CarryingMode.SWING:
         return np.ones(CELLS)
     sigma = found.sigma_rad
     if cues[-1].mode is CarryingMode.POCKET:
         sigma = float(np.hypot(sigma, _INCOHERENT_AXIS_RAD * (1.0 - found.coherence) ** 2))
     wrong = 0.5 * np.exp(-found.coherence / _WRONG_SIGN_COHERENCE)
-    axis = 1.0 - _LEAST_NO_AXIS - 0.5 * np.exp(-found.coherence / _NO_AXIS_COHERENCE)
+    axis = (1.0 - _LEAST_NO_AXIS) * (1.0 - np.exp(-found.coherence / _NO_AXIS_COHERENCE))
     ahead = -found.offset_rad
     return mixed(
         (axis * (1.0 - wrong), gaussian(ahead, sigma)),
