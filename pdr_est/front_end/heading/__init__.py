@@ -21,14 +21,14 @@ from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
 from pdr_est.front_end.heading.north import NorthParams
-from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams, PostureAwareYaw
+from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
+from pdr_est.front_end.heading.posture_aware_yaw import PostureAwareYaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
 from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.heading.tie_controller import TieParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
-from pdr_est.front_end.heading.whole_walk.placement_turns import PlacementTurnParams
 from pdr_est.params import params
 from pdr_est.parts import STAGE, PartName, is_external, loaded, named_part
 from pdr_est.stage import Stage
@@ -127,6 +127,4 @@ def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:
     """Make the stage Step -> Step that corrects headings at the end of the walk; None for a method that has none."""
     if parameters.method != "auto" or not parameters.dominant.enabled:
         return None
-    auto = parameters.auto
-    placement = PlacementTurnParams(auto.placement, auto.turn, parameters.principal_axis, auto.bend_rad)
-    return WholeWalkHeading(parameters.dominant, as_priors=parameters.use == "priors", placement=placement)
+    return WholeWalkHeading(parameters.dominant, as_priors=parameters.use == "priors", placement=parameters.auto)

@@ -11,45 +11,29 @@ has its old offset.
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Annotated
 
 import numpy as np
-from annotated_types import Ge, Le
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.phone_posture import mean_yaw
+from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.placement_tracker import (
     LIMB_MODES,
-    PlacementParams,
     PlacementTracker,
     Placing,
 )
 from pdr_est.front_end.heading.placement_change.turn_estimate import (
     KnownPlace,
     PlacedSteps,
-    TurnParams,
     estimate_turn,
     first_heading,
     last_heading,
 )
 from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
 from pdr_est.front_end.heading.stride_pairing import stride_average
-from pdr_est.params import params
 from pdr_est.types.steps import Step, TurnHypothesis
 
 _MOST_PLACES = 8  # so many places of the phone are remembered
-
-
-@params
-class AutoHeadingParams:
-    """Parameters of the default heading; all values are ours."""
-
-    placement: PlacementParams = PlacementParams()
-    """Where the phone was put elsewhere."""
-    turn: TurnParams = TurnParams()
-    """How far the walker may have turned meanwhile."""
-    bend_rad: Annotated[float, Ge(0.05), Le(1.5)] = 0.26
-    """Turn within a stride, rad, beyond which steps are not averaged over it: the walker is turning."""
 
 
 class PostureAwareYaw:
@@ -62,7 +46,7 @@ class PostureAwareYaw:
     parameters : AutoHeadingParams
         Thresholds and standard deviations.
     axis : PrincipalAxisParams
-        Parameters of the principal axis.
+        Parameters of the principal axis, for the number of strides that count together.
     """
 
     latency_s = 2.0  # until the next step, which comes before a standstill or begins another walk
@@ -91,7 +75,7 @@ class PostureAwareYaw:
 
     def _begin(self, segment: int | None) -> None:
         self._segment = segment
-        self._tracker = PlacementTracker(self._parameters.placement)
+        self._tracker = PlacementTracker(self._parameters)
         self._offset_rad: float | None = None  # yaw of the phone less the heading in the present place, or the last
         # Steps in that place; the deque also holds the one before the strides that count together.
         self._recent: deque[Step] = deque(maxlen=2 * self._axis.strides + 1)
@@ -145,9 +129,7 @@ class PostureAwareYaw:
         if self._before is not None:
             between = self._between - len(after.steps) + 1
             known = [*self._known, self._before.known(self._offset_rad or 0.0)]
-            turn = estimate_turn(
-                self._before, after, between, known, self._heading_rad, self._parameters.turn, self._axis
-            )
+            turn = estimate_turn(self._before, after, between, known, self._heading_rad, self._parameters)
             self._known = known[-_MOST_PLACES:]
             hypotheses = turn.hypotheses()
             turn_rad = hypotheses[0].heading_change_rad

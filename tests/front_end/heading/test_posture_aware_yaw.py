@@ -11,7 +11,8 @@ from signals import run
 
 from pdr_est.frames import Array, twist_about_vertical, up_in_device, wrap_angle
 from pdr_est.front_end.heading.phone_posture import angle_between, level_axes, mean_up, mean_yaw
-from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams, PostureAwareYaw
+from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
+from pdr_est.front_end.heading.posture_aware_yaw import PostureAwareYaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -65,8 +66,10 @@ def directed(steps: Sequence[Step], axis: PrincipalAxisParams = AXIS) -> Array:
     return np.asarray(heading - heading[0])
 
 
-def sigmas(steps: Sequence[Step], axis: PrincipalAxisParams = AXIS) -> Array:
-    return np.array([step.sigma_turn_rad for step in run(PostureAwareYaw(PARAMETERS, axis), steps)])
+def learnt_at(steps: Sequence[Step]) -> list[int]:
+    """Numbers of the steps at which a new offset is learnt: those with several possible turns."""
+    found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)
+    return [number for number, step in enumerate(found) if step.turn_hypotheses]
 
 
 def test_level_axes_and_up_make_a_right_handed_frame() -> None:
@@ -128,10 +131,8 @@ def test_a_phone_put_elsewhere_keeps_the_direction_and_turns_from_there(number: 
     steps = [carried(k, 20.0) for k in range(10)]
     steps += [carried(k, 20.0, new) for k in range(10, 20)]
     steps += [carried(k, 110.0, new) for k in range(20, 30)]
-    np.testing.assert_allclose(directed(steps), [0.0] * 20 + [90.0] * 10, atol=1e-6)
-    told = sigmas(steps)
-    assert np.flatnonzero(told).tolist() == [14]  # one step to arrive, four to learn from
-    assert told[14] == pytest.approx(PARAMETERS.sigma_kept_rad)
+    np.testing.assert_allclose(directed(steps), [0.0] * 20 + [90.0] * 10, atol=0.1)
+    assert learnt_at(steps) == [14]  # one step to arrive, four to learn from
 
 
 def test_steps_in_a_transition_and_unseen_ones_keep_the_direction() -> None:
@@ -139,7 +140,7 @@ def test_steps_in_a_transition_and_unseen_ones_keep_the_direction() -> None:
     steps += [carried(number, 60.0 * number, mode=CarryingMode.TRANS) for number in range(10, 13)]
     steps += [carried(13, 200.0, compensated=True)]
     steps += [carried(number, 20.0, UPRIGHT) for number in range(14, 24)]
-    np.testing.assert_allclose(directed(steps), 0.0, atol=1e-6)
+    np.testing.assert_allclose(directed(steps), 0.0, atol=0.1)
 
 
 def test_a_glance_at_the_screen_keeps_the_old_offset() -> None:
@@ -148,7 +149,7 @@ def test_a_glance_at_the_screen_keeps_the_old_offset() -> None:
     steps += [carried(number, 20.0) for number in range(10, 13)]
     steps += [carried(number, 80.0, UPRIGHT) for number in range(13, 20)]
     np.testing.assert_allclose(directed(steps), [0.0] * 13 + [60.0] * 7, atol=1e-6)
-    assert not sigmas(steps).any()
+    assert learnt_at(steps) == []
 
 
 def with_a_turn_meanwhile() -> list[Step]:
@@ -158,24 +159,30 @@ def with_a_turn_meanwhile() -> list[Step]:
 
 
 def test_the_axis_of_the_acceleration_tells_a_turn_made_meanwhile() -> None:
-    """By its share: it is as uncertain as the habit to go on, and so are the directions before and behind."""
-    p, axis = PARAMETERS, PrincipalAxisParams(strides=2)
-    variance = p.sigma_axis_rad**2 + 2.0 * axis.sigma_rad**2
-    share = p.sigma_kept_rad**2 / (p.sigma_kept_rad**2 + variance)
-    assert 0.3 < share < 0.5
-    turned = directed(with_a_turn_meanwhile(), axis)
+    """It is coherent: the turn is more probable than going straight on."""
+    turned = directed(with_a_turn_meanwhile())
     np.testing.assert_allclose(turned[:16], 0.0, atol=1e-6)
-    np.testing.assert_allclose(turned[16:], 60.0 * share, atol=1e-6)
-    told = sigmas(with_a_turn_meanwhile(), axis)
-    assert np.flatnonzero(told).tolist() == [16]
-    assert told[16] == pytest.approx(np.sqrt(share * variance))
-    assert told[16] < p.sigma_kept_rad
+    np.testing.assert_allclose(turned[16:], 60.0, atol=10.0)
+    step = run(PostureAwareYaw(PARAMETERS, AXIS), with_a_turn_meanwhile())[16]
+    assert step.turn_hypotheses[0].origin == "principal axis"
+    assert sum(one.probability for one in step.turn_hypotheses) == pytest.approx(1.0)
+    straight = [one for one in step.turn_hypotheses if abs(one.heading_change_rad) < 0.1]
+    assert sum(one.probability for one in straight) < 0.2
 
 
-def test_an_axis_that_is_not_trusted_tells_nothing() -> None:
-    """By default two strides are too few for that."""
-    np.testing.assert_allclose(directed(with_a_turn_meanwhile()), 0.0, atol=1e-6)
-    assert sigmas(with_a_turn_meanwhile())[16] == pytest.approx(PARAMETERS.sigma_kept_rad)
+def test_without_acceleration_the_walker_is_thought_to_go_straight_on() -> None:
+    steps = [carried(number, 20.0) for number in range(12)]
+    steps += [carried(number, 80.0, UPRIGHT) for number in range(12, 30)]
+    np.testing.assert_allclose(directed(steps), 0.0, atol=0.1)
+    step = run(PostureAwareYaw(PARAMETERS, AXIS), steps)[16]
+    assert step.turn_hypotheses[0].origin == "straight on"
+    assert 0.7 < step.turn_hypotheses[0].probability < 0.95
+
+
+def test_the_most_probable_turn_is_that_of_the_headings() -> None:
+    found = run(PostureAwareYaw(PARAMETERS, AXIS), with_a_turn_meanwhile())
+    change = found[16].heading_rad - found[15].heading_rad
+    assert found[16].turn_hypotheses[0].heading_change_rad == pytest.approx(float(wrap_angle(change)))
 
 
 def test_a_turn_before_the_phone_was_taken_is_not_one_made_meanwhile() -> None:
@@ -183,7 +190,18 @@ def test_a_turn_before_the_phone_was_taken_is_not_one_made_meanwhile() -> None:
     steps = [carried(number, 0.0, forward_mps2=2.0) for number in range(10)]
     steps += [carried(number, 90.0, forward_mps2=2.0) for number in range(10, 15)]
     steps += [carried(number, 90.0, UPRIGHT, forward_mps2=2.0) for number in range(15, 30)]
-    np.testing.assert_allclose(directed(steps, PrincipalAxisParams(strides=2))[10:], 90.0, atol=1e-6)
+    np.testing.assert_allclose(directed(steps)[10:], 90.0, atol=0.1)
+
+
+def test_a_phone_taken_out_again_may_have_the_offset_that_it_had() -> None:
+    """The walker turns by 60 degrees as it is taken out of the pocket."""
+    steps = [carried(number, 0.0) for number in range(10)]
+    steps += [carried(number, 0.0, UPRIGHT, mode=POCKET) for number in range(10, 22)]
+    steps += [carried(number, 60.0) for number in range(22, 34)]
+    hypotheses = run(PostureAwareYaw(PARAMETERS, AXIS), steps)[26].turn_hypotheses
+    likely = [one for one in hypotheses if abs(np.rad2deg(one.heading_change_rad) - 60.0) < 10.0]
+    assert "carried as before" in [one.origin for one in likely]
+    assert sum(one.probability for one in likely) > 0.2
 
 
 def test_a_new_segment_begins_anew() -> None:
@@ -192,7 +210,7 @@ def test_a_new_segment_begins_anew() -> None:
     found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)
     alone = run(PostureAwareYaw(PARAMETERS, AXIS), steps[6:])
     assert [step.heading_rad for step in found[6:]] == [step.heading_rad for step in alone]
-    assert not any(step.sigma_turn_rad for step in found)
+    assert not any(step.turn_hypotheses for step in found)
 
 
 def test_a_step_waits_for_the_next_one() -> None:
@@ -211,59 +229,59 @@ def about_x(angle_rad: float) -> Rotation:
     return Rotation.from_euler("x", angle_rad)
 
 
-@pytest.mark.parametrize(("off_rad", "learnt_at"), [(0.3, []), (0.5, [17])])
-def test_a_phone_is_back_within_returned_rad_of_its_old_posture(off_rad: float, learnt_at: list[int]) -> None:
+@pytest.mark.parametrize(("off_rad", "numbers"), [(0.3, []), (0.5, [17])])
+def test_a_phone_is_back_within_returned_rad_of_its_old_posture(off_rad: float, numbers: list[int]) -> None:
     """It comes back at step 13; further away than 0.4 rad it has a new offset to learn, though not beyond 0.7 rad."""
     steps = [carried(number, 20.0, about_x(1.5)) for number in range(10)]
     steps += [carried(number, 20.0) for number in range(10, 13)]
     steps += [carried(number, 20.0, about_x(1.5 - off_rad)) for number in range(13, 23)]
-    assert np.flatnonzero(sigmas(steps)).tolist() == learnt_at
+    assert learnt_at(steps) == numbers
 
 
 @pytest.mark.parametrize(
-    ("moved_rad", "mode", "learnt_at"),
+    ("moved_rad", "mode", "numbers"),
     [
         (0.5, HOLDING, []),
         (0.5, POCKET, [14]),
         (0.5, CarryingMode.OTHER, []),
-        (0.3, POCKET, []),
+        (0.3, POCKET, [15]),
         (0.8, HOLDING, [14]),
     ],
 )
 def test_a_smaller_change_is_enough_where_the_mode_changes_too(
-    moved_rad: float, mode: CarryingMode, learnt_at: list[int]
+    moved_rad: float, mode: CarryingMode, numbers: list[int]
 ) -> None:
     """Only the modes that recognisers tell apart well count: not OTHER."""
     steps = [carried(number, 20.0) for number in range(10)]
     steps += [carried(number, 20.0, about_x(moved_rad), mode=mode) for number in range(10, 20)]
-    assert np.flatnonzero(sigmas(steps)).tolist() == learnt_at
+    assert learnt_at(steps) == numbers
 
 
 def test_a_last_step_at_which_the_phone_had_moved_already_does_not_tell_the_heading() -> None:
     steps = [carried(number, 20.0) for number in range(10)]
     steps += [carried(10, 60.0, about_x(0.3))]  # the hand turns the phone, and not the walker
     steps += [carried(number, 20.0, about_x(1.5)) for number in range(11, 21)]
-    np.testing.assert_allclose(directed(steps)[11:], 0.0, atol=1e-6)
+    np.testing.assert_allclose(directed(steps)[11:], 0.0, atol=0.1)
 
 
 def test_of_a_walker_who_turns_the_last_heading_is_kept() -> None:
     steps = [carried(number, 0.0) for number in range(9)]
     steps += [carried(9, 30.0)]
     steps += [carried(number, 30.0, about_x(1.5)) for number in range(10, 20)]
-    np.testing.assert_allclose(directed(steps)[9:], 30.0, atol=1e-6)
+    np.testing.assert_allclose(directed(steps)[9:], 30.0, atol=3.0)  # or a little more: the walker was turning
 
 
 def test_of_a_walker_who_goes_straight_the_mean_of_two_steps_is_kept() -> None:
     steps = [carried(number, 3.0 * (-1) ** number) for number in range(10)]
     steps += [carried(number, 0.0, about_x(1.5)) for number in range(10, 20)]
-    np.testing.assert_allclose(directed(steps)[10:], -3.0, atol=1e-6)  # less the first one, which is at 3
+    np.testing.assert_allclose(directed(steps)[10:], -3.0, atol=0.1)  # less the first one, which is at 3
 
 
 def test_the_first_step_in_a_new_posture_teaches_nothing() -> None:
     steps = [carried(number, 20.0) for number in range(10)]
     steps += [carried(10, 70.0, about_x(1.5))]  # the hand has not let go yet
     steps += [carried(number, 20.0, about_x(1.5)) for number in range(11, 20)]
-    np.testing.assert_allclose(directed(steps), 0.0, atol=1e-6)
+    np.testing.assert_allclose(directed(steps), 0.0, atol=0.1)
 
 
 @pytest.mark.parametrize("moves_rad", [(1.5, 3.0), (1.2, 1.7, 2.2)], ids=["at once", "little by little"])
@@ -273,4 +291,4 @@ def test_a_phone_that_moves_on_is_learnt_from_where_it_stays(moves_rad: tuple[fl
     stays_from = 10 + len(passing)
     steps = [carried(number, 20.0) for number in range(10)] + passing
     steps += [carried(number, 20.0, about_x(moves_rad[-1])) for number in range(stays_from, stays_from + 10)]
-    assert np.flatnonzero(sigmas(steps)).tolist() == [stays_from + 4]
+    assert learnt_at(steps) == [stays_from + 4]

@@ -1,4 +1,4 @@
-"""Where the phone stays in one place on the body and where it is put elsewhere, step by step.
+"""Find, step by step, where the phone stays in one place on the body and where it is put elsewhere.
 
 The posture is the direction of gravity in the phone. When it changes by more than a limb changes it in a stride, the
 phone was put elsewhere. It has settled in its new place after some steps without another such change.
@@ -7,41 +7,20 @@ phone was put elsewhere. It has settled in its new place after some steps withou
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
-from typing import Annotated
 
 import numpy as np
-from annotated_types import Ge, Le
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.phone_posture import angle_between, mean_up
-from pdr_est.params import params
+from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.types.steps import CarryingMode, Step
 
 LIMB_MODES = (CarryingMode.SWING, CarryingMode.POCKET)
 _DISTINCT_MODES = (CarryingMode.HOLDING, *LIMB_MODES)
-_Angle = Annotated[float, Ge(0.05), Le(1.5)]
-
-
-@params
-class PlacementParams:
-    """Parameters that tell where the phone was put elsewhere; all values are ours."""
-
-    moved_rad: _Angle = 0.7
-    """Change of the direction of gravity in the phone, rad, mean over a step, beyond which it was put elsewhere."""
-    moved_in_mode_rad: _Angle = 0.35
-    """The same, rad, where the carrying mode is another one, too."""
-    other_mode_steps: Annotated[int, Ge(1), Le(20)] = 2
-    """Number of steps in a row in another carrying mode after which the phone was put elsewhere, whatever its posture:
-    a hand at the thigh and a trouser pocket may hold it alike.
-    """
-    returned_rad: _Angle = 0.4
-    """Posture change, rad, below which the phone counts as back in its old posture."""
-    training_steps: Annotated[int, Ge(2), Le(20)] = 4
-    """Number of steps in a new place from which the heading offset is learnt."""
 
 
 class Placing(Enum):
-    """What a step tells about the place of the phone."""
+    """Place of the phone at a step."""
 
     STAYS = auto()
     """In its place."""
@@ -60,7 +39,7 @@ class PlacementTracker:
 
     Parameters
     ----------
-    parameters : PlacementParams
+    parameters : AutoHeadingParams
         Thresholds.
 
     Attributes
@@ -72,7 +51,7 @@ class PlacementTracker:
         disturbed. At the step at which it settles they are those that it settled by, without the first.
     """
 
-    def __init__(self, parameters: PlacementParams) -> None:
+    def __init__(self, parameters: AutoHeadingParams) -> None:
         self._parameters = parameters
         self._mode = CarryingMode.UNKNOWN
         self._away = False
@@ -97,7 +76,8 @@ class PlacementTracker:
         limit_rad = self._parameters.moved_in_mode_rad if other_mode else self._parameters.moved_rad
         if handled or moved_rad > limit_rad or self._otherwise >= self._parameters.other_mode_steps:
             self._away, self._otherwise, self.training = True, 0, []
-            return Placing.LEAVES if self._settle(step, up, handled) is Placing.AWAY else Placing.SETTLES
+            self._settle(step, up, handled)  # never at once: it takes two steps at least
+            return Placing.LEAVES
         return Placing.STAYS
 
     def staying(self, steps: Sequence[Step]) -> Sequence[Step]:
@@ -154,7 +134,7 @@ class Placement:
     mode: CarryingMode
 
 
-def placements_of(steps: Sequence[Step], parameters: PlacementParams) -> list[Placement]:
+def placements_of(steps: Sequence[Step], parameters: AutoHeadingParams) -> list[Placement]:
     """Find the places of the phone over the steps of a segment."""
     tracker = PlacementTracker(parameters)
     found: list[Placement] = []

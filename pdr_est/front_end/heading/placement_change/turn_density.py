@@ -96,7 +96,7 @@ def hypotheses_from(
 
 
 def _parts(density: Array) -> NDArray[np.int64]:
-    """Number the part (360,) of the circle to which each cell belongs: first the sectors, then the peaks."""
+    """Assign each cell (360,) to a part of the circle: a sector, or a peak, whose numbers come after the sectors."""
     width = CELLS // _SECTORS
     part = ((np.arange(CELLS) + width // 2) // width) % _SECTORS
     frequency = np.arange(CELLS // 2 + 1)

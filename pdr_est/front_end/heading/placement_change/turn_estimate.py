@@ -1,4 +1,4 @@
-"""How far the walker turned while the phone was put elsewhere: all that tells it, multiplied.
+"""Estimate how far the walker turned while the phone was put elsewhere, from all that tells it.
 
 The yaw of the phone is continuous but tells nothing while a hand turns it. What is left is:
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.phone_posture import angle_between, mean_yaw
+from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.direction_cues import direction_density, stride_cues
 from pdr_est.front_end.heading.placement_change.turn_density import (
     difference,
@@ -24,36 +25,15 @@ from pdr_est.front_end.heading.placement_change.turn_density import (
     mixed,
     normalised,
 )
-from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
-from pdr_est.params import Fraction, Positive, params
 from pdr_est.types.steps import CarryingMode, Step, TurnHypothesis
 
 _LEAST_SIGMA_RAD = 0.02  # of a hypothesis
-_TYPICAL_TURN_RAD = 0.5  # part of a corner that falls into the time in which the phone is moved
-_SPREAD_TURN_RAD = 0.45
-_SIGMA_ANY_TURN_RAD = 1.0
-_SLOW_TURN_RAD = 0.3  # turn before and after, extrapolated, at which going straight on is half as likely
+_TYPICAL_TURN_RAD = 0.7  # part of a corner that falls into the time in which the phone is moved
+_SPREAD_TURN_RAD = 0.65
+_SIGMA_ANY_TURN_RAD = 0.9
+_SLOW_TURN_RAD = 0.48  # turn before and after, extrapolated, at which going straight on is half as likely
+_SHARE_ONWARD = 0.88  # of those that turn, so many turn on the way that they turned before or turn after
 _EDGE_STEPS = 4  # steps before and after that tell how fast the walker turns
-
-
-@params
-class TurnParams:
-    """Parameters of the turn while the phone is put elsewhere; all values are ours."""
-
-    straight: Fraction = 0.8
-    """Probability that a walker goes straight on who did not turn just before."""
-    sigma_kept_rad: Positive = 0.06
-    """Standard deviation, rad, of the heading of a walker who goes straight on."""
-    any_turn: Fraction = 0.02
-    """Probability of a turn by any angle."""
-    same_place: Fraction = 0.7
-    """Probability that a phone which is carried in the same mode and posture as before has the same heading offset."""
-    same_in_other_mode: Fraction = 0.3
-    """Probability that a phone which is said to be in another mode now, in the same posture, was not moved at all."""
-    sigma_posture_rad: Positive = 0.2
-    """Standard deviation, rad, of the direction of gravity in a phone that is carried as before."""
-    sigma_offset_rad: Positive = 0.15
-    """Standard deviation, rad, of the heading offset of a phone that is carried as before."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +96,7 @@ def estimate_turn(
     between: int,
     known: Sequence[KnownPlace],
     heading_rad: float,
-    parameters: TurnParams,
-    axis: PrincipalAxisParams,
+    parameters: AutoHeadingParams,
 ) -> TurnEstimate:
     """Estimate the turn of the walker between two places of the phone.
 
@@ -131,14 +110,14 @@ def estimate_turn(
         Places of the phone so far; the last one is that of the steps before.
     heading_rad : float
         Heading at the end of the steps before.
-    parameters : TurnParams
-        How walkers turn.
-    axis : PrincipalAxisParams
-        Parameters of the principal axis.
+    parameters : AutoHeadingParams
+        Probabilities and standard deviations.
     """
     yaw_before, yaw_after = before.yaws_rad(), after.yaws_rad()
     going_on = _habit(yaw_before[-_EDGE_STEPS:], yaw_after[:_EDGE_STEPS], between, parameters)
-    directions = [direction_density(stride_cues(place.steps, place.up), axis) for place in (before, after)]
+    directions = [
+        direction_density(stride_cues(place.steps, place.up), parameters.sigma_axis_rad) for place in (before, after)
+    ]
     start_rad = first_heading(yaw_after)
     by_axis = difference(directions[1], directions[0], start_rad - last_heading(yaw_before))
     as_before = _as_carried_before(after, start_rad - heading_rad, known, parameters)
@@ -152,7 +131,7 @@ def estimate_turn(
 
 
 def _as_carried_before(
-    after: PlacedSteps, turned_rad: float, known: Sequence[KnownPlace], parameters: TurnParams
+    after: PlacedSteps, turned_rad: float, known: Sequence[KnownPlace], parameters: AutoHeadingParams
 ) -> Array:
     """Compute the density (360,) of the turn by the places that the new one may be the same as.
 
@@ -185,7 +164,7 @@ def first_heading(heading_rad: Array, bend_rad: float = 0.26) -> float:
     return last_heading(heading_rad[::-1], bend_rad)
 
 
-def _habit(yaw_before: Array, yaw_after: Array, between: int, parameters: TurnParams) -> Array:
+def _habit(yaw_before: Array, yaw_after: Array, between: int, parameters: AutoHeadingParams) -> Array:
     """Compute the density (360,) of the turn by what walkers do: go straight on, or through a corner."""
     extrapolated = 0.5 * (_turn_a_step(yaw_before[::-1]) * -1.0 + _turn_a_step(yaw_after)) * (between + 2)
     straight = parameters.straight / (1.0 + (extrapolated / _SLOW_TURN_RAD) ** 2)
@@ -193,8 +172,8 @@ def _habit(yaw_before: Array, yaw_after: Array, between: int, parameters: TurnPa
     turning = 1.0 - straight - parameters.any_turn
     return mixed(
         (straight, gaussian(0.0, parameters.sigma_kept_rad)),
-        (0.6 * turning, gaussian(corner, _SPREAD_TURN_RAD)),
-        (0.4 * turning, gaussian(0.0, _SIGMA_ANY_TURN_RAD)),
+        (_SHARE_ONWARD * turning, gaussian(corner, _SPREAD_TURN_RAD)),
+        ((1.0 - _SHARE_ONWARD) * turning, gaussian(0.0, _SIGMA_ANY_TURN_RAD)),
     )
 
 

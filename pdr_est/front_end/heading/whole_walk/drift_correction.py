@@ -5,8 +5,10 @@ from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import wrap_angle
+from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
 from pdr_est.front_end.heading.placement_change.turn_estimate import TurnEstimate
 from pdr_est.front_end.heading.whole_walk.dominant_directions import (
@@ -14,12 +16,15 @@ from pdr_est.front_end.heading.whole_walk.dominant_directions import (
     dominant_directions,
     offset_evidence,
 )
-from pdr_est.front_end.heading.whole_walk.placement_turns import PlacementTurnParams, placed_walk
+from pdr_est.front_end.heading.whole_walk.placement_turns import placed_walk
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
 
 _LEAST_PROBABILITY = 0.5  # that a section follows a dominant direction, for a prior
+_DECIDED = (
+    0.995  # least probability of the nearest direction after the phone was put elsewhere, for priors on both sides
+)
 
 
 class WholeWalkHeading:
@@ -34,7 +39,7 @@ class WholeWalkHeading:
     as_priors : bool
         True to give steps along a dominant direction a `path_heading_rad` and leave their heading; False to take the
         drift off their heading.
-    placement : PlacementTurnParams or None
+    placement : AutoHeadingParams or None
         How to estimate the turns while the phone was put elsewhere again, from the whole walk; None leaves them.
 
     Attributes
@@ -46,7 +51,7 @@ class WholeWalkHeading:
     latency_s = float("inf")  # the end of the recording
 
     def __init__(
-        self, parameters: DominantParams, as_priors: bool, placement: PlacementTurnParams | None = None
+        self, parameters: DominantParams, as_priors: bool, placement: AutoHeadingParams | None = None
     ) -> None:
         self._parameters = parameters
         self._as_priors = as_priors
@@ -66,7 +71,7 @@ class WholeWalkHeading:
         return [step for _, segment in segments for step in self._correct(list(segment))]
 
     def _with_turns(self, steps: list[Step]) -> list[Step]:
-        """Estimate the turns while the phone was put elsewhere from all steps and from the directions of the building."""
+        """Estimate the turns while the phone was put elsewhere from all steps and the directions of the building."""
         if self._placement is None:
             return steps
         walk = placed_walk(steps, self._placement)
@@ -100,7 +105,11 @@ class WholeWalkHeading:
 
 def _with_priors(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
     marked = list(steps)
-    for i in np.flatnonzero(directions.follows >= _LEAST_PROBABILITY):
+    run = _decided_runs(steps, directions.spacing_rad)[sections.first]
+    follows = directions.follows >= _LEAST_PROBABILITY
+    # Priors tell the angles between parts of a walk: of parts whose angle is not known the longest one has them.
+    chosen = int(np.argmax(np.bincount(run, weights=follows * (sections.last - sections.first))))
+    for i in np.flatnonzero(follows & (run == chosen)):
         for k in range(sections.first[i], sections.last[i]):
             marked[k] = replace(
                 marked[k],
@@ -108,6 +117,19 @@ def _with_priors(steps: Sequence[Step], sections: LegSections, directions: Domin
                 sigma_path_heading_rad=float(directions.sigma_rad[i]),
             )
     return marked
+
+
+def _decided_runs(steps: Sequence[Step], spacing_rad: float) -> NDArray[np.int64]:
+    """Count at each step (n,) the turns so far that may be wrong by an angle between directions."""
+    undecided = [bool(step.turn_hypotheses) and _nearest(step, 0.5 * spacing_rad) < _DECIDED for step in steps]
+    return np.cumsum(undecided)
+
+
+def _nearest(step: Step, within_rad: float) -> float:
+    """Compute the probability that the turn of a step is within an angle of its most probable one."""
+    first = step.turn_hypotheses[0].heading_change_rad
+    near = [one for one in step.turn_hypotheses if abs(wrap_angle(one.heading_change_rad - first)) < within_rad]
+    return sum(one.probability for one in near)
 
 
 def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:

@@ -11,34 +11,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.placement_tracker import (
     LIMB_MODES,
     Placement,
-    PlacementParams,
     placements_of,
 )
 from pdr_est.front_end.heading.placement_change.turn_estimate import (
     KnownPlace,
     PlacedSteps,
     TurnEstimate,
-    TurnParams,
     estimate_turn,
     first_heading,
     last_heading,
 )
-from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
 from pdr_est.front_end.heading.stride_pairing import stride_average
 from pdr_est.types.steps import Step, TurnHypothesis
-
-
-@dataclass(frozen=True)
-class PlacementTurnParams:
-    """Parameters of the places of the phone, of turns, of the principal axis, and of the average over a stride."""
-
-    placement: PlacementParams
-    turn: TurnParams
-    axis: PrincipalAxisParams
-    bend_rad: float
 
 
 @dataclass(frozen=True)
@@ -54,7 +42,8 @@ class PlacedWalk:
     turns : mapping of int to TurnEstimate
         Turn before each place to which the phone did not return, by the number of the place.
     heading_rad : ndarray, shape (n,)
-        Headings by the most probable turns, not averaged over the stride, continuous; interpolated between two places.
+        Headings by the most probable turns, continuous, not averaged over the stride; interpolated between two
+        places.
     """
 
     steps: Sequence[Step]
@@ -102,7 +91,7 @@ Refine = Callable[[int, TurnEstimate], TurnEstimate]
 
 
 def placed_walk(
-    steps: Sequence[Step], parameters: PlacementTurnParams, refine: Refine = lambda _, turn: turn
+    steps: Sequence[Step], parameters: AutoHeadingParams, refine: Refine = lambda _, turn: turn
 ) -> PlacedWalk | None:
     """Find the places of the phone over the steps of a segment and the turns between them; None for one place only.
 
@@ -110,12 +99,12 @@ def placed_walk(
     ----------
     steps : sequence of Step
         All steps of the segment.
-    parameters : PlacementTurnParams
+    parameters : AutoHeadingParams
         Parameters.
     refine : callable
         Function of the number of a place and of the turn before it that returns a better estimate of the turn.
     """
-    places = placements_of(steps, parameters.placement)
+    places = placements_of(steps, parameters)
     if len(places) < 2:
         return None
     turns: dict[int, TurnEstimate] = {}
@@ -129,7 +118,7 @@ def placed_walk(
             last = places[number - 1]
             before = PlacedSteps(steps[last.first : last.last], last.up)
             between = place.first - last.last
-            turn = estimate_turn(before, here, between, known, end_rad, parameters.turn, parameters.axis)
+            turn = estimate_turn(before, here, between, known, end_rad, parameters)
             turns[number] = refine(number, turn)
             turn_rad = turns[number].hypotheses()[0].heading_change_rad
             offset_rad = first_heading(yaw) - end_rad - turn_rad

@@ -88,7 +88,7 @@ def _stride_averages(heading: Array) -> Array:
 
 
 def _spread(step: Step) -> float:
-    """Compute the standard deviation, rad, of the turn of a step around its most probable one; 0 where it is known."""
+    """Compute the standard deviation, rad, of the turn of a step around its most probable one."""
     if not step.turn_hypotheses:
         return 0.0
     first = step.turn_hypotheses[0].heading_change_rad

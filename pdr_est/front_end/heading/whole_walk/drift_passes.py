@@ -1,0 +1,158 @@
+"""Forward and backward pass over the drift of the headings, on a circle of the angle between two directions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.front_end.heading.whole_walk.circular_grid import CircularGrid
+from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections
+
+
+@dataclass(frozen=True)
+class DriftLevel:
+    """Level of the drift of headings.
+
+    Attributes
+    ----------
+    per_sqrt_s : float
+        Random walk along the way, rad per root second.
+    per_turn : float
+        Standard deviation of the change in a quarter turn, rad.
+    of_section : float
+        Standard deviation of a section around its direction, rad.
+    probability : float
+        Prior probability of such a phone.
+    """
+
+    per_sqrt_s: float
+    per_turn: float
+    of_section: float
+    probability: float
+
+
+# From a phone in a steady hand to one that slips about in a pocket.
+DRIFT_LEVELS = (
+    DriftLevel(0.003, 0.045, 0.055, 0.25),
+    DriftLevel(0.005, 0.07, 0.06, 0.3),
+    DriftLevel(0.012, 0.14, 0.08, 0.25),
+    DriftLevel(0.026, 0.2, 0.1, 0.15),
+    DriftLevel(0.052, 0.26, 0.12, 0.05),
+)
+OUTLIER_SHARE = 0.1  # share of sections off their direction, such as the rest of a corner or a detour; ours
+_DIAGONAL_SHARE = 0.02  # share of legs that follow no dominant direction; ours
+LEG_PRIOR = np.array([1.0 - _DIAGONAL_SHARE, _DIAGONAL_SHARE])
+LEG_PRIOR.flags.writeable = False
+_QUARTER_RAD = 0.5 * np.pi
+_MOST_TURN = 2.0  # quarter turns beyond which a turn adds no more uncertainty
+
+
+@dataclass(frozen=True)
+class SectionTransitions:
+    """Transition from each section to the next one.
+
+    `elapsed_s`; `quarter_turns`, 0 within a leg; `new_leg`, True if another leg begins; `informative`, True if so and
+    by a turn that is evidence.
+    """
+
+    elapsed_s: Array
+    quarter_turns: Array
+    new_leg: NDArray[np.bool_]
+    informative: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, sections: LegSections, turn_rad: float) -> "SectionTransitions":
+        """Describe the transitions between sections; `turn_rad` is the least turn that is evidence."""
+        change = np.abs(np.diff(sections.heading_rad))
+        new_leg = np.diff(sections.leg) != 0
+        quarter_turns = np.where(new_leg, np.minimum(change / _QUARTER_RAD, _MOST_TURN), 0.0)
+        elapsed_s = np.maximum(np.diff(sections.time_s), 0.1)
+        return cls(elapsed_s, quarter_turns, new_leg, new_leg & (change > turn_rad))
+
+
+@dataclass(frozen=True)
+class ForwardPass:
+    """Forward pass for one number of directions and one level of drift.
+
+    `likelihood`, `forward`: (n, 2, cells) of each section and drift, if its leg follows a direction and if it is a
+    diagonal. `sigma`: (n - 1,) of the drift between sections. `log_evidence`, `log_evidence_of_none`: log probability
+    of the headings with dominant directions, and if each turn leads anywhere.
+    """
+
+    grid: CircularGrid
+    level: DriftLevel
+    likelihood: Array
+    forward: Array
+    sigma: Array
+    new_leg: NDArray[np.bool_]
+    log_evidence: float
+    log_evidence_of_none: float
+
+
+def forward_pass(
+    sections: LegSections, transitions: SectionTransitions, number: int, level: DriftLevel
+) -> ForwardPass:
+    """Compute the density of the drift at each section given the sections up to it.
+
+    Parameters
+    ----------
+    sections : LegSections
+        Sections of the straight legs, at least one.
+    transitions : SectionTransitions
+        SectionTransitions between them.
+    number : int
+        Number of directions.
+    level : DriftLevel
+        Level of the drift.
+    """
+    grid = CircularGrid(2.0 * np.pi / number)
+    along = grid.likelihood(sections.heading_rad, level.of_section, OUTLIER_SHARE)
+    walked = level.per_sqrt_s**2 * transitions.elapsed_s + (level.per_turn * transitions.quarter_turns) ** 2
+    sigma = np.sqrt(walked + sections.sigma_change_rad[1:] ** 2)
+    diagonal = _predictive_likelihoods(grid, along, sigma, transitions.new_leg)
+    likelihood = np.stack([along, np.broadcast_to(diagonal[:, None], along.shape)], axis=1)
+    belief = LEG_PRIOR[:, None] * grid.uniform()
+    log_evidence = 0.0
+    forward = np.empty_like(likelihood)
+    for i, row in enumerate(likelihood):
+        if i:
+            belief = grid.diffuse(belief, sigma[i - 1])
+            if transitions.new_leg[i - 1]:
+                belief = LEG_PRIOR[:, None] * belief.sum(axis=0)
+        belief = belief * row
+        evidence = float(belief.sum(axis=0).mean())
+        log_evidence += np.log(evidence)
+        forward[i] = belief = belief / evidence
+    log_evidence_of_none = float(np.log(_predictive_likelihoods(grid, along, sigma, transitions.informative)).sum())
+    return ForwardPass(
+        grid, level, likelihood, forward, sigma, transitions.new_leg, log_evidence, log_evidence_of_none
+    )
+
+
+def _predictive_likelihoods(grid: CircularGrid, along: Array, sigma: Array, resets: NDArray[np.bool_]) -> Array:
+    """Compute the likelihoods (n,) of the sections given those before, relative to the uniform density.
+
+    `resets` (n - 1,) marks the transitions after which the direction may be any.
+    """
+    probability = np.empty(len(along))
+    belief = grid.uniform()
+    for i, row in enumerate(along):
+        if i:
+            belief = grid.uniform() if resets[i - 1] else grid.diffuse(belief, sigma[i - 1])
+        belief = belief * row
+        probability[i] = belief.mean()
+        belief = belief / probability[i]
+    return probability
+
+
+def backward_pass(fitted: ForwardPass) -> Array:
+    """Compute the likelihood (n, 2, cells) of all later sections given drift and kind of leg at each section."""
+    futures = np.ones_like(fitted.forward)
+    for i in range(len(futures) - 1, 0, -1):
+        future = futures[i] * fitted.likelihood[i]
+        if fitted.new_leg[i - 1]:
+            future = np.broadcast_to(LEG_PRIOR @ future, future.shape)
+        future = fitted.grid.diffuse(future, fitted.sigma[i - 1])
+        futures[i - 1] = future / future.mean()
+    return futures
