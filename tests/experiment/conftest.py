@@ -18,7 +18,7 @@ WriteLog = Callable[..., Path]
 def write_ilc20() -> WriteLog:
     """Writer of a walk straight to the north with a waypoint every `every_s`, the first one at 1 s.
 
-    With `yaw_deg` the phone also records its attitude, from which it points so far to the left of north.
+    The phone also records its attitude, by which it points `yaw_deg` to the left of north; None for none.
     """
 
     def write(
@@ -26,7 +26,7 @@ def write_ilc20() -> WriteLog:
         duration_s: float = 20.0,
         every_s: float = 3.0,
         bounce_mps2: float = 3.0,
-        yaw_deg: float | None = None,
+        yaw_deg: float | None = 0.0,
     ) -> Path:
         rows = []
         for t, up in zip(*bouncing(50.0, bounce_mps2, duration_s), strict=True):

@@ -10,7 +10,6 @@ from pdr_est.config import Config
 from pdr_est.experiment import comparison_on_axis, run_benchmark
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.scoring.gps_positions import GPS_METRICS, interpolated_fixes
-from pdr_est.experiment.scoring.known_start import START_METRICS
 from pdr_est.experiment.suites import ipin2023
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
@@ -74,7 +73,6 @@ def test_a_walk_without_gps_has_no_such_value_and_is_scored_otherwise(tmp_path, 
     assert row["error_heldout_m"] is not None
     assert document["skipped"] == [
         {"walk": "log", "reason": f"{', '.join(GPS_METRICS)}: no GPS position in the recording"},
-        {"walk": "log", "reason": f"{', '.join(START_METRICS)}: no device of the walk knows north"},
     ]
 
 
