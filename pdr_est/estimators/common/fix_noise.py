@@ -80,7 +80,7 @@ class GpsNoise(FixNoise):
     least_white_m: NonNegative = 1.0
     """Independent error of a phone that states an accuracy of 0, m."""
 
-    wander_share: NonNegative = 0.85
+    wander_share: NonNegative = 0.78
     """Standard deviation of the error that wanders slowly and is common to the fixes of the source, over the stated
     accuracy."""
 
