@@ -19,10 +19,11 @@ from estimator_walks import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from least_squares import solve, solve_linear
+from least_squares import fix_covariance, solve, solve_linear
 
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.timeline import build_timeline, timelines_of
+from pdr_est.estimators.factor_graph.build import build_graph
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceMeasurements, Measurement, PositionFix, StartPose
@@ -210,3 +211,48 @@ def test_two_devices_share_the_wandering_error_in_the_window() -> None:
         one, other = late.of_device(name), whole.of_device(name)
         assert one.position_m == pytest.approx(other.position_m, abs=0.02)
         assert one.covariance_m2 == pytest.approx(other.covariance_m2, rel=0.02, abs=1e-3)
+
+
+@pytest.mark.parametrize("sigma_scale", [0.0, SIGMA_SCALE])
+def test_leave_one_out_residuals_are_those_of_the_other_measurements(sigma_scale: float) -> None:
+    """Dense: the fixes are jointly normal, and each is conditioned on all others."""
+    walk = walk_east()
+    fixes = many_fixes(walk)
+    built = build_graph([*walk.odometry, *fixes], start=EAST, sigma_length_scale=sigma_scale, optimised=True)
+    found = built.left_out_fixes()
+    assert sorted(one.fix.time_s for one in found) == sorted(one.time_s for one in fixes)
+    nodes = build_timeline(DEVICE, 0.0, [*walk.odometry, *fixes]).nodes
+    length_m = np.cumsum([node.length_m for node in nodes])
+    scale = built.length_scales[0]
+    spread = np.cumsum([node.covariance[:2, :2] for node in nodes], axis=0) + 4.0 * np.eye(2)
+    known = [one.fix for one in found]
+    rows = [one.key for one in found]
+    # Linear about the scale that was found: the prior of its logarithm is log_scale below its value.
+    expected = np.array([[3.0 + scale * (1.0 - np.log(scale)) * length_m[i], -2.0] for i in rows])
+    covariance = fix_covariance(known)
+    for a, i in enumerate(rows):
+        for b, j in enumerate(rows):
+            block = spread[min(i, j)].copy()
+            block[0, 0] += (sigma_scale * scale) ** 2 * length_m[i] * length_m[j]
+            covariance[2 * a : 2 * a + 2, 2 * b : 2 * b + 2] += block
+    off = np.concatenate([one.position_m for one in known]) - expected.ravel()
+    for a, one in enumerate(found):
+        own = np.array([2 * a, 2 * a + 1])
+        others = np.delete(np.arange(len(off)), own)
+        gain = np.linalg.solve(covariance[np.ix_(others, others)], covariance[np.ix_(others, own)]).T
+        assert one.residual_m == pytest.approx(off[own] - gain @ off[others], abs=2e-3)
+        conditional = covariance[np.ix_(own, own)] - gain @ covariance[np.ix_(others, own)]
+        assert one.covariance_m2 == pytest.approx(conditional, rel=2e-3, abs=1e-3)
+
+
+def test_a_gross_outlier_stands_out_among_wandering_fixes() -> None:
+    rng = np.random.default_rng(3)
+    walk, errors = wandering_walk(rng, 100, 4.0, 60.0)
+    places = [walk.truth[2 * i, :2] + off + 0.5 * rng.standard_normal(2) for i, off in enumerate(errors)]
+    places[20] = places[20] + 6.0
+    fixes = [replace(wandering(2 * i, *at, sigma_m=4.0, time_s=60.0), robust=True) for i, at in enumerate(places)]
+    found = build_graph([*walk.odometry, *fixes], sigma_length_scale=0.05, optimised=True).left_out_fixes()
+    squared = [one.residual_m @ np.linalg.solve(one.covariance_m2, one.residual_m) for one in found]
+    assert np.argmax(squared) == 20
+    assert squared[20] > 25.0
+    assert np.mean(np.delete(squared, 20)) == pytest.approx(2.0, abs=0.8)

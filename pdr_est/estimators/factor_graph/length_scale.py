@@ -88,7 +88,9 @@ def _improved(
         change = change.add(direction.scale(float(amount)))
     heading = problem.poses(values)[:, 2]
     moved: Array = np.stack([in_map(direction, heading) for direction in per_scale], axis=2)
-    return LengthScales(improved, error.log_covariance(improved, sigma), moved * improved), values.retract(change)
+    off: Array = np.stack([problem.wandering.changes(direction) for direction in per_scale], axis=2)
+    covariance = error.log_covariance(improved, sigma)
+    return LengthScales(improved, covariance, moved * improved, off * improved), values.retract(change)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """The optimisation problem of a walk: its factor graph at any length scales, with its tethers."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import gtsam
 import numpy as np
@@ -17,7 +17,7 @@ from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.estimators.factor_graph.tether_factors import tether_factors
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes, zero_errors
 from pdr_est.frames import Array
-from pdr_est.types.measurements import StartPose
+from pdr_est.types.measurements import PositionFix, StartPose
 
 
 @dataclass(frozen=True)
@@ -32,16 +32,20 @@ class LengthScales:
         Covariance of their logarithms.
     pose_per_log : (n, 3, d) array
         Derivative of the optimal poses with respect to the logarithms, in the map frame.
+    fix_error_per_log : (v, 2, d) array
+        Derivative of the optimal wandering errors of fixes.
     """
 
     value: Array
     log_covariance: Array
     pose_per_log: Array
+    fix_error_per_log: Array
 
     @classmethod
-    def known(cls, value: Array, poses: int) -> "LengthScales":
+    def known(cls, value: Array, keys: GraphKeys) -> "LengthScales":
         """Return scales without uncertainty."""
-        return cls(value, np.zeros((len(value), len(value))), np.zeros((poses, 3, len(value))))
+        d = len(value)
+        return cls(value, np.zeros((d, d)), np.zeros((keys.poses, 3, d)), np.zeros((len(keys.fix_errors), 2, d)))
 
     @property
     def pose_covariance(self) -> Array:
@@ -150,6 +154,15 @@ class SmoothingProblem:
         self.tethers = self.tethers + more
         return len(more) > 0
 
+    def fixes(self) -> list[tuple[int, PositionFix]]:
+        """List the fixes of all devices, each with the key of the pose that it is a measurement of."""
+        return [
+            (key, fix)
+            for timeline, first in zip(self.timelines, self.keys.first, strict=True)
+            for key, node in enumerate(timeline.nodes, first)
+            for fix in node.fixes
+        ]
+
     def further_variables(self, variables: gtsam.NonlinearFactorGraph | gtsam.Values) -> tuple[list[int], list[int]]:
         """Return the keys that are not in `variables`: auxiliary ones of tethers, and all others."""
         keys = variables.keyVector() if isinstance(variables, gtsam.NonlinearFactorGraph) else variables.keys()
@@ -170,4 +183,5 @@ class SmoothingProblem:
             ahead = heading[first : first + len(length_m) - 1] + turn_rad[1:]
             steps = length_m[1:, None] * np.stack([np.cos(ahead), np.sin(ahead)], axis=1)
             moved[first + 1 : first + len(length_m), :2, d] = length_scale[d] * np.cumsum(steps, axis=0)
-        return LengthScales(length_scale, sigma**2 * np.eye(len(length_scale)), moved)
+        known = LengthScales.known(length_scale, self.keys)
+        return replace(known, log_covariance=sigma**2 * np.eye(len(length_scale)), pose_per_log=moved)

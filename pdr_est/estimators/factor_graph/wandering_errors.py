@@ -121,6 +121,11 @@ class WanderingFixes:
             graph.add(wandering_fix_factor(pose, first + error, fix, sigma_m))
         return graph
 
+    def changes(self, change: gtsam.VectorValues) -> Array:
+        """Return the changes (v, 2) of the wandering errors."""
+        before = 3 * self.keys.first_fix_error
+        return np.asarray(change.vector()[before : before + 2 * len(self.keys.fix_errors)].reshape(-1, 2))
+
     def cost(self, values: gtsam.Values) -> float:
         """Return the error of all fixes, half their chi square where no kernel applies."""
         distance = np.linalg.norm(self._white(values, pose_array(values, self.keys.poses)), axis=1)
