@@ -24,6 +24,7 @@ from least_squares import fix_covariance, solve, solve_linear
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.timeline import build_timeline, timelines_of
 from pdr_est.estimators.factor_graph.build import build_graph
+from pdr_est.estimators.factor_graph.smoother import estimate
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceMeasurements, Measurement, PositionFix, StartPose
@@ -57,13 +58,22 @@ def many_fixes(walk: SimulatedWalk) -> list[PositionFix]:
     return [*gps, *beacon, fix(20.2, 17.0, -3.0, 0.4), fix(31.0, 25.0, -2.0, 0.5)]
 
 
+def alone(measurements: Sequence[Measurement]) -> list[DeviceMeasurements]:
+    return [DeviceMeasurements(DEVICE, 0.0, tuple(measurements))]
+
+
+def smoothed(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_scale: float) -> Track:
+    """Smooth a walk with its fixes as they are, without a comparison with the steps."""
+    return estimate(timelines_of(devices), [], start, sigma_scale)
+
+
 @pytest.mark.parametrize("sigma_scale", [0.0, SIGMA_SCALE])
 def test_the_graph_is_least_squares_with_correlated_errors(sigma_scale: float) -> None:
     walk = walk_east()
     measurements = [*walk.odometry, *many_fixes(walk)]
     timeline = build_timeline(DEVICE, 0.0, measurements)
     (position,), (covariance,), (log_scale,), of_scale = solve_linear([timeline], EAST, sigma_scale)
-    track = run("factor-graph", measurements, EAST, sigma_scale)
+    track = smoothed(alone(measurements), EAST, sigma_scale)
     steps = [node.is_step for node in timeline.nodes]
     assert track.position_m == pytest.approx(position[steps], abs=2e-4)
     assert track.covariance_m2 == pytest.approx(covariance[steps], rel=1e-3, abs=2e-5)
@@ -80,7 +90,7 @@ def test_with_turns_the_graph_is_dense_least_squares() -> None:
     ]
     fixes[3] = replace(fixes[3], covariance_m2=ANISOTROPIC)
     measurements = [*walk.odometry, *fixes, heading_prior(20, walk.truth[20, 2] + 0.02)]
-    track = run("factor-graph", measurements, start)
+    track = smoothed(alone(measurements), start, SIGMA_SCALE)
     timeline = build_timeline(DEVICE, 0.0, measurements)
     guess = np.column_stack([track.position_m, track.heading_rad])
     mean, covariance = solve(timeline, start, SIGMA_SCALE, guess)
@@ -109,7 +119,7 @@ def test_a_wandering_error_is_common_to_two_devices() -> None:
     devices = two_devices()
     timelines = timelines_of(devices)
     positions, covariances, log_scales, _ = solve_linear(timelines, EAST, SIGMA_SCALE)
-    track = estimate_walk("factor-graph", devices, EAST, SIGMA_SCALE)
+    track = smoothed(devices, EAST, SIGMA_SCALE)
     for timeline, position, covariance in zip(timelines, positions, covariances, strict=True):
         own, steps = track.of_device(timeline.device), [node.is_step for node in timeline.nodes]
         assert own.position_m == pytest.approx(position[steps], abs=5e-4)
@@ -125,7 +135,7 @@ def lagged(devices: Sequence[DeviceMeasurements], lag_s: float, sigma_scale: flo
 def test_a_lag_longer_than_the_walk_gives_the_batch_graph() -> None:
     walk = walk_east()
     devices = [DeviceMeasurements(DEVICE, 0.0, (*walk.odometry, *many_fixes(walk)[3:]))]
-    late, whole = lagged(devices, 60.0), estimate_walk("factor-graph", devices, EAST, 0.0)
+    late, whole = lagged(devices, 60.0), smoothed(devices, EAST, 0.0)
     assert late.position_m == pytest.approx(whole.position_m, abs=1e-3)
     assert late.covariance_m2 == pytest.approx(whole.covariance_m2, rel=1e-3, abs=1e-4)
 
@@ -185,7 +195,7 @@ def test_what_leaves_the_window_is_remembered_by_what_stays() -> None:
     """On a linear walk the last pose is that of the batch graph, however short the lag."""
     walk = walk_east()
     devices = [DeviceMeasurements(DEVICE, 0.0, (*walk.odometry, *many_fixes(walk)[3:]))]
-    late, whole = lagged(devices, 3.0), estimate_walk("factor-graph", devices, EAST, 0.0)
+    late, whole = lagged(devices, 3.0), smoothed(devices, EAST, 0.0)
     assert late.position_m[-1] == pytest.approx(whole.position_m[-1], abs=1e-3)
     assert late.covariance_m2[-1] == pytest.approx(whole.covariance_m2[-1], rel=1e-3, abs=1e-4)
     assert np.abs(late.position_m[10] - whole.position_m[10]).max() > 0.02  # not there: later fixes are unknown
@@ -206,7 +216,7 @@ def test_two_devices_share_the_wandering_error_in_the_window() -> None:
         replace(one, measurements=tuple(m for m in one.measurements if m.time_s not in before))  # type: ignore[union-attr]
         for one in two_devices()
     ]
-    late, whole = lagged(devices, 60.0), estimate_walk("factor-graph", devices, EAST, 0.0)
+    late, whole = lagged(devices, 60.0), smoothed(devices, EAST, 0.0)
     for name in (DEVICE, "b"):
         one, other = late.of_device(name), whole.of_device(name)
         assert one.position_m == pytest.approx(other.position_m, abs=0.02)

@@ -73,17 +73,35 @@ def _solve_about(
 
 
 def fix_covariance(fixes: Sequence[PositionFix]) -> Array:
-    """Return the covariance (2 m, 2 m) of the errors of fixes, white and wandering, however often one is given."""
-    covariance = np.zeros((2 * len(fixes), 2 * len(fixes)))
+    """Return the covariance (2 m, 2 m) of the errors of fixes, white and wandering, however often one is given.
+
+    What two fixes of a source have in common is the error at the earlier one, of which a part has faded by the later.
+    """
+    covariance, variance = np.zeros((2 * len(fixes), 2 * len(fixes))), wander_variances(fixes)
     for i, one in enumerate(fixes):
         covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = one.covariance_m2
     for i, one in enumerate(fixes):
         for j, other in enumerate(fixes):
             if one.source == other.source:
-                correlation = np.exp(-abs(one.time_s - other.time_s) / one.wander_time_s)
-                common = one.sigma_wander_m * other.sigma_wander_m * correlation
+                earlier = min(one, other, key=lambda fix: fix.time_s)
+                left = np.exp(-abs(one.time_s - other.time_s) / one.wander_time_s)
+                common = variance[earlier.source, earlier.time_s] * left
                 covariance[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += common * np.eye(2)
     return covariance
+
+
+def wander_variances(fixes: Sequence[PositionFix]) -> dict[tuple[str, float], float]:
+    """Return the variance of the wandering error by source and time: it grows at once, and shrinks by fading."""
+    variances: dict[tuple[str, float], float] = {}
+    last: dict[str, PositionFix] = {}
+    for fix in sorted(fixes, key=lambda one: one.time_s):
+        stated, variance = fix.sigma_wander_m**2, fix.sigma_wander_m**2
+        if fix.source in last:
+            before = last[fix.source]
+            left = np.exp(-2.0 * (fix.time_s - before.time_s) / fix.wander_time_s)
+            variance = max(stated, left * variances[before.source, before.time_s] + (1.0 - left) * stated)
+        variances[fix.source, fix.time_s], last[fix.source] = variance, fix
+    return variances
 
 
 def solve(timeline: Timeline, start: StartPose, sigma_scale: float, guess: Array) -> tuple[Array, Array]:
