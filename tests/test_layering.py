@@ -45,6 +45,7 @@ LIBRARIES = {
     "filterpy": ("estimators.kalman",),
     "sklearn": ("front_end.gait",),
     "vqf": ("front_end.attitude",),
+    "pygeomag": ("front_end.heading.north",),
     # A track gives data frames and drawings of itself; both libraries are imported at use.
     "polars": ("io", "types.track", "types.track_table"),
     "matplotlib": ("report", "types.track", "types.track_drawing"),

@@ -28,9 +28,8 @@ def test_a_replay_ends_in_the_offline_poses(recording: Recording, reference: Att
     recording = replace(recording, devices=(device,))
     whole = offline(recording, ONE_CLOCK)
     assert whole.heading_rad[1] == pytest.approx(np.pi / 2.0, abs=0.2)  # north, and not the arbitrary zero
-    assert (
-        0.1 < whole.sigma_heading_rad[1] < 0.4 < whole.sigma_heading_rad[0]
-    )  # before the first step nothing is known
+    first, second = whole.sigma_heading_rad[:2]
+    assert 0.1 < second < 0.5 < first  # before the first step nothing is known
     for period_s in (0.05, 1.7):
         tracker = Tracker(ONE_CLOCK, expected_devices(recording, ONE_CLOCK), OnlineParams())
         same_poses(push_all(tracker, slices(recording, [np.arange(0.0, 60.0, period_s)])), whole)

@@ -9,6 +9,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import up_in_device
 from pdr_est.io import read
 from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.sensors import AttitudeReference
 
 BOOT_S = 65_000.0
 HEADER = (
@@ -68,6 +69,7 @@ def test_channels_and_header(tmp_path: Path) -> None:
     assert device.magnetic_field is not None
     assert device.pressure is not None
     assert device.attitude is not None
+    assert device.attitude_reference is AttitudeReference.MAGNETIC_NORTH
     np.testing.assert_array_equal(force_of(device)[0], [0.0, 9.81, 0.0])
     np.testing.assert_array_equal(device.rotation_rate.values[9], [0.1, 0.2, 0.3])
     np.testing.assert_allclose(device.pressure.values[:, 0], 97_622.73)
@@ -100,6 +102,7 @@ def test_acceleration_in_g_with_apples_sign(tmp_path: Path) -> None:
     device = read_text(tmp_path, walk(force="0.0;-1.0;0.0")).devices[0]
     np.testing.assert_allclose(force_of(device)[0], [0.0, 9.80665, 0.0])
     assert device.platform == "ios"
+    assert device.attitude_reference is AttitudeReference.UNKNOWN
     assert any("in g" in decision for decision in device.decisions)
 
 

@@ -111,8 +111,8 @@ def test_the_first_prior_has_the_whole_uncertainty_and_comes_with_the_first_step
     (steps,) = (one.steps for one in analyse_recording(walk.recording, Config()))
     assert priors[0].time_s == steps[0].event.time_s
     p = PARAMETERS
-    parts = (p.sigma_hold_rad, p.sigma_declination_rad, p.sigma_disturbance_rad, p.sigma_step_rad)
-    assert priors[0].sigma_rad == pytest.approx(np.linalg.norm(parts))
+    parts = (p.sigma_hold_rad, p.sigma_calibration_rad, p.sigma_declination_rad, p.sigma_disturbance_rad)
+    assert priors[0].sigma_rad == pytest.approx(np.linalg.norm([*parts, p.sigma_step_rad / 2.0]), rel=0.02)
 
 
 def test_no_source_no_prior() -> None:
@@ -162,6 +162,16 @@ def test_a_phone_out_of_the_hand_tells_nothing() -> None:
     for mode in (CarryingMode.POCKET, CarryingMode.SWING, CarryingMode.OTHER, CarryingMode.UNKNOWN):
         assert priors_of(held_steps(np.zeros(40), mode))[0] == []
     assert priors_of(held_steps(np.zeros(40)))[0]
+
+
+def test_a_few_mistaken_steps_tell_nothing_and_doubtful_ones_little() -> None:
+    held = held_steps(np.zeros(20))
+    swung = held_steps(np.zeros(20), CarryingMode.SWING)
+    assert priors_of([*swung[:10], *held[10:12], *swung[12:15], *held[15:17], *swung[17:]])[0] == []
+    doubtful = [replace(one, event=replace(one.event, mode_probability=0.9)) for one in held]
+    (sure, *_), (unsure, *_) = priors_of(held)[0], priors_of(doubtful)[0]
+    assert sure.time_s == unsure.time_s == held[0].event.time_s
+    assert unsure.sigma_rad > 1.5 * sure.sigma_rad
 
 
 def test_a_disturbed_stretch_is_found_and_weighs_less() -> None:
