@@ -18,6 +18,7 @@ from pdr_est.pipeline.measurements import (
     with_map_directions,
     with_person,
 )
+from pdr_est.pipeline.other_devices import with_turns_of_others
 from pdr_est.pipeline.warnings import mismatches, warnings_of
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
@@ -87,7 +88,7 @@ def estimate_tracks(
     """
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts)
-    devices = [measurements_of(walk, config, fixes, estimator.spec) for walk in walks]
+    devices = with_turns_of_others([measurements_of(walk, config, fixes, estimator.spec) for walk in walks])
     tethers = tethers_of(walks, config, estimator.spec)
     track = run_estimator(devices, tethers, estimator, config)
     direction_rad = config.heading.dominant.direction_rad
