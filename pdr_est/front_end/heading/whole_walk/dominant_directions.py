@@ -40,8 +40,9 @@ from pdr_est.types.analysis import DominantDirections
 _NUMBER_PRIOR: Mapping[int, float] = MappingProxyType({2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1})
 _PRIOR_OF_NONE = 1.0 - sum(_NUMBER_PRIOR.values())
 
-# Share of the turns that lead half way between the directions: even where most corners have 90 degrees, some have 45.
-_HALVED_SHARE = 0.2
+# Probability that the directions across a turn are twice as many: even where most corners have 90 degrees, some have
+# 45. Half of it is for turns between the directions.
+_HALVED_SHARE = 0.35
 
 
 @params
