@@ -28,7 +28,10 @@ Types
 - StartPose: position and heading at the start, as far as they are known.
 - DeviceMeasurements: all measurements of one device.
 - Track: result of an estimator. *Filtered* poses use the past only, *smoothed* poses use the whole walk, *delayed*
-  poses use the past and a fixed time after it. The device "fused" is the person, from all devices.
+  poses use the past and a fixed time after it. The device "fused" is the person, from all devices. Its `findings`
+  tell what does not fit.
+- Finding: something about a walk that does not fit, such as a position fix that disagrees with the steps; its
+  `FindingKind` is what it is about.
 - Config: all settings; frozen, validated, with a default for each.
 - Parts: stages and an estimator of your own, in place of those of the library. `Estimator` is the contract of an
   estimator and `EstimatorSpec` states its abilities.
@@ -78,6 +81,7 @@ if TYPE_CHECKING:
     from pdr_est.preprocessing.merge import merge_recordings
     from pdr_est.public_api import analyse, detect_steps, estimate, smooth
     from pdr_est.types.analysis import DeviceWalk
+    from pdr_est.types.findings import Finding, FindingKind
     from pdr_est.types.measurements import (
         DeviceMeasurements,
         DeviceTether,
@@ -109,6 +113,8 @@ __all__ = [
     "EstimationError",
     "Estimator",
     "EstimatorSpec",
+    "Finding",
+    "FindingKind",
     "HeadingPrior",
     "LoopClosure",
     "OutputError",
@@ -147,6 +153,7 @@ _MODULES = {
     "pdr_est.preprocessing.merge": ("merge_recordings",),
     "pdr_est.public_api": ("analyse", "detect_steps", "estimate", "smooth"),
     "pdr_est.types.analysis": ("DeviceWalk",),
+    "pdr_est.types.findings": ("Finding", "FindingKind"),
     "pdr_est.types.measurements": (
         "DeviceMeasurements",
         "DeviceTether",

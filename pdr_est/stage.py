@@ -1,4 +1,4 @@
-"""The contract of a processing stage, and the chain that runs stages one after the other.
+"""The contract of a processing stage, the chain that runs stages one after the other, and stages side by side.
 
 A stage consumes items one at a time and emits items of the phenomena it is sure of. How the input is cut into blocks
 changes when an output appears and never what it is, so online and offline use are one code path.
@@ -27,6 +27,32 @@ class Stage(Protocol):
     def flush(self) -> list[Any]:
         """Return what was still held back; called once, at the end of the recording."""
         ...
+
+
+class Parallel:
+    """Stages that each take every item, one after the other; itself a stage.
+
+    Parameters
+    ----------
+    stages
+        Stages that consume the same items.
+    """
+
+    def __init__(self, stages: Iterable[Stage]) -> None:
+        self.stages: tuple[Stage, ...] = tuple(stages)
+
+    @property
+    def latency_s(self) -> float:
+        """Largest latency of the stages, s."""
+        return max((stage.latency_s for stage in self.stages), default=0.0)
+
+    def push(self, item: Any, /) -> list[Any]:
+        """Give one item to each stage, and return what they emit."""
+        return [output for stage in self.stages for output in stage.push(item)]
+
+    def flush(self) -> list[Any]:
+        """Flush each stage, and return what they held back."""
+        return [output for stage in self.stages for output in stage.flush()]
 
 
 class Chain:

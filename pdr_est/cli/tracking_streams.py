@@ -35,7 +35,7 @@ def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, re
         Output, which receives one line for each estimate.
     """
     devices = recorded.devices
-    tracker = Tracker(config, expected_devices(devices, recorded.name, config))
+    tracker = Tracker(config, expected_devices(recorded, config))
     begun_s: float | None = None
     for moment in stream_slices(devices, fixes):
         if realtime:

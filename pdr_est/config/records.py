@@ -8,6 +8,7 @@ from annotated_types import Ge, Le
 
 from pdr_est.clock_sync import ClockMethod, GivenClock
 from pdr_est.estimators import ESTIMATORS, Estimator, estimator_named
+from pdr_est.estimators.common.fix_noise import FixNoiseParams
 from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams
@@ -163,6 +164,9 @@ class Config:
 
     start: StartParams = StartParams()
     """Start of the walk."""
+
+    fixes: FixNoiseParams = FixNoiseParams()
+    """Errors of position fixes."""
 
     devices: DevicesParams = DevicesParams()
     """Several devices on one body."""

@@ -1,10 +1,11 @@
 """The estimators of the package in one table: what each can do, and how it is called."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from pdr_est.estimators import dead_reckoning
+from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.kalman import ekf
@@ -52,9 +53,19 @@ class BuiltInEstimator:
         start: StartPose,
         sigma_length_scale: float,
     ) -> Track:
-        """Estimate the track of every device, as the contract says."""
+        """Estimate the track of every device, as the contract says.
+
+        An estimator that smooths does so for each alternative that the measurements leave open.
+        """
         walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings)
-        return _CALLS[self.spec.name](walk)
+        call = _CALLS[self.spec.name]
+        if not self.spec.smooths:
+            return call(walk)
+        alternatives = alternatives_of(walk.timelines, start, sigma_length_scale)
+        return estimate_alternatives(
+            alternatives,
+            lambda one: call(replace(walk, timelines=one.timelines, start_headings_rad=one.start_headings_rad)),
+        )
 
 
 @dataclass(frozen=True)
@@ -66,6 +77,7 @@ class _Walk:
     start: StartPose
     sigma_length_scale: float
     settings: EstimatorSettings
+    start_headings_rad: Sequence[float | None] = ()
 
 
 def _dead_reckoning(walk: _Walk) -> Track:
@@ -91,7 +103,7 @@ def _ekf(walk: _Walk) -> Track:
 def _factor_graph(walk: _Walk) -> Track:
     from pdr_est.estimators.factor_graph.smoother import estimate  # gtsam takes a second to load
 
-    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale)
+    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.start_headings_rad)
 
 
 def _fixed_lag(walk: _Walk) -> Track:

@@ -37,6 +37,8 @@ def with_unit(metric: str) -> str:
 
 _START = "after moving the first true position onto the track and turning to the first one at least 20 m away"
 _HELD = "of a track that was given the other true positions as fixes"
+_GPS = "of a track whose only fixes are the GPS positions in the recording"
+_NORTH = "of a track that was given the first true position, and whose direction comes from the phone's north"
 _CALIBRATED = "after calibrating the walker on other walks of the set"
 
 DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
@@ -60,6 +62,28 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
             f"Mean squared error in units of the stated covariance, at the held-out true positions {_HELD}. 2 is "
             "right; more: the track claims to be surer than it is.",
             2.0,
+        ),
+        "error_start_m": Metric(f"Mean distance to the later true positions {_NORTH}, nothing aligned."),
+        "heading_start_error_deg": Metric(
+            f"Rotation, without its sign, of the best rigid alignment of the track to the true positions {_NORTH}."
+        ),
+        "coverage95_start": Metric(
+            f"Share of the later true positions inside the stated 95 % region {_NORTH}. More than 0.95 is as wrong "
+            "as less.",
+            0.95,
+        ),
+        "error_gps_m": Metric(f"Mean distance to the surveyed points {_GPS}, nothing aligned."),
+        "coverage95_gps": Metric(
+            f"Share of the surveyed points inside the stated 95 % region {_GPS}, 0.2 m per axis added for "
+            "the points. More than 0.95 is as wrong as less.",
+            0.95,
+        ),
+        "scale_gps": Metric(
+            f"Learnt ratio of the walker's step length to that of the step-length model {_GPS}.", 1.0
+        ),
+        "error_gps_raw_m": Metric(
+            "Mean distance of the GPS positions themselves to the surveyed points: the positions are interpolated "
+            "linearly at the times of the points; a point before the first or after the last of them takes that one."
         ),
         "mode_accuracy": Metric("Share of the walking time that is labelled with the true carrying mode.", 1.0),
         "count_error": Metric("Difference of the detected and the true number of steps, per true number."),

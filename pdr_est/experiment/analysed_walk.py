@@ -97,5 +97,6 @@ def _equal(some: Sequence[PositionFix], others: Sequence[PositionFix]) -> bool:
         and np.array_equal(one.position_m, other.position_m)
         and np.array_equal(one.covariance_m2, other.covariance_m2)
         and (one.source, one.robust) == (other.source, other.robust)
+        and (one.sigma_wander_m, one.wander_time_s) == (other.sigma_wander_m, other.wander_time_s)
         for one, other in zip(some, others, strict=True)
     )

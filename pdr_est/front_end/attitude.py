@@ -197,4 +197,5 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         mode=np.full(len(block.time_s), CarryingMode.UNKNOWN, dtype=np.int8),
         mode_probability=np.zeros(len(block.time_s)),
         magnetic_field_ut=block.magnetic_field_ut,
+        recorded_yaw_rad=None if block.attitude is None else twist_about_vertical(block.attitude),
     )

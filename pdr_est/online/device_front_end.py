@@ -9,9 +9,9 @@ import numpy as np
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
 from pdr_est.frames import Array
-from pdr_est.front_end.odometry import Odometry
+from pdr_est.front_end.heading.north import NorthReference
 from pdr_est.parts import NO_PARTS, Parts
-from pdr_est.pipeline.front_end_chain import heading_needs_magnetometer, level_chain, stepping
+from pdr_est.pipeline.front_end_chain import level_chain, measuring, optional_channels, stepping
 from pdr_est.preprocessing.quality.requirements import COARSE_SAMPLING_S
 from pdr_est.stage import Chain
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
@@ -34,10 +34,13 @@ class ExpectedDevice:
     own_attitude
         True to use the attitude that the device records itself, False to compute it from the rotation rate; None to
         decide from its first seconds, by the rule for recordings.
+    north
+        Source of headings against north; None for none.
     """
 
     name: str
     own_attitude: bool | None = None
+    north: NorthReference | None = None
 
 
 class DeviceFrontEnd:
@@ -69,7 +72,7 @@ class DeviceFrontEnd:
         self._levelling: Chain | None = None
         self._early: list[SensorBlock] = []  # samples before it is known whether to use the device's attitude
         to_steps = stepping(config, parts).stages
-        heading = Chain([*to_steps[3:], Odometry(device.name, config.odometry)])
+        heading = Chain([*to_steps[3:], measuring(device.name, config, device.north)])
         self._parts = (Chain(to_steps[:1]), Chain(to_steps[1:3]), heading)  # about the same work each
         self._waiting: tuple[list[Any], ...] = ([], [], [])  # input of each part
         self._in_process: list[LevelBlock] = []  # taken by the first part since all others had nothing to do
@@ -134,8 +137,7 @@ class DeviceFrontEnd:
     def _begin(self, own_attitude: bool) -> None:
         """Make the levelling stages, and give them the samples so far."""
         channels = (*_NEEDED, Channel.ATTITUDE) if own_attitude else _NEEDED
-        needs_field = heading_needs_magnetometer(self._config, self._parts_given)
-        optional = (Channel.MAGNETIC_FIELD,) if needs_field else ()
+        optional = optional_channels(channels, self._config, self._parts_given, self._device.north)
         _, self._levelling = level_chain(channels, optional, own_attitude, self._config, self._parts_given)
         early, self._early = self._early, []
         self._waiting[0].extend(level for block in early for level in self._levelling.push(block))

@@ -71,6 +71,8 @@ class DeviceLog:
         True once all samples have come.
     closing_fix
         Fix at the end of a closed walk, if there is one.
+    last_heading_s
+        Time of the latest heading prior in the map.
     nodes
         Remembered nodes that the filter has processed.
     """
@@ -82,6 +84,7 @@ class DeviceLog:
         self.released = 0
         self.complete = False
         self.closing_fix: PositionFix | None = None
+        self.last_heading_s = -inf
         self.nodes: list[Node] = []
         self._first_node = 0  # number of the first remembered node
         self._builder = NodeBuilder(start_s)
@@ -104,6 +107,8 @@ class DeviceLog:
     def append(self, item: StepOdometry | HeadingPrior) -> None:
         """Add the next step, or a heading prior."""
         self._builder.append(item)
+        if isinstance(item, HeadingPrior) and not item.relative:
+            self.last_heading_s = max(self.last_heading_s, item.time_s)
 
     def step_end_s(self, number: int) -> float:
         """Return the time at which a step ends; for number 0, the time at which the walk begins."""
@@ -160,9 +165,9 @@ class DeviceLog:
         closing = (self.closing_fix,) if self.complete and self.closing_fix is not None else ()
         if closing and step == self.last_step:
             nodes[-1] = replace(nodes[-1], fixes=(*nodes[-1].fixes, *closing))
-        observed = bool(closing) or last_fix_s >= self.step_end_s(step)
+        observed = bool(closing) or max(last_fix_s, self.last_heading_s) >= self.step_end_s(step)
         for i, node in enumerate(nodes):
-            later = observed or any(other.fixes for other in nodes[i:])
+            later = observed or any(other.observes_heading for other in nodes[i:])
             ends_step = i == len(nodes) - 1
             yield PendingNode(node.time_s, device, node, step, nodes[0].time_s, ends_step, later)
 
@@ -177,10 +182,6 @@ class DeviceLog:
         while self.motion_begin_s(number) >= fix_s:
             number -= 1
         return self.motion_begin_s(number)
-
-    def nodes_from(self, number: int) -> list[Node]:
-        """Return the remembered nodes from a number on."""
-        return self.nodes[max(number - self._first_node, 0) :]
 
     def release(self, until_s: float) -> None:
         """Allow the filter to process the steps that end up to a time."""

@@ -7,9 +7,10 @@ import numpy as np
 
 from pdr_est.config import Config
 from pdr_est.online.device_front_end import ExpectedDevice
+from pdr_est.pipeline.front_end_chain import north_of
 from pdr_est.preprocessing.quality.requirements import prefers_recorded_attitude, require_track_sensors
 from pdr_est.types.measurements import PositionFix
-from pdr_est.types.recording import DeviceRecording
+from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import SensorBlock
 
 SLICE_S = 0.1
@@ -35,15 +36,13 @@ class StreamSlice:
     fixes: tuple[PositionFix, ...]
 
 
-def expected_devices(devices: Sequence[DeviceRecording], place: str, config: Config) -> list[ExpectedDevice]:
-    """Describe recorded devices for a tracker.
+def expected_devices(recording: Recording, config: Config) -> list[ExpectedDevice]:
+    """Describe the devices of a recording for a tracker.
 
     Parameters
     ----------
-    devices
-        Recorded devices.
-    place
-        Place of the recording, for messages.
+    recording
+        The recording.
     config
         Configuration of the tracker.
 
@@ -52,10 +51,19 @@ def expected_devices(devices: Sequence[DeviceRecording], place: str, config: Con
     RecordingError
         For a device that lacks a sensor without which there is no track.
     """
-    for device in devices:
-        require_track_sensors(device, f"{place} ({device.name})")
+    for device in recording.devices:
+        require_track_sensors(device, recording.place_of(device))
     auto = config.attitude.source == "auto"
-    return [ExpectedDevice(device.name, prefers_recorded_attitude(device) if auto else None) for device in devices]
+    # Which of several devices will know north is not known in advance, and the others could not be placed beside it.
+    alone = len(recording.devices) == 1
+    return [
+        ExpectedDevice(
+            device.name,
+            prefers_recorded_attitude(device) if auto else None,
+            north_of(device, recording, config) if alone else None,
+        )
+        for device in recording.devices
+    ]
 
 
 def stream_slices(devices: Sequence[DeviceRecording], fixes: Sequence[PositionFix] = ()) -> Iterator[StreamSlice]:

@@ -103,6 +103,8 @@ class RewindableFilter:
             log = self.logs[device] = DeviceLog(start_s)
         for measurement in measurements:
             log.append(measurement)
+            if isinstance(measurement, HeadingPrior) and not measurement.relative:
+                self._take_heading(device)
         log.end_s = max(log.end_s, end_s)
         tether_s = self._schedule.extend(device, log.start_s, end_s)
         if self.history and tether_s + SAME_S < self.history[-1].time_s:
@@ -120,11 +122,24 @@ class RewindableFilter:
                 self.missed_fixes += 1
             if own is not None and own.lost_heading_s is not None:
                 after_s = min(after_s, nextafter(own.lost_heading_s, -inf))
-        if changes_start and self._forgotten_s > -inf:
-            self.rewind_after(-inf)
-            self._restart_here()
+        if changes_start:
+            self._change_start()
         elif after_s < inf:
             self.rewind_after(after_s)
+
+    def _take_heading(self, device: int) -> None:
+        """Rewind to before the nodes for which it makes a difference that a heading in the map is known."""
+        if self._known.observe_heading():
+            self._change_start()
+        own = self.state.walk.devices[device]
+        if own is not None and own.lost_heading_s is not None:
+            self.rewind_after(nextafter(own.lost_heading_s, -inf))
+
+    def _change_start(self) -> None:
+        """Undo everything because the prior at the start has changed; begin here if the start is forgotten."""
+        self.rewind_after(-inf)
+        if self._forgotten_s > -inf:
+            self._restart_here()
 
     def end_walk(self, closing_sigma_m: float | None) -> None:
         """Take note that all samples have come.
@@ -226,12 +241,9 @@ class RewindableFilter:
             if log is None:
                 continue
             own = next((record for record in self.history if record.pending.device == device), None)
-            oldest = self.history[0].before if self.history else self.state
-            searching = [one.walk.devices[device] for one in (oldest, self.state)]
-            begins = [one.segment_begin for one in searching if one is not None and not one.heading_known]
             log.forget(
                 log.next_step - 1 if own is None else own.pending.step - 1,
-                min([log.next_node if own is None else own.number, *begins]),
+                log.next_node if own is None else own.number,
             )
 
     def _restart_here(self) -> None:
@@ -263,13 +275,11 @@ class RewindableFilter:
         tethered, tethers = self._tethered(before, pending.time_s)
         number, own = log.next_node, tethered.walk.devices[device]
         log.nodes.append(pending.node)
-        segment = log.nodes_from(own.segment_begin) if own is not None and not own.heading_known else ()
         walk, entered = self._stepper.step(
             tethered.walk,
             device,
             number,
             pending.node,
-            segment=segment if len(segment) <= self._parameters.remembered_steps else None,
             heading_observed_later=pending.heading_observed_later,
             prior=self._known.prior(device) if own is None else None,
         )

@@ -38,6 +38,7 @@ class StartAndFixes:
         self._given: list[PositionFix] = []
         self._devices = 1
         self._first: PositionFix | None = None
+        self._heading_measured = False  # by a heading prior in the map
         self._restart_states: Mapping[int, GaussianState] = {}
         self.last_fix_s = -inf
         self.latency_s = 0.0
@@ -79,6 +80,12 @@ class StartAndFixes:
         self.share_among(self._devices)
         return changes_start
 
+    def observe_heading(self) -> bool:
+        """Take note of a heading prior in the map; return whether it changes the prior at the start."""
+        changes_start = self._start.heading_rad is None and self._first is None and not self._heading_measured
+        self._heading_measured = True
+        return changes_start
+
     def share_among(self, devices: int) -> None:
         """Divide the information of each fix equally among a number of devices."""
         self._devices = devices
@@ -108,7 +115,7 @@ class StartAndFixes:
 
     def prior(self, device: int) -> StartPrior:
         """Return the prior of a device's state at its first node."""
-        observed = self._first is not None
+        observed = self._first is not None or self._heading_measured
         start = device_starts(self._devices, observed, self._start)[device]
         prior = start_prior_from(self._first, observed, start, self._sigma_length_scale)
         here = self._restart_states.get(device)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
+from pdr_est.estimators.common.fix_noise import fixes_with_noise
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.person.track import NAME as PERSON
 from pdr_est.online.device_front_end import DeviceFrontEnd, ExpectedDevice, refuse_malformed
@@ -172,7 +173,7 @@ class Tracker:
             return []
         refuse_unusable("", [], [fix], [])  # before the pending estimates are taken out
         found = self._work()
-        self._estimator.add_fix(fix)
+        self._estimator.add_fix(*fixes_with_noise([fix], self._config.fixes))
         found += [*self._filtered(), *self._work()]
         self._warn_of_missed_fixes()
         return found

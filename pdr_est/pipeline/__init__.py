@@ -7,7 +7,7 @@ from dataclasses import replace
 from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.parts import NO_PARTS, Parts
-from pdr_est.pipeline.front_end_chain import analyse_device
+from pdr_est.pipeline.front_end_chain import analyse_device, north_of
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.measurements import (
     chosen_estimator,
@@ -15,11 +15,13 @@ from pdr_est.pipeline.measurements import (
     refuse_without_heading,
     run_estimator,
     tethers_of,
+    with_findings,
     with_map_directions,
     with_person,
+    without_partial_north,
 )
 from pdr_est.pipeline.other_devices import with_turns_of_others
-from pdr_est.pipeline.warnings import mismatches, warnings_of
+from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -53,7 +55,11 @@ def smooth_recording(
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=(*warnings_of(recording, devices), *mismatches(devices, config, estimator.spec, fixes)),
+        warnings=(
+            *warnings_of(recording, devices),
+            *mismatches(devices, config, estimator.spec, fixes),
+            *doubts(track.findings),
+        ),
         fixes_used=estimator.spec.uses_fixes,
     )
 
@@ -71,7 +77,8 @@ def analyse_recording(recording: Recording, config: Config, parts: Parts = NO_PA
     refuse_wrong_types(recording, config)
     walks = []
     for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
-        walk = analyse_device(device, recording.place_of(device), config, parts)
+        north = north_of(device, recording, config)
+        walk = analyse_device(device, recording.place_of(device), config, parts, north)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))
     return tuple(walks)
 
@@ -88,7 +95,8 @@ def estimate_tracks(
     """
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts)
-    devices = with_turns_of_others([measurements_of(walk, config, fixes, estimator.spec) for walk in walks])
+    devices = without_partial_north([measurements_of(walk, config, fixes, estimator.spec) for walk in walks])
+    devices = with_turns_of_others(devices)
     tethers = tethers_of(walks, config, estimator.spec)
     track = run_estimator(devices, tethers, estimator, config)
     direction_rad = config.heading.dominant.direction_rad
@@ -97,4 +105,5 @@ def estimate_tracks(
             with_map_directions(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)
         ]
         track = run_estimator(devices, tethers, estimator, config)
+    track = with_findings(track, devices, tethers, estimator, config)
     return with_person(track, config) if len(walks) > 1 else track

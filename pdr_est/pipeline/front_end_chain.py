@@ -11,6 +11,7 @@ from pdr_est.config import Config
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
 from pdr_est.front_end.heading import heading_stage, needs_magnetometer, whole_walk_stage
+from pdr_est.front_end.heading.north import NorthPriors, NorthReference, north_reference
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import step_length_stage
@@ -25,13 +26,19 @@ from pdr_est.preprocessing.quality.requirements import (
     required_channels,
 )
 from pdr_est.preprocessing.resampling import Resampler
-from pdr_est.stage import Chain, Stage
+from pdr_est.stage import Chain, Parallel, Stage
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.recording import DeviceRecording
+from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import Channel
 
 
-def analyse_device(device: DeviceRecording, place: str, config: Config, parts: Parts = NO_PARTS) -> DeviceWalk:
+def analyse_device(
+    device: DeviceRecording,
+    place: str,
+    config: Config,
+    parts: Parts = NO_PARTS,
+    north: NorthReference | None = None,
+) -> DeviceWalk:
     """Run the front end on the recording of one device; one without gyroscope has steps without heading.
 
     Parameters
@@ -42,6 +49,8 @@ def analyse_device(device: DeviceRecording, place: str, config: Config, parts: P
         What to call the device in messages.
     config, parts
         Choice of the stages and their parameters.
+    north
+        Source of headings against north, as `north_of` gives it; None for none.
 
     Raises
     ------
@@ -50,17 +59,18 @@ def analyse_device(device: DeviceRecording, place: str, config: Config, parts: P
     ConfigError
         If a part cannot be made.
     """
-    resampler, to_level = levelling(device, place, config, parts)
+    resampler, to_level = levelling(device, place, config, parts, north)
     level = _run(to_level, device.blocks())
     if not level:
         raise explain_empty_grid(device, place, config.resample.max_gap_s)
     steps = _run(stepping(config, parts), level)
     has_heading = has_gyroscope(device)
-    odometry = _run(Odometry(device.name, config.odometry), steps) if has_heading else []
+    causal = measuring(device.name, config, north)
+    odometry = _run(causal, steps) if has_heading else []
     whole_walk_odometry, directions = odometry, None
     whole_walk = whole_walk_stage(config.heading) if has_heading and parts.heading is None else None
     if whole_walk is not None:
-        whole_walk_odometry = _run(Odometry(device.name, config.odometry), _run(whole_walk, steps))
+        whole_walk_odometry = _run(measuring(device.name, config, north), _run(whole_walk, steps))
         directions = whole_walk.directions
     return DeviceWalk(
         device=device.name,
@@ -73,24 +83,55 @@ def analyse_device(device: DeviceRecording, place: str, config: Config, parts: P
         has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
+        findings=tuple(
+            found for stage in causal.stages if isinstance(stage, NorthPriors) for found in stage.findings
+        ),
     )
 
 
+def north_of(device: DeviceRecording, recording: Recording, config: Config) -> NorthReference | None:
+    """Find the source of headings against north for a device of a recording; None for none."""
+    if config.heading.method != "auto" or not has_gyroscope(device):
+        return None
+    return north_reference(device, recording.origin, recording.epoch_s, config.heading.north)
+
+
+def measuring(device: str, config: Config, north: NorthReference | None = None) -> Parallel:
+    """Make the stage Step -> StepOdometry and HeadingPrior of a device."""
+    odometry = Odometry(device, config.odometry)
+    if north is None:
+        return Parallel([odometry])
+    drift = config.odometry.sigma_heading_rad_per_sqrt_s
+    return Parallel([odometry, NorthPriors(device, north, config.heading.north, drift)])
+
+
 def levelling(
-    device: DeviceRecording, place: str, config: Config, parts: Parts = NO_PARTS
+    device: DeviceRecording,
+    place: str,
+    config: Config,
+    parts: Parts = NO_PARTS,
+    north: NorthReference | None = None,
 ) -> tuple[Resampler, Chain]:
     """Make the chain SensorBlock -> LevelBlock for a device, and return its first stage, which knows the gaps, too.
 
-    The magnetic field is resampled with the other channels where the heading needs it; it does not change them.
+    The magnetic field and the recorded attitude are resampled with the other channels where a heading needs them;
+    they do not change those.
     """
     source = config.attitude.source
     own_attitude = source == "device" or (source == "auto" and prefers_recorded_attitude(device))
     channels = required_channels(device, place, with_attitude=own_attitude)
-    optional: tuple[Channel, ...] = ()
     if heading_needs_magnetometer(config, parts):
         require_magnetometer(device, place)
-        optional = (Channel.MAGNETIC_FIELD,)
-    return level_chain(channels, optional, own_attitude, config, parts)
+    return level_chain(channels, optional_channels(channels, config, parts, north), own_attitude, config, parts)
+
+
+def optional_channels(
+    required: tuple[Channel, ...], config: Config, parts: Parts, north: NorthReference | None
+) -> tuple[Channel, ...]:
+    """List the channels that headings need, beside the required ones of every device."""
+    needed = [Channel.MAGNETIC_FIELD] if heading_needs_magnetometer(config, parts) else []
+    needed += [] if north is None else [north.channel]
+    return tuple(channel for channel in dict.fromkeys(needed) if channel not in required)
 
 
 def level_chain(

@@ -7,13 +7,23 @@ from pdr_est.config import Config
 from pdr_est.config.contradictions import unused_closure
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators import Estimator, EstimatorSpec
+from pdr_est.estimators.common.fix_noise import fixes_with_noise
 from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
 from pdr_est.estimators.common.map_directions import resolve_relative_priors
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.estimators.person.track import at_lever_arm, fuse
+from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether, LoopClosure, PositionFix
+from pdr_est.types.measurements import (
+    LATE_START_S,
+    DeviceMeasurements,
+    DeviceTether,
+    HeadingPrior,
+    LoopClosure,
+    Measurement,
+    PositionFix,
+)
 from pdr_est.types.track import Track, concatenate
 
 
@@ -47,11 +57,27 @@ def measurements_of(
     """Collect the measurements of a device.
 
     A smoother gets the headings that are known only at the end of the walk, a filter those that were known at the
-    step.
+    step. The fixes get the noise of their source.
     """
     odometry = walk.whole_walk_odometry if spec.smooths else walk.odometry
     closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
-    return DeviceMeasurements(walk.device, walk.start_s, (*odometry, *closure, *fixes))
+    return DeviceMeasurements(
+        walk.device, walk.start_s, (*odometry, *closure, *fixes_with_noise(fixes, config.fixes))
+    )
+
+
+def without_partial_north(devices: Sequence[DeviceMeasurements]) -> list[DeviceMeasurements]:
+    """Leave the headings in the map out of a walk in which only some of its devices have any.
+
+    The others could not be placed beside them: how their headings differ is known only roughly.
+    """
+    if all(any(_in_map(m) for m in one.measurements) for one in devices):
+        return list(devices)
+    return [replace(one, measurements=tuple(m for m in one.measurements if not _in_map(m))) for one in devices]
+
+
+def _in_map(measurement: Measurement) -> bool:
+    return isinstance(measurement, HeadingPrior) and not measurement.relative
 
 
 def tethers_of(walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec) -> list[DeviceTether]:
@@ -105,6 +131,20 @@ def with_map_directions(
     own = track.of_device(walk.device)
     tied = resolve_relative_priors(known.measurements, own, direction_rad, walk.directions.spacing_rad)
     return replace(known, measurements=tuple(tied))
+
+
+def with_findings(
+    track: Track,
+    devices: Sequence[DeviceMeasurements],
+    tethers: Sequence[DeviceTether],
+    estimator: Estimator,
+    config: Config,
+) -> Track:
+    """Add what does not fit in the walk to what the estimator has found itself."""
+    start, sigma = config.start.pose(), config.odometry.sigma_length_scale
+    return replace(
+        track, findings=(*track.findings, *findings_of(track, devices, tethers, start, sigma, estimator.spec))
+    )
 
 
 def with_person(track: Track, config: Config) -> Track:

@@ -8,6 +8,7 @@ from pdr_est.estimators import EstimatorSpec
 from pdr_est.front_end.heading import IN_POCKETS
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.analysis import DeviceWalk
+from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import Gap
@@ -43,6 +44,11 @@ def mismatches(
     if config.heading.method in IN_POCKETS:
         found += [words for walk in walks for words in _outside_pockets(walk, config.heading.method)]
     return tuple(found)
+
+
+def doubts(findings: Sequence[Finding]) -> tuple[str, ...]:
+    """Put the doubtful findings into words."""
+    return tuple(finding.words for finding in findings if finding.doubtful)
 
 
 def _outside_pockets(walk: DeviceWalk, method: str) -> Iterator[str]:

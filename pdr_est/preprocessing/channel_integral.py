@@ -141,9 +141,9 @@ class ChannelIntegral:
         return integral, span > self._longest_s
 
     def integral_or_nan(self, edges: Array) -> Array:
-        """Evaluate the integral (m, 3) up to each time (m,); NaN where the channel was not recorded."""
+        """Evaluate the integral (m, k) up to each time (m,); NaN where the channel was not recorded."""
         if len(self.time_s) < 2:
-            return np.full((len(edges), 3), np.nan)
+            return np.full((len(edges), 4 if self._channel is Channel.ATTITUDE else 3), np.nan)
         integral, inside = self.integral_at(edges)
         outside = inside | (edges < self.time_s[0]) | (edges >= self.time_s[-1])
         return np.where(outside[:, None], np.nan, integral)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from pdr_est.frames import Array
 from pdr_est.types.clock import ClockEstimate
+from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import Gap, LevelBlock
 from pdr_est.types.steps import Step
@@ -79,6 +80,8 @@ class DeviceWalk:
         Gaps of the recording.
     dropped_samples
         Number of samples left out, by reason.
+    findings
+        What of the device's measurements does not fit together.
     """
 
     device: str
@@ -93,6 +96,12 @@ class DeviceWalk:
     warnings: tuple[str, ...] = ()
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def knows_north(self) -> bool:
+        """Tell whether any heading is known against north."""
+        return any(isinstance(one, HeadingPrior) and not one.relative for one in self.odometry)
 
     @property
     def span_s(self) -> tuple[float, float]:
@@ -124,7 +133,7 @@ class SmoothedWalk:
     timings_s
         CPU seconds by part of the pipeline.
     warnings
-        Doubts about recording, walk and settings, in words.
+        Doubts about recording, walk and settings, in words, and the doubtful ones of the findings of the track.
     fixes_used
         False for an estimator that only aligns the track with the fixes.
     """

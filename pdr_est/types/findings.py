@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class FindingKind(StrEnum):
-    """What a finding is about."""
+    """Kind of a finding: what it is about."""
 
     FIXES = "fixes"
     """Fixes that disagree with the steps or with each other and count less."""
@@ -60,3 +60,8 @@ class Finding:
     value: float | None = None
     sigma: float | None = None
     doubtful: bool = True
+
+    @property
+    def words(self) -> str:
+        """The finding in one line, with the name of its device."""
+        return f"{self.device}: {self.message}" if self.device else self.message

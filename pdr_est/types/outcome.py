@@ -42,6 +42,8 @@ class TrackOutcome:
         Number of points or steps that the metrics are based on, by name.
     predicted
         Number of steps that got each label, where steps are classified.
+    findings
+        Number of doubtful findings about the walk, with the fixes that the track was estimated with.
     """
 
     walk: str
@@ -61,3 +63,4 @@ class TrackOutcome:
     squared: Array
     counts: Mapping[str, int] = field(default_factory=dict)
     predicted: Mapping[str, int] = field(default_factory=dict)
+    findings: int = 0

@@ -11,7 +11,7 @@ from pdr_est.frames import Array
 from pdr_est.types.array_checks import checked_times, checked_values
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix
-from pdr_est.types.sensors import Channel, SensorBlock
+from pdr_est.types.sensors import AttitudeReference, Channel, SensorBlock
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,8 @@ class DeviceRecording:
         (n, 3) µT, device axes.
     attitude
         (n, 4) quaternions w first, device to a frame with z up.
+    attitude_reference
+        Direction that the yaw of `attitude` counts from.
     pressure
         (n, 1) Pa.
     decisions
@@ -71,6 +73,7 @@ class DeviceRecording:
     rotation_rate: Signal | None = None
     magnetic_field: Signal | None = None
     attitude: Signal | None = None
+    attitude_reference: AttitudeReference = AttitudeReference.UNKNOWN
     pressure: Signal | None = None
     decisions: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -101,9 +104,9 @@ class DeviceRecording:
         """
         for channel, signal in (
             (Channel.MAGNETIC_FIELD, self.magnetic_field),
+            (Channel.ATTITUDE, self.attitude),
             (Channel.SPECIFIC_FORCE, self.specific_force),
             (Channel.ROTATION_RATE, self.rotation_rate),
-            (Channel.ATTITUDE, self.attitude),
         ):
             if signal is not None and len(signal):
                 yield SensorBlock(channel, signal.time_s, signal.values)
@@ -193,6 +196,7 @@ class Recording:
         *,
         magnetic_field_ut: ArrayLike | None = None,
         attitude: ArrayLike | None = None,
+        attitude_reference: AttitudeReference = AttitudeReference.UNKNOWN,
         device: str = "phone",
         name: str = "arrays",
     ) -> "Recording":
@@ -213,6 +217,8 @@ class Recording:
             (n, 3) magnetometer, µT, device axes.
         attitude
             (n, 4) quaternions w first, device to a frame with z up.
+        attitude_reference
+            Direction that its yaw counts from.
         device, name
             Names of the device and of the recording.
 
@@ -238,6 +244,7 @@ class Recording:
             rotation_rate=optional["rotation_rate"],
             magnetic_field=optional["magnetic_field"],
             attitude=optional["attitude"],
+            attitude_reference=attitude_reference,
             decisions=("units and signs as the caller states them",),
         )
         return cls(name=name, format="arrays", devices=(recorded,))

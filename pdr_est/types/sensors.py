@@ -25,6 +25,27 @@ class Channel(StrEnum):
     """Attitude computed by the device, (n, 4) quaternion w x y z, device to level frame with z up."""
 
 
+class AttitudeReference(StrEnum):
+    """Direction that the yaw of a recorded attitude counts from."""
+
+    UNKNOWN = "unknown"
+    """Not stated by the recorder."""
+
+    ARBITRARY = "arbitrary"
+    """That of the device when the recording began, or any other that says nothing about north."""
+
+    MAGNETIC_NORTH = "magnetic-north"
+    """The level frame has x east and y north, by the magnetic field."""
+
+    TRUE_NORTH = "true-north"
+    """The level frame has x east and y north, corrected by the device for the magnetic declination."""
+
+    @property
+    def is_north(self) -> bool:
+        """Tell whether the yaw counts from north."""
+        return self in (AttitudeReference.MAGNETIC_NORTH, AttitudeReference.TRUE_NORTH)
+
+
 @dataclass(frozen=True)
 class SensorBlock:
     """Consecutive raw samples of one channel, with the time stamps of the recorder.
@@ -81,7 +102,8 @@ class ImuBlock:
     rotation_rate_radps
         (n, 3) rad/s, device axes; None for a device without gyroscope.
     attitude
-        (n, 4) quaternions w first, device to level; None where the device's own attitude is not used.
+        (n, 4) quaternions w first, device to level, NaN where it was not recorded; None where the device's own
+        attitude is not used.
     magnetic_field_ut
         (n, 3) µT, NaN where it was not recorded; None where no stage needs it.
     """
@@ -123,6 +145,9 @@ class LevelBlock:
         (n,) probability of that mode.
     magnetic_field_ut
         (n, 3) µT, device axes, NaN where it was not recorded; None for a device without magnetometer.
+    recorded_yaw_rad
+        (n,) rad, rotation about the vertical by the attitude that the device recorded, wrapped, NaN where there is
+        none; None where that attitude is not used.
     """
 
     first_index: int
@@ -137,6 +162,7 @@ class LevelBlock:
     mode: NDArray[np.int8]
     mode_probability: Array
     magnetic_field_ut: Array | None = None
+    recorded_yaw_rad: Array | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)

@@ -64,7 +64,7 @@ class Track:
     length_scale, sigma_length_scale
         Estimated ratio of the walker's step length to that of the step-length model, and its standard deviation.
     findings
-        What does not fit among the measurements, and what the estimator chose.
+        What does not fit in the walk as a whole, and what the estimator chose: the same for every device.
     """
 
     time_s: Array

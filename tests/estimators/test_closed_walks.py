@@ -36,7 +36,7 @@ def test_the_graph_is_dense_least_squares(sigma_m: float, share: float, last_tur
     poses = mean[:-1].reshape(-1, 3)
     assert track.position_m == pytest.approx(poses[:, :2], abs=2e-3)
     assert np.sin(track.heading_rad - poses[:, 2]) == pytest.approx(np.zeros(23), abs=2e-3)
-    assert track.length_scale == pytest.approx(mean[-1], abs=2e-3)
+    assert track.length_scale == pytest.approx(np.exp(mean[-1]), abs=2e-3)
     for k in range(23):
         expected = covariance[3 * k : 3 * k + 2, 3 * k : 3 * k + 2]
         assert np.linalg.norm(track.covariance_m2[k] - expected) < share * np.linalg.norm(expected)

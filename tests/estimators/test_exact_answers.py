@@ -28,18 +28,19 @@ def timeline_of(walk: SimulatedWalk) -> Timeline:
     return build_timeline(DEVICE, 0.0, walk.measurements)
 
 
-def kalman_filter(timeline: Timeline) -> tuple[Array, Array]:
-    """The textbook's filter over (x, y, scale) on a walk due east: means (n, 3), covariances (n, 3, 3)."""
-    x = np.array([3.0, -2.0, 1.0])
-    p = np.diag([0.3**2, 0.3**2, SIGMA_SCALE**2])
+def kalman_filter(timeline: Timeline, sigma_scale: float) -> tuple[Array, Array]:
+    """The textbook's filter over (x, y, log scale) on a walk due east: means (n, 3), covariances (n, 3, 3)."""
+    x = np.array([3.0, -2.0, 0.0])
+    p = np.diag([0.3**2, 0.3**2, sigma_scale**2])
     h = np.eye(2, 3)
     means, covariances = [], []
     for i, node in enumerate(timeline.nodes):
         if i:
-            f = np.array([[1.0, 0.0, node.length_m], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+            length_m = np.exp(x[2]) * node.length_m
+            f = np.array([[1.0, 0.0, length_m], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
             q = np.zeros((3, 3))
             q[:2, :2] = node.covariance[:2, :2]
-            x, p = f @ x, f @ p @ f.T + q
+            x, p = x + np.array([length_m, 0.0, 0.0]), f @ p @ f.T + q
         for measured in node.fixes:
             gain = p @ h.T @ np.linalg.inv(h @ p @ h.T + measured.covariance_m2)
             x, p = x + gain @ (measured.position_m - h @ x), (np.eye(3) - gain @ h) @ p
@@ -48,23 +49,25 @@ def kalman_filter(timeline: Timeline) -> tuple[Array, Array]:
     return np.array(means), np.array(covariances)
 
 
-def test_on_a_linear_walk_the_ekf_is_the_kalman_filter() -> None:
+@pytest.mark.parametrize("sigma_scale", [0.0, SIGMA_SCALE])
+def test_on_a_walk_due_east_the_ekf_is_the_textbook_s(sigma_scale: float) -> None:
     timeline = timeline_of(straight_walk(0.0))
-    mean, covariance = kalman_filter(timeline)
+    mean, covariance = kalman_filter(timeline, sigma_scale)
     steps = [node.is_step for node in timeline.nodes]
-    track = ekf.estimate([timeline], (), EAST, SIGMA_SCALE)
+    track = ekf.estimate([timeline], (), EAST, sigma_scale)
     assert track.position_m == pytest.approx(mean[steps, :2], abs=1e-9)
     assert track.covariance_m2 == pytest.approx(covariance[steps, :2, :2], abs=1e-9)
-    assert track.length_scale == pytest.approx(mean[-1, 2], abs=1e-9)
-    assert track.sigma_length_scale == pytest.approx(np.sqrt(covariance[-1, 2, 2]), abs=1e-9)
+    assert track.length_scale == pytest.approx(np.exp(mean[-1, 2]), abs=1e-9)
+    assert track.sigma_length_scale == pytest.approx(track.length_scale * np.sqrt(covariance[-1, 2, 2]), abs=1e-9)
     assert track.sigma_heading_rad == pytest.approx(np.zeros(13), abs=1e-9)
     assert track.kind == "filtered"
 
 
 def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
+    """Linear, because the length scale is known."""
     timeline = timeline_of(straight_walk(0.0))
-    mean, covariance = solve_linear(timeline, EAST, SIGMA_SCALE)
-    filtered = run_filter(timeline, EAST, SIGMA_SCALE)[0]
+    mean, covariance = solve_linear(timeline, EAST, 0.0)
+    filtered = run_filter(timeline, EAST, 0.0)[0]
     smoothed = rts_smoother.smooth(timeline.nodes, filtered.states)
     assert filtered.states[-1].mean[:2] == pytest.approx(mean[-3:-1], abs=1e-9)
     assert filtered.states[-1].covariance[:2, :2] == pytest.approx(covariance[-3:-1, -3:-1], abs=1e-9)
@@ -76,19 +79,33 @@ def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
         )
 
 
-def test_on_a_linear_walk_the_graph_is_the_smoothed_filter() -> None:
-    timeline = timeline_of(straight_walk(1e-4))
-    filtered = run_filter(timeline, EAST, SIGMA_SCALE)[0]
-    smoothed = [
-        state
-        for state, node in zip(rts_smoother.smooth(timeline.nodes, filtered.states), timeline.nodes, strict=True)
-        if node.is_step
-    ]
-    track = run("factor-graph", straight_walk(1e-4).measurements, EAST)
-    assert track.position_m == pytest.approx(np.array([state.mean[:2] for state in smoothed]), abs=1e-6)
-    assert track.covariance_m2 == pytest.approx(np.array([state.covariance[:2, :2] for state in smoothed]), abs=1e-6)
-    assert track.length_scale == pytest.approx(smoothed[-1].mean[3], abs=1e-6)
-    assert track.sigma_length_scale == pytest.approx(np.sqrt(smoothed[-1].covariance[3, 3]), abs=1e-6)
+def test_with_a_scale_filter_and_smoother_are_least_squares_to_first_order() -> None:
+    timeline = timeline_of(straight_walk(0.0))
+    mean, covariance = solve_linear(timeline, EAST, SIGMA_SCALE)
+    smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, EAST, SIGMA_SCALE)[0].states)
+    for i, state in enumerate(smoothed):
+        rows = [2 * i, 2 * i + 1, -1]
+        assert state.mean[[0, 1]] == pytest.approx(mean[rows[:2]], abs=0.01)
+        assert state.mean[3] == pytest.approx(mean[-1], abs=0.1 * np.sqrt(covariance[-1, -1]))
+        expected = covariance[np.ix_(rows, rows)]
+        difference = state.covariance[np.ix_([0, 1, 3], [0, 1, 3])] - expected
+        assert np.linalg.norm(difference) < 0.05 * np.linalg.norm(expected)
+
+
+@pytest.mark.parametrize("sigma_scale", [0.0, SIGMA_SCALE])
+def test_on_a_walk_due_east_the_graph_is_least_squares(sigma_scale: float) -> None:
+    walk = straight_walk(1e-4)
+    timeline = timeline_of(walk)
+    mean, covariance = solve_linear(timeline, EAST, sigma_scale)
+    steps = [i for i, node in enumerate(timeline.nodes) if node.is_step]
+    track = run("factor-graph", walk.measurements, EAST, sigma_scale)
+    for row, i in enumerate(steps):
+        own = slice(2 * i, 2 * i + 2)
+        assert track.position_m[row] == pytest.approx(mean[own], abs=5e-6)
+        assert track.covariance_m2[row] == pytest.approx(covariance[own, own], abs=5e-6)
+    assert track.length_scale == pytest.approx(np.exp(mean[-1]), abs=5e-6)
+    sigma = np.exp(mean[-1]) * np.sqrt(covariance[-1, -1])
+    assert track.sigma_length_scale == pytest.approx(sigma, abs=5e-6)
     assert track.kind == "smoothed"
 
 
@@ -120,8 +137,8 @@ def test_with_turns_the_graph_is_dense_least_squares_over_poses_and_scale() -> N
     poses = mean[:-1].reshape(-1, 3)
     assert track.position_m == pytest.approx(poses[:, :2], abs=1e-3)
     assert np.sin(track.heading_rad - poses[:, 2]) == pytest.approx(np.zeros(25), abs=1e-4)
-    assert track.length_scale == pytest.approx(mean[-1], abs=1e-4)
-    assert track.sigma_length_scale == pytest.approx(np.sqrt(covariance[-1, -1]), rel=0.01)
+    assert track.length_scale == pytest.approx(np.exp(mean[-1]), abs=1e-4)
+    assert track.sigma_length_scale == pytest.approx(np.exp(mean[-1]) * np.sqrt(covariance[-1, -1]), rel=0.01)
     for k in range(25):
         expected = covariance[3 * k : 3 * k + 2, 3 * k : 3 * k + 2]
         assert np.linalg.norm(track.covariance_m2[k] - expected) < 0.01 * np.linalg.norm(expected)

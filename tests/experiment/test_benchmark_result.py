@@ -68,6 +68,7 @@ def test_document_has_exactly_the_agreed_shape():
                 "ate_rigid_m": 2.0,
                 "final_drift": None,
                 "truth_points": 9,
+                "findings": 0,
                 "seconds": SECONDS,
             }
         ],

@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 
 from pdr_est.estimators.person.track import fuse
-from pdr_est.report.walk.page import format_duration, format_metric_with_unit, format_number, render_report
+from pdr_est.report.walk.page import (
+    format_duration,
+    format_metric_with_unit,
+    format_number,
+    format_time_span,
+    render_report,
+)
 from pdr_est.report.walk.summary import package_versions, summarise
+from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import StartPose
 from pdr_est.types.sensors import Gap
 from pdr_est.types.track import concatenate
@@ -125,6 +132,39 @@ def test_names_and_messages_are_text_and_never_markup(make_walk) -> None:
     assert "<script" not in text
     assert page.text.count('<script>alert("x")</script> $\\frac{1}$ \'"&') >= 9
     assert "_hidden" in page.text
+
+
+def test_findings_have_a_section_of_their_own_and_are_not_told_twice(make_walk) -> None:
+    walk, recording = make_walk(steps=30, devices=("1L", "2R"))
+    bad = Finding(FindingKind.FIXES, "gps disagrees by 14.0 m <b>", "1L", 5.0, 12.0, 14.0, 3.0)
+    chosen = Finding(FindingKind.FIX_CLOCK, "the clock of gps is 3.0 s late", doubtful=False)
+    track = replace(walk.track, findings=(chosen, bad))
+    page = Page(render(replace(walk, track=track, warnings=(bad.words, "1L: stuck")), recording))
+    assert (
+        "What does not fit when device about finding 5.0 to 12.0 s 1L fixes gps disagrees by 14.0 m <b>" in page.text
+    )
+    assert "whole walk all fix-clock the clock of gps is 3.0 s late (certain)" in page.text
+    assert page.text.count("gps disagrees by 14.0 m") == 1
+    assert "Warnings 1L: stuck" in page.text
+    assert "does not fit Track" not in page.text
+    assert "does not fit" in page.text[page.text.index("95 % region") :]  # the legend of the map
+    only = Page(render(replace(walk, track=track, warnings=(bad.words,)), recording))
+    assert "Warnings" not in only.text
+    assert "does not fit" not in Page(render(walk, recording)).text
+
+
+@pytest.mark.parametrize(
+    ("begin_s", "end_s", "text"),
+    [
+        (None, None, "whole walk"),
+        (3.04, 9.0, "3.0 to 9.0 s"),
+        (3.0, 3.0, "3.0 s"),
+        (None, 9.0, "until 9.0 s"),
+        (3.0, None, "from 3.0 s on"),
+    ],
+)
+def test_time_spans_read_well(begin_s: float | None, end_s: float | None, text: str) -> None:
+    assert format_time_span(begin_s, end_s) == text
 
 
 def test_names_in_other_scripts_are_kept(make_walk) -> None:

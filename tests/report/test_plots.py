@@ -10,9 +10,11 @@ from matplotlib.patches import Ellipse
 
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
+from pdr_est.report.plots.finding_marks import marked_places
 from pdr_est.report.plots.gait import plot_gait
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import ELLIPSES, plot_track, select_ellipses
+from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import Gap
 
@@ -152,3 +154,28 @@ def test_svg_is_well_formed_themed_and_free_of_addresses(make_walk) -> None:
     assert used <= set(ids)
     again = svg.to_svg(plot_track(walk.track, walk.fixes, recording.truth.positions.position_m), "map", "A map")
     assert again == text
+
+
+def test_doubtful_findings_with_a_time_are_marked_where_they_are(make_walk) -> None:
+    walk, _ = make_walk(steps=20, devices=("1L", "2R"))
+    first, other = (walk.track.of_device(name) for name in ("1L", "2R"))
+    begin_s, end_s = float(first.time_s[4]), float(first.time_s[7])
+    kind = FindingKind.PLACEMENT
+    track = replace(
+        walk.track,
+        findings=(
+            Finding(kind, "a span of one device", "2R", begin_s, end_s),
+            Finding(kind, "a moment of all", "", begin_s, begin_s),
+            Finding(kind, "certain", "", begin_s, end_s, doubtful=False),
+            Finding(kind, "whole walk"),
+            Finding(kind, "of a device that has no track", "3X", begin_s, end_s),
+        ),
+    )
+    found = marked_places(track)
+    expected = [other.position_m[4:8], first.position_m[4:5], other.position_m[4:5]]
+    assert len(found) == len(expected)
+    for points, places in zip(found, expected, strict=True):
+        np.testing.assert_allclose(points, places)
+    drawn = [line for line in plot_track(track).axes[0].lines if svg.DOUBT in (line.get_color(), line.get_mec())]
+    assert len(drawn) == 3
+    assert not any(line.get_color() == svg.DOUBT for line in plot_track(walk.track).axes[0].lines)

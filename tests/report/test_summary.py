@@ -12,7 +12,8 @@ from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.report.walk.descriptions import describe_length_scale
 from pdr_est.report.walk.summary import package_versions, summarise, to_json
-from pdr_est.types.measurements import StartPose
+from pdr_est.types.findings import Finding, FindingKind
+from pdr_est.types.measurements import HeadingPrior, StartPose
 from pdr_est.types.sensors import Gap
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import concatenate
@@ -67,6 +68,46 @@ def test_track_is_in_the_map_frame_only_when_something_ties_it(make_walk, start,
     walk, recording = make_walk(steps=10)
     walk = walk if with_fixes else replace(walk, fixes=())
     assert summarise(walk, recording, {}, {}, {}, start=start)["frame"] == frame
+
+
+def test_a_device_that_knows_north_needs_only_a_place_on_the_map(make_walk) -> None:
+    walk, recording = make_walk(steps=10)
+    for relative, frame in ((True, "own"), (False, "map")):
+        prior = HeadingPrior("phone", 3.0, 0.4, 0.1, relative=relative)
+        free = replace(walk, fixes=(), devices=(replace(walk.devices[0], odometry=(prior,)),))
+        assert summarise(free, recording, {}, {}, {}, start=StartPose((1.0, 2.0)))["frame"] == frame
+        assert summarise(free, recording, {}, {}, {})["frame"] == "own"
+
+
+def test_findings_are_listed_with_all_that_is_known_of_them(make_walk) -> None:
+    walk, recording = make_walk(steps=10)
+    found = (
+        Finding(FindingKind.FIX_CLOCK, "clock of gps 3 s late", "phone", 3.0, 9.0, np.float64(3.0), 0.4, False),
+        Finding(FindingKind.NORTH, "north is disturbed", sigma=math.inf),
+    )
+    walk = replace(walk, track=replace(walk.track, findings=found))
+    assert strict(summarise(walk, recording, {}, {}, {}))["findings"] == [
+        {
+            "kind": "fix-clock",
+            "message": "clock of gps 3 s late",
+            "device": "phone",
+            "begin_s": 3.0,
+            "end_s": 9.0,
+            "value": 3.0,
+            "sigma": 0.4,
+            "doubtful": False,
+        },
+        {
+            "kind": "north",
+            "message": "north is disturbed",
+            "device": "",
+            "begin_s": None,
+            "end_s": None,
+            "value": None,
+            "sigma": None,
+            "doubtful": True,
+        },
+    ]
 
 
 def test_warnings_are_those_of_the_walk_and_each_comes_once(make_walk) -> None:

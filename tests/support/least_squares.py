@@ -1,5 +1,5 @@
-"""Walks as one dense least-squares problem over all poses, the length scale and the direction that relative heading
-priors count from: what the estimators must give."""
+"""Walks as one dense least-squares problem over all poses, the logarithm of the length scale and the direction that
+relative heading priors count from: what the estimators must give."""
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -11,10 +11,19 @@ from pdr_est.types.measurements import StartPose
 
 
 def solve_linear(timeline: Timeline, start: StartPose, sigma_scale: float) -> tuple[Array, Array]:
-    """Normal equations of a straight walk east with an exact heading: all (x, y) and the scale.
+    """Normal equations of a straight walk east with an exact heading: all (x, y) and the logarithm of the scale.
 
-    Returns the mean (2 n + 1,) and the covariance; the scale is last.
+    Returns the mean (2 n + 1,) and the covariance; the logarithm is last. Only it is not linear: the equations are
+    solved again about each result. With sigma_scale 0 the scale is 1.
     """
+    log_scale = 0.0
+    for _ in range(100 if sigma_scale else 1):
+        mean, covariance = _solve_about(log_scale, timeline, start, sigma_scale or 1e-12)
+        log_scale = mean[-1]
+    return mean, covariance
+
+
+def _solve_about(log_scale: float, timeline: Timeline, start: StartPose, sigma_scale: float) -> tuple[Array, Array]:
     nodes = timeline.nodes
     size = 2 * len(nodes) + 1
     information, vector = np.zeros((size, size)), np.zeros(size)
@@ -31,11 +40,11 @@ def solve_linear(timeline: Timeline, start: StartPose, sigma_scale: float) -> tu
     scale = np.eye(1, size, size - 1)
     assert start.position_m is not None
     add(pick(0), np.array(start.position_m), start.sigma_position_m**2 * np.eye(2))
-    add(scale, np.ones(1), np.array([[sigma_scale**2]]))
+    add(scale, np.zeros(1), np.array([[sigma_scale**2]]))
     for i, node in enumerate(nodes):
         if i:
-            ahead = np.array([[node.length_m], [0.0]])
-            add(pick(i) - pick(i - 1) - ahead @ scale, np.zeros(2), node.covariance[:2, :2])
+            ahead = np.exp(log_scale) * np.array([[node.length_m], [0.0]])
+            add(pick(i) - pick(i - 1) - ahead @ scale, ahead[:, 0] * (1.0 - log_scale), node.covariance[:2, :2])
         for fix in node.fixes:
             add(pick(i), fix.position_m, fix.covariance_m2)
     return np.linalg.solve(information, vector), np.linalg.inv(information)
@@ -43,14 +52,14 @@ def solve_linear(timeline: Timeline, start: StartPose, sigma_scale: float) -> tu
 
 def solve(timeline: Timeline, start: StartPose, sigma_scale: float, guess: Array) -> tuple[Array, Array]:
     """Maximum a posteriori of a walk with turns: poses (n, 3) flattened, the direction that relative heading priors
-    count from, if there are any, and the scale; with their covariance.
+    count from, if there are any, and the logarithm of the scale; with their covariance.
 
     guess: poses (n, 3). A step's error is measured in exponential coordinates, as GTSAM does; priors are not robust.
     """
     reference = [0.0] if any(prior.relative for prior in timeline.priors) else []
     solution = least_squares(
         lambda state: _residuals(timeline, start, sigma_scale, state),
-        np.array([*guess.ravel(), *reference, 1.0]),
+        np.array([*guess.ravel(), *reference, 0.0]),
         method="lm",
         x_scale="jac",
         xtol=1e-12,
@@ -60,18 +69,18 @@ def solve(timeline: Timeline, start: StartPose, sigma_scale: float, guess: Array
 
 
 def _residuals(timeline: Timeline, start: StartPose, sigma_scale: float, state: Array) -> Array:
-    poses, scale = state[: 3 * len(timeline.nodes)].reshape(-1, 3), state[-1]
+    poses, log_scale = state[: 3 * len(timeline.nodes)].reshape(-1, 3), state[-1]
     reference = state[-2]  # of no meaning without relative priors
     assert start.position_m is not None
     assert start.heading_rad is not None
     sigmas = [start.sigma_position_m, start.sigma_position_m, start.sigma_heading_rad]
     residuals = [
         _logarithm(np.array([*start.position_m, start.heading_rad]), poses[0], 0.0, 0.0) / sigmas,
-        np.array([(scale - 1.0) / sigma_scale]),
+        np.array([log_scale / sigma_scale]),
     ]
     for i, node in enumerate(timeline.nodes):
         if i:
-            error = _logarithm(poses[i - 1], poses[i], node.heading_change_rad, scale * node.length_m)
+            error = _logarithm(poses[i - 1], poses[i], node.heading_change_rad, np.exp(log_scale) * node.length_m)
             residuals.append(_whitened(error, node.covariance))
         residuals += [_whitened(poses[i, :2] - fix.position_m, fix.covariance_m2) for fix in node.fixes]
         residuals += [

@@ -104,7 +104,7 @@ def prior_after_lost_heading(before: GaussianState, node: Node) -> StartPrior:
     variance = 0.5 * (node.length_m**2 + node.covariance[0, 0] + node.covariance[1, 1])
     covariance = np.diag([variance, variance, UNKNOWN_SIGMA_RAD**2, *np.diag(before.covariance)[3:]])
     covariance[:2, :2] += before.covariance[:2, :2]
-    return StartPrior(GaussianState(before.mean, covariance), position_open=False, heading_open=True)
+    return StartPrior(replace(before, covariance=covariance), position_open=False, heading_open=True)
 
 
 def closing_fix(prior: StartPrior, time_s: float, sigma_m: float) -> PositionFix | None:

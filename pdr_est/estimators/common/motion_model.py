@@ -4,10 +4,13 @@ The state (5,) of a device holds east m, north m, heading rad, the logarithm of 
 step length, which is thus positive), and the direction in the map from which relative heading priors count, rad. The
 motion to a node changes it by x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in the convention of the map
 frame.
+
+After the states of all devices come two for each source of fixes whose error wanders: that error east and north,
+divided by its standard deviation.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, exp, sin, sqrt
 
 import numpy as np
@@ -26,19 +29,54 @@ JITTER_VARIANCE = 1e-12
 
 
 @dataclass(frozen=True)
+class SourceState:
+    """What a filter knows of a source of fixes besides the estimate of its wandering error.
+
+    Attributes
+    ----------
+    name
+        Name of the source.
+    time_s
+        Time of its last fix, for which the estimate of its error holds, s.
+    wander_time_s
+        Correlation time of its error, s.
+    misfit
+        Sum of the squared normalised innovations of its fixes; older ones count less.
+    count
+        Number of coordinates that the sum counts; older ones count less.
+    jump_variance
+        Variance that was added to its error at the last fix, because its fixes have begun to disagree.
+    """
+
+    name: str
+    time_s: float
+    wander_time_s: float
+    misfit: float = 0.0
+    count: float = 0.0
+    jump_variance: float = 0.0
+
+    def decay_since(self, earlier: "SourceState") -> float:
+        """Return the correlation of the wandering error with that at an earlier time."""
+        return exp(-max(self.time_s - earlier.time_s, 0.0) / self.wander_time_s)
+
+
+@dataclass(frozen=True)
 class GaussianState:
-    """Gaussian distribution of the state of one device, or of d devices side by side.
+    """Gaussian distribution of the state of one device, or of d devices side by side, with s wandering errors.
 
     Attributes
     ----------
     mean
-        Mean, (5,) or (5 d,).
+        Mean, (5 d + 2 s,).
     covariance
-        Covariance, (5, 5) or (5 d, 5 d).
+        Covariance, (5 d + 2 s, 5 d + 2 s).
+    sources
+        The sources (s) whose errors are the last states.
     """
 
     mean: Array
     covariance: Array
+    sources: tuple[SourceState, ...] = ()
 
     @property
     def length_scale(self) -> tuple[float, float]:
@@ -49,11 +87,13 @@ class GaussianState:
 
 
 def move(state: Array, node: Node) -> Array:
-    """Return the state (5,) after the motion that leads to a node."""
-    x, y, heading, log_scale, reference = state
-    heading = heading + node.heading_change_rad
-    length = exp(log_scale) * node.length_m
-    return np.array([x + length * cos(heading), y + length * sin(heading), heading, log_scale, reference])
+    """Return the state (n,) of a device, with wandering errors or not, after the motion that leads to a node."""
+    moved = state.copy()
+    moved[2] += node.heading_change_rad
+    length = exp(state[LOG_SCALE]) * node.length_m
+    moved[0] += length * cos(moved[2])
+    moved[1] += length * sin(moved[2])
+    return moved
 
 
 def linearise(state: Array, node: Node) -> tuple[Array, Array]:
@@ -62,25 +102,25 @@ def linearise(state: Array, node: Node) -> tuple[Array, Array]:
     Parameters
     ----------
     state
-        State (5,) before the motion.
+        State (n,) of a device before the motion, with wandering errors or not.
     node
         Node that the motion leads to.
 
     Returns
     -------
     Array
-        Jacobian F (5, 5) of `move`.
+        Jacobian F (n, n) of `move`.
     Array
-        Process noise covariance Q (5, 5) in the map frame.
+        Process noise covariance Q (n, n) in the map frame.
     """
     heading = state[2] + node.heading_change_rad
     c, s = cos(heading), sin(heading)
     length = exp(state[LOG_SCALE]) * node.length_m
-    jacobian = np.eye(STATES)
+    jacobian = np.eye(len(state))
     jacobian[:2, 2] = [-length * s, length * c]
     jacobian[:2, LOG_SCALE] = [length * c, length * s]
     to_map = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    noise = np.zeros((STATES, STATES))
+    noise = np.zeros((len(state), len(state)))
     noise[:3, :3] = to_map @ node.covariance @ to_map.T
     return jacobian, noise
 
@@ -91,49 +131,61 @@ def linearise_each(states: Array, nodes: Sequence[Node]) -> tuple[Array, Array, 
     Parameters
     ----------
     states
-        States (n, 5) before the motions.
+        States (k, n) before the motions.
     nodes
-        Nodes (n) that the motions lead to.
+        Nodes (k) that the motions lead to.
 
     Returns
     -------
     Array
-        States (n, 5) after the motions.
+        States (k, n) after the motions.
     Array
-        Jacobians (n, 5, 5).
+        Jacobians (k, n, n).
     Array
-        Process noise covariances (n, 5, 5) in the map frame.
+        Process noise covariances (k, n, n) in the map frame.
     """
     turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
-    heading_rad = states[:, 2] + turn_rad
-    c, s = np.cos(heading_rad), np.sin(heading_rad)
+    return linearise_motions(states, turn_rad, length_m, np.array([node.covariance for node in nodes]))
+
+
+def linearise_motions(
+    states: Array, turn_rad: Array, length_m: Array, covariance: Array
+) -> tuple[Array, Array, Array]:
+    """Apply `linearise_each` to motions given by turns (k,), lengths (k,) and covariances (k, 3, 3)."""
+    count, size = states.shape
+    moved = states.copy()
+    moved[:, 2] += turn_rad
+    c, s = np.cos(moved[:, 2]), np.sin(moved[:, 2])
     scaled_m = np.exp(states[:, LOG_SCALE]) * length_m
-    moved = np.column_stack([states[:, 0] + scaled_m * c, states[:, 1] + scaled_m * s, heading_rad, states[:, 3:]])
-    jacobian = np.tile(np.eye(STATES), (len(nodes), 1, 1))
+    moved[:, 0] += scaled_m * c
+    moved[:, 1] += scaled_m * s
+    jacobian = np.zeros((count, size, size))
+    jacobian[:, range(size), range(size)] = 1.0
     jacobian[:, 0, 2], jacobian[:, 1, 2] = -scaled_m * s, scaled_m * c
     jacobian[:, 0, LOG_SCALE], jacobian[:, 1, LOG_SCALE] = scaled_m * c, scaled_m * s
-    to_map = np.zeros((len(nodes), 3, 3))
+    to_map = np.zeros((count, 3, 3))
     to_map[:, 0, 0], to_map[:, 0, 1], to_map[:, 1, 0], to_map[:, 1, 1], to_map[:, 2, 2] = c, -s, s, c, 1.0
-    noise = np.zeros((len(nodes), STATES, STATES))
-    noise[:, :3, :3] = to_map @ np.array([node.covariance for node in nodes]) @ to_map.transpose(0, 2, 1)
+    noise = np.zeros((count, size, size))
+    noise[:, :3, :3] = to_map @ covariance @ to_map.transpose(0, 2, 1)
     return moved, jacobian, noise
 
 
 def advance(state: GaussianState, node: Node) -> GaussianState:
     """Predict the state after the motion that leads to a node."""
     jacobian, noise = linearise(state.mean, node)
-    return GaussianState(move(state.mean, node), jacobian @ state.covariance @ jacobian.T + noise)
+    return replace(state, mean=move(state.mean, node), covariance=jacobian @ state.covariance @ jacobian.T + noise)
 
 
 def retreat(state: GaussianState, node: Node) -> GaussianState:
     """Predict the state before the motion that led to a node: `advance` backwards in time."""
-    x, y, heading, log_scale, reference = state.mean
-    length = exp(log_scale) * node.length_m
-    before = heading - node.heading_change_rad
-    mean = np.array([x - length * cos(heading), y - length * sin(heading), before, log_scale, reference])
+    mean = state.mean.copy()
+    length = exp(mean[LOG_SCALE]) * node.length_m
+    mean[0] -= length * cos(mean[2])
+    mean[1] -= length * sin(mean[2])
+    mean[2] -= node.heading_change_rad
     jacobian, noise = linearise(mean, node)
     jacobian[:2, 2:4] *= -1.0  # its inverse
-    return GaussianState(mean, jacobian @ (state.covariance + noise) @ jacobian.T)
+    return replace(state, mean=mean, covariance=jacobian @ (state.covariance + noise) @ jacobian.T)
 
 
 def reckon(nodes: tuple[Node, ...], anchor: int, state: GaussianState) -> list[GaussianState]:

@@ -264,6 +264,17 @@ def split_covariance(covariance: Array, length_m: float, shares: Sequence[float]
     return parts
 
 
+def with_heading_variance(covariance: Array, variance_rad2: float) -> Array:
+    """Return the covariance (3, 3) of a motion with another variance of its turn, and of what the turn displaces."""
+    before = covariance[2, 2]
+    if before <= 0.0:
+        changed = covariance.copy()
+        changed[2, 2] = variance_rad2
+        return changed
+    displaced = covariance[:, 2] / before
+    return np.asarray(covariance + (variance_rad2 - before) * np.outer(displaced, displaced))
+
+
 def _with_priors(nodes: list[Node], priors: Sequence[HeadingPrior]) -> list[Node]:
     """Attach each heading prior to the first node at or after its time, or to the last node."""
     for prior in priors:

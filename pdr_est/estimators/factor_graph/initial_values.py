@@ -1,6 +1,7 @@
 """Initial values of the factor graph."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pdr_est.estimators.common.initial_state import start_prior
 from pdr_est.estimators.common.motion_model import GaussianState, reckon_means
@@ -9,6 +10,17 @@ from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.estimators.kalman.rts_smoother import smooth_segments, smooth_walk
 from pdr_est.types.measurements import StartPose
+
+_SIGMA_GUESS_RAD = 0.2  # of a start heading to linearise at
+
+
+def with_headings(starts: Sequence[StartPose], headings_rad: Sequence[float | None]) -> list[StartPose]:
+    """Return start poses with approximate headings where there are any, for the initial values only."""
+    given = headings_rad or [None] * len(starts)
+    return [
+        start if one is None else replace(start, heading_rad=one, sigma_heading_rad=_SIGMA_GUESS_RAD)
+        for start, one in zip(starts, given, strict=True)
+    ]
 
 
 def initial_states(

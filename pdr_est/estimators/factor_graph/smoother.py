@@ -17,7 +17,7 @@ from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.factor_graph.initial_values import initial_states
+from pdr_est.estimators.factor_graph.initial_values import initial_states, with_headings
 from pdr_est.estimators.factor_graph.large_stack_thread import LARGE_STACK_POSES, with_large_stack
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
@@ -35,7 +35,11 @@ T = TypeVar("T")
 
 
 def estimate(
-    timelines: Sequence[Timeline], tethers: Sequence[DeviceTether], start: StartPose, sigma_length_scale: float
+    timelines: Sequence[Timeline],
+    tethers: Sequence[DeviceTether],
+    start: StartPose,
+    sigma_length_scale: float,
+    start_headings_rad: Sequence[float | None] = (),
 ) -> Track:
     """Smooth the walk of all devices.
 
@@ -49,6 +53,8 @@ def estimate(
         Start of the walk.
     sigma_length_scale : float
         Standard deviation of the walker's length scale.
+    start_headings_rad : sequence of float or None
+        Heading of each device at the start to linearise at, where it is unknown; by default it is searched for.
 
     Returns
     -------
@@ -62,7 +68,7 @@ def estimate(
     """
     starts = starts_of(timelines, start)
     node_tethers = node_tethers_between(timelines, tethers)
-    initial = initial_states(timelines, node_tethers, starts, sigma_length_scale)
+    initial = initial_states(timelines, node_tethers, with_headings(starts, start_headings_rad), sigma_length_scale)
     problem = SmoothingProblem(timelines, node_tethers, starts, initial)
 
     def work() -> tuple[LengthScales, Array, Array]:
@@ -130,7 +136,7 @@ def track_from_solution(problem: SmoothingProblem, pose: Array, covariance: Arra
     tracks = []
     for d, (timeline, first) in enumerate(zip(problem.timelines, problem.keys.first, strict=True)):
         own = slice(first, first + len(timeline.nodes))
-        scale = (float(scales.value[d]), float(np.sqrt(scales.covariance[d, d])))
+        scale = scales.of_device(d)
         position_m, heading_rad = pose[own, :2], pose[own, 2]
         tracks.append(track_from_nodes(timeline, position_m, heading_rad, covariance[own], "smoothed", NAME, scale))
     return concatenate(tracks)

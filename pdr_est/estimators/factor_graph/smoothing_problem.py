@@ -27,15 +27,15 @@ class LengthScales:
     ----------
     value : (d,) array
         The scales.
-    covariance : (d, d) array
-        Their covariance.
-    pose_per_scale : (n, 3, d) array
-        Derivative of the optimal poses with respect to the scales, in the map frame.
+    log_covariance : (d, d) array
+        Covariance of their logarithms.
+    pose_per_log : (n, 3, d) array
+        Derivative of the optimal poses with respect to the logarithms, in the map frame.
     """
 
     value: Array
-    covariance: Array
-    pose_per_scale: Array
+    log_covariance: Array
+    pose_per_log: Array
 
     @classmethod
     def known(cls, value: Array, poses: int) -> "LengthScales":
@@ -45,8 +45,13 @@ class LengthScales:
     @property
     def pose_covariance(self) -> Array:
         """Share (n, 3, 3) of the scales in the covariance of the poses, in the map frame."""
-        share: Array = self.pose_per_scale @ self.covariance @ self.pose_per_scale.transpose(0, 2, 1)
+        share: Array = self.pose_per_log @ self.log_covariance @ self.pose_per_log.transpose(0, 2, 1)
         return share
+
+    def of_device(self, number: int) -> tuple[float, float]:
+        """Return the scale of a device and its standard deviation, to first order."""
+        value = float(self.value[number])
+        return value, value * float(np.sqrt(self.log_covariance[number, number]))
 
 
 class SmoothingProblem:
@@ -152,12 +157,12 @@ class SmoothingProblem:
         return self.variables.pose(values)
 
     def prior_scales(self, values: gtsam.Values, length_scale: Array, sigma: float) -> LengthScales:
-        """Return the scales of a walk without position measurements: sigma is that of the prior."""
+        """Return the scales of a walk without position measurements: sigma is that of the logarithm in the prior."""
         heading = self.poses(values)[:, 2]
         moved = np.zeros((self.keys.poses, 3, len(length_scale)))
         for d, (timeline, first) in enumerate(zip(self.timelines, self.keys.first, strict=True)):
             length_m, turn_rad = np.array([[node.length_m, node.heading_change_rad] for node in timeline.nodes]).T
             ahead = heading[first : first + len(length_m) - 1] + turn_rad[1:]
             steps = length_m[1:, None] * np.stack([np.cos(ahead), np.sin(ahead)], axis=1)
-            moved[first + 1 : first + len(length_m), :2, d] = np.cumsum(steps, axis=0)
+            moved[first + 1 : first + len(length_m), :2, d] = length_scale[d] * np.cumsum(steps, axis=0)
         return LengthScales(length_scale, sigma**2 * np.eye(len(length_scale)), moved)

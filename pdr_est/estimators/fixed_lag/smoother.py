@@ -84,8 +84,8 @@ def _filtered_nodes(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterat
             timelines[device].nodes[node],
             posterior.entered,
             posterior.node_tethers,
-            posterior.mean,
-            posterior.covariance,
+            posterior.joint.mean,
+            posterior.joint.covariance,
             present,
         )
 

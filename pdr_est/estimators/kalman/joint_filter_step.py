@@ -13,8 +13,8 @@ from pdr_est.estimators.common.initial_state import StartPrior, late_start_donor
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, restart_device, start_device, step_device
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf, rows_of
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, start_device, step_device
+from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf, marginal_of
 from pdr_est.frames import Array
 
 Tether = TypeVar("Tether", NodeTether, PairTether)
@@ -52,8 +52,7 @@ class WalkFilterState:
         own = self._own(device)
         if self.joint is None or not own.heading_known:
             return own.state
-        covariance = self.joint.covariance[rows_of(device), rows_of(device)]
-        return GaussianState(self.joint.mean[rows_of(device)], 0.5 * (covariance + covariance.T))
+        return marginal_of(self.joint, device, len(self.devices))
 
     def pose_of(self, device: int) -> tuple[Array, Array]:
         """Return the pose (3,) of a device that has begun, and its covariance (3, 3), for the track."""
@@ -68,7 +67,7 @@ class WalkFilterState:
         if self.joint is None:
             return self.state_of(0)
         covariance = self.joint.covariance
-        return GaussianState(self.joint.mean.copy(), 0.5 * (covariance + covariance.T))
+        return replace(self.joint, mean=self.joint.mean.copy(), covariance=0.5 * (covariance + covariance.T))
 
     def _own(self, device: int) -> DeviceFilterState:
         own = self.devices[device]
@@ -109,7 +108,6 @@ class WalkStepper:
         number: int,
         node: Node,
         *,
-        segment: Sequence[Node] | None,
         heading_observed_later: bool,
         prior: StartPrior | None,
         own_node: Node | None = None,
@@ -126,9 +124,6 @@ class WalkStepper:
             Number of the node among the nodes of its device.
         node
             Node to step to.
-        segment
-            Nodes of the device's present segment up to and including this one; None if they are too many to be
-            remembered, so that the heading is given up. Used only while the heading is unknown.
         heading_observed_later
             True if a measurement at this node or later observes the heading of the device.
         prior
@@ -148,10 +143,8 @@ class WalkStepper:
             if prior is None:
                 raise LookupError(f"first node of device {device} without prior")
             own = start_device(own_node, number, prior, self._own)
-        elif segment is None:
-            own = restart_device(previous, own_node, number, self._own)
         else:
-            own = step_device(previous, own_node, number, segment, heading_observed_later, self._own)
+            own = step_device(previous, own_node, number, heading_observed_later, self._own)
         joint, entered = before.joint, own.state if own.heading_found else None
         if joint is not None and own.heading_known:
             donor = late_start_donor(number, node.time_s, before.begun_s, before.present)

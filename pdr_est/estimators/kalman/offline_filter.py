@@ -11,11 +11,14 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import SAME_S, Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, with_open_heading
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState
+from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
 from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
-from pdr_est.estimators.kalman.predict_and_update import rows_of
+from pdr_est.estimators.kalman.predict_and_update import marginal_of
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
+
+_MORE_THAN_MOST = 2.0  # share of a hypothesis over the mean share, from which on it is more probable than others
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,9 @@ class FilteredSegment:
         Filtered states at the nodes from `aligned_from` on.
     end
         Filtered state at the last node.
+    bank
+        Hypotheses at the last node that the measurements could not decide; None where one Gaussian describes the
+        state.
     """
 
     nodes: tuple[Node, ...]
@@ -44,11 +50,22 @@ class FilteredSegment:
     covariance: Array
     states: tuple[GaussianState, ...]
     end: GaussianState
+    bank: HypothesisBank | None
 
     def open_anchor(self) -> tuple[int, GaussianState]:
-        """Return the last node that observes the heading and the state there, if the heading never became known."""
+        """Return a node and a state there to reckon from, if the heading never became known.
+
+        It is the last node, and its most probable state, if some headings are more probable than others; otherwise
+        the last node that observes the heading.
+        """
+        if self.bank is not None and self.bank.weights.max() > _MORE_THAN_MOST / len(self.bank):
+            return len(self.nodes) - 1, self.bank.state_of_hypothesis(self.bank.likeliest)
         anchor = max((i for i, node in enumerate(self.nodes) if node.observes_heading), default=0)
-        return anchor, with_open_heading(self.pose[anchor], self.covariance[anchor], self.end)
+        mean, covariance = self.end.mean.copy(), self.end.covariance.copy()
+        mean[:3] = self.pose[anchor]
+        covariance[:3, :], covariance[:, :3] = 0.0, 0.0
+        covariance[:3, :3] = self.covariance[anchor]
+        return anchor, replace(self.end, mean=mean, covariance=covariance)
 
 
 @dataclass(frozen=True)
@@ -63,22 +80,21 @@ class JointPosterior:
         Tethers that were applied after the node.
     entered
         State with which the device entered the joint state at this node, if it did.
-    mean
-        Joint mean (5 d,).
-    covariance
-        Joint covariance (5 d, 5 d).
+    joint
+        Joint state of all devices and sources.
+    devices
+        Number of devices.
     """
 
     touched: tuple[tuple[int, int], ...]
     node_tethers: tuple[NodeTether, ...]
     entered: GaussianState | None
-    mean: Array
-    covariance: Array
+    joint: GaussianState
+    devices: int
 
     def state_of(self, device: int) -> GaussianState:
         """Return the state of a device."""
-        own = rows_of(device)
-        return GaussianState(self.mean[own].copy(), self.covariance[own, own].copy())
+        return marginal_of(self.joint, device, self.devices)
 
 
 @dataclass(frozen=True)
@@ -111,8 +127,8 @@ def filter_walk(
 ) -> FilteredWalk:
     """Filter the nodes of all devices in order of time, then of device.
 
-    While the heading of a device is unknown, its filter works on the heading vector and the device is left out of
-    the joint state. A turn that leaves no knowledge of the heading begins a new segment, if later measurements can
+    While the heading of a device is unknown, its filter has several hypotheses and the device is left out of the
+    joint state. A turn that leaves no knowledge of the heading begins a new segment, if later measurements can
     find the heading again. A loop closure concerns the device's own filter only.
 
     Parameters
@@ -136,14 +152,11 @@ def filter_walk(
     order = [(node.time_s, device, i) for device, one in enumerate(timelines) for i, node in enumerate(one.nodes)]
     for time_s, device, i in sorted(order):
         fold.tether(time_s)
-        previous = fold.state.devices[device]
-        searching = previous is not None and not previous.heading_known
         fold.state, entered = fold.stepper.step(
             fold.state,
             device,
             i,
             timelines[device].nodes[i],
-            segment=own_nodes[device][previous.segment_begin : i + 1] if previous is not None and searching else (),
             heading_observed_later=i <= last_observing[device],
             prior=priors[device],
             own_node=own_nodes[device][i],
@@ -178,8 +191,8 @@ class _Fold:
             tuple(dict.fromkeys((*last.touched, *ends))),
             (*last.node_tethers, *applied),
             last.entered,
-            joint.mean,
-            joint.covariance,
+            joint,
+            last.devices,
         )
 
     def record(self, device: int, number: int, entered: GaussianState | None) -> None:
@@ -190,7 +203,7 @@ class _Fold:
         self.own_states[device].append(own)
         if self.state.joint is not None and own.heading_known:
             joint = self.state.joint_state()
-            self.posteriors.append(JointPosterior(((device, number),), (), entered, joint.mean, joint.covariance))
+            self.posteriors.append(JointPosterior(((device, number),), (), entered, joint, len(self.state.devices)))
 
 
 def _closed(timeline: Timeline, prior: StartPrior) -> tuple[Node, ...]:
@@ -217,6 +230,7 @@ def _segments(nodes: Sequence[Node], states: Sequence[DeviceFilterState]) -> lis
                 np.array([state.covariance for state in own]),
                 () if aligned is None else tuple(state.state for state in own[aligned:]),
                 own[-1].state,
+                own[-1].bank,
             )
         )
     return segments

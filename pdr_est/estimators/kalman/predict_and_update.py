@@ -9,10 +9,16 @@ from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.nodes import Node
+from pdr_est.estimators.kalman.fix_sources import (
+    contradiction_factor,
+    fix_rows,
+    place_of_source,
+    variance_factor,
+    with_source_at,
+)
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
-_POSITION = np.eye(2, STATES)
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
 _RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
 _SIGMA_WITHIN_STEP_M = 0.5  # ours; the donor's pose is that of its last step
@@ -22,8 +28,9 @@ _TETHER_ITERATIONS = 3  # a distance is not linear in the positions
 class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     """Extended Kalman filter of filterpy with the motion model of `motion_model.py`; x is one-dimensional throughout.
 
-    A device takes part once its state has been set; before that its state and covariance are zero. The arrays x and P
-    are replaced by every operation and never changed in place, so that `load` and `dump` need no copies.
+    A device takes part once its state has been set; before that its state and covariance are zero. The wandering
+    errors of sources of fixes follow, each from its first fix on. The arrays x and P are replaced by every operation
+    and never changed in place, so that `load` and `dump` need no copies.
 
     Parameters
     ----------
@@ -33,25 +40,33 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
 
     def __init__(self, devices: int = 1) -> None:
         super().__init__(dim_x=STATES * devices, dim_z=2)
-        self.x = np.zeros(STATES * devices)
-        self.P = np.zeros((STATES * devices, STATES * devices))
-        self.F, self.Q = np.eye(STATES * devices), np.zeros((STATES * devices, STATES * devices))
+        self._devices = devices
+        self.load(GaussianState(np.zeros(STATES * devices), np.zeros((STATES * devices, STATES * devices))))
 
     def load(self, state: GaussianState) -> None:
-        """Set the states of all devices to what `dump` returned."""
-        self.x, self.P = state.mean, state.covariance
+        """Set the states of all devices and sources to what `dump` returned."""
+        self.x, self.P, self._sources = state.mean, state.covariance, state.sources
+        self._I = np.eye(len(self.x))  # filterpy's unit matrix
 
     def dump(self) -> GaussianState:
-        """Return the states of all devices; the covariance is symmetric only up to rounding."""
-        return GaussianState(self.x, self.P)
+        """Return the states of all devices and sources; the covariance is symmetric only up to rounding."""
+        return GaussianState(self.x, self.P, self._sources)
 
     def set_state(self, state: GaussianState, device: int = 0) -> None:
-        """Set the state of a device, uncorrelated with the others."""
-        own = rows_of(device)
-        self.x, self.P = self.x.copy(), self.P.copy()
-        self.x[own] = state.mean
-        self.P[own, :], self.P[:, own] = 0.0, 0.0
-        self.P[own, own] = state.covariance
+        """Set the state of a device, uncorrelated with the others.
+
+        The wandering errors of the state replace those of the filter if no other device takes part; otherwise they
+        are left out, for the filter has them from the other devices.
+        """
+        own, covariance = rows_of(device), self.P.copy()
+        covariance[own, :], covariance[:, own] = 0.0, 0.0
+        if not covariance[: STATES * self._devices, : STATES * self._devices].any():
+            self.load(_alone(state, device, self._devices))
+            return
+        self.x = self.x.copy()
+        self.x[own] = state.mean[:STATES]
+        covariance[own, own] = state.covariance[:STATES, :STATES]
+        self.P = covariance
 
     def add_device(self, state: GaussianState, node: Node, device: int, donor: int | None) -> GaussianState:
         """Let a device take part from a node on.
@@ -77,7 +92,8 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         if donor is None:
             self.set_state(state, device)
             return state
-        beside, mean, covariance = self.state_of(donor), state.mean.copy(), state.covariance.copy()
+        beside = self.state_of(donor)
+        mean, covariance = state.mean[:STATES].copy(), state.covariance[:STATES, :STATES].copy()
         mean[:3] = beside.mean[:3]
         covariance[:3, :], covariance[:, :3] = 0.0, 0.0
         spread = np.array([_SIGMA_WITHIN_STEP_M, _SIGMA_WITHIN_STEP_M, SIGMA_INITIAL_HEADING_RAD])
@@ -88,10 +104,8 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         return self.state_of(device)
 
     def state_of(self, device: int = 0) -> GaussianState:
-        """Return the state of a device."""
-        own = rows_of(device)
-        covariance = self.P[own, own]
-        return GaussianState(self.x[own].copy(), 0.5 * (covariance + covariance.T))
+        """Return the state of a device; of a single device with the wandering errors."""
+        return marginal_of(self.dump(), device, self._devices)
 
     def predict_node(self, node: Node, device: int = 0) -> None:
         """Predict the motion of a device to a node; the other devices do not move."""
@@ -114,13 +128,49 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
             self.update_heading(prior, device)
 
     def update_position(self, fix: PositionFix, device: int = 0) -> None:
-        """Update with a position fix, Huber-weighted if it is robust."""
-        residual = np.asarray(fix.position_m) - self.x[rows_of(device)][:2]
-        noise = fix.covariance_m2
+        """Update with a position fix.
+
+        If it is robust, it is Huber-weighted and its source is weighed down after a run of bad fixes; otherwise
+        position and fix are both doubted where they contradict each other (`fix_sources`).
+        """
+        position, noise = np.asarray(fix.position_m, dtype=np.float64), np.asarray(fix.covariance_m2)
+        if fix.sigma_wander_m > 0.0:
+            self.load(with_source_at(self.dump(), self._devices, fix))
+        wander = place_of_source(self._sources, self._devices, fix)
+        jacobian = fix_rows(len(self.x), fix, wander, device)
+        residual = position - jacobian @ self.x
+        spread = jacobian @ self.P @ jacobian.T + noise
+        distance = float(residual @ np.linalg.solve(spread, residual))
         if fix.robust:
-            noise = noise * huber_inflation(residual, self.P[rows_of(device), rows_of(device)][:2, :2] + noise)
-        jacobian = self._of_device(_POSITION, device)
-        self._correct(np.asarray(fix.position_m, dtype=np.float64), jacobian, noise, np.subtract)
+            if wander is not None:
+                factor = self._weigh_down(fix, wander, distance)
+                noise = noise * factor
+                spread = jacobian @ self.P @ jacobian.T + noise
+            noise = noise * huber_inflation(residual, spread)
+        else:
+            factor = contradiction_factor(distance)
+            if factor > 1.0:
+                self._doubt_position(device, factor)
+                noise = noise * factor
+        self._correct(position, jacobian, noise, np.subtract)
+
+    def _weigh_down(self, fix: PositionFix, wander: int, squared_distance: float) -> float:
+        """Let the error of a source jump as far as its latest fixes suggest; return the factor on its variances."""
+        number = [source.name for source in self._sources].index(fix.source)
+        factor, source = variance_factor(self._sources[number], squared_distance)
+        self._sources = (*self._sources[:number], source, *self._sources[number + 1 :])
+        if factor > 1.0:
+            self.P = self.P.copy()
+            self.P[wander, wander] += factor - 1.0
+            self.P[wander + 1, wander + 1] += factor - 1.0
+        return factor
+
+    def _doubt_position(self, device: int, factor: float) -> None:
+        """Multiply the covariance of a device's position, and nothing else, by a factor."""
+        first = rows_of(device).start
+        own = slice(first, first + 2)
+        self.P = self.P.copy()
+        self.P[own, own] *= factor
 
     def update_heading(self, prior: HeadingPrior, device: int = 0) -> None:
         """Update with a heading prior, absolute or relative, Huber-weighted if it is robust."""
@@ -166,7 +216,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
             residual_m = max_distance_m - distance_m - float(jacobian[0] @ (before - at))
             gain = self.P @ jacobian[0] / float(jacobian[0] @ self.P @ jacobian[0] + sigma_m**2)
             at = before + gain * residual_m
-        scales = np.arange(LOG_SCALE, len(at), STATES)
+        scales = np.arange(LOG_SCALE, STATES * self._devices, STATES)
         scales = scales[self.P[scales, scales] > 0.0]
         gain[scales] -= gain[scales].sum() / max(len(scales), 1)
         rest = np.eye(len(at)) - np.outer(gain, jacobian[0])
@@ -181,6 +231,26 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
 
     def _correct(self, z: Array, jacobian: Array, noise: Array, residual: Callable[[Array, Array], Array]) -> None:
         self.update(z, lambda _: jacobian, lambda x: jacobian @ x, R=noise, residual=residual)
+
+
+def marginal_of(state: GaussianState, device: int, devices: int) -> GaussianState:
+    """Return the state of one of several devices, with a symmetric covariance; of a single one all that is known."""
+    if devices == 1:
+        return GaussianState(state.mean.copy(), 0.5 * (state.covariance + state.covariance.T), state.sources)
+    own = rows_of(device)
+    covariance = state.covariance[own, own]
+    return GaussianState(state.mean[own].copy(), 0.5 * (covariance + covariance.T))
+
+
+def _alone(state: GaussianState, device: int, devices: int) -> GaussianState:
+    """Return the joint state of several devices of which only one takes part, with its wandering errors."""
+    own = rows_of(device)
+    rows = [*range(own.start, own.stop), *range(STATES * devices, STATES * devices + 2 * len(state.sources))]
+    size = STATES * devices + 2 * len(state.sources)
+    mean, covariance = np.zeros(size), np.zeros((size, size))
+    mean[rows] = state.mean
+    covariance[np.ix_(rows, rows)] = state.covariance
+    return GaussianState(mean, covariance, state.sources)
 
 
 def rows_of(device: int) -> slice:

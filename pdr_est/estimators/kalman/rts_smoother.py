@@ -1,6 +1,8 @@
 """Rauch-Tung-Striebel smoother of the filter, for one device and for all devices jointly."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, JointPosterior, filter_walk
 from pdr_est.estimators.kalman.predict_and_update import rows_of
+from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 
 
@@ -49,18 +52,48 @@ def smooth(nodes: tuple[Node, ...], filtered: tuple[GaussianState, ...]) -> list
     """
     if len(filtered) == 1:
         return list(filtered)
-    mean = np.array([state.mean for state in filtered])
-    covariance = np.array([state.covariance for state in filtered])
+    complete = with_all_sources(filtered)
+    mean = np.array([state.mean for state in complete])
+    covariance = np.array([state.covariance for state in complete])
     moved, jacobian, noise = linearise_each(mean[:-1], nodes[1:])
+    _let_errors_wander(complete, STATES, moved, jacobian, noise)
     predicted = jacobian @ covariance[:-1] @ jacobian.transpose(0, 2, 1) + noise
-    gain = np.linalg.solve(predicted + JITTER_VARIANCE * np.eye(STATES), jacobian @ covariance[:-1]).transpose(
-        0, 2, 1
-    )
+    regular = predicted + JITTER_VARIANCE * np.eye(mean.shape[1])
+    gain = np.linalg.solve(regular, jacobian @ covariance[:-1]).transpose(0, 2, 1)
     for k in range(len(gain) - 1, -1, -1):
         mean[k] += gain[k] @ (mean[k + 1] - moved[k])
         covariance[k] += gain[k] @ (covariance[k + 1] - predicted[k]) @ gain[k].T
     covariance = 0.5 * (covariance + covariance.transpose(0, 2, 1))
-    return [GaussianState(*state) for state in zip(mean, covariance, strict=True)]
+    smoothed = zip(complete, mean, covariance, strict=True)
+    return [replace(state, mean=own, covariance=spread) for state, own, spread in smoothed]
+
+
+def with_all_sources(states: Sequence[GaussianState]) -> list[GaussianState]:
+    """Return states that all have the sources of the last one, with the prior of their error before the first fix."""
+    last = states[-1].sources
+    padded = []
+    for state in states:
+        missing = last[len(state.sources) :]
+        if missing:
+            known, size = len(state.mean), len(state.mean) + 2 * len(missing)
+            covariance = np.eye(size)
+            covariance[:known, :known] = state.covariance
+            mean = np.concatenate([state.mean, np.zeros(2 * len(missing))])
+            state = GaussianState(mean, covariance, (*state.sources, *missing))
+        padded.append(state)
+    return padded
+
+
+def _let_errors_wander(
+    states: Sequence[GaussianState], first: int, moved: Array, jacobian: Array, noise: Array
+) -> None:
+    """Set the part of the wandering errors, from row `first` on, in the transitions between successive states."""
+    for k, (before, after) in enumerate(pairwise(states)):
+        for row, earlier, later in zip(range(first, moved.shape[1], 2), before.sources, after.sources, strict=True):
+            decay, own = later.decay_since(earlier), slice(row, row + 2)
+            moved[k, own] *= decay
+            jacobian[k, own, own] = decay * np.eye(2)
+            noise[k, own, own] = (1.0 - decay**2 + (later.jump_variance if later != earlier else 0.0)) * np.eye(2)
 
 
 def smooth_walk(
@@ -107,21 +140,22 @@ def _smoothed(
     """Smooth the joint state at a node, given the smoothed joint state at the next one."""
     device, node = after.touched[0]
     own = rows_of(device)
-    jacobian, noise, moved = np.eye(len(before.mean)), np.zeros_like(before.covariance), before.mean.copy()
+    earlier, later = with_all_sources([before.joint, smoothed.joint])
+    size = len(earlier.mean)
+    jacobian, noise, moved = np.eye(size), np.zeros((size, size)), earlier.mean.copy()
+    _let_errors_wander((earlier, later), STATES * before.devices, moved[None], jacobian[None], noise[None])
     if after.entered is None:
         step = timelines[device].nodes[node]
-        jacobian[own, own], noise[own, own] = linearise(before.mean[own], step)
-        moved[own] = move(before.mean[own], step)
+        jacobian[own, own], noise[own, own] = linearise(earlier.mean[own], step)
+        moved[own] = move(earlier.mean[own], step)
     else:
-        jacobian[own, own], noise[own, own], moved[own] = 0.0, after.entered.covariance, after.entered.mean
-    predicted = jacobian @ before.covariance @ jacobian.T + noise
-    regular = predicted + JITTER_VARIANCE * np.eye(len(moved))
-    gain = np.linalg.solve(regular, jacobian @ before.covariance).T
-    covariance = before.covariance + gain @ (smoothed.covariance - predicted) @ gain.T
-    return JointPosterior(
-        before.touched,
-        before.node_tethers,
-        before.entered,
-        before.mean + gain @ (smoothed.mean - moved),
-        0.5 * (covariance + covariance.T),
-    )
+        entered = after.entered
+        jacobian[own, own] = 0.0
+        noise[own, own], moved[own] = entered.covariance[:STATES, :STATES], entered.mean[:STATES]
+    predicted = jacobian @ earlier.covariance @ jacobian.T + noise
+    regular = predicted + JITTER_VARIANCE * np.eye(size)
+    gain = np.linalg.solve(regular, jacobian @ earlier.covariance).T
+    covariance = earlier.covariance + gain @ (later.covariance - predicted) @ gain.T
+    mean = earlier.mean + gain @ (later.mean - moved)
+    joint = GaussianState(mean, 0.5 * (covariance + covariance.T), earlier.sources)
+    return replace(before, joint=joint)

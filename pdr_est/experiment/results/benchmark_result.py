@@ -98,6 +98,7 @@ class BenchmarkResult:
                 **self.files[row.walk].labels,
                 **row.metrics,
                 **row.counts,
+                "findings": row.findings,
                 **({"predicted": dict(row.predicted)} if row.predicted else {}),
                 "seconds": self.seconds[row.walk, row.variant],
             }

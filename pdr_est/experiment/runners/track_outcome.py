@@ -49,10 +49,11 @@ def track_outcomes(
     for name, scores in zip(names, scored.scores, strict=False):
         # The person's own track has no device: its steps and modes are those of the first one.
         device = next((one for one in analysed.devices if one.device == name), analysed.devices[0])
-        lines, steps = _plotted(np.empty((0, 2))), len(device.steps)
+        lines, steps, findings = _plotted(np.empty((0, 2))), len(device.steps), 0
         if open_track is not None:
             track = analysed.fixed_tracks[name] if with_fixes else open_track.of_device(name)
             lines, steps = _lines(analysed, name, track, with_fixes), len(track) - 1
+            findings = sum(finding.doubtful for finding in track.findings)
         yield TrackOutcome(
             walk=walk,
             track=scores.track,
@@ -67,6 +68,7 @@ def track_outcomes(
             truth_m=np.empty((0, 2)) if truth.positions is None else _thinned(truth.positions.position_m),
             counts=scores.counts,
             predicted=scores.predicted,
+            findings=findings,
             **lines,
         )
 

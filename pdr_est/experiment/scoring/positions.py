@@ -10,6 +10,7 @@ from pdr_est.experiment.held_out import HeldOut
 from pdr_est.experiment.scoring.track_scores import MetricPart, score_tracks
 from pdr_est.experiment.suite import TrackScores
 from pdr_est.types.ground_truth import TruePositions
+from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
 
 HELDOUT_METRICS = ("error_heldout_m", "coverage95", "nees_mean")
@@ -26,10 +27,22 @@ def score_positions(walk: AnalysedWalk) -> list[TrackScores]:
     RecordingError
         If fewer than two true positions lie within the recording.
     """
-    truth = walk.recording.truth.positions
-    if truth is None or not len(truth.time_s):
-        raise RecordingError(f"{walk.recording.name}: no true positions: nothing to score the track against")
+    truth = true_positions(walk.recording)
     return score_tracks(walk, lambda name, _, track: position_parts(walk, name, track, truth))
+
+
+def true_positions(recording: Recording) -> TruePositions:
+    """Return the true positions of a recording.
+
+    Raises
+    ------
+    RecordingError
+        If there is none.
+    """
+    truth = recording.truth.positions
+    if truth is None or not len(truth.time_s):
+        raise RecordingError(f"{recording.name}: no true positions: nothing to score the track against")
+    return truth
 
 
 def position_parts(walk: AnalysedWalk, name: str, track: Track, truth: TruePositions) -> list[MetricPart]:

@@ -3,10 +3,12 @@
 from pathlib import Path
 
 from pdr_est.evaluate.position_errors import OPEN_METRICS
+from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
-from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, score_positions
-from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth
-from pdr_est.experiment.suite import Suite, WalkFile
+from pdr_est.experiment.scoring.known_start import START_METRICS, start_part
+from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, position_parts, true_positions
+from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth, score_tracks
+from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
 from pdr_est.types.steps import CarryingMode
 
 
@@ -16,11 +18,19 @@ def _find(folder: Path) -> list[WalkFile]:
     return [WalkFile(name, path, truth=held) for name, path in recordings(folder, "*.txt")]
 
 
+def _score(walk: AnalysedWalk) -> list[TrackScores]:
+    """Score the track at the waypoints, without fixes, with some of the waypoints as fixes, and with its start."""
+    truth = true_positions(walk.recording)
+    return score_tracks(
+        walk, lambda name, _, track: [*position_parts(walk, name, track, truth), start_part(walk, name, truth)]
+    )
+
+
 SUITE = Suite(
     name="ilc20",
     folder="ilc20",
-    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, MODE_METRIC),
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, *START_METRICS, MODE_METRIC),
     find=_find,
-    score=score_positions,
+    score=_score,
     fixes="heldout",
 )

@@ -9,6 +9,7 @@
 * `principal_axis`: the principal axis of the horizontal acceleration.
 * `magnetometer`: the compass.
 * `level_frame`, `stride_pairing`: geometry and pairing of steps that several methods share.
+* `north/`: headings against north, for the method "auto".
 * `whole_walk/`: corrections that need the whole walk: the dominant directions of the building.
 """
 
@@ -19,6 +20,7 @@ from pdr_est.front_end.heading.acceleration_integration import AccelerationInteg
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.north import NorthParams
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.posture_aware_yaw import PostureAwareYaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
@@ -61,6 +63,8 @@ class HeadingParams:
     """Parameters of the method "auto"."""
     dominant: DominantParams = DominantParams()
     """Parameters of the dominant directions, for the method "auto"."""
+    north: NorthParams = NorthParams()
+    """Headings against north, for the method "auto"."""
     mmpdr: MmpdrHeadingParams = MmpdrHeadingParams()
     """Parameters of the method "mmpdr"."""
     hde: HdeParams = HdeParams()

@@ -20,6 +20,13 @@ def quaternion_from_rotation_vector(vector: Array) -> Array:
     return np.column_stack([w, vector])
 
 
+def turned_to_east(attitude: Array) -> Array:
+    """Turn attitudes (n, 4) whose level frame has x north and z up, as Core Motion's, to one with x east, y north."""
+    half = np.sqrt(0.5)  # of the quaternion of a quarter turn counter-clockwise, which takes x north to y north
+    w, x, y, z = attitude.T
+    return np.column_stack([half * (w - z), half * (x - y), half * (y + x), half * (z + w)])
+
+
 def specific_force_from_core_motion(gravity_g: Array, user_acceleration_g: Array) -> Array:
     """Compute specific force, m/s^2, up at rest, from Core Motion's gravity and user acceleration, g, (n, 3) each."""
     force: Array = -(gravity_g + user_acceleration_g) * STANDARD_GRAVITY_MPS2

@@ -24,6 +24,7 @@ from pdr_est.io.text.tagged_lines import TaggedLog
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, GeoOrigin, Recording, Signal
+from pdr_est.types.sensors import AttitudeReference
 
 NAME = "GetSensorData (IPIN)"
 
@@ -95,6 +96,8 @@ def _device(log: TaggedLog, data: bytes) -> DeviceRecording:
         rotation_rate=rate,
         magnetic_field=_signal(log, "MAGN", _magnetic_fields(log), decisions, warnings),
         attitude=attitude,
+        # Android defines its rotation vector so; what an iPhone's AHRS rows count from is not documented.
+        attitude_reference=AttitudeReference.UNKNOWN if is_apple else AttitudeReference.MAGNETIC_NORTH,
         pressure=None if pressure is None else Signal(pressure.time_s, pressure.values * 100.0),  # hPa -> Pa
         decisions=tuple(decisions),
         warnings=tuple(warnings),
@@ -139,9 +142,7 @@ def _attitude(log: TaggedLog, decisions: list[str], warnings: list[str]) -> Sign
     vector = _signal(log, "AHRS", (6, 7, 8), decisions, warnings)
     if vector is None:
         return None
-    decisions.append(
-        "attitude is the rotation vector of AHRS, device -> east, north, up; w = sqrt(1 - x^2 - y^2 - z^2)"
-    )
+    decisions.append("attitude is the rotation vector of AHRS, device -> magnetic east, magnetic north, up")
     return Signal(vector.time_s, quaternion_from_rotation_vector(vector.values))
 
 

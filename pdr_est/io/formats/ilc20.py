@@ -16,6 +16,7 @@ from pdr_est.io.text.members import find_members, member_stem, require_single_wa
 from pdr_est.io.text.tagged_lines import TaggedLog
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
+from pdr_est.types.sensors import AttitudeReference
 
 NAME = "ILC20"
 
@@ -108,7 +109,7 @@ def _device(log: TaggedLog, header: dict[str, str], epoch_ms: float, zero: str, 
         warnings += warning
     attitude, warning = _attitude(log, epoch_ms)
     if attitude is not None:
-        decisions.append("attitude is TYPE_ROTATION_VECTOR, device -> east, north, up; w = sqrt(1 - x^2 - y^2 - z^2)")
+        decisions.append("attitude is TYPE_ROTATION_VECTOR, device -> magnetic east, magnetic north, up")
     return DeviceRecording(
         model=" ".join(header[key].strip() for key in ("Brand", "Model") if key in header),
         platform="android",
@@ -116,6 +117,7 @@ def _device(log: TaggedLog, header: dict[str, str], epoch_ms: float, zero: str, 
         rotation_rate=signals["GYROSCOPE"],
         magnetic_field=signals["MAGNETIC_FIELD"],
         attitude=attitude,
+        attitude_reference=AttitudeReference.MAGNETIC_NORTH,  # as Android defines TYPE_ROTATION_VECTOR
         decisions=tuple(decisions),
         warnings=(*warnings, *warning),
     )

@@ -1,9 +1,12 @@
 """Position fixes from a table that the user wrote, or from the recording itself."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pymap3d import geodetic2enu
 
 from pdr_est.errors import RecordingError
@@ -17,6 +20,12 @@ from pdr_est.types.recording import GeoOrigin, Recording
 DEFAULT_SIGMA_M = 1.0
 """Standard deviation, m, of each axis where the table has none."""
 
+DEFAULT_SOURCE = "file"
+"""Source of a fix for which the table names none."""
+
+DEFAULT_WANDER_TIME_S = 60.0
+"""Correlation time, s, of a wandering error for which the table has none."""
+
 TIME_MARGIN_S = 1.0
 """A fix this far, s, outside the recording still belongs to its first or last pose."""
 
@@ -27,6 +36,8 @@ _HEAD_BYTES = 4096
 _EPOCH_FROM_S = 1e9  # larger times are Unix times
 _MILLISECONDS_FROM_S = 1e11  # larger times cannot be seconds
 _SIGMA_RANGE_M = (1e-3, 1e5)
+_WANDER_TIME_RANGE_S = (1e-3, 1e6)
+_OPTIONAL_COLUMNS = ("sigma_m", "robust", "sigma_wander_m", "wander_time_s")
 _FARTHEST_M = 1e8  # of map coordinates, which may be UTM
 _FARTHEST_FROM_ORIGIN_M = 1e5  # swapped latitude and longitude lie further away than anybody walks
 
@@ -51,9 +62,11 @@ def read_position_fixes(path: str | Path, recording: Recording) -> tuple[Positio
     """Read fixes from a table with a header.
 
     The columns are `time_s`, then `x_m,y_m` (map frame, m) or `latitude_deg,longitude_deg`, and optionally `sigma_m`
-    (standard deviation of each axis, default 1 m) and `robust` (1: may be an outlier). Separators as in any CSV file.
-    time_s is on the clock of the recording, or Unix time. Latitude and longitude need a recording whose origin is
-    known.
+    (standard deviation of each axis, default 1 m), `robust` (1: may be an outlier), `source` (default "file"),
+    `sigma_wander_m` (standard deviation of each axis, m, of an error that wanders and is common to the fixes of a
+    source; 0 leaves it to the settings of the source) and `wander_time_s` (correlation time of that error, default
+    60 s). Empty cells have the default. Separators as in any CSV file. time_s is on the clock of the recording, or
+    Unix time. Latitude and longitude need a recording whose origin is known.
 
     Raises
     ------
@@ -64,13 +77,16 @@ def read_position_fixes(path: str | Path, recording: Recording) -> tuple[Positio
     rows = _Rows(
         time_s=_times(table, recording),
         position_m=_positions(table, recording),
-        sigma_m=table.numbers("sigma_m") if "sigma_m" in table else np.full(len(table), DEFAULT_SIGMA_M),
-        robust=table.numbers("robust") if "robust" in table else np.zeros(len(table)),
+        sigma_m=_numbers_or(table, "sigma_m", DEFAULT_SIGMA_M),
+        robust=_numbers_or(table, "robust", 0.0),
+        source=_sources(table),
+        sigma_wander_m=_numbers_or(table, "sigma_wander_m", 0.0),
+        wander_time_s=_numbers_or(table, "wander_time_s", DEFAULT_WANDER_TIME_S),
     )
     _check_rows(rows, table.place, recording)
     return tuple(
-        PositionFix(float(t), p, np.eye(2) * s**2, source="file", robust=bool(r))
-        for t, p, s, r in zip(rows.time_s, rows.position_m, rows.sigma_m, rows.robust, strict=True)
+        PositionFix(float(t), p, np.eye(2) * s**2, str(source), bool(r), float(wander), float(correlated_s))
+        for t, p, s, r, source, wander, correlated_s in rows.each()
     )
 
 
@@ -98,6 +114,13 @@ class _Rows:
     position_m: Array
     sigma_m: Array
     robust: Array
+    source: NDArray[np.str_]
+    sigma_wander_m: Array
+    wander_time_s: Array
+
+    def each(self) -> Iterator[tuple[Any, ...]]:
+        """Go through the fixes, with the columns in their order."""
+        return zip(*(getattr(self, one.name) for one in fields(self)), strict=True)
 
 
 def _read_columns(path: str | Path) -> NumberTable:
@@ -122,13 +145,37 @@ def _read_columns(path: str | Path) -> NumberTable:
             f"{place}: needs the columns {' and '.join(_MAP_COLUMNS)}, or {' and '.join(_GEODETIC_COLUMNS)}; it has "
             f"{', '.join(dialect.titles)}"
         )
-    known = [
-        titles[name] for name in ("time_s", *_MAP_COLUMNS, *_GEODETIC_COLUMNS, "sigma_m", "robust") if name in titles
-    ]
-    table = read_table(data, place, separator=dialect.separator, decimal_comma=dialect.decimal_comma, columns=known)
+    wanted = ("time_s", *_MAP_COLUMNS, *_GEODETIC_COLUMNS, *_OPTIONAL_COLUMNS)
+    table = read_table(
+        data,
+        place,
+        separator=dialect.separator,
+        decimal_comma=dialect.decimal_comma,
+        columns=[titles[name] for name in wanted if name in titles],
+        text_columns=[titles["source"]] if "source" in titles else [],
+    )
     if not len(table):
         raise RecordingError(f"{place}: contains no fix: add a row or leave --fixes out")
-    return NumberTable(place, {name.casefold(): column for name, column in table.columns.items()})
+    return NumberTable(
+        place,
+        {name.casefold(): column for name, column in table.columns.items()},
+        {name.casefold(): cells for name, cells in table.empty.items()},
+    )
+
+
+def _numbers_or(table: NumberTable, name: str, default: float) -> Array:
+    """Return a column (n,) with a default for empty cells, or for all where the table does not have it."""
+    if name not in table:
+        return np.full(len(table), default)
+    return np.where(table.has_values([name]), table.numbers(name), default)
+
+
+def _sources(table: NumberTable) -> NDArray[np.str_]:
+    """Return the source (n,) of each fix."""
+    if "source" not in table:
+        return np.full(len(table), DEFAULT_SOURCE)
+    given = np.char.strip(table.texts("source"))
+    return np.where(given == "", DEFAULT_SOURCE, given)
 
 
 def _times(table: NumberTable, recording: Recording) -> Array:
@@ -184,8 +231,7 @@ def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
 
 def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:
     """Refuse impossible values and times outside the recording, row by row."""
-    fixes = zip(rows.time_s, rows.position_m, rows.sigma_m, rows.robust, strict=True)
-    for line, (t, p, s, r) in enumerate(fixes, start=_FIRST_LINE):
+    for line, (t, p, s, r, _, wander, correlated_s) in enumerate(rows.each(), start=_FIRST_LINE):
         where = f"{place}, line {line}"
         if not (np.isfinite(t) and np.isfinite(p).all()):
             raise RecordingError(f"{where}: time or position is not a finite number: correct or remove the row")
@@ -198,4 +244,13 @@ def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:
             )
         if r not in (0.0, 1.0):
             raise RecordingError(f"{where}: robust = {r:g}: give 1 for a fix that may be an outlier, else 0")
+        if not 0.0 <= wander <= _SIGMA_RANGE_M[1]:
+            raise RecordingError(
+                f"{where}: sigma_wander_m = {wander:g}: give a number of metres from 0 to {_SIGMA_RANGE_M[1]:g}"
+            )
+        if not _WANDER_TIME_RANGE_S[0] <= correlated_s <= _WANDER_TIME_RANGE_S[1]:
+            raise RecordingError(
+                f"{where}: wander_time_s = {correlated_s:g}: give a positive number of seconds, "
+                f"{_WANDER_TIME_RANGE_S[0]:g} to {_WANDER_TIME_RANGE_S[1]:g}"
+            )
         require_fix_inside(t, where, recording)

@@ -26,6 +26,7 @@ MUTED = "#69727f"
 GRID = "#e3e6ea"
 PAPER = "#fffffe"
 FIX = "#c2188b"
+DOUBT = "#d99a00"
 # Devices. Red, blue, green and grey belong to the modes.
 DEVICE_COLOURS = ("#7446a8", "#b08a00", "#00869b", "#8a5a3c")
 # Red, blue and green as in MMPDR, the green bluish: at least 21 (CIE 1976) apart in every kind of colour-blindness.
@@ -40,7 +41,7 @@ MODE_COLOURS = MappingProxyType(
     }
 )
 _CSS_NAMES = (
-    {INK: "ink", MUTED: "muted", GRID: "grid", PAPER: "paper", FIX: "fix"}
+    {INK: "ink", MUTED: "muted", GRID: "grid", PAPER: "paper", FIX: "fix", DOUBT: "warn-edge"}
     | {colour: f"series-{number}" for number, colour in enumerate(DEVICE_COLOURS, start=1)}
     | {colour: f"mode-{mode.name.lower()}" for mode, colour in MODE_COLOURS.items()}
 )

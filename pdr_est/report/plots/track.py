@@ -11,6 +11,7 @@ from matplotlib.ticker import MultipleLocator
 from pdr_est.evaluate.consistency import CHI2_95_2D, radius95_m
 from pdr_est.frames import Array
 from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.finding_marks import draw_findings
 from pdr_est.report.plots.track_line import draw_device_line, draw_mode_bands, draw_mode_line
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.track import Track
@@ -51,7 +52,7 @@ def plot_track(
     """Draw the track of every device.
 
     The line of a single device has the colours of the carrying modes. Several devices have a colour each, and the
-    modes are bands under their lines.
+    modes are bands under their lines. Doubtful findings of the track are marked where they are.
 
     Parameters
     ----------
@@ -71,6 +72,7 @@ def plot_track(
     axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
     _set_window(axes, window)
     alone = len(tracks) == 1
+    draw_findings(axes, track)
     for number, (one, chosen) in enumerate(zip(tracks, shown, strict=True)):
         colour = svg.MUTED if alone else svg.device_colour(number)
         for i in chosen:

@@ -28,6 +28,7 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
     summary : dict
         Summary by `summarise` of the same walk and recording.
     """
+    told = {finding.words for finding in walk.track.findings}
     return (
         template_environment()
         .get_template("report.html.j2")
@@ -35,6 +36,7 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
             summary=summary,
             one_device=len(walk.track.devices) == 1,
             tiles=_tiles(summary),
+            warnings=[words for words in summary["warnings"] if words not in told],
             errors=_flat(summary["errors_against_truth"] or {}),
             track=track_panel(walk, recording, summary["frame"] == "map"),
             panels=time_panels(walk),
@@ -55,7 +57,11 @@ def template_environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters.update(
-        number=format_number, percent=format_percent, seconds=format_duration, metric=format_metric_with_unit
+        number=format_number,
+        percent=format_percent,
+        seconds=format_duration,
+        metric=format_metric_with_unit,
+        time_span=format_time_span,
     )
     return made
 
@@ -78,6 +84,15 @@ def format_duration(value: float | None) -> str:
         return f"{value:.1f} s"
     minutes, rest = divmod(round(value), 60)
     return f"{minutes} min {rest:02d} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def format_time_span(begin_s: float | None, end_s: float | None) -> str:
+    """Format the time span of a finding: 12.0 s, 12.0 to 15.5 s, or the whole walk without one."""
+    if begin_s is None and end_s is None:
+        return "whole walk"
+    if begin_s is None or end_s is None:
+        return f"until {end_s:.1f} s" if begin_s is None else f"from {begin_s:.1f} s on"
+    return f"{begin_s:.1f} s" if begin_s == end_s else f"{begin_s:.1f} to {end_s:.1f} s"
 
 
 def format_metric_with_unit(value: Any, name: str) -> str:

@@ -13,6 +13,7 @@ from pdr_est.frames import Array
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
+from pdr_est.report.plots.finding_marks import marked_places
 from pdr_est.report.plots.gait import plot_gait
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.mode_style import mode_legend, mode_runs
@@ -62,6 +63,8 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) ->
         legend.append(LegendEntry("fix", "fix", "position fix"))
     if truth is not None and truth_m is not None:
         legend.append(LegendEntry("truth", "muted", f"truth ({truth.source})"))
+    if marked_places(track):
+        legend.append(LegendEntry("band", svg.css_name(svg.DOUBT), "does not fit"))
     caption = _track_caption(walk, truth_m is not None, in_map_frame)
     return Panel("Track", _markup(figure, "track", "Map of the track"), tuple(legend), caption)
 

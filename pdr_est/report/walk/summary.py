@@ -20,7 +20,7 @@ from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.walk.descriptions import describe_directions, describe_length_scale
 from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.types.ground_truth import Truth
-from pdr_est.types.measurements import PositionFix, StartPose
+from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.track import Track
 
@@ -97,7 +97,7 @@ def summarise(
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
-        "warnings": list(dict.fromkeys(walk.warnings)),
+        **_doubts(walk),
         "config": config_dict,
         "versions": versions,
     }
@@ -128,6 +128,14 @@ def to_json(value: Any) -> Any:
     if value is None or isinstance(value, str | int):
         return value
     raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
+
+
+def _doubts(walk: SmoothedWalk) -> Json:
+    """List what does not fit, and all warnings, which repeat the doubtful findings in words."""
+    return {
+        "findings": [asdict(finding) | {"kind": finding.kind.value} for finding in walk.track.findings],
+        "warnings": list(dict.fromkeys(walk.warnings)),
+    }
 
 
 def _length_scale(walk: SmoothedWalk, profile: Profile | None) -> Json:
@@ -182,8 +190,14 @@ def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
     places = {tuple(fix.position_m) for fix in walk.fixes}
     if start is not None and start.position_m is not None:
         places.add(start.position_m)
-    directed = start is not None and start.heading_rad is not None
+    directed = (start is not None and start.heading_rad is not None) or any(map(_knows_north, walk.devices))
     return "map" if len(places) >= (1 if directed else 2) else "own"
+
+
+def _knows_north(device: DeviceWalk) -> bool:
+    """Tell whether the front end found headings in the map frame."""
+    measured = (*device.odometry, *device.whole_walk_odometry)
+    return any(isinstance(one, HeadingPrior) and not one.relative for one in measured)
 
 
 def _duration_s(walk: SmoothedWalk) -> float | None:

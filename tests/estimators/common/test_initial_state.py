@@ -140,9 +140,9 @@ def test_a_loop_with_fixes_at_one_place_leaves_its_direction_open(name: Estimato
 @every_estimator
 def test_two_fixes_far_apart_tell_direction_and_length(name: EstimatorName) -> None:
     track = run(name, [*straight(60), fix(0, 0.0, 0.0, 0.05), fix(60, 0.0, 46.2, 0.05)], StartPose())
-    assert off_by(track.heading_rad[-1:], np.pi / 2) < 1e-3
+    assert off_by(track.heading_rad[-1:], np.pi / 2) < 2e-3
     assert track.position_m[-1] == pytest.approx([0.0, 46.2], abs=0.05)
-    assert 1.05 < track.length_scale < 1.1  # between the 1 +- 0.1 that was expected and the 1.1 of the fixes
+    assert track.length_scale == pytest.approx(1.098, abs=0.5 * track.sigma_length_scale)  # 1 +- 0.1 and 1.1 +- 0.01
 
 
 @pytest.mark.parametrize("steps", [[60], [30, 60], [7, 15, 30, 60]], ids=str)
@@ -187,6 +187,7 @@ def moved(measurements: list[Measurement], pose: tuple[float, float, float]) -> 
 @every_estimator
 @pytest.mark.parametrize("known", ["position", "heading", "both", "nothing"])
 def test_turning_and_shifting_the_map_turns_and_shifts_the_track(name: EstimatorName, known: str) -> None:
+    """Up to the spacing of the hypotheses about an unknown heading, which do not turn with the map."""
     walk = simulate(np.random.default_rng(5), winding(60, np.random.default_rng(6)), fix_every=12, first_fix=5)
     skewed = PositionFix(22.2, walk.truth[44, :2], np.array([[0.5, 0.3], [0.3, 0.4]]), robust=True)
     measurements = [*walk.measurements, skewed]
@@ -194,12 +195,17 @@ def test_turning_and_shifting_the_map_turns_and_shifts_the_track(name: Estimator
     here = run(name, measurements, start_at((0.0, 0.0, 0.0), known))
     there = run(name, moved(measurements, pose), start_at(pose, known))
     turn = rotation_matrix(pose[2])
-    assert there.position_m == pytest.approx(turned(pose, here.position_m), abs=1e-4)
+    searched = known in ("position", "nothing") and name != "factor-graph"
+    rel, abs_m = (2e-2, 0.05) if searched else (1e-4, 1e-4)
+    assert there.position_m == pytest.approx(turned(pose, here.position_m), abs=abs_m)
     found = here.sigma_heading_rad < 1.0  # before, the heading of a filter is without meaning
-    assert off_by(there.heading_rad[found], here.heading_rad[found] + pose[2]) < 1e-5
-    assert there.covariance_m2 == pytest.approx(turn @ here.covariance_m2 @ turn.T, rel=1e-4, abs=1e-5)
-    assert there.sigma_heading_rad == pytest.approx(here.sigma_heading_rad, rel=1e-4)
-    assert there.length_scale == pytest.approx(here.length_scale, abs=1e-6)
+    assert off_by(there.heading_rad[found], here.heading_rad[found] + pose[2]) < (5e-3 if searched else 1e-5)
+    of_map = turn @ here.covariance_m2 @ turn.T
+    assert there.covariance_m2 == pytest.approx(
+        of_map, rel=rel, abs=rel * np.max(np.abs(of_map)) if searched else 1e-5
+    )
+    assert there.sigma_heading_rad == pytest.approx(here.sigma_heading_rad, rel=5.0 * rel if searched else rel)
+    assert there.length_scale == pytest.approx(here.length_scale, abs=1e-3 if searched else 1e-6)
 
 
 def start_at(pose: tuple[float, float, float], known: str) -> StartPose:
@@ -227,7 +233,8 @@ def test_before_the_direction_is_known_the_covariance_is_that_of_all_directions(
     turned_away = 1.0 - np.exp(-heading)  # variance of a unit vector after one step
     of_turns = 0.7**2 * turned_away * sum(m**2 for m in range(steps))
     per_axis = 0.5 * ((0.7 * steps) ** 2 + of_turns + steps * (forward + left))
-    assert track.covariance_m2[-1] == pytest.approx((0.09 + per_axis) * np.eye(2), rel=1e-4)
+    # Hypotheses 10 degrees apart bend the arc to tangents, which are longer.
+    assert track.covariance_m2[-1] == pytest.approx((0.09 + per_axis) * np.eye(2), rel=0.08, abs=0.2)
     assert track.position_m[-1] == pytest.approx([5.0, 6.0], abs=1e-6)
 
 
@@ -253,7 +260,7 @@ def test_position_and_length_scale_outlast_a_gap_in_the_direction() -> None:
     )
     assert after.position_m[41] == pytest.approx(before.position_m[40], abs=1e-6)
     assert after.covariance_m2[41] == pytest.approx(before.covariance_m2[40] + 0.25 * np.eye(2), rel=1e-4)
-    assert after.sigma_heading_rad[41] == pytest.approx(UNIFORM_RAD)
+    assert after.sigma_heading_rad[41] == pytest.approx(UNIFORM_RAD, rel=0.01)
     assert after.length_scale == pytest.approx(before.length_scale, abs=1e-6)
     assert after.sigma_length_scale == pytest.approx(before.sigma_length_scale, rel=1e-4)
 

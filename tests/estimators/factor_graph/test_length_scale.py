@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
-from estimator_walks import SIGMA_SCALE, run, simulate, straight, winding
+from estimator_walks import SIGMA_SCALE, fix, run, simulate, straight, winding
+from hypothesis import given
+from hypothesis import strategies as st
 
 from pdr_est.estimators import ESTIMATORS, EstimatorName
+from pdr_est.estimators.factor_graph.length_scale import ScaleError, most_probable_scales
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 
@@ -67,3 +70,28 @@ def test_steps_of_the_track_have_the_scaled_length(name: EstimatorName) -> None:
     track = run(name, walk.measurements, ORIGIN)
     assert track.step_length_m[1:] == pytest.approx(np.full(60, 0.7 * track.length_scale))
     assert track.step_length_m[0] == 0.0
+
+
+LINEAR = st.floats(-1e3, 1e3), st.floats(0.0, 1e5), st.floats(0.2, 3.0), st.floats(0.005, 0.3)
+
+
+@given(*LINEAR)
+def test_the_most_probable_scale_is_positive_and_where_the_slope_is_zero(
+    slope: float, curvature: float, at: float, sigma: float
+) -> None:
+    error = ScaleError(np.array([at]), np.array([slope]), np.array([[curvature]]))
+    scale = most_probable_scales(error, sigma)
+    assert 0.6 * at < scale[0] < 1.7 * at
+    probe = 1e-4 * min(sigma, 0.1)
+    costs = [error.with_prior(np.log(scale) + by, sigma) for by in (-probe, 0.0, probe)]
+    reached_the_end_of_the_step = abs(np.log(scale[0] / at)) > 0.4999
+    assert reached_the_end_of_the_step or costs[1] <= min(costs) + 1e-9 * max(1.0, np.abs(costs).max())
+
+
+def test_scales_that_fixes_want_negative_stay_positive() -> None:
+    """The fixes have the walk go backwards; heading known."""
+    fixes = [fix(0, 0.0, 0.0, 0.1), fix(40, -20.0, 0.0, 0.1)]
+    track = run("factor-graph", [*straight(40), *fixes], StartPose((0.0, 0.0), 0.0, 0.1, 1e-3))
+    assert 0.0 < track.length_scale < 0.5
+    assert np.isfinite(track.covariance_m2).all()
+    assert track.sigma_length_scale > 0.0

@@ -25,7 +25,7 @@ def timelines_of(walk: Walk) -> list[Timeline]:
 def frozen(state: WalkFilterState) -> list[np.ndarray]:
     """Copies of all arrays of a state."""
     known = [own for own in state.devices if own is not None]
-    states = [state.joint, *[own.ekf_state for own in known], *[own.state for own in known]]
+    states = [state.joint, *[own.state for own in known]]
     return [array.copy() for one in states if one is not None for array in (one.mean, one.covariance)]
 
 
@@ -37,9 +37,7 @@ def test_a_step_depends_on_state_and_node_only_and_changes_neither() -> None:
     def step(before: WalkFilterState, device: int, i: int) -> WalkFilterState:
         timeline = (first, second)[device]
         prior: StartPrior = start_prior(timeline, EAST, 0.1)
-        after, _ = stepper.step(
-            before, device, i, timeline.nodes[i], segment=(), heading_observed_later=False, prior=prior
-        )
+        after, _ = stepper.step(before, device, i, timeline.nodes[i], heading_observed_later=False, prior=prior)
         return stepper.apply_tethers(after, [PairTether(0, 1, 0.1, 0.02)])[0]
 
     for i in range(15):
@@ -73,7 +71,7 @@ def test_without_tethers_the_joint_state_has_no_correlation_between_devices() ->
     walk = walk_of(np.random.default_rng(3), 3, 10.0)
     posteriors = filter_walk(timelines_of(walk), (), [EAST] * 3, 0.1).posteriors
     assert len(posteriors) == sum(len(one.nodes) for one in timelines_of(walk))
-    covariance = posteriors[-1].covariance
+    covariance = posteriors[-1].joint.covariance
     for a in range(3):
         for b in range(a):
             assert not covariance[5 * a : 5 * a + 5, 5 * b : 5 * b + 5].any()
@@ -102,7 +100,7 @@ def test_a_loop_closure_draws_the_end_of_a_single_device_only() -> None:
     closed = build_timeline("0", 0.0, [*walk.devices[0], LoopClosure("0", 0.1)])
     free, drawn = run_filter(timeline, EAST, 0.1)[-1].end, run_filter(closed, EAST, 0.1)[-1].end
     assert np.hypot(*drawn.mean[:2]) < 0.3 * np.hypot(*free.mean[:2])
-    joint = [filter_walk([one], (), [EAST], 0.1).posteriors[-1].mean for one in (timeline, closed)]
+    joint = [filter_walk([one], (), [EAST], 0.1).posteriors[-1].joint.mean for one in (timeline, closed)]
     assert np.array_equal(*joint)
 
 
@@ -172,7 +170,7 @@ def test_a_device_without_node_has_no_state() -> None:
     (timeline,) = timelines_of(walk_of(np.random.default_rng(6), 1, 3.0))
     node = timeline.nodes[0]
     with pytest.raises(LookupError, match="device 0 without prior"):
-        WalkStepper(2).step(state, 0, 0, node, segment=(), heading_observed_later=False, prior=None)
+        WalkStepper(2).step(state, 0, 0, node, heading_observed_later=False, prior=None)
 
 
 def test_tethers_hold_the_tracks_of_two_devices_together() -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
 from pdr_est.io.conversion import signs, units
-from pdr_est.io.conversion.axes import add_gravity
+from pdr_est.io.conversion.axes import add_gravity, turned_to_east
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.formats.sensor_logger.clock import align_fix_times, seconds_since
 from pdr_est.io.formats.sensor_logger.export import (
@@ -25,6 +25,7 @@ from pdr_est.io.text.container import Source, SourceKind
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, require_single_walk
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
+from pdr_est.types.sensors import AttitudeReference
 
 NAME = "Sensor Logger"
 
@@ -151,6 +152,7 @@ def _device(reading: _Reading) -> DeviceRecording:
     if raw is not None and attitude is not None:
         attitude, conversion = signs.resolve_attitude_direction(raw, attitude)
         reading.note(conversion)
+    attitude, reference = _to_east(reading, attitude)
     return DeviceRecording(
         model=reading.metadata.get("device name", ""),
         platform=reading.metadata.get("platform", "").lower(),
@@ -158,8 +160,25 @@ def _device(reading: _Reading) -> DeviceRecording:
         rotation_rate=_calibrated_or_raw(reading, "Gyroscope"),
         magnetic_field=_calibrated_or_raw(reading, "Magnetometer"),
         attitude=attitude,
+        attitude_reference=reference,
         pressure=_pressure(reading),
     )
+
+
+def _to_east(reading: _Reading, attitude: Signal | None) -> tuple[Signal | None, AttitudeReference]:
+    """Turn the attitude to x east, and tell what its yaw counts from, as the app's reference of coordinates states.
+
+    Exports of 2021 name no version of the app, and that reference is newer than they are.
+    """
+    platform = reading.metadata.get("platform", "").lower()
+    if attitude is None or not reading.metadata.get("appVersion") or platform not in ("android", "ios"):
+        return attitude, AttitudeReference.UNKNOWN
+    if platform == "android":
+        return attitude, AttitudeReference.MAGNETIC_NORTH
+    if reading.metadata.get("standardisation", "").lower() != "true":
+        reading.decisions.append("attitude: turned by a quarter, because its x axis points north on iOS")
+        attitude = Signal(attitude.time_s, turned_to_east(attitude.values))
+    return attitude, AttitudeReference.TRUE_NORTH
 
 
 def _expected_sign(metadata: Mapping[str, str]) -> tuple[float | None, str]:

@@ -1,0 +1,257 @@
+"""Bank of extended Kalman filters, one for each hypothesis about the heading, weighed by the measurements.
+
+One Gaussian cannot describe a heading of which nothing is known, nor one that is either this or that: after the phone
+was put elsewhere, the walker went straight on or round a corner. The bank holds a mixture of Gaussians. Each of its
+hypotheses is an extended Kalman filter with the motion model of all estimators; all are computed at once. A
+measurement changes the weights by its likelihood. Hypotheses that are improbable are dropped, and those that have
+become alike are merged, so that the cost is bounded.
+
+References
+----------
+A. R. Runnalls, "Kullback-Leibler approach to Gaussian mixture reduction", IEEE Trans. Aerosp. Electron. Syst. 43
+(2007), for the cost of a merger.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.estimators.common.huber import HUBER
+from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState, linearise_motions
+from pdr_est.estimators.common.nodes import Node, with_heading_variance
+from pdr_est.estimators.kalman.fix_sources import place_of_source, with_source_at
+from pdr_est.estimators.kalman.similarity_update import similarity_update, squared_distance
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.types.measurements import HeadingPrior, PositionFix
+
+UNKNOWN_HEADINGS = 36
+"""Number of hypotheses about a heading of which nothing is known."""
+
+MOST_HYPOTHESES = 36
+"""Largest number of hypotheses that are kept."""
+
+_SIGMA_OVER_SPACING = 0.8  # of hypotheses round the circle, whose sum is then uniform within 0.1 %
+_LEAST_WEIGHT = 1e-4  # of a hypothesis that is kept
+_MERGING_COST = 0.02  # nats by which a merger may change the distribution of the two
+
+Lineage = tuple[tuple[int, int], ...]
+"""Turns that a hypothesis chose: number of the node and of the turn hypothesis there."""
+
+
+@dataclass(frozen=True)
+class HypothesisBank:
+    """Mixture of Gaussian states of one device.
+
+    Attributes
+    ----------
+    weights
+        Probabilities (k,) of the hypotheses.
+    means
+        Their means (k, n).
+    covariances
+        Their covariances (k, n, n).
+    sources
+        Sources of fixes with wandering errors, as in `GaussianState`.
+    lineages
+        For each hypothesis, the turns that it chose. A merged one has those of its more probable part.
+    """
+
+    weights: Array
+    means: Array
+    covariances: Array
+    sources: tuple[SourceState, ...]
+    lineages: tuple[Lineage, ...]
+
+    def __len__(self) -> int:
+        return len(self.weights)
+
+    @classmethod
+    def of_state(cls, state: GaussianState, lineage: Lineage = ()) -> "HypothesisBank":
+        """Return the bank of a single hypothesis."""
+        return cls(np.ones(1), state.mean[None], state.covariance[None], state.sources, (lineage,))
+
+    @classmethod
+    def of_unknown_heading(cls, state: GaussianState) -> "HypothesisBank":
+        """Return the bank of a state whose heading may be any, and is independent of the other states."""
+        count, spacing = UNKNOWN_HEADINGS, 2.0 * np.pi / UNKNOWN_HEADINGS
+        means, covariances = np.tile(state.mean, (count, 1)), np.tile(state.covariance, (count, 1, 1))
+        means[:, 2] = wrap_angle(spacing * np.arange(count))
+        covariances[:, 2, :], covariances[:, :, 2] = 0.0, 0.0
+        covariances[:, 2, 2] = (_SIGMA_OVER_SPACING * spacing) ** 2
+        return cls(np.full(count, 1.0 / count), means, covariances, state.sources, ((),) * count)
+
+    def moments(self) -> GaussianState:
+        """Return mean and covariance of the mixture; headings are averaged on the circle."""
+        means = self._near_mean_heading()
+        mean: Array = self.weights @ means
+        apart = means - mean
+        within = np.einsum("k,kij->ij", self.weights, self.covariances)
+        between = np.einsum("k,ki,kj->ij", self.weights, apart, apart)
+        covariance = within + between
+        return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources)
+
+    @property
+    def likeliest(self) -> int:
+        """Number of the most probable hypothesis."""
+        return int(np.argmax(self.weights))
+
+    def state_of_hypothesis(self, number: int) -> GaussianState:
+        """Return the state of one hypothesis."""
+        return GaussianState(self.means[number], self.covariances[number], self.sources)
+
+    def predicted(self, node: Node, number: int) -> "HypothesisBank":
+        """Predict the motion to a node, which is the device's `number`-th one, with each of its turn hypotheses."""
+        if not node.turn_hypotheses:
+            turn_rad = np.full(len(self), node.heading_change_rad)
+            return self._moved(turn_rad, node.length_m, np.tile(node.covariance, (len(self), 1, 1)))
+        turns, count = node.turn_hypotheses, len(self)
+        parent = np.repeat(np.arange(count), len(turns))
+        chosen = np.tile(np.arange(len(turns)), count)
+        prior = np.array([turn.probability for turn in turns])
+        turn_rad = np.array([turn.heading_change_rad for turn in turns])
+        covariance = np.array([with_heading_variance(node.covariance, turn.sigma_rad**2) for turn in turns])
+        lineages = tuple((*self.lineages[i], (number, int(j))) for i, j in zip(parent, chosen, strict=True))
+        split = HypothesisBank(
+            self.weights[parent] * prior[chosen], self.means[parent], self.covariances[parent], self.sources, lineages
+        )
+        return split._moved(turn_rad[chosen], node.length_m, covariance[chosen])._reduced()
+
+    def updated(self, node: Node) -> "HypothesisBank":
+        """Update with all measurements at a node, and drop and merge hypotheses."""
+        if not node.fixes and not node.priors:
+            return self
+        bank = self
+        for fix in node.fixes:
+            bank = bank._with_fix(fix)
+        for prior in node.priors:
+            bank = bank._with_heading(prior)
+        return bank._reduced()
+
+    def _near_mean_heading(self) -> Array:
+        """Return the means (k, n) with headings and reference directions less than half a turn from their mean."""
+        means = self.means.copy()
+        for angle in (2, 4):
+            vector = self.weights @ np.exp(1j * means[:, angle])
+            centre = float(np.angle(vector)) if abs(vector) > 1e-9 else float(means[np.argmax(self.weights), angle])
+            means[:, angle] = centre + wrap_angle(means[:, angle] - centre)
+        return means
+
+    def _moved(self, turn_rad: Array, length_m: float, covariance: Array) -> "HypothesisBank":
+        moved, jacobian, noise = linearise_motions(self.means, turn_rad, np.full(len(self), length_m), covariance)
+        return replace(
+            self, means=moved, covariances=jacobian @ self.covariances @ jacobian.transpose(0, 2, 1) + noise
+        )
+
+    def _with_fix(self, fix: PositionFix) -> "HypothesisBank":
+        """Update with a position fix; its source is trusted as the most probable hypothesis has it."""
+        bank = self
+        if fix.sigma_wander_m > 0.0:
+            states = [
+                with_source_at(GaussianState(mean, covariance, self.sources), 1, fix)
+                for mean, covariance in zip(self.means, self.covariances, strict=True)
+            ]
+            bank = replace(
+                self,
+                means=np.array([one.mean for one in states]),
+                covariances=np.array([one.covariance for one in states]),
+                sources=states[0].sources,
+            )
+        return bank._at_position(fix)
+
+    def _at_position(self, fix: PositionFix) -> "HypothesisBank":
+        """Update with a position fix by similarity transformations of the whole track (`similarity_update`)."""
+        wander = place_of_source(self.sources, 1, fix)
+        means, covariances, log_likelihood = similarity_update(self.means, self.covariances, fix, wander)
+        log_weight = np.log(np.maximum(self.weights, 1e-300)) + log_likelihood
+        weights = np.exp(log_weight - log_weight.max())
+        return replace(self, weights=weights / weights.sum(), means=means, covariances=covariances)
+
+    def _with_heading(self, prior: HeadingPrior) -> "HypothesisBank":
+        """Update with a heading prior."""
+        jacobian = np.zeros((1, self.means.shape[1]))
+        jacobian[0, 2] = 1.0
+        if prior.relative:
+            jacobian[0, STATES - 1] = -1.0
+        residual = wrap_angle(prior.heading_rad - self.means @ jacobian.T)
+        return self._corrected(jacobian, residual, np.array([[prior.sigma_rad**2]]), prior.robust)
+
+    def _corrected(self, jacobian: Array, residual: Array, noise: Array, robust: bool) -> "HypothesisBank":
+        """Update each hypothesis with a measurement of residuals (k, m), and its weight by the likelihood."""
+        across = self.covariances @ jacobian.T
+        innovation = jacobian @ across + noise
+        if robust:
+            distance = np.sqrt(squared_distance(innovation, residual))
+            innovation = innovation + (np.maximum(distance / HUBER, 1.0) - 1.0)[:, None, None] * noise
+        gain = np.linalg.solve(innovation, across.transpose(0, 2, 1)).transpose(0, 2, 1)
+        means = self.means + np.einsum("kij,kj->ki", gain, residual)
+        covariances = self.covariances - gain @ across.transpose(0, 2, 1)
+        log_weight = np.log(np.maximum(self.weights, 1e-300)) - 0.5 * (
+            squared_distance(innovation, residual) + np.linalg.slogdet(innovation)[1]
+        )
+        weights = np.exp(log_weight - log_weight.max())
+        return replace(
+            self,
+            weights=weights / weights.sum(),
+            means=means,
+            covariances=0.5 * (covariances + covariances.transpose(0, 2, 1)),
+        )
+
+    def _reduced(self) -> "HypothesisBank":
+        """Drop improbable hypotheses, merge those that are alike, and keep no more than the largest number."""
+        kept = np.flatnonzero(self.weights >= _LEAST_WEIGHT * self.weights.max())
+        bank = self._selected(kept)
+        while len(bank) > 1:
+            costs = bank._merging_costs()
+            i, j = np.unravel_index(int(np.argmin(costs)), costs.shape)
+            if costs[i, j] > _MERGING_COST and len(bank) <= MOST_HYPOTHESES:
+                break
+            bank = bank._merged(int(i), int(j))
+        return bank
+
+    def _selected(self, kept: NDArray[np.intp]) -> "HypothesisBank":
+        weights = self.weights[kept]
+        return HypothesisBank(
+            weights / weights.sum(),
+            self.means[kept],
+            self.covariances[kept],
+            self.sources,
+            tuple(self.lineages[i] for i in kept),
+        )
+
+    def _merging_costs(self) -> Array:
+        """Return the costs (k, k) of merging two hypotheses by their poses, infinity for i >= j.
+
+        They are Runnalls' bounds, over the probability of the two.
+        """
+        count, pose = len(self), self._near_mean_heading()[:, :3]
+        own = self.covariances[:, :3, :3] + 1e-9 * np.eye(3)
+        first, second = np.triu_indices(count, 1)
+        both = self.weights[first] + self.weights[second]
+        share = self.weights[first] / both
+        apart = pose[first] - pose[second]
+        apart[:, 2] = wrap_angle(apart[:, 2])
+        merged = (
+            share[:, None, None] * own[first]
+            + (1.0 - share)[:, None, None] * own[second]
+            + (share * (1.0 - share))[:, None, None] * apart[:, :, None] * apart[:, None, :]
+        )
+        log_volume = np.linalg.slogdet(own)[1]
+        costs = np.full((count, count), np.inf)
+        costs[first, second] = 0.5 * (
+            np.linalg.slogdet(merged)[1] - share * log_volume[first] - (1.0 - share) * log_volume[second]
+        )
+        return costs
+
+    def _merged(self, i: int, j: int) -> "HypothesisBank":
+        """Merge two hypotheses into one with their moments."""
+        pair = self._selected(np.array([i, j]))
+        state, others = pair.moments(), np.array([k for k in range(len(self)) if k not in (i, j)], dtype=np.intp)
+        likelier = i if self.weights[i] >= self.weights[j] else j
+        return HypothesisBank(
+            np.append(self.weights[others], self.weights[i] + self.weights[j]),
+            np.concatenate([self.means[others], state.mean[None]]),
+            np.concatenate([self.covariances[others], state.covariance[None]]),
+            self.sources,
+            (*(self.lineages[k] for k in others), self.lineages[likelier]),
+        )

@@ -1,0 +1,120 @@
+"""Update of poses with a wide heading uncertainty by a position fix.
+
+A heading that is uncertain by 10° bends the distribution of a position 60 m further on to an arc, which a Gaussian of
+the position does not describe. Rotation, length scale and translation of the whole track do describe it: a track of
+unknown heading and scale is the expected one turned and scaled about a centre, and moved, X = ξ X̂, and no motion of
+the walker changes ξ, an element of the similarity group of the plane. A Gaussian of ξ stays a Gaussian, and only the
+update is not linear; it is iterated (Gauss-Newton). The centre is the place whose position does not depend on the
+heading, such as a known start.
+
+References
+----------
+A. Barrau, S. Bonnabel, "The invariant extended Kalman filter as a stable observer", IEEE Trans. Autom. Control 62
+(2017): errors of the right-invariant kind, here for similarities instead of rigid motions.
+"""
+
+import numpy as np
+
+from pdr_est.estimators.common.huber import HUBER
+from pdr_est.estimators.common.motion_model import LOG_SCALE
+from pdr_est.frames import Array
+from pdr_est.types.measurements import PositionFix
+
+_ITERATIONS = 4
+
+
+def similarity_update(
+    means: Array, covariances: Array, fix: PositionFix, wander: int | None
+) -> tuple[Array, Array, Array]:
+    """Update the states of some hypotheses with a position fix.
+
+    Parameters
+    ----------
+    means
+        States (k, n).
+    covariances
+        Their covariances (k, n, n).
+    fix
+        The fix; robust ones are Huber-weighted.
+    wander
+        Row of the first of the two states of its wandering error; None without one.
+
+    Returns
+    -------
+    means, covariances
+        The updated ones.
+    log_likelihood
+        Logarithm (k,) of the probability density of the fix, up to a constant.
+    """
+    centre_m = _centres(means, covariances)
+    before_m, noise = means[:, :2] - centre_m, np.asarray(fix.covariance_m2)
+    to_similarity = _from_similarity(-before_m, means.shape[1])
+    prior = to_similarity @ covariances @ to_similarity.transpose(0, 2, 1)
+    change = np.zeros_like(means)
+    for _ in range(_ITERATIONS):
+        turned_m = _turned(before_m, change)
+        jacobian = _jacobian(turned_m, means.shape[1], fix, wander)
+        expected_m = centre_m + turned_m + change[:, :2]
+        if wander is not None:
+            own = slice(wander, wander + 2)
+            expected_m = expected_m + fix.sigma_wander_m * (means[:, own] + change[:, own])
+        residual = np.asarray(fix.position_m) - expected_m + np.einsum("kij,kj->ki", jacobian, change)
+        turned = _turned_errors(prior, change)
+        across = turned @ jacobian.transpose(0, 2, 1)
+        spread = jacobian @ across + noise
+        if fix.robust:
+            excess = np.maximum(np.sqrt(squared_distance(spread, residual)) / HUBER, 1.0) - 1.0
+            spread = spread + excess[:, None, None] * noise
+        gain = np.linalg.solve(spread, across.transpose(0, 2, 1)).transpose(0, 2, 1)
+        change = np.einsum("kij,kj->ki", gain, residual)
+    log_likelihood = -0.5 * (squared_distance(spread, residual) + np.linalg.slogdet(spread)[1])
+    posterior = turned - gain @ across.transpose(0, 2, 1)
+    moved = means + change
+    after_m = _turned(before_m, change) + change[:, :2]
+    moved[:, :2] = centre_m + after_m
+    back = _from_similarity(after_m, means.shape[1]) @ _from_similarity(-change[:, :2], means.shape[1])
+    posterior = back @ posterior @ back.transpose(0, 2, 1)
+    return moved, 0.5 * (posterior + posterior.transpose(0, 2, 1)), log_likelihood
+
+
+def squared_distance(covariance: Array, residual: Array) -> Array:
+    """Return the squared Mahalanobis distances (k,) of residuals (k, m) with covariances (k, m, m)."""
+    return np.asarray(np.einsum("ki,ki->k", residual, np.linalg.solve(covariance, residual[..., None])[..., 0]))
+
+
+def _turned_errors(covariances: Array, change: Array) -> Array:
+    """Turn covariances (k, n, n) of similarities with the track: the noise of its steps goes along with it."""
+    rotation = np.tile(np.eye(covariances.shape[1]), (len(change), 1, 1))
+    c, s = np.cos(change[:, 2]), np.sin(change[:, 2])
+    rotation[:, 0, 0], rotation[:, 0, 1], rotation[:, 1, 0], rotation[:, 1, 1] = c, -s, s, c
+    return np.asarray(rotation @ covariances @ rotation.transpose(0, 2, 1))
+
+
+def _centres(means: Array, covariances: Array) -> Array:
+    """Return the places (k, 2) whose positions are uncorrelated with the heading."""
+    per_radian = covariances[:, :2, 2] / covariances[:, 2, 2, None]
+    return means[:, :2] + np.stack([-per_radian[:, 1], per_radian[:, 0]], axis=1)
+
+
+def _turned(position_m: Array, change: Array) -> Array:
+    """Turn and scale positions (k, 2) from their centre by changes (k, n) of heading and logarithmic scale."""
+    scale = np.exp(change[:, LOG_SCALE])
+    c, s = scale * np.cos(change[:, 2]), scale * np.sin(change[:, 2])
+    east, north = position_m.T
+    return np.stack([c * east - s * north, s * east + c * north], axis=1)
+
+
+def _from_similarity(position_m: Array, size: int) -> Array:
+    """Return the Jacobian (k, n, n) of states with respect to similarities of the map, at positions (k, 2)."""
+    jacobian = np.tile(np.eye(size), (len(position_m), 1, 1))
+    jacobian[:, 0, 2], jacobian[:, 1, 2] = -position_m[:, 1], position_m[:, 0]
+    jacobian[:, :2, LOG_SCALE] = position_m
+    return jacobian
+
+
+def _jacobian(turned_m: Array, size: int, fix: PositionFix, wander: int | None) -> Array:
+    """Return the Jacobian (k, 2, n) of the fix with respect to the change, at turned positions (k, 2)."""
+    jacobian = _from_similarity(turned_m, size)[:, :2].copy()
+    if wander is not None:
+        jacobian[:, :, wander : wander + 2] = fix.sigma_wander_m * np.eye(2)
+    return jacobian

@@ -1,0 +1,56 @@
+"""Findings about a finished track that follow from the track and its measurements alone: what does not fit."""
+
+from collections.abc import Sequence
+
+from pdr_est.estimators.spec import EstimatorSpec
+from pdr_est.evaluate.walk_findings.fix_residuals import fix_findings
+from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding, unknown_direction_finding
+from pdr_est.evaluate.walk_findings.tether_slack import tether_findings
+from pdr_est.types.findings import Finding, FindingKind
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, PositionFix, StartPose
+from pdr_est.types.track import Track
+
+__all__ = ["findings_of"]
+
+
+def findings_of(
+    track: Track,
+    devices: Sequence[DeviceMeasurements],
+    tethers: Sequence[DeviceTether],
+    start: StartPose,
+    sigma_length_scale: float,
+    spec: EstimatorSpec,
+) -> tuple[Finding, ...]:
+    """Find what does not fit in a walk, apart from what the estimator has found itself.
+
+    Parameters
+    ----------
+    track
+        Track of all devices at the centre of the body, with the findings of the estimator.
+    devices, tethers, start, sigma_length_scale
+        What the estimator was given.
+    spec
+        Abilities of the estimator.
+
+    Returns
+    -------
+    tuple of Finding
+        Further findings. Where the estimator has a finding about the length scale, or about fixes at the same time,
+        there is no second one.
+    """
+    found: list[Finding | None] = []
+    known = {finding.kind for finding in track.findings}
+    if FindingKind.START_HEADING not in known:
+        found.append(unknown_direction_finding(devices, start))
+    if FindingKind.LENGTH_SCALE not in known:
+        found.append(length_scale_finding(track, sigma_length_scale))
+    found += fix_findings(track, _fixes_of(devices), spec.uses_fixes)
+    if spec.uses_tethers:
+        found += tether_findings(track, tethers)
+    return tuple(finding for finding in found if finding is not None)
+
+
+def _fixes_of(devices: Sequence[DeviceMeasurements]) -> list[PositionFix]:
+    """List the fixes of the walk in order of time; they all stand among the measurements of each device."""
+    fixes = [one for one in devices[0].measurements if isinstance(one, PositionFix)] if devices else []
+    return sorted(fixes, key=lambda fix: fix.time_s)

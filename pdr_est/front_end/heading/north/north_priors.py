@@ -1,0 +1,151 @@
+"""Stage that makes heading priors in the map from the direction of north."""
+
+from dataclasses import dataclass, replace
+from math import degrees, hypot
+
+import numpy as np
+
+from pdr_est.frames import wrap_angle
+from pdr_est.front_end.heading.north.correlated_error import CorrelatedHeadingError, IndependentSigma
+from pdr_est.front_end.heading.north.params import NorthParams
+from pdr_est.front_end.heading.north.reference import NorthReference
+from pdr_est.front_end.heading.north.walker_azimuth import (
+    forward_azimuth,
+    magnetic_north_offset,
+    recorded_north_offset,
+)
+from pdr_est.types.findings import Finding, FindingKind
+from pdr_est.types.measurements import HeadingPrior
+from pdr_est.types.steps import CarryingMode, Step
+
+_LARGEST_SIGMA_RAD = 1.0  # a prior beyond tells nothing
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Time span, s, in which north disagreed with the gyroscope, and the largest disagreement, rad, and its sigma."""
+
+    begin_s: float
+    end_s: float
+    largest_rad: float
+    sigma_rad: float
+
+
+class NorthPriors:
+    """Stage Step -> HeadingPrior of one device, absolute, from steps at which the phone was held in front of the body.
+
+    In a pocket or a bag, and in a swinging hand, nothing says how the phone sits on the body, and there is no prior.
+    The first one comes with the first such step, and after a gap.
+
+    Parameters
+    ----------
+    device
+        Name of the device.
+    reference
+        Source of the direction, and its declination.
+    parameters
+        Standard deviations and spacing.
+    sigma_heading_rad_per_sqrt_s
+        Random walk of the heading error from step to step, rad per root second.
+
+    References
+    ----------
+    Laidig and Seel: VQF, Information Fusion 2023, levels the magnetic field.
+    """
+
+    latency_s = 0.0
+
+    def __init__(
+        self,
+        device: str,
+        reference: NorthReference,
+        parameters: NorthParams,
+        sigma_heading_rad_per_sqrt_s: float,
+    ) -> None:
+        self._device, self._reference, self._parameters = device, reference, parameters
+        self._drift_per_sqrt_s = sigma_heading_rad_per_sqrt_s
+        stays_rad = hypot(parameters.sigma_hold_rad, reference.sigma_declination_rad)
+        self._error = CorrelatedHeadingError(
+            stays_rad, parameters.sigma_disturbance_rad, parameters.disturbance_length_m
+        )
+        self._previous: Step | None = None
+        self._offsets: list[float] = []  # heading in the map less that of the step, since the last prior
+        self._since_s = 0.0
+        self._walked_m = float("inf")  # since the last prior
+        self._disturbed: list[_Stretch] = []
+        self._in_disturbance = False
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Describe the stretches that disagreed with the rest."""
+        return tuple(self._finding(stretch) for stretch in self._disturbed)
+
+    def push(self, item: Step, /) -> list[HeadingPrior]:
+        """Take a step; return a prior where one is due."""
+        self._move(item)
+        offset_rad = self._offset(item)
+        if np.isfinite(offset_rad):
+            if not self._offsets:
+                self._since_s = item.start_s
+            self._offsets.append(offset_rad)
+        if not self._offsets or self._walked_m < self._parameters.spacing_m:
+            return []
+        mean_rad = float(np.angle(np.mean(np.exp(1j * np.array(self._offsets)))))
+        heading_rad = float(wrap_angle(item.heading_rad + mean_rad))
+        found = self._error.measure(heading_rad, self._parameters.sigma_step_rad / np.sqrt(len(self._offsets)))
+        self._note_disturbance(found, item.event.time_s)
+        self._offsets, self._walked_m = [], 0.0
+        if found.sigma_rad > _LARGEST_SIGMA_RAD:
+            return []
+        return [HeadingPrior(self._device, item.event.time_s, heading_rad, found.sigma_rad)]
+
+    def flush(self) -> list[HeadingPrior]:
+        """Return nothing: no prior is held back."""
+        return []
+
+    def _move(self, step: Step) -> None:
+        previous, self._previous = self._previous, step
+        if previous is None:
+            return
+        if step.event.segment != previous.event.segment:
+            self._error.forget_heading()
+            self._offsets, self._walked_m, self._in_disturbance = [], float("inf"), False
+            return
+        passed_s = max(step.event.time_s - previous.event.time_s, 0.0)
+        variance = self._drift_per_sqrt_s**2 * passed_s + step.sigma_turn_rad**2
+        self._error.move(float(wrap_angle(step.heading_rad - previous.heading_rad)), variance, step.length_m)
+        self._walked_m += step.length_m
+
+    def _offset(self, step: Step) -> float:
+        """Compute the heading in the map less that of the step, rad; NaN where the phone does not tell it."""
+        if step.event.mode is not CarryingMode.HOLDING or step.event.compensated:
+            return float("nan")
+        by_device = self._reference.source == "device"
+        north_rad = recorded_north_offset(step.samples) if by_device else magnetic_north_offset(step.samples)
+        forward_rad = forward_azimuth(step.samples)
+        return float(wrap_angle(forward_rad + north_rad - self._reference.declination_rad - step.heading_rad))
+
+    def _note_disturbance(self, found: IndependentSigma, end_s: float) -> None:
+        disturbed = found.innovation_sigmas > self._parameters.disturbed_sigmas
+        if disturbed:
+            off_rad = abs(found.innovation_rad)
+            stretch = _Stretch(self._since_s, end_s, off_rad, off_rad / found.innovation_sigmas)
+            if self._in_disturbance:
+                before = self._disturbed.pop()
+                larger = max(before, stretch, key=lambda one: one.largest_rad)
+                stretch = replace(larger, begin_s=before.begin_s, end_s=end_s)
+            self._disturbed.append(stretch)
+        self._in_disturbance = disturbed
+
+    def _finding(self, stretch: _Stretch) -> Finding:
+        source = "attitude" if self._reference.source == "device" else "magnetometer"
+        return Finding(
+            FindingKind.NORTH,
+            f"north by the {source} between {stretch.begin_s:.0f} s and {stretch.end_s:.0f} s disagrees with the "
+            f"gyroscope by up to {degrees(stretch.largest_rad):.0f} degrees: weighed down",
+            device=self._device,
+            begin_s=stretch.begin_s,
+            end_s=stretch.end_s,
+            value=stretch.largest_rad,
+            sigma=stretch.sigma_rad,
+        )

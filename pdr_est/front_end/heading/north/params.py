@@ -1,0 +1,46 @@
+"""Parameters of the headings against north."""
+
+from typing import Annotated, Literal
+
+from annotated_types import Le
+
+from pdr_est.params import NonNegative, Positive, params
+
+NorthSource = Literal["auto", "device", "magnetometer", "none"]
+
+
+@params
+class NorthParams:
+    """Choose what tells north, and its standard deviations.
+
+    The error of a heading against north has a part that stays, a part that wanders as the walker passes iron, and
+    the declination. The numbers were fitted by leaving sites out: of ILC20's two malls and IPIN 2023's building, the
+    standard deviation of the part that stays is 6, 7 and 5 degrees, that of the wandering part 9, 9 and 14 degrees,
+    and its correlation length is 6 to 8 m on all three.
+    """
+
+    source: NorthSource = "auto"
+    """Source of the direction: "device" takes the attitude that the device recorded, where the reader knows that its
+    yaw counts from north; "magnetometer" takes the recorded magnetic field, levelled by the attitude filter; "auto"
+    takes the first of the two that there is; "none" leaves every heading relative. Used with `heading.method: auto`.
+    """
+    sigma_hold_rad: Positive = 0.08
+    """Standard deviation, rad, of the part that stays through a walk: of the way in which a phone is held in front of
+    the body, and of the calibration of the magnetometer.
+    """
+    sigma_disturbance_rad: Positive = 0.22
+    """Standard deviation, rad, of the part that wanders, from iron in the building."""
+    disturbance_length_m: Annotated[Positive, Le(1000.0)] = 8.0
+    """Distance, m, over which the correlation of the wandering part falls to 1/e."""
+    sigma_declination_rad: NonNegative = 0.09
+    """Standard deviation, rad, of the direction of magnetic north where the declination is not known, because the
+    position is not.
+    """
+    sigma_step_rad: Positive = 0.05
+    """Standard deviation, rad, of the direction of a phone in the hand at a single step, independent from step to
+    step.
+    """
+    spacing_m: Annotated[Positive, Le(100.0)] = 5.0
+    """Distance, m, that is walked from one heading prior to the next; each is the mean of the steps between."""
+    disturbed_sigmas: Positive = 3.0
+    """Number of standard deviations beyond which a measurement is reported as disturbed."""
