@@ -3,7 +3,7 @@
     python experiments/mmpdr_table10.py [--seeds 0 1 2 3 4 5]
 
 The walks of `mmpdr_walks.py`, reckoned from the known start by these chains. By dead reckoning: `paper` (modes, steps
-and headings of MMPDR), `mmpdr` (its headings on the modes and steps of the defaults) and `step-yaw` (the defaults with
+and headings of MMPDR), `mmpdr` (its headings on modes and steps of the defaults) and `step-yaw` (the defaults with
 the plain yaw of each step, for the park: what looks for straight paths must not bend curved ones). `default` is the
 default as it is, which smooths the whole walk, and `filtered` is the extended Kalman filter, as online.
 
