@@ -2,14 +2,18 @@
 
     python experiments/mmpdr_table10.py [--seeds 0 1 2 3 4 5]
 
-The walks of `mmpdr_walks.py`, reckoned from the known start by these chains: `paper` (modes, steps and headings
-of MMPDR), `mmpdr` (its headings on the modes and steps of the defaults) and `default`; `step-yaw` is the default with
-the plain yaw of each step, for the park: what looks for straight paths must not bend curved ones.
+The walks of `mmpdr_walks.py`, reckoned from the known start by these chains. By dead reckoning: `paper` (modes, steps
+and headings of MMPDR), `mmpdr` (its headings on modes and steps of the defaults) and `step-yaw` (the defaults with
+the plain yaw of each step, for the park: what looks for straight paths must not bend curved ones). `default` is the
+default as it is, which smooths the whole walk, and `filtered` is the extended Kalman filter, as online.
 
 The heading error of a step is the heading of the track less the direction of the path in the middle of the step; the
 position error is taken at every metre of the path, when the walker passes it. Of a row: the median over walkers of
 the largest and of the median heading error of a walk, and the mean position error; of Table X: median, mean and 95th
 percentile over all steps of all walks, and the mean position error in percent of the walk off 100.
+
+For `default` and `filtered` the last column of Table X is the root mean square of the heading error over its standard
+deviation.
 
 Writes experiments/results/mmpdr_table10.json and .txt.
 """
@@ -39,9 +43,11 @@ CHAINS: dict[str, Config] = {
         heading=HeadingParams(method="mmpdr"),
     ),
     "mmpdr": replace(START, heading=HeadingParams(method="mmpdr")),
-    "default": START,
+    "default": Config(),
     "step-yaw": replace(START, heading=HeadingParams(method="step-yaw")),
+    "filtered": Config(estimator=EstimatorParams(name="ekf")),
 }
+HONEST = ("default", "filtered")  # chains whose standard deviations are reported
 
 
 # Of the paper, for each of its walks of a row: largest and median heading error, deg, and mean position error, m.
@@ -68,9 +74,12 @@ PAPER_OFFSETS_DEG = {
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of one walk with one chain: of headings (steps,), of positions at each metre, and trained offsets."""
+    """Errors of one walk with one chain: of headings (steps,), also over their standard deviations, of positions at
+    each metre, and trained offsets.
+    """
 
     heading_deg: Array
+    over_sigma: Array
     position_m: Array
     length_m: float
     offsets: tuple[TrainedOffset, ...]
@@ -96,6 +105,7 @@ def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
     at_mark = np.stack([np.interp(passed_s, track.time_s, axis) for axis in track.position_m.T], axis=1)
     return Errors(
         heading_deg=np.degrees(np.abs(off)),
+        over_sigma=off / np.maximum(track.sigma_heading_rad[1:], 1e-3),
         position_m=np.linalg.norm(at_mark - walk.position_at(passed_s), axis=1),
         length_m=walk.distance_m,
         offsets=trained(steps) if config.heading.method == "mmpdr" else (),
@@ -136,8 +146,12 @@ def of_row(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
     )
 
 
-def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
-    """Compute median, mean and 95th percentile of the heading error, deg, and the position accuracy, percent."""
+def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float, float]:
+    """Compute the numbers of Table X.
+
+    They are median, mean and 95th percentile of the heading error, deg, the position accuracy, percent, and the root
+    mean square of the heading error over its standard deviation.
+    """
     heading_deg = np.concatenate([walk.heading_deg for walk in walks])
     accuracy = 100.0 * (1.0 - np.mean([walk.position_m.mean() / walk.length_m for walk in walks]))
     return (
@@ -145,6 +159,7 @@ def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
         float(heading_deg.mean()),
         float(np.percentile(heading_deg, 95)),
         float(accuracy),
+        float(np.sqrt(np.mean(np.concatenate([walk.over_sigma for walk in walks]) ** 2))),
     )
 
 
@@ -163,6 +178,14 @@ def as_document(table: Table, seeds: Sequence[int]) -> dict[str, object]:
                 name: dict(zip(words, np.round(of_row(walks), 3).tolist(), strict=True)) for name, walks in by.items()
             }
             for row, by in table.items()
+        },
+        "heading_over_sigma": {
+            words: {
+                name: round(of_table_10([walk for row in rows for walk in table[row.words][name]])[4], 3)
+                for name in HONEST
+            }
+            for words, rows in SUMMARY.items()
+            if all(row.words in table for row in rows)
         },
         "trained_offsets_deg": {
             mode.name: np.round(offsets_deg(table["indoor, all modes"]["mmpdr"], mode), 1).tolist()
@@ -185,14 +208,15 @@ def as_text(table: Table, seeds: Sequence[int]) -> str:
         for name, walks in table[row.words].items():
             label = row.words if name == "paper" and row.words not in PAPER else ""
             lines.append(f"{label:24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in of_row(walks)))
-    lines += ["", f"{'Table X':34}{'median':>8}{'mean':>8}{'95 %':>8}{'pos. %':>8}"]
+    lines += ["", f"{'Table X':34}{'median':>8}{'mean':>8}{'95 %':>8}{'pos. %':>8}{'/ sigma':>8}"]
     for words, rows in SUMMARY.items():
         if not all(row.words in table for row in rows):
             continue
         lines.append(f"{words:24}{'paper':10}" + "".join(f"{value:8.2f}" for value in PAPER_X[words]))
         for name in CHAINS:
             walks = [walk for row in rows for walk in table[row.words][name]]
-            lines.append(f"{'':24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in of_table_10(walks)))
+            values = of_table_10(walks)[: 5 if name in HONEST else 4]
+            lines.append(f"{'':24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in values))
     lines += ["", "Trained offsets, deg, walk after walk, chain mmpdr, indoor, all modes"]
     for mode in (SWING, POCKET):
         ours = offsets_deg(table.get("indoor, all modes", {}).get("mmpdr", []), mode)

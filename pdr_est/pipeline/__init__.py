@@ -20,6 +20,7 @@ from pdr_est.pipeline.measurements import (
     with_person,
     without_partial_north,
 )
+from pdr_est.pipeline.other_devices import with_turns_of_others
 from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
@@ -95,6 +96,7 @@ def estimate_tracks(
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts)
     devices = without_partial_north([measurements_of(walk, config, fixes, estimator.spec) for walk in walks])
+    devices = with_turns_of_others(devices)
     tethers = tethers_of(walks, config, estimator.spec)
     track = run_estimator(devices, tethers, estimator, config)
     direction_rad = config.heading.dominant.direction_rad

@@ -8,7 +8,7 @@ from signals import run, step
 
 from pdr_est.front_end.odometry import Odometry, OdometryParams, step_covariance
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
-from pdr_est.types.steps import CarryingMode, Step
+from pdr_est.types.steps import CarryingMode, Step, TurnHypothesis
 
 PARAMETERS = OdometryParams(
     sigma_length_drift=0.1,
@@ -154,3 +154,24 @@ def test_a_step_on_a_straight_path_is_followed_by_a_heading_prior_in_the_first_s
     priors = [item for item in found if isinstance(item, HeadingPrior)]
     assert priors == [HeadingPrior("left", 1.5, 0.25, pytest.approx(0.17), relative=True)]  # type: ignore[arg-type]
     assert isinstance(found[found.index(priors[0]) - 1], StepOdometry)
+
+
+def test_possible_turns_have_the_noise_of_the_step_and_their_mean_and_covariance_are_those_of_the_step() -> None:
+    turns = (TurnHypothesis(0.75, 0.1, 0.05, "straight on"), TurnHypothesis(0.25, 1.3, 0.1, "principal axis"))
+    undecided = replace(TURNED_MORE, turn_hypotheses=turns)
+    _, found = odometry_of(TURNED, undecided)
+    noise = 0.05**2 * 0.5
+    sigmas = [one.sigma_rad for one in found.turn_hypotheses]
+    assert sigmas == pytest.approx([np.sqrt(0.05**2 + noise), np.sqrt(0.1**2 + noise)])
+    assert [one.heading_change_rad for one in found.turn_hypotheses] == [0.1, 1.3]
+    assert 0.3 < found.heading_change_rad < 0.42
+    off = np.array([0.1, 1.3]) - found.heading_change_rad
+    spread = np.sum([0.75, 0.25] * (np.square(sigmas) + off**2))
+    assert found.covariance[2, 2] == pytest.approx(spread + 1e-6)
+    assert found.covariance[1, 2] == pytest.approx(found.length_m * spread)
+
+
+def test_the_first_step_of_a_segment_has_no_possible_turns() -> None:
+    turns = (TurnHypothesis(1.0, 0.1, 0.05, "straight on"),)
+    (first,) = odometry_of(replace(TURNED, turn_hypotheses=turns))
+    assert first.turn_hypotheses == ()

@@ -61,12 +61,12 @@ class _LimbSwing:
 
 
 _LIMBS = {
-    CarryingMode.SWING: _LimbSwing((-0.317, 0.0), narrow_rad=0.08, wide_rad=0.25, wide=0.25, useless=0.01),
-    CarryingMode.POCKET: _LimbSwing((0.242, -0.282), narrow_rad=0.13, wide_rad=0.4, wide=0.25, useless=0.01),
+    CarryingMode.SWING: _LimbSwing((-0.317, 0.0), narrow_rad=0.08, wide_rad=0.25, wide=0.25, useless=0.02),
+    CarryingMode.POCKET: _LimbSwing((0.242, -0.282), narrow_rad=0.13, wide_rad=0.4, wide=0.25, useless=0.02),
 }
 _WRONG_SIGN_COHERENCE = 0.13  # the probability of a wrong sign falls by e over so much coherence
 _NO_AXIS_COHERENCE = 0.085  # the probability of no axis at all falls by e over so much coherence
-_LEAST_NO_AXIS = 0.004
+_LEAST_NO_AXIS = 0.015
 _INCOHERENT_AXIS_RAD = (
     1.0  # standard deviation of the axis in a pocket without coherence: a thigh has a motion of its own
 )
