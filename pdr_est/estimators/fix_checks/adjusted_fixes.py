@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pdr_est.estimators.fix_checks.explanations import BadStretch, Explained, first_pose, spread_m2
+from pdr_est.estimators.fix_checks.explanations import BadStretch, Explained, Explanation, first_pose, spread_m2
 from pdr_est.estimators.fix_checks.outlier_weights import outliers
+from pdr_est.estimators.fix_checks.remaining_doubt import SourceDoubt
 from pdr_est.estimators.fix_checks.section import FixTable, Section
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
@@ -28,6 +29,10 @@ class SectionResult:
         (n,) variance that its error has more than the explanation says in each coordinate, m².
     left_out_m
         (n, 2) difference of each fix from its prediction by the compared ones, m.
+    doubts
+        What the explanation leaves open.
+    spread_m
+        Standard deviation that the fixes have more because nothing tells which of them is wrong, m.
     """
 
     section: Section
@@ -35,6 +40,13 @@ class SectionResult:
     outlier: Array
     more_m2: Array
     left_out_m: Array
+    doubts: tuple[SourceDoubt, ...] = ()
+    spread_m: float | None = None
+
+    @property
+    def examined(self) -> bool:
+        """Tell whether explanations were compared."""
+        return self.spread_m is not None
 
     @property
     def sigma_scale(self) -> float:
@@ -87,7 +99,7 @@ def adjusted(fixes: Sequence[PositionFix], results: Sequence[SectionResult]) -> 
     changed = list(fixes)
     for result in results:
         explanation = result.explained.explanation
-        table = explanation.apply(result.section.table)
+        table = _with_doubts(explanation, result)
         shifts_s = explanation.shifts(table)
         for row, index in enumerate(table.index):
             if index >= 0:
@@ -100,6 +112,17 @@ def adjusted(fixes: Sequence[PositionFix], results: Sequence[SectionResult]) -> 
                 bad = [one for one in explanation.stretches if one.has(table.rows(np.array([row])))[0]]
                 changed[index] = _in_stretches(fix, bad)
     return tuple(changed)
+
+
+def _with_doubts(explanation: Explanation, result: SectionResult) -> FixTable:
+    """Return the fixes of a section with the errors of their sources, and with what is left open about these."""
+    taken = dict(explanation.factor) | {one.source: one.factor for one in result.doubts}
+    table = replace(explanation, factor=tuple(taken.items())).apply(result.section.table)
+    sigma_wander_m = table.sigma_wander_m.copy()
+    for one in result.doubts:
+        own = table.source == one.source
+        sigma_wander_m[own] = np.hypot(sigma_wander_m[own], one.sigma_m)
+    return replace(table, sigma_wander_m=sigma_wander_m)
 
 
 def _in_stretches(fix: PositionFix, stretches: Sequence[BadStretch]) -> PositionFix:

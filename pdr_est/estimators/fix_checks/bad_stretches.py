@@ -54,7 +54,7 @@ def _gain(now: Explained, block: NDArray[np.int64], sigma: float) -> float:
     """
     solved, weighed, fixes = now.weighed.regression, now.weighed, now.fixes
     rows = np.stack([2 * block, 2 * block + 1], axis=1).ravel()
-    present: Array = np.linalg.inv(solved.information[np.ix_(rows, rows)])
+    present: Array = np.asarray(np.linalg.inv(solved.information[np.ix_(rows, rows)]), dtype=np.float64)
     residual = present @ solved.pulled[rows]
     more_m2 = np.repeat(weighed.more_m2[block], 2)
     apart = np.abs(fixes.time_s[block][:, None] - fixes.time_s[block]) / fixes.wander_time_s[block][:, None]

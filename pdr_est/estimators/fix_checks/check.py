@@ -15,8 +15,16 @@ from threadpoolctl import ThreadpoolController
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
-from pdr_est.estimators.fix_checks.explanations import Explained, Explanation, alternatives, weigh_under
+from pdr_est.estimators.fix_checks.explanations import (
+    Explained,
+    Explanation,
+    alternatives,
+    degrees_of_freedom,
+    weigh_under,
+    with_rest_spread,
+)
 from pdr_est.estimators.fix_checks.fix_findings import repeated_finding, section_findings
+from pdr_est.estimators.fix_checks.remaining_doubt import remaining_doubt
 from pdr_est.estimators.fix_checks.section import Section, sections_of, table_of
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
@@ -24,6 +32,8 @@ from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPos
 
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
 _FAR_SIGMAS = 2.5  # at which deviation of a scale or a heading from its prior explanations are compared
+_MISFIT = 1.5  # standard deviations of the sum of squared residuals from which on the same holds
+_LIKELY = 0.2  # probability of an outlier from which on the same holds
 _REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself
 _WENT_ON_M = 0.5  # if the walker went this far meanwhile
 
@@ -75,7 +85,7 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
         table = table_of(fixes, start, float(path.time_s[0]))
         results = [_examined(one) for one in sections_of(path, table, heading, sigma_length_scale)]
     findings = [*findings, *section_findings(results)]
-    if not findings and len(fixes) == len(given):
+    if not findings and len(fixes) == len(given) and not any(one.examined for one in results):
         return unchanged
     first = results[0].explained.explanation
     return CheckedWalk(
@@ -98,35 +108,37 @@ def _examined(section: Section) -> SectionResult:
         if better.score <= now.score:
             break
         now = better
-    return weigh_all(section, now)
+    doubts = remaining_doubt(section, now)
+    now, spread_m = with_rest_spread(section, now)
+    return replace(weigh_all(section, now), doubts=doubts, spread_m=spread_m)
 
 
 def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
     """Tell whether nothing about a section needs an explanation."""
-    solved, count = now.weighed.regression, len(now.fixes)
-    if solved.misfit > 1.0 + 3.0 / np.sqrt(count) or np.any(result.outlier > 0.5):
+    stated, freedom = now.weighed.stated, degrees_of_freedom(section, now)
+    if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
         return False
-    if abs(solved.log_scale) > _FAR_SIGMAS * section.sigma_scale > 0.0:
+    if abs(stated.log_scale) > _FAR_SIGMAS * section.sigma_scale > 0.0:
         return False
     if section.heading is None:
         return True
-    off_rad = np.angle(np.exp(1j * (solved.heading_rad - section.heading[0])))
+    off_rad = np.angle(np.exp(1j * (stated.heading_rad - section.heading[0])))
     return bool(abs(off_rad) < _FAR_SIGMAS * section.heading[1])
 
 
 def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:
-    """Leave out fixes that repeat the one before of their source, at the same time or though the walker went on."""
+    """Leave out fixes that repeat one of their source, at once or shortly after though the walker went on."""
     ordered = sorted(given, key=lambda one: one.time_s)
     walked_m = path.at(np.array([fix.time_s for fix in ordered])).position_m
     kept: list[PositionFix] = []
-    last: dict[str, tuple[PositionFix, Array]] = {}
+    last: dict[tuple[str, float, float], tuple[float, Array]] = {}
     repeats = 0
     for fix, place_m in zip(ordered, walked_m, strict=True):
-        before, there_m = last.get(fix.source, (fix, place_m))
-        elapsed_s, way_m = fix.time_s - before.time_s, np.hypot(*(place_m - there_m))
-        again = before is not fix and np.array_equal(fix.position_m, before.position_m)
-        last[fix.source] = fix, place_m
-        if again and (elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and way_m > _WENT_ON_M)):
+        key = (fix.source, float(fix.position_m[0]), float(fix.position_m[1]))
+        before_s, there_m = last.get(key, (-np.inf, place_m))
+        last[key] = fix.time_s, place_m
+        elapsed_s, way_m = fix.time_s - before_s, np.hypot(*(place_m - there_m))
+        if elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and way_m > _WENT_ON_M):
             repeats += 1
         else:
             kept.append(fix)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.fix_checks.dead_reckoned_path import ReckonedPoints
-from pdr_est.estimators.fix_checks.outlier_weights import WeighedFixes, weigh
+from pdr_est.estimators.fix_checks.outlier_weights import WeighedFixes, weigh, widened
 from pdr_est.estimators.fix_checks.position_regression import regress
 from pdr_est.estimators.fix_checks.section import START, FixTable, Section
 from pdr_est.frames import Array
@@ -16,11 +16,12 @@ from pdr_est.frames import Array
 LEAST_FIXES = 4
 """Fewer fixes of a source tell nothing about it as a whole."""
 
-_LOG_WRONG = log(0.02)  # of a given start heading, a fix clock, or the usual range of length scales (our choice)
-_SIGMA_UNUSUAL_SCALE = 0.35
-_SIGMA_SHIFT_S = 3.0
-_SHIFTS_S = tuple(sign * shift for shift in range(1, 9) for sign in (-1.0, 1.0))
-_FINER_S = (-0.5, 0.5)
+_LOG_WRONG_HEADING, _LOG_UNUSUAL = log(0.02), log(0.01)  # of a given start heading, and of a length scale (ours)
+_SIGMA_UNUSUAL_SCALE = 0.2  # ours
+_LOG_SHIFTED = log(0.05)  # of the clock of a source (our choice), whose error is then a few seconds
+_SIGMA_SHIFT_S, _SHIFT_STEP_S = 3.0, 0.5
+_SHIFTS_S = tuple(_SHIFT_STEP_S * k for k in range(-16, 17))
+_GROWTH, _MOST_SPREAD_M = 1.25, 1e4  # of the added standard deviation
 _FACTORS = (1.5, 2.2, 3.3, 5.0, 8.0)
 _LOG_OTHER_ACCURACY, _SIGMA_LOG_FACTOR = log(0.1), 0.8  # also phones that state a wrong accuracy state one
 
@@ -134,6 +135,44 @@ def weigh_under(section: Section, explanation: Explanation) -> Explained:
     return Explained(explanation, fixes, points, weighed)
 
 
+def degrees_of_freedom(section: Section, now: Explained) -> int:
+    """Return the number of coordinates less what is found from them: the place, and a heading that is unknown."""
+    unknown = section.heading is None or now.explanation.heading_wrong
+    return 2 * len(now.fixes) - (3 if unknown else 2)
+
+
+def with_rest_spread(section: Section, now: Explained) -> tuple[Explained, float]:
+    """Spread what an explanation leaves unexplained over all fixes, so that the residuals are as large as expected.
+
+    Nothing tells then which of the fixes is wrong. It is the ratio of R. T. Birge, Phys. Rev. 40 (1932), by an added
+    variance.
+
+    Returns
+    -------
+    Explained
+        The explanation with the added variances.
+    float
+        Standard deviation that was added in each coordinate, m.
+    """
+    fixes, points, common_m2, _, _ = _assumed(section, now.explanation)
+    solved, expected = now.weighed.regression, degrees_of_freedom(section, now)
+    given = np.array([fixes.names[source] != START for source in fixes.source])
+    added_m = 0.0
+    more_m2 = now.weighed.more_m2
+    while solved.squared > expected > 0 and added_m < _MOST_SPREAD_M:
+        added_m = max(_GROWTH * added_m, 0.3 * float(np.median(fixes.sigma_m)))
+        more_m2 = now.weighed.more_m2 + given * added_m**2
+        solved = regress(
+            fixes.position_m,
+            points.position_m,
+            common_m2,
+            widened(fixes.white_m2, more_m2),
+            solved.prior,
+            solved.heading_rad,
+        )
+    return replace(now, weighed=replace(now.weighed, more_m2=more_m2, regression=solved)), added_m
+
+
 def spread_m2(common_m2: Array) -> Array:
     """Return the covariance (2 n, 2 k) of two coordinates, each of which has the covariance (n, k)."""
     return np.asarray(np.kron(common_m2, np.eye(2)))
@@ -156,52 +195,64 @@ def _assumed(
     return fixes, points, of_path + spread_m2(explanation.common_m2(fixes, fixes)), heading, sigma_scale
 
 
+def checked_sources(now: Explained) -> list[int]:
+    """List the sources that have enough fixes to be judged as a whole."""
+    counts = [np.count_nonzero(now.fixes.source == number) for number in range(len(now.fixes.names))]
+    return [i for i, name in enumerate(now.fixes.names) if name != START and counts[i] >= LEAST_FIXES]
+
+
 def alternatives(section: Section, now: Explained) -> Iterator[Explanation]:
     """Yield explanations that differ from one in one respect."""
     known = now.explanation
     if section.heading is not None and not known.heading_wrong:
-        yield replace(known, heading_wrong=True, log_prior=known.log_prior + _LOG_WRONG)
+        yield replace(known, heading_wrong=True, log_prior=known.log_prior + _LOG_WRONG_HEADING)
     if not known.unusual_scale and 0.0 < section.sigma_scale < _SIGMA_UNUSUAL_SCALE:
-        yield replace(known, unusual_scale=True, log_prior=known.log_prior + _LOG_WRONG)
-    for source, name in enumerate(now.fixes.names):
-        if name == START or np.count_nonzero(now.fixes.source == source) < LEAST_FIXES:
-            continue
+        yield replace(known, unusual_scale=True, log_prior=known.log_prior + _LOG_UNUSUAL)
+    for source in checked_sources(now):
         if source not in dict(known.factor):
-            for factor in _FACTORS:
-                cost = _LOG_OTHER_ACCURACY - 0.5 * (log(factor) / _SIGMA_LOG_FACTOR) ** 2
-                yield replace(known, factor=(*known.factor, (source, factor)), log_prior=known.log_prior + cost)
+            yield from accuracies(known, source)
         if source not in dict(known.shift_s):
-            yield from _likely_shifts(section, now, source)
+            shifts_s, evidence = shift_evidence(section, now, source)
+            yield _shifted(known, source, float(shifts_s[np.argmax(np.where(shifts_s == 0.0, -np.inf, evidence))]))
 
 
-def _likely_shifts(section: Section, now: Explained, source: int) -> list[Explanation]:
-    """Return the most probable clock correction of a source, at the present weights."""
-    best = _best_shift(section, now, source, _SHIFTS_S)
-    coarse = dict(best.shift_s)[source]
-    finer = _best_shift(section, now, source, [coarse, *(coarse + step for step in _FINER_S)])
-    return [finer]
+def accuracies(known: Explanation, source: int) -> list[Explanation]:
+    """Return the explanations by other accuracies of a source."""
+    costs = [(one, _LOG_OTHER_ACCURACY - 0.5 * (log(one) / _SIGMA_LOG_FACTOR) ** 2) for one in _FACTORS]
+    return [
+        replace(known, factor=(*known.factor, (source, factor)), log_prior=known.log_prior + cost)
+        for factor, cost in costs
+    ]
 
 
-def _best_shift(
-    section: Section, now: Explained, source: int, shifts_s: "tuple[float, ...] | list[float]"
-) -> Explanation:
-    known, weighed = now.explanation, now.weighed
-    found = []
-    for shift in shifts_s:
-        cost = _LOG_WRONG - 0.5 * (shift / _SIGMA_SHIFT_S) ** 2 - log(_SIGMA_SHIFT_S * np.sqrt(2.0 * np.pi))
-        tried = replace(known, shift_s=(*known.shift_s, (source, shift)), log_prior=known.log_prior + cost)
-        fixes, points, common_m2, _, _ = _assumed(section, tried)
-        white_m2 = fixes.white_m2 + weighed.more_m2[:, None, None] * np.eye(2)
-        solved = regress(
-            fixes.position_m,
-            points.position_m,
-            common_m2,
-            white_m2,
-            weighed.regression.prior,
-            weighed.regression.heading_rad,
-        )
-        found.append((solved.log_evidence + cost, tried))
-    return max(found, key=lambda one: one[0])[1]
+def shift_evidence(section: Section, now: Explained, source: int) -> tuple[Array, Array]:
+    """Return clock corrections of a source (k,), s, and the logarithm (k,) of their probabilities.
+
+    The weights of the fixes are those of the present explanation; the logarithms have a constant in common.
+    """
+    found = [_log_shift(section, now, source, shift_s) for shift_s in _SHIFTS_S]
+    return np.array(_SHIFTS_S), np.array(found)
+
+
+def _log_shift(section: Section, now: Explained, source: int, shift_s: float) -> float:
+    weighed, rest = now.weighed, tuple(one for one in now.explanation.shift_s if one[0] != source)
+    tried = _shifted(replace(now.explanation, shift_s=rest, log_prior=0.0), source, shift_s)
+    fixes, points, common_m2, _, _ = _assumed(section, tried)
+    white_m2 = widened(fixes.white_m2, weighed.more_m2)
+    solved = weighed.regression
+    evidence = regress(
+        fixes.position_m, points.position_m, common_m2, white_m2, solved.prior, solved.heading_rad
+    ).log_evidence
+    return evidence + tried.log_prior
+
+
+def _shifted(known: Explanation, source: int, shift_s: float) -> Explanation:
+    """Return an explanation with one more clock correction."""
+    cost = 0.0
+    if shift_s != 0.0:
+        density = -0.5 * (shift_s / _SIGMA_SHIFT_S) ** 2 - log(_SIGMA_SHIFT_S * np.sqrt(2.0 * np.pi))
+        cost = _LOG_SHIFTED + log(_SHIFT_STEP_S) + density
+    return replace(known, shift_s=(*known.shift_s, (source, shift_s)), log_prior=known.log_prior + cost)
 
 
 def _by_source(fixes: FixTable, values: tuple[tuple[int, float], ...], default: float) -> Array:

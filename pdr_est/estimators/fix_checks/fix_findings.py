@@ -12,6 +12,7 @@ from pdr_est.types.findings import Finding, FindingKind
 
 _WRONG = 0.5  # probability from which a fix is told to be an outlier
 _FAR_SIGMAS = 2.5
+_MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
 _MANY = 0.1  # share of repeated fixes from which it is worth a look
 
 
@@ -35,9 +36,17 @@ def _of_section(result: SectionResult) -> list[Finding]:
         late = "late" if shift_s < 0.0 else "early"
         message = f"the clock of the fixes ({table.names[source]}) is {abs(shift_s):.1f} s {late}: corrected"
         found.append(Finding(FindingKind.FIX_CLOCK, message, "", begin_s, end_s, shift_s, 0.5))
-    for source, factor in explanation.factor:
-        message = f"the fixes ({table.names[source]}) err {factor:.1f} times as much as stated: weighed down"
-        found.append(Finding(FindingKind.FIX_ACCURACY, message, "", begin_s, end_s, factor))
+    factors = dict(explanation.factor) | {one.source: one.factor for one in result.doubts}
+    for source, factor in factors.items():
+        if factor > _MUCH_WORSE:
+            message = f"the fixes ({table.names[source]}) err {factor:.1f} times as much as stated: weighed down"
+            found.append(Finding(FindingKind.FIX_ACCURACY, message, "", begin_s, end_s, factor))
+    if result.spread_m is not None and result.spread_m > np.median(table.sigma_m):
+        message = (
+            f"position fixes between {begin_s:.0f} s and {end_s:.0f} s contradict each other or the steps, and "
+            f"nothing tells which is wrong: {result.spread_m:.0f} m are added to the error of each"
+        )
+        found.append(Finding(FindingKind.FIXES, message, "", begin_s, end_s, result.spread_m))
     if explanation.heading_wrong and result.section.heading is not None:
         found.append(_start_heading(result, *result.section.heading))
     return found

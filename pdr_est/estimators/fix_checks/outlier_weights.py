@@ -18,8 +18,8 @@ from pdr_est.estimators.fix_checks.position_regression import (
 from pdr_est.estimators.fix_checks.section import FixTable
 from pdr_est.frames import Array
 
-_OUTLIER_SIGMAS = np.array([3.0, 10.0, 40.0])  # of the stated error; with their shares among the outliers
-_OUTLIER_SHARES = np.array([0.5, 0.3, 0.2])
+_OUTLIER_SIGMAS = np.array([3.0, 10.0, 40.0, 200.0])  # of the stated error; with their shares among the outliers
+_OUTLIER_SHARES = np.array([0.45, 0.3, 0.2, 0.05])
 _ROUNDS = 12
 _HEADINGS = 48  # first guesses round the circle, and scales
 _FIRST_SCALES = (0.85, 1.0, 1.15)
@@ -40,12 +40,15 @@ class WeighedFixes:
         (n,) variance that its error has more than stated in each coordinate, m².
     regression
         Solution with these variances.
+    stated
+        Solution with the fixes as they are stated.
     """
 
     score: float
     outlier: Array
     more_m2: Array
     regression: Regression
+    stated: Regression
 
 
 def weigh(
@@ -94,9 +97,12 @@ def _converged(
         settled = bool(np.all(np.abs(np.sqrt(wanted_m2) - np.sqrt(more_m2)) < 0.1 * sigma_m))
         if settled or number == _ROUNDS - 1:
             break
-        more_m2 = wanted_m2 if number == 0 else 0.5 * (wanted_m2 + more_m2)
+        share = 2.0 / (2.0 + number)  # where two fixes contradict each other, either wants to be the outlier
+        more_m2 = more_m2 + share * (wanted_m2 - more_m2)
     solved = regress(fixes.position_m, path_m, common_m2, widened(fixes.white_m2, more_m2), prior, about_rad)
-    return WeighedFixes(solved.log_evidence - outlier_cost(outlier, fixes.doubt).sum(), outlier, more_m2, solved)
+    stated = regress(fixes.position_m, path_m, common_m2, fixes.white_m2, prior, about_rad)
+    score = solved.log_evidence - float(outlier_cost(outlier, fixes.doubt).sum())
+    return WeighedFixes(score, outlier, more_m2, solved, stated)
 
 
 def outliers(fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> tuple[Array, Array]:
@@ -117,8 +123,8 @@ def outliers(fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> tuple[Ar
     logarithm = np.log(prior) - 0.5 * squared - 0.5 * np.log(np.linalg.det(spread))
     posterior = np.exp(logarithm - logarithm.max(axis=1, keepdims=True))
     posterior /= posterior.sum(axis=1, keepdims=True)
-    at_most = np.minimum(variance[:, 1:], np.square(left_out_m).sum(axis=1)[:, None])
-    more_m2 = (np.maximum(posterior - prior, 0.0)[:, 1:] * at_most).sum(axis=1)
+    at_most = np.square(left_out_m).sum(axis=1)
+    more_m2 = np.maximum(posterior - prior, 0.0)[:, 1:].sum(axis=1) * at_most
     return 1.0 - posterior[:, 0], more_m2
 
 

@@ -13,8 +13,8 @@ from scipy.linalg.lapack import dpotri
 from pdr_est.estimators.fix_checks.dead_reckoned_path import LEFT, rotated
 from pdr_est.frames import Array, rotation_matrix
 
-UNKNOWN_POSITION_M = 1e3
-"""Standard deviation of the place of a path whose start is unknown, m."""
+UNKNOWN_POSITION_M = 300.0
+"""Standard deviation of the place of a path about its first fix, m: vague, but not so that digits are lost."""
 
 UNKNOWN_HEADING_RAD = float(np.pi / np.sqrt(3.0))
 """Standard deviation of a uniformly distributed heading, rad."""
@@ -61,8 +61,8 @@ class Regression:
         Rotation from the frame of the path to the map.
     prior
         Prior of the placement.
-    misfit
-        Mean squared normalised residual, which is about 1 for a model that fits.
+    squared
+        Sum of the squared normalised residuals, chi-squared for a model that fits.
     origin_m
         Points of the map and of the path from which positions count.
     """
@@ -77,7 +77,7 @@ class Regression:
     pulled: Array
     about_rad: float
     prior: PlacementPrior
-    misfit: float
+    squared: float
     origin_m: tuple[Array, Array]
 
     def predict(
@@ -177,7 +177,7 @@ def regress(
         pulled=pulled,
         about_rad=about_rad,
         prior=prior,
-        misfit=float(residual @ pulled) / (2 * count),
+        squared=float(residual @ pulled),
         origin_m=(fixes_m[0], path_m[0]),
     )
 
