@@ -134,7 +134,7 @@ CASES = {
     ),
     "PrincipalAxis": Case(lambda: PrincipalAxis(PrincipalAxisParams()), "steps"),
     "NorthPriors": Case(
-        lambda: NorthPriors("device", NorthReference("magnetometer"), NorthParams(), 0.02),
+        lambda: NorthPriors("device", NorthReference("magnetometer"), NorthParams(least_steps=1), 0.02),
         "complete steps with field",
     ),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
