@@ -127,22 +127,22 @@ def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
 
 
 def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:
-    """Leave out fixes that repeat one of their source, at once or shortly after though the walker went on."""
+    """Leave out fixes that repeat one of their source: at once, though the walker went on, or in a wandering error."""
     ordered = sorted(given, key=lambda one: one.time_s)
     walked_m = path.at(np.array([fix.time_s for fix in ordered])).position_m
     kept: list[PositionFix] = []
     last: dict[tuple[str, float, float], tuple[float, Array]] = {}
-    repeats = 0
+    stale = 0
     for fix, place_m in zip(ordered, walked_m, strict=True):
         key = (fix.source, float(fix.position_m[0]), float(fix.position_m[1]))
         before_s, there_m = last.get(key, (-np.inf, place_m))
         last[key] = fix.time_s, place_m
-        elapsed_s, way_m = fix.time_s - before_s, np.hypot(*(place_m - there_m))
-        if elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and way_m > _WENT_ON_M):
-            repeats += 1
-        else:
+        elapsed_s, went_on = fix.time_s - before_s, np.hypot(*(place_m - there_m)) > _WENT_ON_M
+        wrong = elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and went_on)
+        stale += wrong
+        if not wrong and (elapsed_s > _REPEATED_S or fix.sigma_wander_m == 0.0):
             kept.append(fix)
-    return kept, [repeated_finding(repeats, len(given))] if repeats else []
+    return kept, [repeated_finding(stale, len(given))] if stale else []
 
 
 def _with_fixes(
