@@ -68,8 +68,8 @@ def _contradiction(result: SectionResult, begin_s: float, end_s: float, told: bo
     span = f"position fixes between {begin_s:.0f} s and {end_s:.0f} s"
     if spread_m > np.median(table.sigma_m):
         message = (
-            f"{span} contradict each other or the steps, and nothing tells which is wrong: {spread_m:.0f} m are added "
-            "to the error of each"
+            f"{span} contradict each other or the steps, and nothing tells which is wrong: {spread_m:.0f} m are "
+            "added to the error of each"
         )
         return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, spread_m)]
     squared, freedom = result.explained.weighed.stated.squared, result.freedom
