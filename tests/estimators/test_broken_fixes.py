@@ -1,11 +1,14 @@
 """Fixes that contradict each other, are repeated, late, gross, biased or of a wrong accuracy cannot ruin a walk."""
 
+from collections import defaultdict
+
 import numpy as np
 import pytest
 from broken_fixes import BrokenWalk, broken_walk
 from estimator_walks import run
 
 from pdr_est.estimators import EstimatorName
+from pdr_est.evaluate.consistency import coverage95
 from pdr_est.types.track import Track
 
 CASES = 500
@@ -22,8 +25,31 @@ def estimated(name: EstimatorName, case: BrokenWalk) -> Track:
     return track
 
 
+def covered(track: Track, case: BrokenWalk) -> float:
+    """Share of the true positions inside the 95 % ellipses of the track."""
+    return coverage95(track.position_m - case.walk.truth[:, :2], track.covariance_m2, 1e-6)
+
+
 @pytest.mark.parametrize("name", ["factor-graph", "ekf"])
 @pytest.mark.parametrize("cases", [SAMPLE, pytest.param(CASES, marks=pytest.mark.slow)])
-def test_no_number_is_negative_or_infinite(name: EstimatorName, cases: int) -> None:
+def test_no_number_is_negative_or_infinite_and_wrong_fixes_are_told(name: EstimatorName, cases: int) -> None:
+    warned = []
     for number in range(cases):
-        estimated(name, broken_walk(number))
+        case = broken_walk(number)
+        track = estimated(name, case)
+        if case.wrong_share > 0.1:
+            warned.append(any(finding.doubtful for finding in track.findings))
+    assert len(warned) > cases / 3
+    assert np.mean(warned) >= 0.98
+
+
+@pytest.mark.parametrize(
+    ("cases", "least"), [(SAMPLE, 0.8), pytest.param(CASES, 0.9, marks=pytest.mark.slow)], ids=["sample", "all"]
+)
+def test_the_truth_is_covered_whatever_the_fault(cases: int, least: float) -> None:
+    shares = defaultdict(list)
+    for number in range(cases):
+        case = broken_walk(number)
+        shares[case.fault].append(covered(estimated("factor-graph", case), case))
+    assert {fault: np.mean(found) for fault, found in shares.items() if np.mean(found) < least} == {}
+    assert np.mean([share for found in shares.values() for share in found]) >= 0.9

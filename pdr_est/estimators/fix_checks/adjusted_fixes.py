@@ -5,7 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pdr_est.estimators.fix_checks.explanations import BadStretch, Explained, Explanation, first_pose, spread_m2
+from pdr_est.estimators.fix_checks.explanations import (
+    BadStretch,
+    Explained,
+    Explanation,
+    degrees_of_freedom,
+    first_pose,
+    spread_m2,
+)
 from pdr_est.estimators.fix_checks.outlier_weights import outliers
 from pdr_est.estimators.fix_checks.remaining_doubt import SourceDoubt
 from pdr_est.estimators.fix_checks.section import FixTable, Section
@@ -47,6 +54,16 @@ class SectionResult:
     def examined(self) -> bool:
         """Tell whether explanations were compared."""
         return self.spread_m is not None
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom of the comparison."""
+        return degrees_of_freedom(self.section, self.explained)
+
+    @property
+    def start_more_m2(self) -> float:
+        """Variance that the error of a given start position has more in each coordinate, m²."""
+        return float(self.more_m2[self.section.table.index < 0].sum())
 
     @property
     def sigma_scale(self) -> float:

@@ -87,10 +87,9 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
     findings = [*findings, *section_findings(results)]
     if not findings and len(fixes) == len(given) and not any(one.examined for one in results):
         return unchanged
-    first = results[0].explained.explanation
     return CheckedWalk(
-        tuple(_with_fixes(one, given, adjusted(fixes, results)) for one in devices),
-        replace(start, heading_rad=None, sigma_heading_rad=0.0) if first.heading_wrong else start,
+        tuple(_with_fixes(one, adjusted(fixes, results)) for one in devices),
+        _changed(start, results[0]),
         max(result.sigma_scale for result in results),
         tuple(findings),
     )
@@ -127,27 +126,33 @@ def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
 
 
 def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:
-    """Leave out fixes that repeat one of their source, at once or shortly after though the walker went on."""
+    """Leave out fixes that repeat one of their source: at once, though the walker went on, or a wandering one."""
     ordered = sorted(given, key=lambda one: one.time_s)
     walked_m = path.at(np.array([fix.time_s for fix in ordered])).position_m
     kept: list[PositionFix] = []
     last: dict[tuple[str, float, float], tuple[float, Array]] = {}
-    repeats = 0
+    stale = 0
     for fix, place_m in zip(ordered, walked_m, strict=True):
         key = (fix.source, float(fix.position_m[0]), float(fix.position_m[1]))
         before_s, there_m = last.get(key, (-np.inf, place_m))
         last[key] = fix.time_s, place_m
-        elapsed_s, way_m = fix.time_s - before_s, np.hypot(*(place_m - there_m))
-        if elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and way_m > _WENT_ON_M):
-            repeats += 1
-        else:
+        elapsed_s, went_on = fix.time_s - before_s, np.hypot(*(place_m - there_m)) > _WENT_ON_M
+        wrong = elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and went_on)
+        stale += wrong
+        if not wrong and (elapsed_s > _REPEATED_S or fix.sigma_wander_m == 0.0):
             kept.append(fix)
-    return kept, [repeated_finding(repeats, len(given))] if repeats else []
+    return kept, [repeated_finding(stale, len(given))] if stale else []
 
 
-def _with_fixes(
-    one: DeviceMeasurements, given: Sequence[PositionFix], fixes: Sequence[PositionFix]
-) -> DeviceMeasurements:
+def _changed(start: StartPose, first: SectionResult) -> StartPose:
+    """Return the start pose without a heading that is wrong, and with a wider position where that is wrong."""
+    if first.explained.explanation.heading_wrong:
+        start = replace(start, heading_rad=None, sigma_heading_rad=0.0)
+    sigma_m = np.sqrt(start.sigma_position_m**2 + first.start_more_m2)
+    return start if start.position_m is None else replace(start, sigma_position_m=float(sigma_m))
+
+
+def _with_fixes(one: DeviceMeasurements, fixes: Sequence[PositionFix]) -> DeviceMeasurements:
     """Put other fixes in place of those of a device."""
     others = tuple(m for m in one.measurements if not isinstance(m, PositionFix))
     return replace(one, measurements=(*others, *fixes))

@@ -210,14 +210,14 @@ def alternatives(section: Section, now: Explained) -> Iterator[Explanation]:
         yield replace(known, unusual_scale=True, log_prior=known.log_prior + _LOG_UNUSUAL)
     for source in checked_sources(now):
         if source not in dict(known.factor):
-            yield from accuracies(known, source)
+            yield from other_accuracies(known, source)
         if source not in dict(known.shift_s):
             shifts_s, evidence = shift_evidence(section, now, source)
             yield _shifted(known, source, float(shifts_s[np.argmax(np.where(shifts_s == 0.0, -np.inf, evidence))]))
 
 
-def accuracies(known: Explanation, source: int) -> list[Explanation]:
-    """Return the explanations by other accuracies of a source."""
+def other_accuracies(known: Explanation, source: int) -> list[Explanation]:
+    """Return the explanations by other other_accuracies of a source."""
     costs = [(one, _LOG_OTHER_ACCURACY - 0.5 * (log(one) / _SIGMA_LOG_FACTOR) ** 2) for one in _FACTORS]
     return [
         replace(known, factor=(*known.factor, (source, factor)), log_prior=known.log_prior + cost)

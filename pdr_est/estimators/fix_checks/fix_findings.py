@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from math import degrees, exp, sqrt
 
 import numpy as np
+from scipy.special import chdtrc
 
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult
 from pdr_est.estimators.fix_checks.explanations import BadStretch
@@ -13,6 +14,7 @@ from pdr_est.types.findings import Finding, FindingKind
 _WRONG = 0.5  # probability from which a fix is told to be an outlier
 _FAR_SIGMAS = 2.5
 _MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
+_IMPROBABLE = 0.02  # probability of a larger chi-squared below which it is told that fixes fit badly
 _MANY = 0.1  # share of repeated fixes from which it is worth a look
 
 
@@ -41,15 +43,42 @@ def _of_section(result: SectionResult) -> list[Finding]:
         if factor > _MUCH_WORSE:
             message = f"the fixes ({table.names[source]}) err {factor:.1f} times as much as stated: weighed down"
             found.append(Finding(FindingKind.FIX_ACCURACY, message, "", begin_s, end_s, factor))
-    if result.spread_m is not None and result.spread_m > np.median(table.sigma_m):
-        message = (
-            f"position fixes between {begin_s:.0f} s and {end_s:.0f} s contradict each other or the steps, and "
-            f"nothing tells which is wrong: {result.spread_m:.0f} m are added to the error of each"
-        )
-        found.append(Finding(FindingKind.FIXES, message, "", begin_s, end_s, result.spread_m))
     if explanation.heading_wrong and result.section.heading is not None:
         found.append(_start_heading(result, *result.section.heading))
-    return found
+    found += _start_position(result)
+    told = bool(found) or np.any(result.outlier > _WRONG)
+    return [*found, *_contradiction(result, begin_s, end_s, bool(told))]
+
+
+def _start_position(result: SectionResult) -> list[Finding]:
+    """Say that a given start position disagrees with the fixes."""
+    wrong = np.flatnonzero((result.section.table.index < 0) & (result.outlier > _WRONG))
+    if not len(wrong):
+        return []
+    distance_m = float(np.hypot(*result.left_out_m[wrong[0]]))
+    message = f"the start position disagrees with the steps and the fixes by {distance_m:.0f} m: weighed down"
+    return [Finding(FindingKind.FIXES, message, value=distance_m)]
+
+
+def _contradiction(result: SectionResult, begin_s: float, end_s: float, told: bool) -> list[Finding]:
+    """Say that fixes contradict each other or the steps, if nothing tells which is wrong."""
+    spread_m, table = result.spread_m, result.section.table
+    if spread_m is None:
+        return []
+    span = f"position fixes between {begin_s:.0f} s and {end_s:.0f} s"
+    if spread_m > np.median(table.sigma_m):
+        message = (
+            f"{span} contradict each other or the steps, and nothing tells which is wrong: {spread_m:.0f} m are "
+            "added to the error of each"
+        )
+        return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, spread_m)]
+    squared, freedom = result.explained.weighed.stated.squared, result.freedom
+    if told or chdtrc(freedom, squared) > _IMPROBABLE:
+        return []
+    message = (
+        f"{span} fit each other and the steps badly (chi-squared {squared:.0f} for {freedom} degrees of freedom)"
+    )
+    return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, squared)]
 
 
 def _start_heading(result: SectionResult, given_rad: float, sigma_rad: float) -> Finding:

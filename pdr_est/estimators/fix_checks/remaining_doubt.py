@@ -1,4 +1,4 @@
-"""Doubt that the best explanation of a section leaves: other accuracies and clocks explain it nearly as well."""
+"""Doubt that the best explanation of a section leaves: other other_accuracies and clocks explain it nearly as well."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,7 @@ import numpy as np
 from pdr_est.estimators.fix_checks.explanations import (
     Explained,
     Explanation,
-    accuracies,
+    other_accuracies,
     checked_sources,
     shift_evidence,
     weigh_under,
@@ -49,7 +49,7 @@ def remaining_doubt(section: Section, now: Explained) -> tuple[SourceDoubt, ...]
 def _factor(section: Section, now: Explained, source: int) -> float:
     """Return the root mean square of the factor on the errors of a source."""
     without = _without_factor(now.explanation, source)
-    tried = [weigh_under(section, one) for one in (without, *accuracies(without, source))]
+    tried = [weigh_under(section, one) for one in (without, *other_accuracies(without, source))]
     weight = _weights(np.array([one.score for one in tried]))
     factors = np.array([dict(one.explanation.factor).get(source, 1.0) for one in tried])
     return float(np.sqrt(weight @ factors**2))
@@ -60,7 +60,7 @@ def _without_factor(known: Explanation, source: int) -> Explanation:
     if chosen is None:
         return known
     rest = replace(known, factor=tuple(one for one in known.factor if one[0] != source))
-    cost = next(one.log_prior for one in accuracies(rest, source) if dict(one.factor)[source] == chosen)
+    cost = next(one.log_prior for one in other_accuracies(rest, source) if dict(one.factor)[source] == chosen)
     return replace(rest, log_prior=known.log_prior - (cost - rest.log_prior))
 
 

@@ -260,7 +260,7 @@ def test_keys_are_found_by_device_and_time() -> None:
 
 def test_a_fix_of_two_devices_is_shared_as_in_the_estimator() -> None:
     known, tethers = walk_of(40, 2)
-    place = fix(20, 13.5, 1.0)  # near the tracks, so that the estimator takes it as it is
+    place = fix(20, 11.5, 4.0)  # near the tracks, so that the estimator takes it as it is
     with_fix = [replace(one, measurements=(*one.measurements, place)) for one in known]
     expected = estimate_walk("factor-graph", with_fix, TETHERED_START, 0.0, tethers)
     built = build_graph(known, [place], tethers, TETHERED_START, optimised=True)

