@@ -5,6 +5,7 @@ arguments and more results.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import groupby
 
 from numpy.typing import ArrayLike
@@ -14,6 +15,7 @@ from pdr_est.config import Config
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import Estimator, estimator_named
 from pdr_est.estimators.person.track import fuse
+from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, NO_PARTS, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import (
@@ -159,7 +161,7 @@ def estimate(
     Returns
     -------
     Track
-        Poses of every device, and of the person ("fused") where there are several devices.
+        Poses of every device, and of the person ("fused") where there are several devices, and what does not fit.
 
     Raises
     ------
@@ -174,7 +176,10 @@ def estimate(
         if isinstance(estimator, str)
         else given_part(estimator, ESTIMATOR, "estimator", {})
     )
-    track = chosen.estimate(devices, tethers, start or StartPose(), sigma_length_scale)
+    known = start or StartPose()
+    track = chosen.estimate(devices, tethers, known, sigma_length_scale)
+    further = findings_of(track, devices, tethers, known, sigma_length_scale, chosen.spec)
+    track = replace(track, findings=(*track.findings, *further))
     return concatenate([track, fuse(track)]) if len(devices) > 1 else track
 
 

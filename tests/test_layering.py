@@ -20,7 +20,7 @@ ORDER: list[set[str]] = [
     {"types"},
     # The five wings, which never see each other. Inside a wing the same rule holds.
     {"io.text", "clock_sync", "front_end.signal", "estimators.common", "simulate"},
-    {"io.conversion", "front_end.attitude", "estimators.kalman"},
+    {"io.conversion", "front_end.attitude", "estimators.kalman", "estimators.fix_checks"},
     {"io.side_tables", "front_end.mode", "estimators.dead_reckoning", "estimators.person", "estimators.factor_graph"},
     {"io.formats", "io.writers", "front_end.steps", "estimators.fixed_lag", "estimators.robust_dr"},
     {"io", "front_end.gait", "estimators"},
@@ -45,6 +45,7 @@ LIBRARIES = {
     "filterpy": ("estimators.kalman",),
     "sklearn": ("front_end.gait",),
     "vqf": ("front_end.attitude",),
+    "pygeomag": ("front_end.heading.north",),
     # A track gives data frames and drawings of itself; both libraries are imported at use.
     "polars": ("io", "types.track", "types.track_table"),
     "matplotlib": ("report", "types.track", "types.track_drawing"),

@@ -9,10 +9,11 @@ from functools import cache
 from importlib import import_module
 from inspect import isclass
 from pkgutil import walk_packages
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from pdr_est import front_end
 from pdr_est.config import Config
@@ -23,6 +24,7 @@ from pdr_est.front_end.heading.acceleration_integration import AccelerationInteg
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.front_end.heading.north import NorthParams, NorthPriors, NorthReference
 from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams, PostureAwareYaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxis, PrincipalAxisParams
 from pdr_est.front_end.heading.psp import PspHeading
@@ -49,7 +51,7 @@ from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, Relati
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossing, ZeroCrossingParams
-from pdr_est.pipeline.front_end_chain import levelling, stepping
+from pdr_est.pipeline.front_end_chain import levelling, measuring, stepping
 from pdr_est.preprocessing.resampling import ResampleParams, Resampler
 from pdr_est.simulate import PHONE_MAGNETOMETER, mmpdr_mode_walks, simulate_walk
 from pdr_est.stage import Chain, Stage
@@ -66,6 +68,7 @@ from pdr_est.testing import (
     run_stage,
     slice_block,
 )
+from pdr_est.types.measurements import HeadingPrior
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel, LevelBlock
 from pdr_est.types.steps import CarryingMode
@@ -130,6 +133,10 @@ CASES = {
         lambda: AccelerationIntegration(WORKING_HZ, AccelerationIntegrationParams()), "steps"
     ),
     "PrincipalAxis": Case(lambda: PrincipalAxis(PrincipalAxisParams()), "steps"),
+    "NorthPriors": Case(
+        lambda: NorthPriors("device", NorthReference("magnetometer"), NorthParams(), 0.02),
+        "complete steps with field",
+    ),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
 }
 _TO_STEPS = ("VqfAttitude", "FixedMode", "StepSegmentation-AutoSteps")
@@ -158,6 +165,7 @@ def records(consumed: str, rate_hz: float) -> tuple[Any, ...]:
         "level": ("imu", Chain([CASES["VqfAttitude"].make(), FixedMode(CarryingMode.HOLDING)])),
         "steps": ("level", CASES["StepSegmentation-AutoSteps"].make()),
         "steps with field": ("raw", with_field()),
+        "complete steps with field": ("steps with field", Chain([CASES["StepLength"].make(), StepYaw()])),
         "complete steps": ("steps", Chain([CASES["StepLength"].make(), StepYaw()])),
     }[consumed]
     return tuple(run_stage(stage, records(before, rate_hz))[0])
@@ -347,6 +355,29 @@ def test_cuts_of_the_chain_with_a_magnetometer() -> None:
         _, to_level = levelling(fitted, "fitted", config)
         return Chain([*to_level.stages, *stepping(config).stages, Odometry("device", config.odometry)])
 
+    cuttings = [
+        in_bursts([one_by_one([block]) for block in items], 1.9, rng),
+        in_bursts([cut_block(block, rng, 3000) for block in items], 1.0, rng),
+    ]
+    check_cuts(chain, items, cuttings)
+
+
+@pytest.mark.parametrize("source", ["device", "magnetometer"])
+def test_cuts_of_the_chain_with_north(source: Literal["device", "magnetometer"]) -> None:
+    """The channel that tells north may come a little later than the others, too."""
+    config, north = Config(), NorthReference(source)
+    fitted = with_magnetometer()
+    turned = Rotation.from_rotvec(np.outer(0.1 * fitted.span_s[1] * np.linspace(0.0, 1.0, 2000), [0.0, 0.0, 1.0]))
+    time_s = np.linspace(*fitted.span_s, 2000)
+    fitted = replace(fitted, attitude=Signal(time_s, turned.as_quat(scalar_first=True)))
+    items, rng = tuple(fitted.blocks()), np.random.default_rng(17)
+
+    def chain() -> Chain:
+        _, to_level = levelling(fitted, "fitted", config, north=north)
+        return Chain([*to_level.stages, *stepping(config).stages, measuring("device", config, north)])
+
+    emitted = run_stage(chain(), items)[0]
+    assert any(isinstance(one, HeadingPrior) and not one.relative for one in emitted)
     cuttings = [
         in_bursts([one_by_one([block]) for block in items], 1.9, rng),
         in_bursts([cut_block(block, rng, 3000) for block in items], 1.0, rng),

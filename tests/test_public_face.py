@@ -165,6 +165,19 @@ def test_two_devices_and_the_person_from_odometry() -> None:
     np.testing.assert_array_equal(again.position_m, track.position_m)
 
 
+def test_what_does_not_fit_in_odometry_of_the_user_is_found() -> None:
+    covariance = np.diag([0.05, 0.05, 0.02]) ** 2
+    odometry = [pdr_est.StepOdometry("phone", 0.5 * k + 0.5, 0.5 * k, 0.7, 0.0, covariance) for k in range(40)]
+    wrong = pdr_est.PositionFix(20.0, np.array([0.0, 28.0]), np.eye(2))
+    start = pdr_est.StartPose((0.0, 0.0), 0.0, 0.1, 0.05)
+    (finding,) = pdr_est.estimate(odometry, [wrong], "ekf", start=start).findings
+    assert isinstance(finding, pdr_est.Finding)
+    assert finding.kind is pdr_est.FindingKind.FIXES
+    assert pdr_est.estimate(odometry, [], "ekf", start=start).findings == ()
+    unknown = pdr_est.estimate(odometry, start=pdr_est.StartPose((0.0, 0.0)))
+    assert [one.kind for one in unknown.findings] == [pdr_est.FindingKind.START_HEADING]
+
+
 @pytest.mark.parametrize(
     ("odometry", "words"),
     [

@@ -4,6 +4,7 @@ import json
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict
 from typing import Any, TextIO
 
 import click
@@ -141,7 +142,11 @@ def _echo_warnings(work: Callable[[], list[Update]]) -> list[Update]:
 
 
 def _write_updates(updates: Iterable[Update], stream: TextIO) -> None:
+    """Write a line for each update; doubtful findings are also printed on stderr."""
     for update in updates:
+        for finding in update.findings:
+            if finding.doubtful:
+                click.echo(f"warning: {finding.words}", err=True)
         stream.write(json.dumps(_update_to_json(update), allow_nan=False) + "\n")
         stream.flush()
 
@@ -160,4 +165,5 @@ def _update_to_json(update: Update) -> dict[str, Any]:
         "sigma_heading_rad": update.sigma_heading_rad,
         "mode": update.mode.name,
         "step_length_m": round(update.step_length_m, 4),
+        **({"findings": [asdict(finding) for finding in update.findings]} if update.findings else {}),
     }

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
+from pdr_est.estimators.fix_checks.check import check_fixes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.kalman import ekf
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
@@ -55,8 +56,24 @@ class BuiltInEstimator:
     ) -> Track:
         """Estimate the track of every device, as the contract says.
 
-        An estimator that smooths does so for each alternative that the measurements leave open.
+        Fixes are compared with the steps before. An estimator that smooths takes them as the comparison says, and it
+        does so for each alternative that the measurements leave open; a filter takes them as they are.
         """
+        if not self.spec.uses_fixes:
+            return self._estimate(devices, tethers, start, sigma_length_scale)
+        checked = check_fixes(devices, start, sigma_length_scale)
+        if self.spec.smooths:
+            devices, start, sigma_length_scale = checked.devices, checked.start, checked.sigma_length_scale
+        track = self._estimate(devices, tethers, start, sigma_length_scale)
+        return replace(track, findings=tuple(dict.fromkeys((*checked.findings, *track.findings))))
+
+    def _estimate(
+        self,
+        devices: Sequence[DeviceMeasurements],
+        tethers: Sequence[DeviceTether],
+        start: StartPose,
+        sigma_length_scale: float,
+    ) -> Track:
         walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings)
         call = _CALLS[self.spec.name]
         if not self.spec.smooths:

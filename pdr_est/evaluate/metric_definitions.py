@@ -1,6 +1,6 @@
 """Definitions of the metrics, with their units and ideal values."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -15,10 +15,13 @@ class Metric:
         One or two sentences.
     ideal : float
         Value of a perfect track; nearer values are better.
+    with_fixes : bool
+        True for a metric of a track that was given position fixes.
     """
 
     text: str
     ideal: float = 0.0
+    with_fixes: bool = False
 
 
 _UNITS: Mapping[str, str] = MappingProxyType({"_m": "m", "_deg": "deg", "_per_min": "1/min"})
@@ -33,6 +36,29 @@ def with_unit(metric: str) -> str:
     """Return the metric as a heading with its unit, such as `error_open_m (m)`."""
     unit = unit_of(metric)
     return f"{metric} ({unit})" if unit else metric
+
+
+ALIGNED_NOTE = (
+    "* This estimator takes no measurement from the position fixes: as far as its start is not given, the whole "
+    "track is moved and turned to fit all of them, the last one included. A filter knows at each step only the fixes "
+    "until then, so that its errors do not compare with these; those of a smoother do."
+)
+"""Footnote to metrics with fixes of an estimator that only aligns its track with them; `marked` refers to it."""
+
+
+def marked(variant: str, metric: str, aligned: Collection[str]) -> str:
+    """Return the name of a variant, marked for `ALIGNED_NOTE` if its value of the metric is that of an aligned track.
+
+    Parameters
+    ----------
+    variant, metric : str
+        Names.
+    aligned : collection of str
+        Names of the variants whose estimator only aligns its track with the fixes.
+    """
+    return (
+        f"{variant} *" if variant in aligned and metric in DEFINITIONS and DEFINITIONS[metric].with_fixes else variant
+    )
 
 
 _START = "after moving the first true position onto the track and turning to the first one at least 20 m away"
@@ -52,16 +78,18 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
         "length_ratio": Metric(
             "Length of the track between the first and the last true position over the length of the true way.", 1.0
         ),
-        "error_heldout_m": Metric(f"Mean distance to the held-out true positions {_HELD}."),
+        "error_heldout_m": Metric(f"Mean distance to the held-out true positions {_HELD}.", with_fixes=True),
         "coverage95": Metric(
             f"Share of the held-out true positions inside the stated 95 % region {_HELD}. More than 0.95 is as wrong "
             "as less.",
             0.95,
+            with_fixes=True,
         ),
         "nees_mean": Metric(
             f"Mean squared error in units of the stated covariance, at the held-out true positions {_HELD}. 2 is "
             "right; more: the track claims to be surer than it is.",
             2.0,
+            with_fixes=True,
         ),
         "error_start_m": Metric(f"Mean distance to the later true positions {_NORTH}, nothing aligned."),
         "heading_start_error_deg": Metric(
@@ -72,14 +100,15 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
             "as less.",
             0.95,
         ),
-        "error_gps_m": Metric(f"Mean distance to the surveyed points {_GPS}, nothing aligned."),
+        "error_gps_m": Metric(f"Mean distance to the surveyed points {_GPS}, nothing aligned.", with_fixes=True),
         "coverage95_gps": Metric(
             f"Share of the surveyed points inside the stated 95 % region {_GPS}, 0.2 m per axis added for "
             "the points. More than 0.95 is as wrong as less.",
             0.95,
+            with_fixes=True,
         ),
         "scale_gps": Metric(
-            f"Learnt ratio of the walker's step length to that of the step-length model {_GPS}.", 1.0
+            f"Learnt ratio of the walker's step length to that of the step-length model {_GPS}.", 1.0, with_fixes=True
         ),
         "error_gps_raw_m": Metric(
             "Mean distance of the GPS positions themselves to the surveyed points: the positions are interpolated "

@@ -90,6 +90,7 @@ class DelayedEstimates:
                 joint.mean,
                 joint.covariance,
                 record.after.walk.present,
+                joint.sources,
             )
         )
         if found:

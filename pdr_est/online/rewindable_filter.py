@@ -21,9 +21,7 @@ from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 
 
 class RewindableFilter:
-    """Multi-device EKF that rewinds and replays out-of-sequence measurements.
-
-    Its state always equals that of the offline filter on everything that is known so far.
+    """Multi-device EKF whose state always equals that of the offline filter on everything that is known so far.
 
     Parameters
     ----------

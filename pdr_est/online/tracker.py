@@ -81,7 +81,9 @@ class Tracker:
         if self._estimator.delayed:
             delays_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s
         self._lag_s = delays_s.get("delayed")
-        self._updates = UpdateAssembly(self._names, self._front_ends, self._config.devices, online.wait_s, delays_s)
+        sigma = self._config.odometry.sigma_length_scale
+        shared = self._names, self._front_ends, self._config.devices, online.wait_s
+        self._updates = UpdateAssembly(*shared, delays_s, sigma)
         self._flushed = False
         self._reported_missed = 0
         self.refused_fixes = 0
@@ -173,7 +175,9 @@ class Tracker:
             return []
         refuse_unusable("", [], [fix], [])  # before the pending estimates are taken out
         found = self._work()
-        self._estimator.add_fix(*fixes_with_noise([fix], self._config.fixes))
+        (noisy,) = fixes_with_noise([fix], self._config.fixes)
+        self._updates.add_fix(noisy)
+        self._estimator.add_fix(noisy)
         found += [*self._filtered(), *self._work()]
         self._warn_of_missed_fixes()
         return found

@@ -9,6 +9,7 @@ import numpy as np
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.frames import Array, rotate_vectors, wrap_angle
+from pdr_est.types.findings import Finding
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
@@ -44,6 +45,8 @@ class Update:
         Carrying mode of the phone during the step.
     moving_from_s
         Time at which the step began.
+    findings
+        What does not fit in the walk so far; each finding comes once, with the first update after it showed.
     """
 
     device: str
@@ -56,10 +59,13 @@ class Update:
     step_length_m: float
     mode: CarryingMode
     moving_from_s: float
+    findings: tuple[Finding, ...] = ()
 
 
 def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str | None = None) -> Track:
     """Return the track that updates of one kind leave, device by device in order of their first appearance.
+
+    Its findings are those of all updates.
 
     Raises
     ------
@@ -67,7 +73,9 @@ def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str 
         If there is no update of that kind.
     """
     latest: dict[str, dict[float, Update]] = {}
+    findings: dict[Finding, None] = {}
     for update in updates:
+        findings |= dict.fromkeys(update.findings)
         if update.kind == kind:
             latest.setdefault(update.device, {})[update.time_s] = update
     rows = [row for device in latest.values() for _, row in sorted(device.items())]
@@ -85,6 +93,7 @@ def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str 
         step_length_m=np.array([row.step_length_m for row in rows]),
         kind=kind,
         estimator=estimator or ("ekf" if kind == "filtered" else "fixed-lag"),
+        findings=tuple(findings),
     )
 
 

@@ -1,12 +1,15 @@
 """Assembly of updates from the poses of filter and smoother: those of each device, and those of the person."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import inf
 
 from pdr_est.config import DevicesParams
+from pdr_est.evaluate.walk_findings import FindingsSoFar
 from pdr_est.online.device_front_end import DeviceFrontEnd
 from pdr_est.online.person_estimates import DeviceCoverage, PersonEstimates
 from pdr_est.online.update import Kind, PoseEstimate, Update, at_mounting, update_of
+from pdr_est.types.measurements import PositionFix
 
 
 class UpdateAssembly:
@@ -22,6 +25,8 @@ class UpdateAssembly:
         Time for which the person waits for devices.
     delays_s
         Time by which poses of each kind come later than those of the filter.
+    sigma_length_scale
+        Standard deviation of the logarithm of the length scale over walkers.
     """
 
     def __init__(
@@ -31,7 +36,9 @@ class UpdateAssembly:
         devices: DevicesParams,
         wait_s: float,
         delays_s: dict[Kind, float],
+        sigma_length_scale: float,
     ) -> None:
+        self._findings = FindingsSoFar(sigma_length_scale)
         self._names, self._front_ends, self._devices = names, front_ends, devices
         self._wait_s, self._delays_s = wait_s, delays_s
         self._persons: dict[Kind, PersonEstimates] = {kind: PersonEstimates(kind) for kind in delays_s}
@@ -48,11 +55,20 @@ class UpdateAssembly:
         for person in self._persons.values():
             person.extend(device, from_s, to_s)
 
+    def add_fix(self, fix: PositionFix) -> None:
+        """Take note of a fix, which the poses after it are compared with."""
+        self._findings.add_fix(fix)
+
     def of_devices(self, kind: Kind, poses: Sequence[PoseEstimate]) -> list[Update]:
-        """Make the updates of device poses; only the ends of steps have one."""
+        """Make the updates of device poses; only the ends of steps have one. New findings come with the last one."""
         steps = [pose for pose in poses if pose.node.is_step]
         self._persons[kind].add(steps, len(self._names))
-        return [self._of_device(kind, pose) for pose in steps]
+        centred = [update_of(pose, self._names[pose.device], kind) for pose in steps]
+        updates = [self._mounted(update) for update in centred]
+        if kind == "filtered" and steps:
+            findings = self._findings.add(centred, steps[-1].scale[0])
+            updates[-1] = replace(updates[-1], findings=tuple(findings)) if findings else updates[-1]
+        return updates
 
     def of_person(self, kind: Kind, now_s: float, most: int | None = None) -> list[Update]:
         """Make the updates of the person's poses that are new or have changed.
@@ -89,7 +105,6 @@ class UpdateAssembly:
         """Time for which the person waits for the pose of a device that may not come."""
         return self._wait_s + max((front_end.step_latency_s for front_end in self._front_ends), default=0.0)
 
-    def _of_device(self, kind: Kind, pose: PoseEstimate) -> Update:
-        name = self._names[pose.device]
-        offset_m = self._devices.mounting_of(name).offset_m if len(self._names) > 1 else (0.0, 0.0)
-        return at_mounting(update_of(pose, name, kind), offset_m)
+    def _mounted(self, update: Update) -> Update:
+        offset_m = self._devices.mounting_of(update.device).offset_m if len(self._names) > 1 else (0.0, 0.0)
+        return at_mounting(update, offset_m)

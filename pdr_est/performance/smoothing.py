@@ -12,8 +12,8 @@ from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.factor_graph import smoother as factor_graph
 from pdr_est.estimators.factor_graph.build import build_graph
 from pdr_est.estimators.factor_graph.initial_values import initial_states
-from pdr_est.estimators.factor_graph.large_stack_thread import with_large_stack
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS
+from pdr_est.estimators.factor_graph.smoother import with_large_stack
 from pdr_est.performance.odometry import SIGMA_SCALE, START, walk_of
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether
 

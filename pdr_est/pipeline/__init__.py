@@ -105,5 +105,5 @@ def estimate_tracks(
             with_map_directions(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)
         ]
         track = run_estimator(devices, tethers, estimator, config)
-    track = with_findings(track, devices, tethers, estimator, config)
+    track = with_findings(track, walks, devices, tethers, estimator, config)
     return with_person(track, config) if len(walks) > 1 else track

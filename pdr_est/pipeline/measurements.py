@@ -135,16 +135,17 @@ def with_map_directions(
 
 def with_findings(
     track: Track,
+    walks: Sequence[DeviceWalk],
     devices: Sequence[DeviceMeasurements],
     tethers: Sequence[DeviceTether],
     estimator: Estimator,
     config: Config,
 ) -> Track:
-    """Add what does not fit in the walk to what the estimator has found itself."""
+    """Add what does not fit in the walk, and what the front ends have found, to what the estimator has found."""
     start, sigma = config.start.pose(), config.odometry.sigma_length_scale
-    return replace(
-        track, findings=(*track.findings, *findings_of(track, devices, tethers, start, sigma, estimator.spec))
-    )
+    by_front_end = tuple(finding for walk in walks for finding in walk.findings)
+    of_walk = findings_of(track, devices, tethers, start, sigma, estimator.spec)
+    return replace(track, findings=(*track.findings, *by_front_end, *of_walk))
 
 
 def with_person(track: Track, config: Config) -> Track:

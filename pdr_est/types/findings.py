@@ -64,4 +64,5 @@ class Finding:
     @property
     def words(self) -> str:
         """The finding in one line, with the name of its device."""
-        return f"{self.device}: {self.message}" if self.device else self.message
+        named = not self.device or self.message.startswith(f"{self.device}: ")
+        return self.message if named else f"{self.device}: {self.message}"

@@ -92,8 +92,8 @@ class PositionFix:
     """Known position in the map frame.
 
     The error of a fix has two parts. One is independent from fix to fix. The other wanders slowly and is common to
-    the fixes of one source: divided by its standard deviation, it is a first-order Gauss-Markov process in each
-    coordinate.
+    the fixes of one source: in each coordinate it is a first-order Gauss-Markov process, whose standard deviation may
+    grow from one fix to the next, and shrinks only with the correlation time.
 
     Attributes
     ----------

@@ -215,10 +215,8 @@ class Recording:
             (n, 3) gyroscope, rad/s, device axes. Without it there are steps but no track.
         magnetic_field_ut
             (n, 3) magnetometer, µT, device axes.
-        attitude
-            (n, 4) quaternions w first, device to a frame with z up.
-        attitude_reference
-            Direction that its yaw counts from.
+        attitude, attitude_reference
+            (n, 4) quaternions w first, device to a frame with z up, and the direction that their yaw counts from.
         device, name
             Names of the device and of the recording.
 

@@ -15,8 +15,10 @@ LENGTH_MODELS = ["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr
 DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
 METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
+    *("error_start_m", "heading_start_error_deg", "coverage95_start"),
     "mode_accuracy",
 }
+NO_NORTH = "error_start_m, heading_start_error_deg, coverage95_start: no device of the walk knows north"
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +64,7 @@ def test_json_document(data: Path, tmp_path: Path) -> None:
     assert {(row["track"], row["mode"]) for row in rows} == {("device", "HOLDING")}
     assert all(row["ate_rigid_m"] < 1.5 for row in rows)
     assert (rows[1]["error_heldout_m"], rows[1]["coverage95"]) == (None, None)
-    reasons = {walk["walk"]: walk["reason"] for walk in document["skipped"]}
+    reasons = {walk["walk"]: walk["reason"] for walk in document["skipped"] if walk["reason"] != NO_NORTH}
     assert "fewer than 5 truth points" in reasons["site1/F1/b"]
     assert "no true positions" in reasons["site1/F1/c"]
     assert "unknown format" in reasons["site1/F1/d"]
@@ -111,7 +113,7 @@ def test_one_estimator_and_a_limit(data: Path, tmp_path: Path) -> None:
     document, _ = scored(tmp_path, "ilc20", "--data", data / "ilc20", "--estimator", "ekf", "--limit", 1)
     assert document["estimator"] == "ekf"
     assert [row["walk"] for row in document["walks"]] == ["site1/F1/a"]
-    assert document["skipped"] == []
+    assert document["skipped"] == [{"walk": "site1/F1/a", "reason": NO_NORTH}]
 
 
 def test_a_configuration_changes_the_numbers(data: Path, tmp_path: Path) -> None:

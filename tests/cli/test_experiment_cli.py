@@ -58,6 +58,22 @@ def test_compare_prints_and_writes_who_is_better(small: Path, tmp_path: Path) ->
     assert (tmp_path / "compare.md").read_text(encoding="utf-8").startswith("| metric | unit | A | B |")
 
 
+def test_an_estimator_that_is_aligned_with_the_fixes_has_a_footnote_where_fixes_matter(
+    small: Path, tmp_path: Path
+) -> None:
+    result = run("compare", small.parent / "out", "--metric", "error_heldout_m", "-o", tmp_path)
+    text = (tmp_path / "compare.md").read_text(encoding="utf-8")
+    for shown in (result.stdout, text):
+        assert "dead-reckoning *" in shown
+        assert "ekf *" not in shown
+        assert "* This estimator takes no measurement from the position fixes" in shown
+    assert "\n\n\\* This estimator" in text  # no bullet
+    other = run("compare", small.parent / "out", "--metric", "length_ratio", "-o", tmp_path)
+    assert "position fixes" not in other.stdout + (tmp_path / "compare.md").read_text(encoding="utf-8")
+    page = (small.parent / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<strong>dead-reckoning:</strong> This estimator takes no measurement" in page
+
+
 @pytest.mark.parametrize("columns", [60, 100, 160])
 def test_compare_is_readable_in_a_terminal(small: Path, tmp_path: Path, columns: int, monkeypatch: Any) -> None:
     """No line is wider than it, or than 100 columns; units stand in the headings, and numbers are whole."""

@@ -18,7 +18,20 @@ from pdr_est.front_end.gait.model import model_digest
 from pdr_est.front_end.step_length.equations import MMPDR_K
 from pdr_est.types.track_table import TRACK_COLUMNS
 
-SUMMARY_KEYS = {"inputs", "config", "versions", "counts", "distance_m", "gaps", "timings_s", "warnings", "estimator"}
+SUMMARY_KEYS = {
+    *(
+        "inputs",
+        "config",
+        "versions",
+        "counts",
+        "distance_m",
+        "gaps",
+        "timings_s",
+        "findings",
+        "warnings",
+        "estimator",
+    )
+}
 
 
 def table(out: Path) -> list[dict[str, str]]:
@@ -73,6 +86,22 @@ def test_the_summary_says_what_was_done(plain: Path, good: Path) -> None:
     assert summary["estimator"] == "factor-graph"
     assert summary["distance_m"] == pytest.approx(12.0, rel=0.15)
     assert summary["warnings"] == []
+
+
+def test_what_does_not_fit_is_in_the_summary_and_on_the_terminal(good: Path, tmp_path: Path) -> None:
+    result = run("smooth", good, "-o", tmp_path / "out", "--start", 3, 4)
+    summary = document(tmp_path / "out")
+    (finding,) = summary["findings"]
+    assert (finding["kind"], finding["doubtful"], summary["frame"]) == ("start-heading", True, "own")
+    assert "the direction of the track is unknown" in finding["message"]
+    assert summary["warnings"] == [finding["message"]]
+    assert result.stderr.splitlines().count(f"warning: {finding['message']}") == 1
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<h2>What does not fit</h2>" in page
+    assert "<h2>Warnings</h2>" not in page
+    with_heading = run("smooth", good, "-o", tmp_path / "known", "--start", 3, 4, "--heading", 90)
+    assert "direction" not in with_heading.stderr
+    assert document(tmp_path / "known")["findings"] == []
 
 
 def test_the_tum_file_opens_with_evo(plain: Path) -> None:

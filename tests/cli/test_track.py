@@ -39,6 +39,21 @@ def test_a_replayed_recording_gives_the_track_of_the_filter(good: Path) -> None:
     assert [[row["x_m"], row["y_m"]] for row in rows] == pytest.approx(whole.position_m, abs=0.02)
 
 
+def test_a_fix_that_does_not_fit_is_told_when_it_shows(good: Path, tmp_path: Path) -> None:
+    table = tmp_path / "fixes.csv"
+    table.write_text("time_s,x_m,y_m,sigma_m\n5.0,80.0,-60.0,1.0\n", encoding="utf-8")
+    result = run("track", good, "--start", 0, 0, "--heading", 0, "--fixes", table)
+    assert result.exit_code == 0
+    told = [line for line in result.stderr.splitlines() if "the position fix (file) at 5.0 s disagrees" in line]
+    assert len(told) == 1
+    assert told[0].startswith("warning: ")
+    (row,) = [row for row in documents(result.stdout) if "fixes" in [one["kind"] for one in row.get("findings", ())]]
+    assert row["time_s"] > 5.0
+    assert f"warning: {row['findings'][0]['message']}" in told
+    later = [row for row in documents(result.stdout) if row["time_s"] > 5.0]
+    assert row["time_s"] == min(one["time_s"] for one in later)
+
+
 def test_fixed_lag_gives_both_kinds_and_a_file(good: Path, tmp_path: Path) -> None:
     out = tmp_path / "lines.jsonl"
     result = run("track", good, "--estimator", "fixed-lag", "-o", out)

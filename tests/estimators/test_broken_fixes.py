@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from broken_fixes import BrokenWalk, broken_walk
+from estimator_walks import run
 
 from pdr_est.estimators import EstimatorName
 from pdr_est.types.track import Track
-from tests.support.broken_fixes import BrokenWalk, broken_walk
-from tests.support.estimator_walks import run
 
 CASES = 500
 SAMPLE = 60

@@ -13,7 +13,7 @@ from estimator_walks import STEP_S, fix, run, simulate, step, straight, usual_co
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import ESTIMATORS, EstimatorName, estimate_track
-from pdr_est.estimators.factor_graph.large_stack_thread import LARGE_STACK_POSES
+from pdr_est.estimators.factor_graph.smoother import LARGE_STACK_POSES
 from pdr_est.types.measurements import Measurement, StartPose, StepOdometry
 from pdr_est.types.track import Track
 

@@ -66,46 +66,38 @@ def test_on_a_walk_due_east_the_ekf_is_the_textbook_s(sigma_scale: float) -> Non
 def test_on_a_linear_walk_filter_and_smoother_are_least_squares() -> None:
     """Linear, because the length scale is known."""
     timeline = timeline_of(straight_walk(0.0))
-    mean, covariance = solve_linear(timeline, EAST, 0.0)
+    (position,), (covariance,), _, _ = solve_linear([timeline], EAST, 0.0)
     filtered = run_filter(timeline, EAST, 0.0)[0]
     smoothed = rts_smoother.smooth(timeline.nodes, filtered.states)
-    assert filtered.states[-1].mean[:2] == pytest.approx(mean[-3:-1], abs=1e-9)
-    assert filtered.states[-1].covariance[:2, :2] == pytest.approx(covariance[-3:-1, -3:-1], abs=1e-9)
+    assert filtered.states[-1].mean[:2] == pytest.approx(position[-1], abs=1e-9)
+    assert filtered.states[-1].covariance[:2, :2] == pytest.approx(covariance[-1], abs=1e-9)
     for i, state in enumerate(smoothed):
-        rows = [2 * i, 2 * i + 1, -1]
-        assert state.mean[[0, 1, 3]] == pytest.approx(mean[rows], abs=1e-8)
-        assert state.covariance[np.ix_([0, 1, 3], [0, 1, 3])] == pytest.approx(
-            covariance[np.ix_(rows, rows)], abs=1e-8
-        )
+        assert state.mean[:2] == pytest.approx(position[i], abs=1e-8)
+        assert state.covariance[:2, :2] == pytest.approx(covariance[i], abs=1e-8)
 
 
 def test_with_a_scale_filter_and_smoother_are_least_squares_to_first_order() -> None:
     timeline = timeline_of(straight_walk(0.0))
-    mean, covariance = solve_linear(timeline, EAST, SIGMA_SCALE)
+    (position,), (covariance,), (log_scale,), of_scale = solve_linear([timeline], EAST, SIGMA_SCALE)
     smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, EAST, SIGMA_SCALE)[0].states)
     for i, state in enumerate(smoothed):
-        rows = [2 * i, 2 * i + 1, -1]
-        assert state.mean[[0, 1]] == pytest.approx(mean[rows[:2]], abs=0.01)
-        assert state.mean[3] == pytest.approx(mean[-1], abs=0.1 * np.sqrt(covariance[-1, -1]))
-        expected = covariance[np.ix_(rows, rows)]
-        difference = state.covariance[np.ix_([0, 1, 3], [0, 1, 3])] - expected
-        assert np.linalg.norm(difference) < 0.05 * np.linalg.norm(expected)
+        assert state.mean[:2] == pytest.approx(position[i], abs=0.01)
+        assert np.linalg.norm(state.covariance[:2, :2] - covariance[i]) < 0.05 * np.linalg.norm(covariance[i])
+        assert state.mean[3] == pytest.approx(log_scale, abs=0.1 * np.sqrt(of_scale[0, 0]))
+        assert state.covariance[3, 3] == pytest.approx(of_scale[0, 0], rel=0.1)
 
 
 @pytest.mark.parametrize("sigma_scale", [0.0, SIGMA_SCALE])
 def test_on_a_walk_due_east_the_graph_is_least_squares(sigma_scale: float) -> None:
     walk = straight_walk(1e-4)
     timeline = timeline_of(walk)
-    mean, covariance = solve_linear(timeline, EAST, sigma_scale)
-    steps = [i for i, node in enumerate(timeline.nodes) if node.is_step]
+    (position,), (covariance,), (log_scale,), of_scale = solve_linear([timeline], EAST, sigma_scale)
+    steps = [node.is_step for node in timeline.nodes]
     track = run("factor-graph", walk.measurements, EAST, sigma_scale)
-    for row, i in enumerate(steps):
-        own = slice(2 * i, 2 * i + 2)
-        assert track.position_m[row] == pytest.approx(mean[own], abs=5e-6)
-        assert track.covariance_m2[row] == pytest.approx(covariance[own, own], abs=5e-6)
-    assert track.length_scale == pytest.approx(np.exp(mean[-1]), abs=5e-6)
-    sigma = np.exp(mean[-1]) * np.sqrt(covariance[-1, -1])
-    assert track.sigma_length_scale == pytest.approx(sigma, abs=5e-6)
+    assert track.position_m == pytest.approx(position[steps], abs=5e-6)
+    assert track.covariance_m2 == pytest.approx(covariance[steps], abs=5e-6)
+    assert track.length_scale == pytest.approx(np.exp(log_scale), abs=5e-6)
+    assert track.sigma_length_scale == pytest.approx(np.exp(log_scale) * np.sqrt(of_scale[0, 0]), abs=5e-6)
     assert track.kind == "smoothed"
 
 

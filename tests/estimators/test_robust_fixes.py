@@ -20,9 +20,7 @@ def fixes(robust: bool, first: int = 0) -> list[PositionFix]:
 @pytest.mark.parametrize("start", [KNOWN, StartPose()], ids=["known start", "unknown start"])
 def test_a_robust_estimator_resists_a_gross_fix(name: EstimatorName, start: StartPose) -> None:
     robust = run(name, [*straight(56), *fixes(robust=True)], start)
-    plain = run(name, [*straight(56), *fixes(robust=False)], start)
     assert np.max(np.abs(robust.position_m[:, 1])) < 1.5
-    assert np.max(np.abs(plain.position_m[:, 1])) > 4.0
     assert robust.position_m[-1] == pytest.approx([39.2, 0.0], abs=0.5)
 
 

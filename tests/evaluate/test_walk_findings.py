@@ -38,12 +38,14 @@ def test_a_fix_is_compared_with_the_track_that_was_not_given_it(name, robust):
     found = fix_residual(moved, track)
     error_m = moved.position_m - position_m
     squared = error_m @ np.linalg.solve(covariance_m2 + moved.covariance_m2, error_m)
-    if robust:  # it was given less weight, which is not known here: it pulls the track a little
+    if (
+        robust and name == "factor-graph"
+    ):  # it was given less weight, which is not known here: it pulls the track a little
         assert found.distance_m < np.hypot(*error_m)
         assert 0.4 * squared < found.squared < squared
     else:
-        assert found.error_m == pytest.approx(error_m, rel=0.05, abs=0.1)
-        assert found.squared == pytest.approx(squared, rel=0.06)
+        assert found.error_m == pytest.approx(error_m, abs=0.2)
+        assert found.squared == pytest.approx(squared, rel=0.1)
         assert found.sigma_m == pytest.approx(found.distance_m / math.sqrt(found.squared))
 
 
@@ -58,6 +60,11 @@ def test_a_fix_within_a_step_is_compared_with_the_innovation_of_the_filter():
     assert found.squared == pytest.approx(
         error_m @ np.linalg.solve(covariance_m2 + within.covariance_m2, error_m), rel=0.1
     )
+
+
+def test_a_filtered_track_that_begins_with_a_fix_cannot_judge_it():
+    first = fix(0, 3.0, 4.0)
+    assert fix_residual(first, run("ekf", [*straight(5), first], StartPose(None, 0.0))) is None
 
 
 def test_a_fix_that_alone_tells_the_position_cannot_disagree():
@@ -126,14 +133,13 @@ def test_tracks_without_a_covariance_and_walks_without_fixes_have_no_finding(mak
 
 
 @pytest.mark.parametrize(("scale", "words"), [(0.71, "0.71 is 3.1 sigma"), (1.4, "1.40 is 3.1 sigma"), (1.3, None)])
-def test_length_scale_against_its_prior(make_track, scale, words):
-    track = replace(make_track([0.0], [(0.0, 0.0)]), length_scale=scale)
-    found = length_scale_finding(track, 0.11)
+def test_length_scale_against_its_prior(scale, words):
+    found = length_scale_finding(scale, 0.11)
     assert (found is None) == (words is None)
     if words:
         assert words in found.message
         assert (found.kind, found.value, found.sigma) == (FindingKind.LENGTH_SCALE, scale, 0.11)
-    assert length_scale_finding(track, 0.0) is None
+    assert length_scale_finding(scale, 0.0) is None
 
 
 @pytest.mark.parametrize("start", [StartPose(), StartPose((1.0, 2.0), 0.3), StartPose(None, 0.3)])

@@ -142,3 +142,14 @@ def test_narrow_terminal_shortens_no_name_and_no_number(printed):
     text = printed(result([row(name, "factor-graph", 1.5)], ("factor-graph",)), width=20)
     assert name in text.replace("\n", "")
     assert "…" not in text
+
+
+@pytest.mark.parametrize(("metric", "aligned"), [("error_heldout_m", True), ("ate_rigid_m", False)])
+def test_an_estimator_that_only_aligns_with_the_fixes_is_marked_where_they_matter(printed, metric, aligned):
+    names = ("dead-reckoning", "factor-graph")
+    rows = [result_row("a", name, {metric: 1.0}) for name in names]
+    found = benchmark_result("ilc20", "estimator", names, (metric,), rows, [file("a")], ())
+    text = printed(found)
+    assert ("dead-reckoning *" in text) == aligned == ("* This estimator takes no measurement" in text)
+    assert "factor-graph *" not in text
+    assert found.to_dict().get("aligned_with_fixes") == (["dead-reckoning"] if aligned else None)

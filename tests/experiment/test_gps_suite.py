@@ -19,7 +19,8 @@ EKF = Config(mode=ModeParams(method="fixed")).with_estimator("ekf")
 
 
 def gps(time_s, east_m, north_m, sigma_m=1.0):
-    return PositionFix(time_s, np.array([east_m, north_m]), sigma_m**2 * np.eye(2), source="gps")
+    """A position of a source whose errors are independent, as its accuracy states."""
+    return PositionFix(time_s, np.array([east_m, north_m]), sigma_m**2 * np.eye(2), source="beacon")
 
 
 @pytest.fixture
@@ -71,7 +72,7 @@ def test_a_walk_without_gps_has_no_such_value_and_is_scored_otherwise(tmp_path, 
     assert {row[metric] for metric in GPS_METRICS} == {None}
     assert row["error_heldout_m"] is not None
     assert document["skipped"] == [
-        {"walk": "log", "reason": f"{', '.join(GPS_METRICS)}: no GPS position in the recording"}
+        {"walk": "log", "reason": f"{', '.join(GPS_METRICS)}: no GPS position in the recording"},
     ]
 
 

@@ -10,6 +10,7 @@ from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.experiment import SUITES, comparison_on_axis, run_benchmark
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.runners.score_variants import missing_reasons
+from pdr_est.experiment.scoring.known_start import START_METRICS
 from pdr_est.experiment.suite import TrackScores
 from pdr_est.experiment.suites import ilc20, ipin2023
 from pdr_est.experiment.variants.axes import Comparison, Variant
@@ -17,6 +18,7 @@ from pdr_est.front_end.gait import GaitParams, shipped_model
 from pdr_est.front_end.gait.model import save_model
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.io import read
+from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import PositionFix
 
 HELD = Config(mode=ModeParams(method="fixed"))  # made-up signals are not like those of a hand
@@ -119,7 +121,10 @@ def test_a_recording_without_steps_is_scored_by_its_errors(data, write_ilc20):
         assert (walk["mode"], walk["mode_accuracy"], walk["length_ratio"]) == ("UNKNOWN", None, 0.0)
         # Waypoints 3.9 m apart, the track in one place: errors 3.9 to 6 * 3.9 m, mean 3.5 * 3.9.
         assert walk["error_open_m"] == pytest.approx(3.5 * 3.9)
-    assert document["skipped"] == [{"walk": "site1/F1/one", "reason": "mode_accuracy: no step found"}]
+    assert document["skipped"] == [
+        {"walk": "site1/F1/one", "reason": f"{', '.join(START_METRICS)}: no device of the walk knows north"},
+        {"walk": "site1/F1/one", "reason": "mode_accuracy: no step found"},
+    ]
 
 
 def test_estimator_gets_no_truth_but_the_points_that_are_given(data, monkeypatch):
@@ -134,10 +139,11 @@ def test_estimator_gets_no_truth_but_the_points_that_are_given(data, monkeypatch
 
     monkeypatch.setattr(pipeline, "estimate_tracks", spy)
     run_benchmark("ilc20", data, EKF, limit=1)
-    without, sparse = given
+    without, sparse, start = given
     assert without == ()
     # Waypoints number 1 to 7 at 1, 4, … 19 s: number 1, 4 and 7 are given.
     assert [fix.time_s for fix in sparse] == pytest.approx([1.0, 10.0, 19.0])
+    assert [fix.time_s for fix in start] == pytest.approx([1.0])
 
 
 def test_a_programming_error_in_a_walk_is_not_hidden_and_names_the_walk(data, monkeypatch):
@@ -237,6 +243,18 @@ def test_missing_value_that_no_reason_explains_is_told():
 def test_a_metric_that_does_not_apply_needs_no_reason():
     scores = TrackScores("device", "HOLDING", {"nees_mean": 1.0}, missing={"coverage95": "too dark"})
     assert missing_reasons(ilc20.SUITE, scores) == ["coverage95: too dark"]
+
+
+def test_doubtful_findings_are_counted(data, monkeypatch):
+    estimate = pipeline.estimate_tracks
+    found = tuple(Finding(FindingKind.NORTH, str(k), doubtful=k < 2) for k in range(3))
+
+    def with_findings(walks, config, fixes=()):
+        return replace(estimate(walks, config, fixes), findings=found if fixes else ())
+
+    monkeypatch.setattr(pipeline, "estimate_tracks", with_findings)
+    document = run_benchmark("ilc20", data, EKF, limit=1).to_dict()
+    assert [walk["findings"] for walk in document["walks"]] == [2]
 
 
 def test_settings_that_no_walk_can_use_end_the_run(data, tmp_path):

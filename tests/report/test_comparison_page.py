@@ -7,10 +7,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE
 from pdr_est.evaluate.paired_comparison import compare_paired
 from pdr_est.report.comparison.page import ComparisonContent, render_comparison
 from pdr_est.report.comparison.plots import plot_distribution, plot_growth
-from pdr_est.report.comparison.tables import averages_table, groups_table, modes_table, steps_table
+from pdr_est.report.comparison.tables import averages_table, groups_table, modes_table, pairs_table, steps_table
 from pdr_est.types.outcome import TrackOutcome
 
 METRICS = ("error_heldout_m", "coverage95")
@@ -201,3 +202,24 @@ def test_a_variant_with_a_few_great_errors_does_not_press_the_others_together(co
     near = replace(near, error_m=np.full(10, 0.3))
     assert plot_distribution([outlying, near], content.variants).axes[0].get_xscale() == "log"
     assert plot_distribution([near], content.variants).axes[0].get_xscale() == "linear"
+
+
+def test_variants_that_are_only_aligned_with_the_fixes_are_marked_where_that_matters(
+    content: ComparisonContent,
+) -> None:
+    assert "far *" not in render_comparison(content)
+    page = render_comparison(replace(content, aligned=("far",)))
+    assert "<strong>far:</strong> This estimator takes no measurement from the position fixes" in page
+    also_open = [replace(one, metrics={**one.metrics, "length_ratio": 1.0}) for one in content.outcomes]
+    averages = averages_table(also_open, content.variants, ("error_heldout_m", "length_ratio"), ("far",))
+    assert [row[1].text for row in averages.rows] == ["far *", "near", "far", "near"]
+    assert averages.note.endswith(ALIGNED_NOTE)
+    pairs = pairs_table(content.pairs, "", ("far",))
+    assert [cell.text for cell in pairs.rows[0][1:3]] == ["far *", "near"]
+    assert pairs.note.endswith(ALIGNED_NOTE)
+
+
+def test_without_fixes_no_variant_is_aligned_with_them(content: ComparisonContent) -> None:
+    bare = tuple(replace(one, with_fixes=False, metrics={"length_ratio": 1.0}) for one in content.outcomes)
+    page = render_comparison(replace(content, aligned=("far",), outcomes=bare, metrics=("length_ratio",), pairs=()))
+    assert "position fixes" not in page

@@ -70,13 +70,17 @@ def test_track_is_in_the_map_frame_only_when_something_ties_it(make_walk, start,
     assert summarise(walk, recording, {}, {}, {}, start=start)["frame"] == frame
 
 
-def test_a_device_that_knows_north_needs_only_a_place_on_the_map(make_walk) -> None:
+@pytest.mark.parametrize(
+    ("start", "frame"), [(None, "north-up"), (StartPose((1.0, 2.0), None), "map"), (StartPose(None, 0.3), "north-up")]
+)
+def test_a_phone_that_knows_north_needs_one_position_for_the_map_frame(make_walk, start, frame) -> None:
     walk, recording = make_walk(steps=10)
-    for relative, frame in ((True, "own"), (False, "map")):
-        prior = HeadingPrior("phone", 3.0, 0.4, 0.1, relative=relative)
-        free = replace(walk, fixes=(), devices=(replace(walk.devices[0], odometry=(prior,)),))
-        assert summarise(free, recording, {}, {}, {}, start=StartPose((1.0, 2.0)))["frame"] == frame
-        assert summarise(free, recording, {}, {}, {})["frame"] == "own"
+    (device,) = walk.devices
+    north = HeadingPrior(device.device, 1.0, 0.2, 0.25)
+    device = replace(device, odometry=(*device.odometry, north))
+    assert summarise(replace(walk, fixes=(), devices=(device,)), recording, {}, {}, {}, start=start)["frame"] == frame
+    relative = replace(device, odometry=(replace(north, relative=True),))
+    assert summarise(replace(walk, fixes=(), devices=(relative,)), recording, {}, {}, {})["frame"] == "own"
 
 
 def test_findings_are_listed_with_all_that_is_known_of_them(make_walk) -> None:

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from estimator_walks import STEP_S, SimulatedWalk, simulate
 
 from pdr_est.estimators.common.fix_noise import FixNoiseParams, fixes_with_noise
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StartPose
-from tests.support.estimator_walks import STEP_S, SimulatedWalk, simulate
 
 SIGMA_SCALE = 0.08  # of the simulated walkers; the estimators take SIGMA_SCALE of estimator_walks
 SIGMA_POINT_M = 0.7

@@ -28,14 +28,15 @@ def compare(
     Prints the mean difference with its bootstrap interval and who wins on how many walks, and writes the same as
     compare.csv and compare.md.
     """
-    from pdr_est.experiment.results.comparison import as_csv, as_markdown, compare_variants, read_values
+    from pdr_est.experiment.results.comparison import as_csv, as_markdown, compare_variants, read_aligned, read_values
     from pdr_est.experiment.results.console_tables import print_comparison
     from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT, write
 
     pairs = compare_variants(read_values(folders, track, metrics), reference)
+    aligned = read_aligned(folders)
     folder = folders[0] if output is None else output
     folder.mkdir(parents=True, exist_ok=True)
     write(folder / COMPARED_CSV, as_csv(pairs))
-    write(folder / COMPARED_TEXT, as_markdown(pairs))
+    write(folder / COMPARED_TEXT, as_markdown(pairs, aligned))
     if not quiet:
-        print_comparison(pairs, Console())
+        print_comparison(pairs, Console(), aligned)

@@ -30,7 +30,7 @@ JITTER_VARIANCE = 1e-12
 
 @dataclass(frozen=True)
 class SourceState:
-    """What a filter knows of a source of fixes besides the estimate of its wandering error.
+    """State of a source of fixes, besides the estimate of its wandering error.
 
     Attributes
     ----------
@@ -38,8 +38,10 @@ class SourceState:
         Name of the source.
     time_s
         Time of its last fix, for which the estimate of its error holds, s.
+    sigma_m
+        Standard deviation of the error then, by which it is divided, m.
     wander_time_s
-        Correlation time of its error, s.
+        Correlation time of the error, s.
     misfit
         Sum of the squared normalised innovations of its fixes; older ones count less.
     count
@@ -50,14 +52,16 @@ class SourceState:
 
     name: str
     time_s: float
+    sigma_m: float
     wander_time_s: float
     misfit: float = 0.0
     count: float = 0.0
     jump_variance: float = 0.0
 
-    def decay_since(self, earlier: "SourceState") -> float:
+    def correlation_with(self, earlier: "SourceState") -> float:
         """Return the correlation of the wandering error with that at an earlier time."""
-        return exp(-max(self.time_s - earlier.time_s, 0.0) / self.wander_time_s)
+        decay = exp(-max(self.time_s - earlier.time_s, 0.0) / self.wander_time_s)
+        return min(decay * earlier.sigma_m / self.sigma_m, 1.0)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,14 @@ from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import timelines_of
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.estimators.factor_graph.keys import GraphKeys
-from pdr_est.estimators.factor_graph.smoother import pose_marginals, run_gtsam, solve, track_from_solution
+from pdr_est.estimators.factor_graph.smoother import (
+    LeftOutFix,
+    left_out_fixes,
+    pose_marginals,
+    run_gtsam,
+    solve,
+    track_from_solution,
+)
 from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem
 from pdr_est.frames import Array
 from pdr_est.types.measurements import (
@@ -36,13 +43,13 @@ class WalkGraph:
     Attributes
     ----------
     graph : gtsam.NonlinearFactorGraph
-        One factor for each start, step, position fix, heading prior and loop closure, and a RangeFactorPose2 for each
-        tether that is active at `values`, with auxiliary factors where it ends between two poses
-        (`tether_factors`).
+        One factor for each start, step, position fix, heading prior and loop closure, those of the wandering errors
+        of fixes (`wandering_errors`), and a RangeFactorPose2 for each tether that is active at `values`, with
+        auxiliary factors where it ends between two poses (`tether_factors`).
     values : gtsam.Values
         Value of each variable of the graph.
     keys : GraphKeys
-        Keys of the poses.
+        Keys of the variables.
     length_scales : (d,) array
         Length scale of each device, at which the steps of the graph are.
     """
@@ -72,7 +79,7 @@ class WalkGraph:
         Parameters
         ----------
         values : gtsam.Values
-            Values of all poses and references. Other variables of yours are kept.
+            Values of all poses, references and wandering errors. Other variables of yours are kept.
         softening : float
             Factor on the standard deviations of the tethers. GTSAM's optimisers hardly move a long walk with stiff
             tethers; solve with 64, then 8, then 1 if the solution is far away.
@@ -83,6 +90,31 @@ class WalkGraph:
         problem.softening = softening
         graph, complete = problem.complete(own, self.length_scales)
         return replace(self, graph=graph, values=complete, _problem=problem)
+
+    def left_out_fixes(
+        self, values: gtsam.Values | None = None, graph: gtsam.NonlinearFactorGraph | None = None
+    ) -> list[LeftOutFix]:
+        """Return the leave-one-out residual of every fix (`smoother.left_out_fixes`).
+
+        Squared and divided by its covariance, it has a chi-squared distribution with 2 degrees of freedom if
+        everything is as stated.
+
+        Parameters
+        ----------
+        values : gtsam.Values, optional
+            Solution; by default the values of this graph, which are one if it was built as `optimised`.
+        graph : gtsam.NonlinearFactorGraph, optional
+            Graph of the solution; by default this one.
+
+        Raises
+        ------
+        EstimationError
+            If a variable has no value, or the graph has no unique solution.
+        """
+        at = self.values if values is None else values
+        whole = self.graph if graph is None else graph
+        _refuse_missing(at, whole.keyVector())
+        return run_gtsam(lambda: left_out_fixes(self._problem, whole, at, self._scales), self.keys.poses)
 
     def track_from(
         self, values: gtsam.Values | None = None, graph: gtsam.NonlinearFactorGraph | None = None
@@ -169,7 +201,7 @@ def build_graph(
         scales, values = run_gtsam(lambda: solve(problem, initial, sigma_length_scale), problem.keys.poses)
     else:
         expected = [states[-1].length_scale[0] if problem.scale_is_observable else 1.0 for states in initial]
-        scales = LengthScales.known(np.array(expected), problem.keys.poses)
+        scales = LengthScales.known(np.array(expected), problem.keys)
         values = problem.initial_values(initial)
         problem.add_violated_tethers(values)
     graph, complete = problem.complete(values, scales.value)

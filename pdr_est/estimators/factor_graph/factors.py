@@ -1,8 +1,9 @@
 """The measurements of one device as factors of GTSAM.
 
 Poses are Pose2 variables (`keys`). All factors made here are built into GTSAM: PriorFactorPose2 (start),
-BetweenFactorPose2 (steps, closed walks, relative heading priors), PoseTranslationPrior2D (fixes) and
-PoseRotationPrior2D (heading priors). `tether_factors` makes those between devices.
+BetweenFactorPose2 (steps, closed walks, relative heading priors), PoseTranslationPrior2D (fixes without a wandering
+error) and PoseRotationPrior2D (heading priors). `wandering_errors` makes those of the other fixes, `tether_factors`
+those between devices.
 """
 
 from collections.abc import Sequence
@@ -34,6 +35,8 @@ def add_anchors(
     initial: Sequence[Sequence[GaussianState]],
 ) -> None:
     """Add start poses, position fixes, heading priors and loop closures, which tie the walk to the map.
+
+    Fixes with a wandering error are left out.
 
     Parameters
     ----------
@@ -78,9 +81,13 @@ def initial_reference(states: Sequence[GaussianState]) -> gtsam.Pose2:
 
 
 def add_measurements(graph: gtsam.NonlinearFactorGraph, node: Node, key: int, reference: int | None) -> None:
-    """Add the position fixes and heading priors of a node; `reference` is the key that relative ones count from."""
+    """Add the heading priors of a node, and the position fixes that have no wandering error.
+
+    `reference` is the key that relative heading priors count from.
+    """
     for fix in node.fixes:
-        graph.add(gtsam.PoseTranslationPrior2D(key, np.asarray(fix.position_m), _fix_noise(fix)))
+        if fix.sigma_wander_m <= 0.0:
+            graph.add(gtsam.PoseTranslationPrior2D(key, np.asarray(fix.position_m), fix_noise(fix)))
     for heading in node.priors:
         graph.add(_heading_factor(key, reference, heading))
 
@@ -158,7 +165,8 @@ def _robust(noise: gtsam.noiseModel.Base, robust: bool) -> gtsam.noiseModel.Base
     return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_CAUCHY), noise)
 
 
-def _fix_noise(fix: PositionFix) -> gtsam.noiseModel.Base:
+def fix_noise(fix: PositionFix) -> gtsam.noiseModel.Base:
+    """Make the noise model of the independent error of a fix, with Huber's kernel if it is robust."""
     base = gtsam.noiseModel.Gaussian.Covariance(np.asarray(fix.covariance_m2, dtype=np.float64))
     if not fix.robust:
         return base

@@ -15,11 +15,12 @@ from pdr_est.frames import Array
 
 @dataclass(frozen=True)
 class GraphKeys:
-    """Keys of the poses and of the reference headings of a walk's graph.
+    """Keys of the poses, the reference headings and the wandering errors of fixes in a walk's graph.
 
-    The nodes of the first device have the keys 0, 1, 2, …, those of the next device follow, and the references come
-    after all poses. The auxiliary variables of a tether that ends between two poses (`tether_factors`) have GTSAM
-    symbols for keys: ``p`` and the tether's number for the place, ``c`` for the copied positions.
+    The nodes of the first device have the keys 0, 1, 2, …, those of the next device follow, the references come after
+    all poses, and the wandering errors after these. The auxiliary variables of a tether that ends between two poses
+    (`tether_factors`) have GTSAM symbols for keys: ``p`` and the tether's number for the place, ``c`` for the copied
+    positions.
 
     Attributes
     ----------
@@ -34,6 +35,9 @@ class GraphKeys:
         without such priors.
     poses : int
         Number of poses of all devices.
+    fix_errors : tuple of (str, float)
+        Source and time, s, of each wandering error of position fixes, source by source in order of time. They have
+        the keys from `first_fix_error` on.
     """
 
     devices: tuple[str, ...]
@@ -41,6 +45,7 @@ class GraphKeys:
     first: tuple[int, ...]
     references: tuple[int | None, ...]
     poses: int
+    fix_errors: tuple[tuple[str, float], ...] = field(repr=False)
 
     @classmethod
     def of_timelines(cls, timelines: Sequence[Timeline]) -> "GraphKeys":
@@ -54,7 +59,9 @@ class GraphKeys:
             relative = any(prior.relative for prior in timeline.priors)
             references.append(next_key if relative else None)
             next_key += relative
-        return cls(tuple(one.device for one in timelines), times_s, first, tuple(references), sum(counts))
+        wandering = {(fix.source, fix.time_s) for one in timelines for fix in one.fixes if fix.sigma_wander_m > 0.0}
+        devices = tuple(one.device for one in timelines)
+        return cls(devices, times_s, first, tuple(references), sum(counts), tuple(sorted(wandering)))
 
     def of(self, device: str, time_s: float) -> int:
         """Return the key of a device's pose at a time.
@@ -93,6 +100,24 @@ class GraphKeys:
         """Return the key of a device's reference heading, or None if it has no relative heading priors."""
         return self.references[self._number_of(device)]
 
+    def of_fix_error(self, source: str, time_s: float) -> int:
+        """Return the key of the wandering error of a source at the time of one of its fixes.
+
+        Raises
+        ------
+        EstimationError
+            If the source gave no fix with a wandering error at that time.
+        """
+        found = [
+            i for i, (name, at_s) in enumerate(self.fix_errors) if name == source and abs(at_s - time_s) <= SAME_S
+        ]
+        if not found:
+            raise EstimationError(
+                f"wandering error of {source!r} at {time_s} s: it gave no fix with one then, "
+                "give source and time of a fix whose sigma_wander_m is not 0"
+            )
+        return self.first_fix_error + found[0]
+
     def of_node_tether(self, node_tether: NodeTether) -> tuple[int, int]:
         """Return the keys of the two poses that a tether ties."""
         a, b = self.first[node_tether.device_a], self.first[node_tether.device_b]
@@ -102,6 +127,11 @@ class GraphKeys:
     def present_references(self) -> list[int]:
         """Keys of the references of those devices that have one."""
         return [key for key in self.references if key is not None]
+
+    @property
+    def first_fix_error(self) -> int:
+        """Key of the first wandering error, if there are any."""
+        return self.poses + len(self.present_references)
 
     def _number_of(self, device: str) -> int:
         if device not in self.devices:

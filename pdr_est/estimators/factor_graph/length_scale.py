@@ -5,8 +5,8 @@ graph: linear systems at neighbouring scales give the slope and the curvature of
 scales. For a linear walk the result is that of a variable in the graph.
 
 The prior is that of the logarithm of a scale, with mean 0, so that no measurement makes a scale negative. The error
-quadratic in the scales themselves; its minimum together with the prior is therefore found by an iteration of its own
-(`most_probable_scales`), which needs no further linear systems.
+is quadratic in the scales themselves; its minimum together with the prior is therefore found by an iteration of its
+own (`most_probable_scales`), which needs no further linear systems.
 """
 
 from dataclasses import dataclass
@@ -88,7 +88,9 @@ def _improved(
         change = change.add(direction.scale(float(amount)))
     heading = problem.poses(values)[:, 2]
     moved: Array = np.stack([in_map(direction, heading) for direction in per_scale], axis=2)
-    return LengthScales(improved, error.log_covariance(improved, sigma), moved * improved), values.retract(change)
+    off: Array = np.stack([problem.wandering.changes(direction) for direction in per_scale], axis=2)
+    covariance = error.log_covariance(improved, sigma)
+    return LengthScales(improved, covariance, moved * improved, off * improved), values.retract(change)
 
 
 @dataclass(frozen=True)

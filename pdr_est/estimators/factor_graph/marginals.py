@@ -116,7 +116,7 @@ def _places(
 
 def in_map(change: gtsam.VectorValues, heading_rad: Array) -> Array:
     """Turn the changes (n, 3) of the variables 0 … n - 1 from their own frames into the map frame."""
-    body = change.vector().reshape(-1, 3)[: len(heading_rad)]
+    body = change.vector()[: 3 * len(heading_rad)].reshape(-1, 3)
     turned: Array = np.einsum("nij,nj->ni", to_map(heading_rad), body)
     return turned
 

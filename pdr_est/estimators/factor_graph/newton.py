@@ -22,10 +22,10 @@ from pdr_est.estimators.factor_graph.keys import GraphKeys, pose_array
 from pdr_est.estimators.factor_graph.marginals import ordering_of
 from pdr_est.estimators.factor_graph.tether_constraints import LinearTethers, TetherConstraints
 from pdr_est.estimators.factor_graph.tether_factors import tether_factors
+from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes
 from pdr_est.frames import Array
 
-# Predicted decreases of the error, which is half a chi square, below which a step is the last one. With tethers the
-# last digits converge slowly.
+# Predicted decrease of the error, half a chi square, of the last step. With tethers the last digits converge slowly.
 EXACTLY, EXACTLY_TETHERED, ROUGHLY = 1e-6, 1e-4, 1e-3
 SOFTLY = 1.0  # while the standard deviations of tethers are enlarged
 CONTINUATION_FACTORS = (64.0, 8.0, 1.0)  # of the tethers' standard deviations, one after the other
@@ -45,7 +45,8 @@ class Variables:
     poses : int
         Number of poses; they have the keys 0 … poses - 1.
     order : tuple of int
-        Keys of poses and references in the order of elimination: poses from the last to the first, then references.
+        Keys of all variables in the order of elimination: poses from the last to the first, each wandering error
+        behind the earliest pose that its fix belongs to, then references.
     ordering : gtsam.Ordering
         The same for GTSAM.
     retraction : ChainedRetraction or None
@@ -58,11 +59,15 @@ class Variables:
     retraction: ChainedRetraction | None
 
     @classmethod
-    def of_timelines(cls, timelines: Sequence[Timeline], keys: GraphKeys) -> "Variables":
+    def of_timelines(cls, timelines: Sequence[Timeline], keys: GraphKeys, fixes: WanderingFixes) -> "Variables":
         """Order the variables of all devices."""
-        times = np.concatenate(keys.times_s)
-        latest_first = np.lexsort((np.arange(len(times)), times))[::-1]
-        order = (*latest_first.tolist(), *keys.present_references)
+        times, errors = np.concatenate(keys.times_s), len(keys.fix_errors)
+        # Of the variables at one time poses go first, then the errors from the last to the first.
+        in_time = np.argsort(np.argsort([time_s for _, time_s in keys.fix_errors]))
+        rank = np.concatenate([errors + np.arange(keys.poses), in_time])
+        latest_first = np.lexsort((rank, np.concatenate([times, fixes.earliest_pose_s(times)])))[::-1]
+        key = np.concatenate([np.arange(keys.poses), keys.first_fix_error + np.arange(errors)])
+        order = (*key[latest_first].tolist(), *keys.present_references)
         retraction = ChainedRetraction.of_timelines(timelines) if len(timelines) > 1 else None
         return cls(keys.poses, order, ordering_of(order), retraction)
 
@@ -72,19 +77,17 @@ class Variables:
 
     def pose_changes(self, change: gtsam.VectorValues) -> Array:
         """Return the changes (poses, 3) of the poses along their own axes."""
-        return np.asarray(change.vector().reshape(-1, 3)[: self.poses])
+        return np.asarray(change.vector()[: 3 * self.poses].reshape(-1, 3))
 
     def retracted(self, values: gtsam.Values, change: gtsam.VectorValues) -> list[gtsam.Values]:
         """Return the values that a change leads to, in each of the ways that agree to first order."""
         each = values.retract(change)
         if self.retraction is None:
             return [each]
-        chained = gtsam.Values()
+        chained = gtsam.Values(each)
         moved = self.retraction.moved(self.pose(values), self.pose_changes(change))
         for key, (east_m, north_m, heading_rad) in enumerate(moved.tolist()):
-            chained.insert(key, gtsam.Pose2(east_m, north_m, heading_rad))
-        for key in self.order[self.poses :]:
-            chained.insert(key, each.atPose2(key))
+            chained.update(key, gtsam.Pose2(east_m, north_m, heading_rad))
         return [chained, each]
 
 
@@ -104,13 +107,13 @@ class LinearSystem:
     auxiliary: tuple[int, ...]
 
     def solution(self, variables: Variables) -> gtsam.VectorValues:
-        """Return the changes of least error, of poses, references and auxiliary variables."""
+        """Return the changes of least error of all variables, the auxiliary ones included."""
         ordering = ordering_of((*self.auxiliary, *variables.order)) if self.auxiliary else variables.ordering
         return self.factors.eliminateSequential(ordering, gtsam.EliminateQR).optimize()
 
 
 def linear_system(
-    graph: gtsam.NonlinearFactorGraph,
+    graph: gtsam.NonlinearFactorGraph | WalkFactors,
     tethers: TetherConstraints,
     values: gtsam.Values,
     variables: Variables,
@@ -120,12 +123,12 @@ def linear_system(
 
     Parameters
     ----------
-    graph : gtsam.NonlinearFactorGraph
+    graph : gtsam.NonlinearFactorGraph or WalkFactors
         All factors but the tethers.
     tethers : TetherConstraints
         All tethers.
     values : gtsam.Values
-        Values of poses and references.
+        Values of all variables but those of tethers.
     variables : Variables
         Their ordering.
     with_stiffness : bool
@@ -163,7 +166,7 @@ def _with_tethers(
 
 
 def minimised(
-    graph: gtsam.NonlinearFactorGraph,
+    graph: gtsam.NonlinearFactorGraph | WalkFactors,
     tethers: TetherConstraints,
     values: gtsam.Values,
     variables: Variables,

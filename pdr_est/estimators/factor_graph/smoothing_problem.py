@@ -1,7 +1,7 @@
 """The optimisation problem of a walk: its factor graph at any length scales, with its tethers."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import gtsam
 import numpy as np
@@ -15,8 +15,9 @@ from pdr_est.estimators.factor_graph.keys import GraphKeys, is_auxiliary
 from pdr_est.estimators.factor_graph.newton import LinearSystem, Variables, linear_system, minimised
 from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.estimators.factor_graph.tether_factors import tether_factors
+from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes, zero_errors
 from pdr_est.frames import Array
-from pdr_est.types.measurements import StartPose
+from pdr_est.types.measurements import PositionFix, StartPose
 
 
 @dataclass(frozen=True)
@@ -31,16 +32,20 @@ class LengthScales:
         Covariance of their logarithms.
     pose_per_log : (n, 3, d) array
         Derivative of the optimal poses with respect to the logarithms, in the map frame.
+    fix_error_per_log : (v, 2, d) array
+        Derivative of the optimal wandering errors of fixes.
     """
 
     value: Array
     log_covariance: Array
     pose_per_log: Array
+    fix_error_per_log: Array
 
     @classmethod
-    def known(cls, value: Array, poses: int) -> "LengthScales":
+    def known(cls, value: Array, keys: GraphKeys) -> "LengthScales":
         """Return scales without uncertainty."""
-        return cls(value, np.zeros((len(value), len(value))), np.zeros((poses, 3, len(value))))
+        d = len(value)
+        return cls(value, np.zeros((d, d)), np.zeros((keys.poses, 3, d)), np.zeros((len(keys.fix_errors), 2, d)))
 
     @property
     def pose_covariance(self) -> Array:
@@ -68,23 +73,25 @@ class SmoothingProblem:
         self.keys = GraphKeys.of_timelines(timelines)
         self._anchors = gtsam.NonlinearFactorGraph()
         add_anchors(self._anchors, timelines, self.keys, starts, initial)
+        self.wandering = WanderingFixes.of_timelines(timelines, self.keys)
+        self._anchors.push_back(self.wandering.chains())
         self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
-        self._at: tuple[Array, gtsam.NonlinearFactorGraph] | None = None
+        self._at: tuple[Array, WalkFactors] | None = None
         self.tethers, self.softening = TetherConstraints.between_nodes(node_tethers, self.keys), 1.0
         self._candidates = BetweenStepConstraints.of_timelines(timelines, node_tethers, self.keys)
-        self.variables = Variables.of_timelines(timelines, self.keys)
+        self.variables = Variables.of_timelines(timelines, self.keys, self.wandering)
         # Tethers alone would only shrink the walk: tracks that disagree are closer to each other when all is smaller.
         self.scale_is_observable = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
 
-    def without_tethers(self, length_scale: Array) -> gtsam.NonlinearFactorGraph:
-        """Return the graph of all factors but the tethers, at length scales (d,)."""
+    def without_tethers(self, length_scale: Array) -> WalkFactors:
+        """Return all factors but the tethers, at length scales (d,)."""
         if self._at is None or not np.array_equal(self._at[0], length_scale):
             graph = gtsam.NonlinearFactorGraph(self._anchors)
             for timeline, first, noise, scale in zip(
                 self.timelines, self.keys.first, self._noises, length_scale, strict=True
             ):
                 add_motion(graph, timeline.nodes, first, noise.models, float(scale))
-            self._at = length_scale, graph
+            self._at = length_scale, WalkFactors(graph, self.wandering)
         return self._at[1]
 
     def complete(self, values: gtsam.Values, length_scale: Array) -> tuple[gtsam.NonlinearFactorGraph, gtsam.Values]:
@@ -93,7 +100,7 @@ class SmoothingProblem:
         Parameters
         ----------
         values : gtsam.Values
-            Values of poses and references.
+            Values of all variables but those of tethers.
         length_scale : (d,) array
             Length scales of the devices.
 
@@ -104,7 +111,8 @@ class SmoothingProblem:
         complete_values : gtsam.Values
             The values, and those of the auxiliary variables of tethers.
         """
-        graph, pose = gtsam.NonlinearFactorGraph(self.without_tethers(length_scale)), self.poses(values)
+        graph, pose = gtsam.NonlinearFactorGraph(self.without_tethers(length_scale).graph), self.poses(values)
+        graph.push_back(self.wandering.factors())
         tethers = self.tethers.softened(self.softening)
         made = tether_factors(tethers, tethers.linearised(pose).violation_m > 0.0, pose)
         graph.push_back(made.graph)
@@ -120,8 +128,9 @@ class SmoothingProblem:
         )
 
     def initial_values(self, initial: Sequence[Sequence[GaussianState]]) -> gtsam.Values:
-        """Return values of poses and references from the initial states of each device."""
-        values = gtsam.Values()
+        """Return values of poses and references from the initial states of each device, and errors of zero."""
+        first_error = self.keys.first_fix_error
+        values = zero_errors(range(first_error, first_error + len(self.keys.fix_errors)))
         for states, first, reference in zip(initial, self.keys.first, self.keys.references, strict=True):
             for i, state in enumerate(states, first):
                 values.insert(i, gtsam.Pose2(*state.mean[:3]))
@@ -145,8 +154,17 @@ class SmoothingProblem:
         self.tethers = self.tethers + more
         return len(more) > 0
 
+    def fixes(self) -> list[tuple[int, PositionFix]]:
+        """List the fixes of all devices, each with the key of the pose that it is a measurement of."""
+        return [
+            (key, fix)
+            for timeline, first in zip(self.timelines, self.keys.first, strict=True)
+            for key, node in enumerate(timeline.nodes, first)
+            for fix in node.fixes
+        ]
+
     def further_variables(self, variables: gtsam.NonlinearFactorGraph | gtsam.Values) -> tuple[list[int], list[int]]:
-        """Return the keys that are neither of poses nor of references: auxiliary ones of tethers, and all others."""
+        """Return the keys that are not in `variables`: auxiliary ones of tethers, and all others."""
         keys = variables.keyVector() if isinstance(variables, gtsam.NonlinearFactorGraph) else variables.keys()
         further = [key for key in keys if key >= len(self.variables.order)]
         auxiliary = [key for key in further if is_auxiliary(key)]
@@ -165,4 +183,5 @@ class SmoothingProblem:
             ahead = heading[first : first + len(length_m) - 1] + turn_rad[1:]
             steps = length_m[1:, None] * np.stack([np.cos(ahead), np.sin(ahead)], axis=1)
             moved[first + 1 : first + len(length_m), :2, d] = length_scale[d] * np.cumsum(steps, axis=0)
-        return LengthScales(length_scale, sigma**2 * np.eye(len(length_scale)), moved)
+        known = LengthScales.known(length_scale, self.keys)
+        return replace(known, log_covariance=sigma**2 * np.eye(len(length_scale)), pose_per_log=moved)

@@ -87,6 +87,7 @@ def _filtered_nodes(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterat
             posterior.joint.mean,
             posterior.joint.covariance,
             present,
+            posterior.joint.sources,
         )
 
 

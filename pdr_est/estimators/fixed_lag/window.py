@@ -9,19 +9,20 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState
+from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState, SourceState
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, add_measurements, displacement, motion_noise
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.fixed_lag.window_errors import WindowErrors
 from pdr_est.estimators.fixed_lag.window_prior import (
     ConditionalPrior,
     device_state,
+    log_scales,
     of_entering,
     pose_per_scale,
     prior_factors,
-    scales,
 )
 from pdr_est.frames import Array
 
@@ -45,11 +46,13 @@ class FilteredNode:
     tethers : tuple of NodeTether or of PairTether
         Tethers to be applied at this time.
     mean : Array
-        Posterior mean of all d devices, (5 d,).
+        Posterior mean of all d devices and s sources of fixes with a wandering error, (5 d + 2 s,).
     covariance : Array
-        Posterior covariance, (5 d, 5 d).
+        Posterior covariance, (5 d + 2 s, 5 d + 2 s).
     present : frozenset[int]
         Indices of the devices that have entered.
+    sources : tuple of SourceState
+        The sources, in the order of their states.
     """
 
     device: int
@@ -59,6 +62,7 @@ class FilteredNode:
     mean: Array
     covariance: Array
     present: frozenset[int]
+    sources: tuple[SourceState, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -164,11 +168,13 @@ class _Graph:
         parameters.setRelinearizeThreshold(_RELINEARISE)
         parameters.relinearizeSkip = 1
         self._smoother = gtsam.IncrementalFixedLagSmoother(lag_s, parameters)
-        self._scale, self._relative = scales(items[-1].mean), relative
+        last = items[-1]
+        self._scale, self._relative = np.exp(log_scales(last.mean, last.covariance, len(last.sources))[0]), relative
         self._next_key = 0
         self._keys: deque[int] = deque()  # poses that were not returned yet, the last ones of `items`
         self._poses: dict[int, int] = {}  # device -> its last pose
         self._references: dict[int, int] = {}
+        self._errors = WindowErrors(self._smoother, lag_s)
         self._now_s = items[0].node.time_s
         self._last = items[0]
         self._begin(items[0])
@@ -177,8 +183,8 @@ class _Graph:
 
     def outdated_by(self, item: FilteredNode) -> bool:
         """Return True if the length scales of the EKF differ noticeably from those of this window."""
-        sigma = np.sqrt(np.maximum(np.diag(item.covariance)[LOG_SCALE::STATES], 0.0))
-        moved = np.abs(scales(item.mean) - self._scale) > _SCALE_TOLERANCE * sigma + 1e-9
+        mean, sigma = log_scales(item.mean, item.covariance, len(item.sources))
+        moved = np.abs(mean - np.log(self._scale)) > _SCALE_TOLERANCE * sigma + 1e-9
         return bool(moved[sorted(item.present)].any())
 
     def add(self, item: FilteredNode) -> None:
@@ -192,6 +198,7 @@ class _Graph:
             values.insert(key, self._smoother.calculateEstimatePose2(before).compose(moved))
             graph.add(gtsam.BetweenFactorPose2(before, key, moved, motion_noise((item.node, item.node)).models[0]))
             add_measurements(graph, item.node, key, self._references.get(item.device))
+            self._errors.add_fixes(graph, values, item.node, key, self._new_key)
             self._poses[item.device] = key
         else:
             entered = (
@@ -229,16 +236,23 @@ class _Graph:
     def _begin(self, item: FilteredNode) -> None:
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         devices = sorted(item.present)
-        self._enter(
-            graph, values, devices, ConditionalPrior.of_filter(item.mean, item.covariance, self._scale, devices)
-        )
+        errors = [self._new_key() for _ in item.sources]
+        known = ConditionalPrior.of_filter(item.mean, item.covariance, self._scale, devices)
+        for source, key, rows in zip(item.sources, errors, known.of_sources, strict=True):
+            self._errors.begin(source, key, values, known.mean[rows])
+        self._enter(graph, values, devices, known, errors)
         self._keys.append(self._poses[item.device])
         self._update(graph, values)
 
     def _enter(
-        self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values, devices: list[int], known: ConditionalPrior
+        self,
+        graph: gtsam.NonlinearFactorGraph,
+        values: gtsam.Values,
+        devices: list[int],
+        known: ConditionalPrior,
+        errors: Sequence[int] = (),
     ) -> None:
-        """Add the first poses of devices with their priors."""
+        """Add the first poses of devices with their priors, and those of wandering errors, by key."""
         keys, references = [], []
         for number, device in enumerate(devices):
             self._poses[device] = self._new_key()
@@ -250,7 +264,7 @@ class _Graph:
                 reference_rad = known.mean[4 * number + 3]
                 values.insert(self._references[device], gtsam.Pose2(0.0, 0.0, reference_rad))
             references.append(self._references[device] if fresh else None)
-        for factor in prior_factors(known, keys, references):
+        for factor in prior_factors(known, keys, references, errors):
             graph.add(factor)
 
     def _add_active_tethers(self, tethers: Sequence[NodeTether | PairTether]) -> None:
@@ -267,9 +281,9 @@ class _Graph:
                 self.iterate()
 
     def _update(self, graph: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> None:
-        """Update the smoother; last poses and references stay in the window, because later factors refer to them."""
-        alive = (*self._poses.values(), *self._references.values())
-        self._smoother.update(graph, values, dict.fromkeys(alive, self._now_s))
+        """Update the smoother; last poses, references and last errors stay, because later factors refer to them."""
+        alive = (*self._poses.values(), *self._references.values(), *self._errors.kept(self._now_s))
+        self._smoother.update(graph, values, dict.fromkeys((*alive, *values.keys()), self._now_s))
 
     def _new_key(self) -> int:
         self._next_key += 1

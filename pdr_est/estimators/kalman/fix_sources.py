@@ -10,6 +10,7 @@ from math import exp
 import numpy as np
 
 from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState
+from pdr_est.estimators.common.wandering_error import wander_to
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 
@@ -26,12 +27,13 @@ def place_of_source(sources: tuple[SourceState, ...], devices: int, fix: Positio
     return STATES * devices + 2 * [source.name for source in sources].index(fix.source)
 
 
-def fix_rows(size: int, fix: PositionFix, wander: int | None, device: int = 0) -> Array:
-    """Return the Jacobian (2, size) of a fix of a device: its position, and the wandering error at row `wander`."""
-    rows = np.zeros((2, size))
+def fix_rows(state: GaussianState, devices: int, fix: PositionFix, device: int = 0) -> Array:
+    """Return the Jacobian (2, n) of a fix of a device: of its position, and of the wandering error if it has one."""
+    rows = np.zeros((2, len(state.mean)))
     rows[:, STATES * device : STATES * device + 2] = np.eye(2)
+    wander = place_of_source(state.sources, devices, fix)
     if wander is not None:
-        rows[:, wander : wander + 2] = fix.sigma_wander_m * np.eye(2)
+        rows[:, wander : wander + 2] = state.sources[(wander - STATES * devices) // 2].sigma_m * np.eye(2)
     return rows
 
 
@@ -52,27 +54,30 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
         size = len(state.mean)
         covariance = np.eye(size + 2)
         covariance[:size, :size] = state.covariance
-        added = SourceState(fix.source, fix.time_s, fix.wander_time_s)
+        added = SourceState(fix.source, fix.time_s, fix.sigma_wander_m, fix.wander_time_s)
         return GaussianState(np.append(state.mean, [0.0, 0.0]), covariance, (*state.sources, added))
     earlier = state.sources[number]
-    kept = exp(-max(fix.time_s - earlier.time_s, 0.0) / _MEMORY_S)
+    elapsed_s = max(fix.time_s - earlier.time_s, 0.0)
+    correlation, sigma_m = wander_to(fix, earlier.sigma_m, elapsed_s)
+    kept = exp(-elapsed_s / _MEMORY_S)
     now = SourceState(
         fix.source,
         max(fix.time_s, earlier.time_s),
+        sigma_m,
         fix.wander_time_s,
         misfit=kept * earlier.misfit,
         count=kept * earlier.count,
     )
     sources = (*state.sources[:number], now, *state.sources[number + 1 :])
-    decay, first = now.decay_since(earlier), STATES * devices + 2 * number
-    if decay == 1.0:
+    if correlation == 1.0:
         return replace(state, sources=sources)
+    first = STATES * devices + 2 * number
     own = slice(first, first + 2)
     mean, covariance = state.mean.copy(), state.covariance.copy()
-    mean[own] *= decay
-    covariance[own] *= decay
-    covariance[:, own] *= decay
-    covariance[own, own] += (1.0 - decay**2) * np.eye(2)
+    mean[own] *= correlation
+    covariance[own] *= correlation
+    covariance[:, own] *= correlation
+    covariance[own, own] += (1.0 - correlation**2) * np.eye(2)
     return GaussianState(mean, covariance, sources)
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState, linearise_motions
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
-from pdr_est.estimators.kalman.fix_sources import place_of_source, with_source_at
+from pdr_est.estimators.kalman.fix_sources import fix_rows, with_source_at
 from pdr_est.estimators.kalman.similarity_update import similarity_update, squared_distance
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
@@ -161,8 +161,8 @@ class HypothesisBank:
 
     def _at_position(self, fix: PositionFix) -> "HypothesisBank":
         """Update with a position fix by similarity transformations of the whole track (`similarity_update`)."""
-        wander = place_of_source(self.sources, 1, fix)
-        means, covariances, log_likelihood = similarity_update(self.means, self.covariances, fix, wander)
+        of_fix = fix_rows(self.state_of_hypothesis(0), 1, fix)
+        means, covariances, log_likelihood = similarity_update(self.means, self.covariances, fix, of_fix)
         log_weight = np.log(np.maximum(self.weights, 1e-300)) + log_likelihood
         weights = np.exp(log_weight - log_weight.max())
         return replace(self, weights=weights / weights.sum(), means=means, covariances=covariances)

@@ -137,7 +137,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         if fix.sigma_wander_m > 0.0:
             self.load(with_source_at(self.dump(), self._devices, fix))
         wander = place_of_source(self._sources, self._devices, fix)
-        jacobian = fix_rows(len(self.x), fix, wander, device)
+        jacobian = fix_rows(self.dump(), self._devices, fix, device)
         residual = position - jacobian @ self.x
         spread = jacobian @ self.P @ jacobian.T + noise
         distance = float(residual @ np.linalg.solve(spread, residual))

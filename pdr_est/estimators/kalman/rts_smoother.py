@@ -90,7 +90,7 @@ def _let_errors_wander(
     """Set the part of the wandering errors, from row `first` on, in the transitions between successive states."""
     for k, (before, after) in enumerate(pairwise(states)):
         for row, earlier, later in zip(range(first, moved.shape[1], 2), before.sources, after.sources, strict=True):
-            decay, own = later.decay_since(earlier), slice(row, row + 2)
+            decay, own = later.correlation_with(earlier), slice(row, row + 2)
             moved[k, own] *= decay
             jacobian[k, own, own] = decay * np.eye(2)
             noise[k, own, own] = (1.0 - decay**2 + (later.jump_variance if later != earlier else 0.0)) * np.eye(2)

@@ -16,7 +16,7 @@ A. Barrau, S. Bonnabel, "The invariant extended Kalman filter as a stable observ
 import numpy as np
 
 from pdr_est.estimators.common.huber import HUBER
-from pdr_est.estimators.common.motion_model import LOG_SCALE
+from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 
@@ -24,7 +24,7 @@ _ITERATIONS = 4
 
 
 def similarity_update(
-    means: Array, covariances: Array, fix: PositionFix, wander: int | None
+    means: Array, covariances: Array, fix: PositionFix, of_fix: Array
 ) -> tuple[Array, Array, Array]:
     """Update the states of some hypotheses with a position fix.
 
@@ -36,8 +36,8 @@ def similarity_update(
         Their covariances (k, n, n).
     fix
         The fix; robust ones are Huber-weighted.
-    wander
-        Row of the first of the two states of its wandering error; None without one.
+    of_fix
+        Jacobian (2, n) of the fix with respect to the states, of position and wandering errors.
 
     Returns
     -------
@@ -53,11 +53,10 @@ def similarity_update(
     change = np.zeros_like(means)
     for _ in range(_ITERATIONS):
         turned_m = _turned(before_m, change)
-        jacobian = _jacobian(turned_m, means.shape[1], fix, wander)
-        expected_m = centre_m + turned_m + change[:, :2]
-        if wander is not None:
-            own = slice(wander, wander + 2)
-            expected_m = expected_m + fix.sigma_wander_m * (means[:, own] + change[:, own])
+        jacobian = _from_similarity(turned_m, means.shape[1])[:, :2]
+        jacobian[:, :, STATES:] = of_fix[:, STATES:]
+        wandered_m = (means + change)[:, STATES:] @ of_fix[:, STATES:].T
+        expected_m = centre_m + turned_m + change[:, :2] + wandered_m
         residual = np.asarray(fix.position_m) - expected_m + np.einsum("kij,kj->ki", jacobian, change)
         turned = _turned_errors(prior, change)
         across = turned @ jacobian.transpose(0, 2, 1)
@@ -109,12 +108,4 @@ def _from_similarity(position_m: Array, size: int) -> Array:
     jacobian = np.tile(np.eye(size), (len(position_m), 1, 1))
     jacobian[:, 0, 2], jacobian[:, 1, 2] = -position_m[:, 1], position_m[:, 0]
     jacobian[:, :2, LOG_SCALE] = position_m
-    return jacobian
-
-
-def _jacobian(turned_m: Array, size: int, fix: PositionFix, wander: int | None) -> Array:
-    """Return the Jacobian (k, 2, n) of the fix with respect to the change, at turned positions (k, 2)."""
-    jacobian = _from_similarity(turned_m, size)[:, :2].copy()
-    if wander is not None:
-        jacobian[:, :, wander : wander + 2] = fix.sigma_wander_m * np.eye(2)
     return jacobian

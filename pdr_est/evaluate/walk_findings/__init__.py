@@ -4,13 +4,15 @@ from collections.abc import Sequence
 
 from pdr_est.estimators.spec import EstimatorSpec
 from pdr_est.evaluate.walk_findings.fix_residuals import fix_findings
+from pdr_est.evaluate.walk_findings.north_check import north_findings
 from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding, unknown_direction_finding
+from pdr_est.evaluate.walk_findings.so_far import FindingsSoFar
 from pdr_est.evaluate.walk_findings.tether_slack import tether_findings
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, PositionFix, StartPose
 from pdr_est.types.track import Track
 
-__all__ = ["findings_of"]
+__all__ = ["FindingsSoFar", "findings_of"]
 
 
 def findings_of(
@@ -43,8 +45,9 @@ def findings_of(
     if FindingKind.START_HEADING not in known:
         found.append(unknown_direction_finding(devices, start))
     if FindingKind.LENGTH_SCALE not in known:
-        found.append(length_scale_finding(track, sigma_length_scale))
+        found.append(length_scale_finding(track.length_scale, sigma_length_scale))
     found += fix_findings(track, _fixes_of(devices), spec.uses_fixes)
+    found += north_findings(track, devices)
     if spec.uses_tethers:
         found += tether_findings(track, tethers)
     return tuple(finding for finding in found if finding is not None)

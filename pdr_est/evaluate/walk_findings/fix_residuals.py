@@ -18,6 +18,13 @@ FALSE_ALARMS = 0.01
 _INTERPOLATION_M = 0.05
 """Error of the interpolation between two poses in each coordinate, m: half a step of usual noise (ours)."""
 
+_STEP_NOISE = 0.1
+"""Error of a step over its length, in each coordinate (ours)."""
+
+_LEAST_FREE = 0.1
+"""A smoothed position of which a fix alone tells more than all but this share cannot judge the fix any better (ours);
+it also bounds the error of a covariance that an estimator has raised because of doubts."""
+
 _ROBUST_SIGMAS = 1.345
 """A robust fix whose residual is longer, in standard deviations, has little weight (the Huber threshold)."""
 
@@ -83,16 +90,16 @@ def fix_findings(track: Track, fixes: Sequence[PositionFix], used: bool = True) 
         count[one.fix.source] += 1
         if one.squared > limit and not any(begin_s <= one.fix.time_s <= end_s for begin_s, end_s in told):
             by_source[one.fix.source].append(one)
-    return [_in_words(source, found, count[source]) for source, found in by_source.items()]
+    return [disagreement(source, found, count[source]) for source, found in by_source.items()]
 
 
 def fix_residual(fix: PositionFix, track: Track, devices: int = 1, used: bool = True) -> FixResidual | None:
     """Compare a fix with the track of one device as it would be without the fix.
 
-    With a filtered track and a fix on the way this is the innovation: the pose before the fix is moved on by the
-    part of the step until then. Otherwise the pose already contains the fix, and its share is taken out again:
-    P = (P0⁻¹ + R⁻¹)⁻¹ gives the covariance P0 without the fix, and its residual grows by 1 + P0 R⁻¹. A fix whose
-    error wanders, or which is robust and an outlier, has little weight: it is compared with the track as it is.
+    With a filtered track this is the innovation: the last pose before the fix is moved on by the step until then. A
+    pose of a smoothed track contains the fix, and its share is taken out again: P = (P0⁻¹ + R⁻¹)⁻¹ gives the
+    covariance P0 without the fix, and its residual grows by 1 + P0 R⁻¹. A fix whose error wanders, or which is robust
+    and an outlier, has little weight in a smoothed track: it is compared with the track as it is.
 
     Parameters
     ----------
@@ -108,26 +115,33 @@ def fix_residual(fix: PositionFix, track: Track, devices: int = 1, used: bool = 
     Returns
     -------
     FixResidual or None
-        None where the position or its covariance is not known.
+        None where the position or its covariance is not known, and for a filtered track that begins with the fix.
     """
     at_s = np.array([fix.time_s])
     (before,), (after,), (share,) = bracketing_poses(track.time_s, track.moving_from_s, at_s)
     around = [before, after]
     if not (np.isfinite(track.position_m[around]).all() and np.isfinite(track.covariance_m2[around]).all()):
         return None
-    innovation = used and track.kind == "filtered" and 0.0 < share < 1.0
-    if innovation:
-        heading_rad, length_m = track.heading_rad[after], share * track.step_length_m[after]
-        position_m = track.position_m[before] + length_m * np.array([np.cos(heading_rad), np.sin(heading_rad)])
-        covariance_m2 = track.covariance_m2[before]
-    else:
-        (position_m,), (covariance_m2,) = track.at(at_s)
-    error_m = np.asarray(fix.position_m - position_m)
     noise_m2 = fix.total_covariance_m2
+    if used and track.kind == "filtered":
+        return _innovation(fix, noise_m2, track, *((after, share) if share > 0.0 else (before, 1.0)))
+    shares = np.array([1.0 - share, share])
+    covariance_m2 = np.einsum("p,pij->ij", shares, track.covariance_m2[around])
+    error_m = np.asarray(fix.position_m - shares @ track.position_m[around])
     outlier = fix.robust and float(error_m @ np.linalg.solve(noise_m2, error_m)) > _ROBUST_SIGMAS**2
-    if innovation or not used or outlier or fix.sigma_wander_m > 0.0:
+    if not used or outlier or fix.sigma_wander_m > 0.0:
         return _compared(fix, error_m, noise_m2 + covariance_m2)
     return _left_out(fix, error_m, noise_m2, covariance_m2, devices)
+
+
+def _innovation(fix: PositionFix, noise_m2: Array, track: Track, row: int, share: float) -> FixResidual | None:
+    """Compare a fix with the pose before row, moved on by a share of the step to that row."""
+    if row == 0:
+        return None
+    heading_rad, length_m = track.heading_rad[row], share * track.step_length_m[row]
+    position_m = track.position_m[row - 1] + length_m * np.array([np.cos(heading_rad), np.sin(heading_rad)])
+    step_m2 = (_STEP_NOISE * length_m) ** 2 * np.eye(2)
+    return _compared(fix, fix.position_m - position_m, noise_m2 + track.covariance_m2[row - 1] + step_m2)
 
 
 def _of_fix(fix: PositionFix, tracks: Sequence[Track], used: bool) -> list[FixResidual]:
@@ -145,15 +159,25 @@ def _left_out(fix: PositionFix, error_m: Array, noise_m2: Array, covariance_m2: 
     root = np.linalg.cholesky(devices * noise_m2)
     whiten = np.linalg.inv(root)
     known, axes = np.linalg.eigh(whiten @ covariance_m2 @ whiten.T)  # 1: nothing but the fix tells the position
-    known = np.clip(known, 0.0, 1.0)
+    known = np.clip(known, 0.0, 1.0 - _LEAST_FREE)
     free = 1.0 - known + _INTERPOLATION_M**2 * np.square(whiten.T @ axes).sum(axis=0)
     error = (axes.T @ whiten @ error_m) / free
     variance = 1.0 / devices + known / free
     return FixResidual(fix, np.asarray(root @ axes @ error), float((error**2 / variance).sum()))
 
 
-def _in_words(source: str, found: Sequence[FixResidual], of: int) -> Finding:
-    """Make one finding of the disagreeing fixes of a source: a wrong one lets its neighbours disagree as well."""
+def disagreement(source: str, found: Sequence[FixResidual], of: int) -> Finding:
+    """Make one finding of the disagreeing fixes of a source: a wrong one lets its neighbours disagree as well.
+
+    Parameters
+    ----------
+    source
+        Name of the source.
+    found
+        Its disagreeing fixes in order of time, at least one.
+    of
+        Number of all its fixes.
+    """
     worst = max(found, key=lambda one: one.squared)
     size = f"{worst.distance_m:.1f} m, {math.sqrt(worst.squared):.1f} times its standard deviation"
     begin_s, end_s = found[0].fix.time_s, found[-1].fix.time_s

@@ -5,34 +5,33 @@ from collections.abc import Sequence
 
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import DeviceMeasurements, HeadingPrior, PositionFix, StartPose
-from pdr_est.types.track import Track
 
 UNUSUAL_SIGMAS = 2.5
 """A length scale this many standard deviations from 1 is a finding (ours): about one walker in 80 has such steps, so
 that a wrong measurement is the more likely cause."""
 
 
-def length_scale_finding(track: Track, sigma_length_scale: float) -> Finding | None:
-    """Compare the length scale of a track with its prior; None for a usual one.
+def length_scale_finding(length_scale: float, sigma_length_scale: float) -> Finding | None:
+    """Compare a length scale with its prior; None for a usual one.
 
     Parameters
     ----------
-    track
-        Track with its length scale.
+    length_scale
+        Estimated length scale of the walker.
     sigma_length_scale
         Standard deviation of the logarithm of the length scale over walkers, about 0.
     """
     if sigma_length_scale <= 0.0:
         return None
-    ratio = math.log(track.length_scale) / sigma_length_scale if track.length_scale > 0.0 else -math.inf
+    ratio = math.log(length_scale) / sigma_length_scale if length_scale > 0.0 else -math.inf
     if abs(ratio) <= UNUSUAL_SIGMAS:
         return None
     return Finding(
         FindingKind.LENGTH_SCALE,
-        f"length scale {track.length_scale:.2f} is {abs(ratio):.1f} sigma from the usual 1: a position fix, its "
+        f"length scale {length_scale:.2f} is {abs(ratio):.1f} sigma from the usual 1: a position fix, its "
         "stated accuracy or its time is wrong, the start heading is wrong, steps were missed or counted twice, or "
         "the walker has very unusual steps (then make a profile with `pdr-est calibrate`)",
-        value=track.length_scale,
+        value=length_scale,
         sigma=sigma_length_scale,
     )
 

@@ -5,9 +5,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from pdr_est import __version__
+from pdr_est.evaluate.metric_definitions import DEFINITIONS
 from pdr_est.evaluate.statistics import Average
 from pdr_est.experiment.results.walk_result import Failure
 from pdr_est.experiment.suite import ConfusionMatrix, Suite, WalkFile
+from pdr_est.experiment.variants.alignment import aligned_variants
 from pdr_est.experiment.variants.axes import Comparison
 from pdr_est.types.outcome import TrackOutcome
 
@@ -42,6 +44,12 @@ class BenchmarkResult:
     failures: tuple[Failure, ...]
     seconds: Mapping[tuple[str, str], float]
 
+    @property
+    def aligned(self) -> tuple[str, ...]:
+        """Variants whose estimator only aligns its track with the fixes; none if no metric is one with fixes."""
+        with_fixes = any(name in DEFINITIONS and DEFINITIONS[name].with_fixes for name in self.suite.metrics)
+        return aligned_variants(self.comparison.variants) if with_fixes else ()
+
     def summary(self, variant: str) -> Summary:
         """Average each metric of a variant over the headline walks."""
         return self._averages(row for row in self._rows_of(variant) if self.files[row.walk].headline)
@@ -64,7 +72,8 @@ class BenchmarkResult:
 
         With several variants the value of the compared setting is "all", `summary` and `groups` are those of the
         configured variant, and (for the setting "estimator") `estimators` and `estimator_groups` contain those of
-        each. A suite that classifies steps also has `confusion` and `estimator_confusion`.
+        each. A suite that classifies steps also has `confusion` and `estimator_confusion`. `aligned_with_fixes` lists
+        the variants, if any, whose metrics with fixes are those of a track that was only aligned with them.
         """
         main, axis, names = self.comparison.main, self.comparison.axis, self.comparison.names
         document: Json = {
@@ -83,6 +92,8 @@ class BenchmarkResult:
             document["confusion"] = confusions[main.name]
             if len(names) > 1:
                 document[f"{axis}_confusion"] = confusions
+        if self.aligned:
+            document["aligned_with_fixes"] = list(self.aligned)
         document["walks"] = self._row_documents()
         document["skipped"] = [{"walk": failure.walk, "reason": failure.reason} for failure in self.failures]
         return document

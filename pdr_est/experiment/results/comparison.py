@@ -3,18 +3,20 @@
 import csv
 import io
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from pdr_est.config.yaml_lines import load_yaml
 from pdr_est.errors import ConfigError, OutputError
-from pdr_est.evaluate.metric_definitions import unit_of
+from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, marked, unit_of
 from pdr_est.evaluate.paired_comparison import PairedComparison, compare_paired
 from pdr_est.experiment.results.result_folder import CONFIG, PROVENANCE, RESULTS
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
+from pdr_est.experiment.variants.alignment import aligned_in_file
 from pdr_est.io.writers.parquet import read_parquet
 from pdr_est.params.validation_messages import nearest
 
@@ -169,14 +171,35 @@ def compare_variants(values: Values, reference: str | None = None) -> tuple[Pair
     return tuple(found)
 
 
-def as_rows(pairs: Iterable[PairedComparison]) -> list[tuple[str, ...]]:
-    """Format the comparisons as texts under `HEADINGS`."""
+def read_aligned(folders: Sequence[Path]) -> frozenset[str]:
+    """Read which variants know the fixes only by an alignment, with the names of `read_values`."""
+    return frozenset(
+        f"{prefix}{variant}"
+        for folder, prefix in zip(folders, _prefixes(folders), strict=True)
+        for variant in aligned_in_file(_variants_of(folder))
+    )
+
+
+def _variants_of(folder: Path) -> Mapping[str, Any]:
+    """Return the variants in the resolved experiment file of a folder; none if there is no such file."""
+    document = load_yaml(folder / CONFIG) if (folder / CONFIG).is_file() else None
+    variants = document.get("variants") if isinstance(document, dict) else None
+    return variants if isinstance(variants, dict) else {}
+
+
+def has_aligned(pairs: Iterable[PairedComparison], aligned: Collection[str]) -> bool:
+    """Tell whether `ALIGNED_NOTE` applies to any of the pairs."""
+    return any(marked(name, pair.metric, aligned) != name for pair in pairs for name in (pair.first, pair.second))
+
+
+def as_rows(pairs: Iterable[PairedComparison], aligned: Collection[str] = ()) -> list[tuple[str, ...]]:
+    """Format the comparisons as texts under `HEADINGS`; the names of aligned variants are marked."""
     return [
         (
             pair.metric,
             unit_of(pair.metric),
-            pair.first,
-            pair.second,
+            marked(pair.first, pair.metric, aligned),
+            marked(pair.second, pair.metric, aligned),
             str(pair.n),
             *(_number(value) for value in (pair.mean_first, pair.mean_second, pair.difference, pair.low, pair.high)),
             str(pair.first_wins),
@@ -195,11 +218,13 @@ def as_csv(pairs: Iterable[PairedComparison]) -> str:
     return text.getvalue()
 
 
-def as_markdown(pairs: Iterable[PairedComparison]) -> str:
-    """Format the comparisons as a Markdown table, with an explanation of its columns."""
-    rows = [HEADINGS, tuple("---" if i < TEXTS else "---:" for i in range(len(HEADINGS))), *as_rows(pairs)]
+def as_markdown(pairs: Sequence[PairedComparison], aligned: Collection[str] = ()) -> str:
+    """Format the comparisons as a Markdown table, with an explanation of its columns and of marked variants."""
+    rule = tuple("---" if i < TEXTS else "---:" for i in range(len(HEADINGS)))
+    rows = [HEADINGS, rule, *as_rows(pairs, aligned)]
     lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
-    return "\n".join(lines) + f"\n\n{NOTE}\n"
+    footnote = f"\n\\{ALIGNED_NOTE}\n" if has_aligned(pairs, aligned) else ""
+    return "\n".join(lines) + f"\n\n{NOTE}\n{footnote}"
 
 
 NOTE = (

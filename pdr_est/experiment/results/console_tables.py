@@ -1,6 +1,6 @@
 """Tables on the terminal: the result of a benchmark, and the comparison of variants."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby
 from textwrap import fill
 
@@ -11,10 +11,10 @@ from rich.measure import Measurement
 from rich.table import Table
 
 from pdr_est import __version__
-from pdr_est.evaluate.metric_definitions import DEFINITIONS, unit_of, with_unit
+from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, marked, unit_of, with_unit
 from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.experiment.results.benchmark_result import BenchmarkResult, Summary
-from pdr_est.experiment.results.comparison import NOTE
+from pdr_est.experiment.results.comparison import NOTE, has_aligned
 from pdr_est.experiment.suite import ConfusionMatrix
 
 _WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps the lines instead
@@ -33,21 +33,34 @@ def print_benchmark(result: BenchmarkResult, console: Console) -> None:
     for name in comparison.names:
         for of, confusion in result.confusions(name).items():
             _print(console, _confusion(f"{of}, {name}", confusion))
+    if result.aligned:
+        console.print(fill(ALIGNED_NOTE, _NARROWEST), markup=False, highlight=False, soft_wrap=True)
     for failure in result.failures:
         console.print(f"skipped {failure.walk}: {failure.reason}", markup=False, highlight=False, soft_wrap=True)
 
 
-def print_comparison(pairs: Sequence[PairedComparison], console: Console) -> None:
-    """Print a table for each metric, at most as wide as the terminal, and what the columns mean."""
+def print_comparison(pairs: Sequence[PairedComparison], console: Console, aligned: Collection[str] = ()) -> None:
+    """Print a table for each metric, at most as wide as the terminal, and what the columns mean.
+
+    Parameters
+    ----------
+    pairs : sequence of PairedComparison
+        Comparisons, those of one metric one after the other.
+    console : Console
+        Terminal.
+    aligned : collection of str
+        Names of the variants whose estimator only aligns its track with the fixes.
+    """
     equal = []
     for metric, of_metric in groupby(pairs, key=lambda pair: pair.metric):
         different = [pair for pair in of_metric if pair.ties < pair.n]
         if different:
-            _print(console, _comparison(metric, different), max(console.width, _NARROWEST))
+            _print(console, _comparison(metric, different, aligned), max(console.width, _NARROWEST))
         else:
             equal.append(metric)
     notes = [f"The same with all variants on every walk: {', '.join(equal)}."] if equal else []
-    for note in [*notes, f"{NOTE} The better one is bold where the interval does not hold 0."]:
+    footnotes = [ALIGNED_NOTE] if has_aligned(pairs, aligned) else []
+    for note in [*notes, f"{NOTE} The better one is bold where the interval does not hold 0.", *footnotes]:
         console.print(fill(note, _NARROWEST), markup=False, highlight=False, soft_wrap=True)
 
 
@@ -82,7 +95,13 @@ def _averages(title: str, result: BenchmarkResult, averages: Mapping[str, Mappin
                 if group in summaries:
                     found = summaries[group][metric]
                     numbers = map(_number, (found.mean, found.median, found.p90))
-                    table.add_row(*(group for _ in group_heading), metric, name, *numbers, str(found.n))
+                    table.add_row(
+                        *(group for _ in group_heading),
+                        metric,
+                        marked(name, metric, result.aligned),
+                        *numbers,
+                        str(found.n),
+                    )
     return table
 
 
@@ -98,7 +117,7 @@ def _confusion(title: str, confusion: ConfusionMatrix) -> Table:
     return table
 
 
-def _comparison(metric: str, pairs: Sequence[PairedComparison]) -> Table:
+def _comparison(metric: str, pairs: Sequence[PairedComparison], aligned: Collection[str]) -> Table:
     ideal = f", ideal value {DEFINITIONS[metric].ideal:g}" if metric in DEFINITIONS else ""
     unit = unit_of(metric)
     below = f"\n({unit})" if unit else ""
@@ -111,7 +130,7 @@ def _comparison(metric: str, pairs: Sequence[PairedComparison]) -> Table:
     for pair in pairs:
         names = (pair.first, pair.second)
         table.add_row(
-            *(f"[bold]{escape(name)}[/bold]" if pair.better == name else escape(name) for name in names),
+            *(_name(name, pair, aligned) for name in names),
             str(pair.n),
             f"{pair.mean_first:.3f}",
             f"{pair.mean_second:.3f}",
@@ -121,6 +140,12 @@ def _comparison(metric: str, pairs: Sequence[PairedComparison]) -> Table:
             str(pair.ties or ""),
         )
     return table
+
+
+def _name(variant: str, pair: PairedComparison, aligned: Collection[str]) -> str:
+    """Return the name of one variant of a pair, bold if it is the better one."""
+    text = escape(marked(variant, pair.metric, aligned))
+    return f"[bold]{text}[/bold]" if pair.better == variant else text
 
 
 def _table(title: str, words: Sequence[str], numbers: Sequence[str]) -> Table:

@@ -17,6 +17,7 @@ from pdr_est.experiment.results.walk_result import WalkResult, decode, encode, s
 from pdr_est.experiment.runners.dask_cluster import connected, run_on_cluster
 from pdr_est.experiment.runners.processes import FinishedWalk, run_in_processes
 from pdr_est.experiment.runners.scoring_job import ScoringJob, experiment_job
+from pdr_est.experiment.variants.alignment import aligned_variants
 from pdr_est.experiment.walks import Walk
 
 Progress = Callable[[int, int], None]
@@ -139,6 +140,7 @@ def _write_report(
         failures=tuple((one.walk, one.reason) for result in finished.results for one in result.failures),
         config=experiment.to_yaml(),
         provenance=document,
+        aligned=aligned_variants(experiment.variants),
     )
     write(output / REPORT, render_comparison(content))
 

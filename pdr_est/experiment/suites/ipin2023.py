@@ -27,7 +27,7 @@ def _find(folder: Path) -> list[WalkFile]:
 
 
 def _score(walk: AnalysedWalk) -> list[TrackScores]:
-    """Score the track at the surveyed points, without fixes, with some of the points as fixes, with GPS, and with its start."""
+    """Score the track at the surveyed points: without fixes, with some points as fixes, with GPS, with its start."""
     truth = surveyed_points(walk.recording)
     return score_tracks(
         walk,

@@ -20,7 +20,8 @@ class GnssFixes:
     Attributes
     ----------
     fixes
-        Fixes in the order of the file, with source "gps", marked as robust because they may be outliers.
+        Fixes in the order of the file, marked as robust because they may be outliers; their source is "gps", or
+        "network" for positions from radio masts and Wi-Fi where they can be told apart.
     origin
         Latitude and longitude of the first valid fix, which is the origin of the map frame; None without a valid fix.
     warnings
@@ -32,7 +33,13 @@ class GnssFixes:
     warnings: tuple[str, ...] = ()
 
 
-def gnss_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m: Array) -> GnssFixes:
+def gnss_fixes(
+    time_s: Array,
+    latitude_deg: Array,
+    longitude_deg: Array,
+    sigma_m: Array,
+    network: NDArray[np.bool_] | None = None,
+) -> GnssFixes:
     """Make fixes with positions east and north, m, of the first valid one.
 
     Rows are left out, with a warning that counts them, when their position is impossible, missing or exactly (0, 0),
@@ -47,6 +54,8 @@ def gnss_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m
         (n,) WGS 84 coordinates, degrees.
     sigma_m
         (n,) horizontal accuracy that the recorder gives, m, taken as standard deviation of each axis, at least 1 m.
+    network
+        (n,) True for positions that do not come from satellites; None if that is not known.
     """
     on_earth = (np.abs(latitude_deg) <= 90.0) & (np.abs(longitude_deg) <= 180.0)
     placed = np.isfinite(time_s) & on_earth & ((latitude_deg != 0.0) | (longitude_deg != 0.0))
@@ -66,9 +75,12 @@ def gnss_fixes(time_s: Array, latitude_deg: Array, longitude_deg: Array, sigma_m
     origin = GeoOrigin(float(latitude[0]), float(longitude[0]))
     east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
     variance = np.square(np.maximum(sigma_m[kept], _SMALLEST_SIGMA_M))
+    elsewhere = np.zeros(len(east), dtype=np.bool_) if network is None else network[kept]
     fixes = tuple(
-        PositionFix(float(t), position, np.eye(2) * v, source="gps", robust=True)
-        for t, position, v in zip(time_s[kept], np.column_stack([east, north]), variance, strict=True)
+        PositionFix(float(t), position, np.eye(2) * v, source="network" if other else "gps", robust=True)
+        for t, position, v, other in zip(
+            time_s[kept], np.column_stack([east, north]), variance, elsewhere, strict=True
+        )
     )
     return GnssFixes(fixes, origin, warnings)
 

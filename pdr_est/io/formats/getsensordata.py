@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pymap3d
+from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
@@ -30,6 +31,7 @@ NAME = "GetSensorData (IPIN)"
 
 _POSI_SIGMA_M = 0.7  # surveyed points, marked while walking over them
 _CLOCK_SPREAD_S = 0.5
+_OTHER_CLOCK_S = 5.0  # the clocks of two providers of positions differ by more than this
 _N_FIELDS = 10
 _ROW = re.compile(rb"^(?:ACCE|GYRO|MAGN|AHRS|POSI|WIFI|GNSS|PRES|SOUN|LIGH|PROX|BLUE|BLE4);[\d.]+;", re.MULTILINE)
 _HEADER_VALUE = re.compile(r"^%\s*(Manufacturer|Model):\s*(\S.*?)\s*$", re.MULTILINE)
@@ -56,7 +58,7 @@ def read_source(source: Source) -> Recording:
     log = TaggedLog.parse(data, source.place(member), separator=";", tag_field=0, n_fields=_N_FIELDS)
     points, floors = _surveyed_points(log)
     gnss = log.numbers("GNSS", (1, 2, 3, 4, 7))  # app time, Unix time, latitude, longitude, accuracy
-    gps = gnss_fixes(gnss[:, 0], gnss[:, 2], gnss[:, 3], gnss[:, 4])
+    gps = gnss_fixes(gnss[:, 0], gnss[:, 2], gnss[:, 3], gnss[:, 4], _from_network(gnss))
     origin = GeoOrigin(float(points[0, 1]), float(points[0, 2])) if len(points) else gps.origin
     return Recording(
         name=member_stem(member),
@@ -195,6 +197,18 @@ def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) ->
         latitude_deg, longitude_deg, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0
     )
     return np.column_stack([east, north])
+
+
+def _from_network(gnss: Array) -> NDArray[np.bool_]:
+    """Find the GNSS rows (n,) that do not come from satellites.
+
+    Android's other provider of positions writes into the same rows. Its time stamps are on another clock, which lacks
+    the leap seconds of GPS, so that they are off by many seconds.
+    """
+    offset_s = gnss[:, 0] - gnss[:, 1]
+    finite = np.isfinite(offset_s)
+    median_s = float(np.median(offset_s[finite])) if finite.any() else 0.0
+    return np.asarray(finite & (np.abs(offset_s - median_s) > _OTHER_CLOCK_S))
 
 
 def _epoch_s(gnss: Array) -> float | None:

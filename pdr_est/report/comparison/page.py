@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
+from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, with_unit
 from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.report.comparison import tables
 from pdr_est.report.comparison.plots import plot_coverage, plot_distribution, plot_growth, plot_tracks, variant_styles
@@ -45,6 +45,8 @@ class ComparisonContent:
         Resolved configuration.
     provenance : mapping
         Information that is needed to repeat the experiment.
+    aligned : tuple of str
+        Names of the variants whose estimator only aligns its track with the fixes.
     """
 
     title: str
@@ -57,10 +59,12 @@ class ComparisonContent:
     failures: tuple[tuple[str, str], ...]
     config: str
     provenance: Mapping[str, Any]
+    aligned: tuple[str, ...] = ()
 
 
 def render_comparison(content: ComparisonContent) -> str:
     """Render the page as text."""
+    aligned = content.aligned if _fixed(content.outcomes) else ()
     shown = [metric for metric in content.metrics if any(one.metrics[metric] is not None for one in content.outcomes)]
     return (
         template_environment()
@@ -68,7 +72,9 @@ def render_comparison(content: ComparisonContent) -> str:
         .render(
             content=content,
             tiles=_tiles(content),
-            averages=tables.averages_table(content.outcomes, content.variants, shown),
+            averages=tables.averages_table(content.outcomes, content.variants, shown, content.aligned),
+            aligned=aligned,
+            alignment_note=ALIGNED_NOTE.removeprefix("* "),
             tables=_tables(content, shown),
             panels=_panels(content),
             gallery=_gallery(content, shown),
@@ -94,7 +100,11 @@ def _tables(content: ComparisonContent, metrics: Sequence[str]) -> list[tables.R
     compared = {pair.first for pair in content.pairs}
     first_only = "Here the first variant is compared with the others; `pdr-est compare` compares all pairs."
     note = first_only if len(content.variants) > 2 and len(compared) == 1 else ""
-    made = [tables.pairs_table(content.pairs, note)] if any(pair.ties < pair.n for pair in content.pairs) else []
+    made = (
+        [tables.pairs_table(content.pairs, note, content.aligned)]
+        if any(pair.ties < pair.n for pair in content.pairs)
+        else []
+    )
     made += [tables.groups_table(content.outcomes, content.variants, metrics, key) for key in content.group_by]
     made += [
         tables.steps_table(content.outcomes, content.variants),

@@ -1,9 +1,9 @@
 """Tables of the comparison: averages, pairs, groups, steps and carrying modes."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pdr_est.evaluate.metric_definitions import DEFINITIONS, with_unit
+from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, marked, with_unit
 from pdr_est.evaluate.paired_comparison import ROUNDING, PairedComparison
 from pdr_est.evaluate.statistics import Average
 from pdr_est.report.walk.page import NO_VALUE, format_number, format_percent
@@ -57,8 +57,13 @@ class ReportTable:
     note: str = ""
 
 
-def averages_table(outcomes: Sequence[TrackOutcome], variants: Sequence[str], metrics: Sequence[str]) -> ReportTable:
-    """Tabulate mean, median, 90th percentile and number of tracks of each metric; the best mean is emphasised."""
+def averages_table(
+    outcomes: Sequence[TrackOutcome], variants: Sequence[str], metrics: Sequence[str], aligned: Collection[str] = ()
+) -> ReportTable:
+    """Tabulate mean, median, 90th percentile and number of tracks of each metric; the best mean is emphasised.
+
+    Variants in `aligned`, whose estimator only aligns its track with the fixes, are marked where that matters.
+    """
     rows = []
     for metric in metrics:
         found = [(name, _average(outcomes, name, metric)) for name in variants]
@@ -66,7 +71,7 @@ def averages_table(outcomes: Sequence[TrackOutcome], variants: Sequence[str], me
         rows += [
             (
                 metric_cell(metric),
-                TableCell(name),
+                TableCell(marked(name, metric, aligned)),
                 TableCell(format_metric(average.mean), strong=place == best),
                 TableCell(format_metric(average.median)),
                 TableCell(format_metric(average.p90)),
@@ -75,9 +80,9 @@ def averages_table(outcomes: Sequence[TrackOutcome], variants: Sequence[str], me
             for place, (name, average) in enumerate(found)
         ]
     headings = tuple(TableCell(text) for text in ("metric", "variant", "mean", "median", "90 %", "tracks"))
-    return ReportTable(
-        "All walks", headings, tuple(rows), texts=2, note="The mean nearest to the ideal value is bold."
-    )
+    footnote = f" {ALIGNED_NOTE}" if any(row[1].text.endswith(" *") for row in rows) else ""
+    note = f"The mean nearest to the ideal value is bold.{footnote}"
+    return ReportTable("All walks", headings, tuple(rows), texts=2, note=note)
 
 
 def groups_table(
@@ -129,13 +134,16 @@ def _groups_aside(
     return ReportTable(f"Means by {key}", headings, tuple(rows), texts=2, note=f"Number of tracks: {tracks}.")
 
 
-def pairs_table(found: Iterable[PairedComparison], note: str = "") -> ReportTable:
-    """Tabulate the comparisons of two variants each; `note` is added to the remark below the table."""
+def pairs_table(found: Iterable[PairedComparison], note: str = "", aligned: Collection[str] = ()) -> ReportTable:
+    """Tabulate the comparisons of two variants each.
+
+    `note` is added to the remark below the table. Variants in `aligned` are marked as in `averages_table`.
+    """
     rows = tuple(
         (
             metric_cell(pair.metric),
-            TableCell(pair.first, strong=pair.better == pair.first),
-            TableCell(pair.second, strong=pair.better == pair.second),
+            TableCell(marked(pair.first, pair.metric, aligned), strong=pair.better == pair.first),
+            TableCell(marked(pair.second, pair.metric, aligned), strong=pair.better == pair.second),
             TableCell(str(pair.n)),
             TableCell(format_difference(pair.difference)),
             TableCell(
@@ -154,6 +162,8 @@ def pairs_table(found: Iterable[PairedComparison], note: str = "") -> ReportTabl
         "is better. The interval is a bootstrap over walks, too narrow for fewer than about 20. The better variant "
         f"is bold where the interval excludes zero. Pairs that agree on every walk are left out. {note}"
     )
+    if any(cell.text.endswith(" *") for row in rows for cell in row[1:3]):
+        about = f"{about.rstrip()} {ALIGNED_NOTE}"
     return ReportTable("Walk by walk", tuple(TableCell(word) for word in words), rows, texts=3, note=about.rstrip())
 
 

@@ -38,7 +38,7 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
             tiles=_tiles(summary),
             warnings=[words for words in summary["warnings"] if words not in told],
             errors=_flat(summary["errors_against_truth"] or {}),
-            track=track_panel(walk, recording, summary["frame"] == "map"),
+            track=track_panel(walk, recording, summary["frame"] == "map", summary["frame"] == "north-up"),
             panels=time_panels(walk),
             models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
             mode_symbols={mode.name: mode_entry("strip", mode) for mode in CarryingMode},

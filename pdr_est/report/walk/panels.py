@@ -50,11 +50,11 @@ class Panel:
 NOT_RECORDED = LegendEntry("shade", "muted", "not recorded")
 
 
-def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) -> Panel:
-    """Make the map; a track in a frame of its own has the truth aligned with it."""
+def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool, north_up: bool = False) -> Panel:
+    """Make the map; a track that is not in the map frame has the truth aligned with it."""
     track, truth = walk.track, recording.truth.positions
     truth_m = None if truth is None else _truth_points(track, truth, in_map_frame)
-    figure = plot_track(track, walk.fixes, truth_m, in_map_frame)
+    figure = plot_track(track, walk.fixes, truth_m, in_map_frame or north_up)
     legend = _track_lines(track)
     legend += [LegendEntry("ellipse", "muted", "95 % region"), LegendEntry("start", "ink", "start")]
     if len(track) > len(track.devices):
@@ -65,7 +65,7 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) ->
         legend.append(LegendEntry("truth", "muted", f"truth ({truth.source})"))
     if marked_places(track):
         legend.append(LegendEntry("band", svg.css_name(svg.DOUBT), "does not fit"))
-    caption = _track_caption(walk, truth_m is not None, in_map_frame)
+    caption = _track_caption(walk, truth_m is not None, in_map_frame, north_up)
     return Panel("Track", _markup(figure, "track", "Map of the track"), tuple(legend), caption)
 
 
@@ -89,7 +89,7 @@ def _truth_points(track: Track, truth: TruePositions, in_map_frame: bool) -> Arr
     return best_alignment(truth.position_m, reached).apply(truth.position_m)
 
 
-def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool) -> str:
+def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool, north_up: bool) -> str:
     sentences = []
     if len(walk.track) == len(walk.track.devices):
         sentences.append("No step was found: the track is a single point.")
@@ -102,7 +102,9 @@ def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool) ->
         sentences.append("Ellipses are drawn for some of the poses.")
     if not in_map_frame:
         sentences.append(
-            "Without a complete start pose or fixes the track lies in a frame of its own, "
+            "North is up, as the phone knows it; the origin is the start of the walk."
+            if north_up
+            else "Without a complete start pose or fixes the track lies in a frame of its own, "
             "rotated and shifted against the map."
         )
         if shows_truth:

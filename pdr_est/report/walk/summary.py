@@ -20,7 +20,7 @@ from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.walk.descriptions import describe_directions, describe_length_scale
 from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.types.ground_truth import Truth
-from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose
+from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.track import Track
 
@@ -185,19 +185,17 @@ def _truth(truth: Truth) -> Json:
 def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
     """Name the frame.
 
-    "map" when position and direction are tied to the map, else "own", with its origin at the start.
+    "map" when position and direction are tied to the map; "north-up" when the direction alone is, by the phone's
+    knowledge of north; else "own". The last two have their origin at the start.
     """
     places = {tuple(fix.position_m) for fix in walk.fixes}
     if start is not None and start.position_m is not None:
         places.add(start.position_m)
-    directed = (start is not None and start.heading_rad is not None) or any(map(_knows_north, walk.devices))
-    return "map" if len(places) >= (1 if directed else 2) else "own"
-
-
-def _knows_north(device: DeviceWalk) -> bool:
-    """Tell whether the front end found headings in the map frame."""
-    measured = (*device.odometry, *device.whole_walk_odometry)
-    return any(isinstance(one, HeadingPrior) and not one.relative for one in measured)
+    north = bool(walk.devices) and all(device.knows_north for device in walk.devices)
+    directed = north or (start is not None and start.heading_rad is not None)
+    if len(places) >= (1 if directed else 2):
+        return "map"
+    return "north-up" if north else "own"
 
 
 def _duration_s(walk: SmoothedWalk) -> float | None:

@@ -10,7 +10,12 @@ from estimator_walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, s
 
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_walk
+from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.tethers import NodeTether
+from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph
+from pdr_est.estimators.factor_graph.initial_values import initial_states
+from pdr_est.estimators.factor_graph.smoothing_problem import SmoothingProblem
 from pdr_est.performance.odometry import SIGMA_SCALE, walk_of
 from pdr_est.performance.odometry import START as TETHERED_START
 from pdr_est.types.measurements import LoopClosure, Measurement, StartPose
@@ -31,25 +36,67 @@ def kinds(graph: gtsam.NonlinearFactorGraph) -> Counter[str]:
 
 
 def measured(robust: bool = True) -> list[Measurement]:
-    """30 steps with fixes at and within steps, and headings in the map and relative ones, some of them robust."""
+    """30 steps with fixes at and within steps, three of them with a wandering error, and headings in the map and
+    relative ones, some of all robust."""
     rng = np.random.default_rng(2)
     walk = simulate(rng, winding(30, rng), fix_every=10, sigma_fix_m=0.3)
     headings = [heading_prior(k, float(walk.truth[k, 2]), robust=robust and k == 20) for k in (4, 20)]
     relative = [replace(heading_prior(k, float(walk.truth[k, 2]) - 1.0), relative=True) for k in (2, 12, 27)]
     inside = [fix(7.4, *walk.truth[7, :2], robust=robust), fix(15.5, *walk.truth[15, :2])]
-    return [*walk.measurements, *inside, *headings, *relative, LoopClosure(DEVICE, 30.0)]
+    off = np.array([2.0, 1.0])
+    gps = [
+        replace(fix(k, *(walk.truth[int(k), :2] + off), robust=robust and k == 18), source="gps", sigma_wander_m=2.0)
+        for k in (6.5, 18, 24)
+    ]
+    return [*walk.measurements, *inside, *gps, *headings, *relative, LoopClosure(DEVICE, 30.0)]
+
+
+def problem_of(
+    known: list[Measurement],
+) -> tuple[list[Timeline], list[NodeTether], list[StartPose], list[list[GaussianState]]]:
+    timelines = [build_timeline(DEVICE, 0.0, known)]
+    return timelines, [], [START], initial_states(timelines, [], [START], 0.0)
 
 
 def test_every_measurement_of_a_walk_is_a_factor() -> None:
     built = build_graph(measured(), start=START)
     assert kinds(built.graph) == {
         "PriorFactorPose2": 2,  # start, and the vague one of the reference
-        "BetweenFactorPose2": 30 + 2 + 3 + 1,  # steps, two of them divided, relative headings, closure
+        "BetweenFactorPose2": 30 + 3 + 3 + 1,  # steps, three of them divided, relative headings, closure
         "PoseTranslationPrior2D": 4 + 2,
         "PoseRotationPrior2D": 2,
+        "CustomFactor": 3,  # fixes with a wandering error
+        "PriorFactorPoint2": 1,  # the first of these errors
+        "LinearContainerFactor": 2,  # how it goes on
     }
-    assert built.values.size() == 33 + 1
-    assert built.keys.reference_of(DEVICE) == 33
+    assert built.values.size() == 34 + 1 + 3
+    assert built.keys.reference_of(DEVICE) == 34
+
+
+def test_the_key_of_a_wandering_error_is_found_by_source_and_time() -> None:
+    built = build_graph(measured(), start=START, optimised=True)
+    assert [built.keys.of_fix_error("gps", STEP_S * k) for k in (6.5, 18, 24)] == [35, 36, 37]
+    assert built.values.atPoint2(36) * 2.0 == pytest.approx([2.0, 1.0], abs=0.5)
+    with pytest.raises(EstimationError, match="sigma_wander_m is not 0"):
+        built.keys.of_fix_error("gps", 1.0)
+
+
+def test_fixes_linearised_together_are_the_factors() -> None:
+    built = build_graph(measured(), start=START)
+    problem = SmoothingProblem(*problem_of(measured()))
+    values = gtsam.Values(built.values)
+    for key in built.keys.of_device(DEVICE):
+        values.update(key, built.values.atPose2(key).retract(np.array([0.3, -0.2, 0.1])))
+    for number in range(3):
+        values.update(built.keys.first_fix_error + number, np.array([0.5, -1.0 + number]))
+    together = problem.without_tethers(np.ones(1))
+    assert together.error(values) == pytest.approx(built.graph.error(values), rel=1e-12)
+    linear, expected = together.linearize(values), built.graph.linearize(values)
+    order = gtsam.Ordering()
+    for key in range(values.size()):
+        order.push_back(key)
+    for found, exact in zip(linear.hessian(order), expected.hessian(order), strict=True):
+        np.testing.assert_allclose(found, exact, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize(("robust", "within_m"), [(False, 3e-6), (True, 1e-5)])
@@ -86,6 +133,16 @@ def test_without_positions_the_length_scale_is_as_uncertain_as_its_prior() -> No
     track = build_graph(steps, start=START, sigma_length_scale=0.1).track_from()
     assert track.covariance_m2 == pytest.approx(expected.covariance_m2)
     assert track.sigma_length_scale == pytest.approx(0.1)
+
+
+def test_covariances_with_wandering_errors_are_gtsam_s() -> None:
+    built = build_graph(measured(), start=START, optimised=True)
+    exact, track = gtsam.Marginals(built.graph, built.values), built.track_from()
+    for row in (0, 7, 18, 30):
+        key = built.keys.of(DEVICE, track.time_s[row])
+        turn = built.values.atPose2(key).rotation().matrix()
+        expected = turn @ exact.marginalCovariance(key)[:2, :2] @ turn.T
+        np.testing.assert_allclose(track.covariance_m2[row], expected, rtol=1e-5)
 
 
 def tethered(steps: int = 150, **options: object) -> WalkGraph:
@@ -203,7 +260,7 @@ def test_keys_are_found_by_device_and_time() -> None:
 
 def test_a_fix_of_two_devices_is_shared_as_in_the_estimator() -> None:
     known, tethers = walk_of(40, 2)
-    place = fix(20, 8.0, 1.0)
+    place = fix(20, 13.5, 1.0)  # near the tracks, so that the estimator takes it as it is
     with_fix = [replace(one, measurements=(*one.measurements, place)) for one in known]
     expected = estimate_walk("factor-graph", with_fix, TETHERED_START, 0.0, tethers)
     built = build_graph(known, [place], tethers, TETHERED_START, optimised=True)

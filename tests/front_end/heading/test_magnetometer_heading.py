@@ -121,5 +121,6 @@ def test_a_device_without_magnetometer_is_refused_in_words() -> None:
 
 def test_the_field_comes_only_where_it_is_asked_for() -> None:
     walk = simulate_walk(replace(corner_walk(sensors=SensorParams(magnetometer=NO_SENSOR_ERRORS)).scenario, seed=1))
-    assert all(block.magnetic_field_ut is None for block in analyse_recording(walk.recording, Config())[0].level)
+    plain = Config().replace({"heading.north.source": "none"})
+    assert all(block.magnetic_field_ut is None for block in analyse_recording(walk.recording, plain)[0].level)
     assert all(block.magnetic_field_ut is not None for block in analyse_recording(walk.recording, CONFIG)[0].level)

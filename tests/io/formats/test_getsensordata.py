@@ -9,6 +9,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import up_in_device
 from pdr_est.io import read
 from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.sensors import AttitudeReference
 
 BOOT_S = 65_000.0
 HEADER = (
@@ -68,6 +69,7 @@ def test_channels_and_header(tmp_path: Path) -> None:
     assert device.magnetic_field is not None
     assert device.pressure is not None
     assert device.attitude is not None
+    assert device.attitude_reference is AttitudeReference.MAGNETIC_NORTH
     np.testing.assert_array_equal(force_of(device)[0], [0.0, 9.81, 0.0])
     np.testing.assert_array_equal(device.rotation_rate.values[9], [0.1, 0.2, 0.3])
     np.testing.assert_allclose(device.pressure.values[:, 0], 97_622.73)
@@ -100,6 +102,7 @@ def test_acceleration_in_g_with_apples_sign(tmp_path: Path) -> None:
     device = read_text(tmp_path, walk(force="0.0;-1.0;0.0")).devices[0]
     np.testing.assert_allclose(force_of(device)[0], [0.0, 9.80665, 0.0])
     assert device.platform == "ios"
+    assert device.attitude_reference is AttitudeReference.UNKNOWN
     assert any("in g" in decision for decision in device.decisions)
 
 
@@ -132,6 +135,12 @@ def test_gnss_rows_are_fixes_in_the_frame_of_the_truth(tmp_path: Path) -> None:
     np.testing.assert_allclose(second.position_m - first.position_m, [0.0, 111.25], atol=0.05)
     assert recording.epoch_s == pytest.approx(1_686_729_678.0, abs=0.1)
     assert any("1 of 3 fixes that repeat the previous one are left out" in note for note in recording.notes)
+
+
+def test_rows_on_another_clock_come_from_the_network(tmp_path: Path) -> None:
+    of_network = "GNSS;2.31;1686729661.4;49.464;11.112;0.0;0.0;748.0;0.0;22;19\n"
+    recording = read_text(tmp_path, walk() + POINTS + GNSS + of_network)
+    assert [fix.source for fix in recording.fixes] == ["gps", "gps", "network"]
 
 
 def test_without_surveyed_points_the_first_fix_is_the_origin(tmp_path: Path) -> None:

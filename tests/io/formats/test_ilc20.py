@@ -10,6 +10,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import up_in_device
 from pdr_est.io import read
 from pdr_est.types.recording import Recording
+from pdr_est.types.sensors import AttitudeReference
 
 START_MS = 1_574_560_118_902
 HEADER = (
@@ -50,6 +51,7 @@ def test_signals_clock_truth_and_device(tmp_path: Path) -> None:
     assert device.rotation_rate is not None
     assert device.magnetic_field is not None
     assert device.attitude is not None
+    assert device.attitude_reference is AttitudeReference.MAGNETIC_NORTH
     np.testing.assert_array_equal(device.specific_force.time_s, [0.1, 0.12, 0.14, 0.16, 0.18])
     np.testing.assert_array_equal(device.specific_force.values[0], [0.1, 0.2, 9.8])
     np.testing.assert_array_equal(device.rotation_rate.values[4], [0.01, 0.02, 0.5])

@@ -69,6 +69,14 @@ class CorrelatedHeadingError:
         self._covariance *= np.outer(scale, scale)
         self._covariance[_WANDERS, _WANDERS] += (1.0 - kept**2) * self._wander_variance
 
+    def expected_sigma(self, sigma_white_rad: float) -> float:
+        """Return the standard deviation that stands for a measurement now, rad, if it is as expected.
+
+        It is infinite for a measurement that would tell nothing new.
+        """
+        with_sum: Array = self._covariance.sum(axis=1)
+        return self._equivalent_sigma(with_sum, float(with_sum.sum()) + sigma_white_rad**2)
+
     def measure(self, heading_rad: float, sigma_white_rad: float) -> IndependentSigma:
         """Update with a heading, rad, whose independent error has that standard deviation."""
         if not self._known:
@@ -81,8 +89,14 @@ class CorrelatedHeadingError:
         innovation = float(wrap_angle(heading_rad - float(self._mean.sum())))
         sigmas = abs(innovation) / float(np.sqrt(variance))
         variance *= max(sigmas / _SAME_WEIGHT_SIGMAS, 1.0)
-        before, shared = float(self._covariance[_HEADING, _HEADING]), float(with_sum[_HEADING])
+        sigma_rad = self._equivalent_sigma(with_sum, variance)
         self._mean = self._mean + with_sum * (innovation / variance)
         self._covariance = self._covariance - np.outer(with_sum, with_sum) / variance
-        equivalent = before * (before * variance / shared**2 - 1.0) if shared > 0.0 else np.inf
-        return IndependentSigma(float(np.sqrt(max(equivalent, 0.0))), innovation, sigmas)
+        return IndependentSigma(sigma_rad, innovation, sigmas)
+
+    def _equivalent_sigma(self, with_sum: Array, variance: float) -> float:
+        """Return the independent standard deviation that leaves the heading the variance that the update leaves."""
+        before, shared = float(self._covariance[_HEADING, _HEADING]), float(with_sum[_HEADING])
+        if shared <= 0.0:
+            return float("inf")
+        return float(np.sqrt(max(before * (before * variance / shared**2 - 1.0), 0.0)))

@@ -1,7 +1,8 @@
 """Stage that makes heading priors in the map from the direction of north."""
 
+import cmath
 from dataclasses import dataclass, replace
-from math import degrees, hypot
+from math import degrees, hypot, sqrt
 
 import numpy as np
 
@@ -18,7 +19,8 @@ from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import HeadingPrior
 from pdr_est.types.steps import CarryingMode, Step
 
-_LARGEST_SIGMA_RAD = 1.0  # a prior beyond tells nothing
+_UNIFORM_VARIANCE = np.pi**2 / 3.0  # rad², of an angle of which nothing is known
+_LARGEST_SIGMA_RAD = 1.0  # a prior beyond would tell nothing: it waits until there is more to tell
 
 
 @dataclass(frozen=True)
@@ -32,10 +34,10 @@ class _Stretch:
 
 
 class NorthPriors:
-    """Stage Step -> HeadingPrior of one device, absolute, from steps at which the phone was held in front of the body.
+    """Stage Step -> HeadingPrior of one device, absolute, from steps with the phone held in front of the body.
 
     In a pocket or a bag, and in a swinging hand, nothing says how the phone sits on the body, and there is no prior.
-    The first one comes with the first such step, and after a gap.
+    The first one, and the first after a gap, come after some such steps, and are of the first of these.
 
     Parameters
     ----------
@@ -64,13 +66,16 @@ class NorthPriors:
     ) -> None:
         self._device, self._reference, self._parameters = device, reference, parameters
         self._drift_per_sqrt_s = sigma_heading_rad_per_sqrt_s
-        stays_rad = hypot(parameters.sigma_hold_rad, reference.sigma_declination_rad)
+        calibration_rad = 0.0 if reference.source == "device" else parameters.sigma_calibration_rad
+        stays_rad = hypot(parameters.sigma_hold_rad, reference.sigma_declination_rad, calibration_rad)
         self._error = CorrelatedHeadingError(
             stays_rad, parameters.sigma_disturbance_rad, parameters.disturbance_length_m
         )
         self._previous: Step | None = None
-        self._offsets: list[float] = []  # heading in the map less that of the step, since the last prior
-        self._since_s = 0.0
+        self._first: Step | None = None  # of the steps that told a direction since the last prior
+        self._steps = 0  # number of these
+        self._doubt = 0.0  # sum of their probabilities that the phone is elsewhere
+        self._offset_sum = 0j  # unit vectors of their headings in the map less those of the steps
         self._walked_m = float("inf")  # since the last prior
         self._disturbed: list[_Stretch] = []
         self._in_disturbance = False
@@ -85,19 +90,27 @@ class NorthPriors:
         self._move(item)
         offset_rad = self._offset(item)
         if np.isfinite(offset_rad):
-            if not self._offsets:
-                self._since_s = item.start_s
-            self._offsets.append(offset_rad)
-        if not self._offsets or self._walked_m < self._parameters.spacing_m:
+            self._first = self._first or item
+            self._steps, self._offset_sum = self._steps + 1, self._offset_sum + cmath.rect(1.0, offset_rad)
+            self._doubt += 1.0 - item.event.mode_probability
+        elif self._steps < self._parameters.least_steps:
+            self._begin_window(self._walked_m)
+        return self._prior_if_due(item)
+
+    def _prior_if_due(self, step: Step) -> list[HeadingPrior]:
+        p, first = self._parameters, self._first
+        if first is None or self._steps < p.least_steps or self._walked_m < p.spacing_m:
             return []
-        mean_rad = float(np.angle(np.mean(np.exp(1j * np.array(self._offsets)))))
-        heading_rad = float(wrap_angle(item.heading_rad + mean_rad))
-        found = self._error.measure(heading_rad, self._parameters.sigma_step_rad / np.sqrt(len(self._offsets)))
-        self._note_disturbance(found, item.event.time_s)
-        self._offsets, self._walked_m = [], 0.0
-        if found.sigma_rad > _LARGEST_SIGMA_RAD:
+        sigma_rad = sqrt((p.sigma_step_rad**2 + self._doubt * _UNIFORM_VARIANCE) / self._steps)
+        if self._error.expected_sigma(sigma_rad) > _LARGEST_SIGMA_RAD:
             return []
-        return [HeadingPrior(self._device, item.event.time_s, heading_rad, found.sigma_rad)]
+        offset_rad = cmath.phase(self._offset_sum)
+        found = self._error.measure(float(wrap_angle(step.heading_rad + offset_rad)), sigma_rad)
+        self._note_disturbance(found, first.start_s, step.event.time_s)
+        at = first if np.isinf(self._walked_m) else step  # what orients the walk belongs to its beginning
+        self._begin_window(0.0)
+        heading_rad = float(wrap_angle(at.heading_rad + offset_rad))
+        return [HeadingPrior(self._device, at.event.time_s, heading_rad, found.sigma_rad)]
 
     def flush(self) -> list[HeadingPrior]:
         """Return nothing: no prior is held back."""
@@ -109,12 +122,17 @@ class NorthPriors:
             return
         if step.event.segment != previous.event.segment:
             self._error.forget_heading()
-            self._offsets, self._walked_m, self._in_disturbance = [], float("inf"), False
+            self._in_disturbance = False
+            self._begin_window(float("inf"))
             return
         passed_s = max(step.event.time_s - previous.event.time_s, 0.0)
         variance = self._drift_per_sqrt_s**2 * passed_s + step.sigma_turn_rad**2
         self._error.move(float(wrap_angle(step.heading_rad - previous.heading_rad)), variance, step.length_m)
         self._walked_m += step.length_m
+
+    def _begin_window(self, walked_m: float) -> None:
+        self._first, self._steps, self._doubt = None, 0, 0.0
+        self._offset_sum, self._walked_m = 0j, walked_m
 
     def _offset(self, step: Step) -> float:
         """Compute the heading in the map less that of the step, rad; NaN where the phone does not tell it."""
@@ -125,11 +143,11 @@ class NorthPriors:
         forward_rad = forward_azimuth(step.samples)
         return float(wrap_angle(forward_rad + north_rad - self._reference.declination_rad - step.heading_rad))
 
-    def _note_disturbance(self, found: IndependentSigma, end_s: float) -> None:
+    def _note_disturbance(self, found: IndependentSigma, begin_s: float, end_s: float) -> None:
         disturbed = found.innovation_sigmas > self._parameters.disturbed_sigmas
         if disturbed:
             off_rad = abs(found.innovation_rad)
-            stretch = _Stretch(self._since_s, end_s, off_rad, off_rad / found.innovation_sigmas)
+            stretch = _Stretch(begin_s, end_s, off_rad, off_rad / found.innovation_sigmas)
             if self._in_disturbance:
                 before = self._disturbed.pop()
                 larger = max(before, stretch, key=lambda one: one.largest_rad)

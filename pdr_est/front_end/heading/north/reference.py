@@ -1,4 +1,4 @@
-"""What is known of north for one device: the source of the direction, and the declination at the place."""
+"""Choose the source of north for a device, and find the declination at its place."""
 
 from dataclasses import dataclass
 from typing import Literal

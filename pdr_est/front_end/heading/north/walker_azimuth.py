@@ -40,7 +40,7 @@ def forward_azimuth(samples: LevelBlock) -> float:
 
 
 def recorded_north_offset(samples: LevelBlock) -> float:
-    """Return the mean yaw by the recorded attitude less that of the level frame, rad; NaN where it is not recorded."""
+    """Return mean yaw by the recorded attitude less that of the level frame, rad; NaN where it was not recorded."""
     if samples.recorded_yaw_rad is None:
         return float("nan")
     return _mean_angle(samples.recorded_yaw_rad - samples.yaw_rad)
@@ -49,7 +49,8 @@ def recorded_north_offset(samples: LevelBlock) -> float:
 def magnetic_north_offset(samples: LevelBlock) -> float:
     """Return the mean yaw against magnetic north less that of the level frame, rad.
 
-    NaN without field, and for one that cannot be the Earth's: of a magnetometer that is not calibrated, or at a magnet.
+    NaN without field, and for one that cannot be the Earth's: of a magnetometer that is not calibrated, or beside a
+    magnet.
     """
     if samples.magnetic_field_ut is None:
         return float("nan")

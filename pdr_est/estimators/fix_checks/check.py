@@ -1,0 +1,163 @@
+"""Comparison of the fixes of a walk with its steps before the walk is smoothed: `check_fixes`.
+
+Fixes that agree with the steps and with each other stay as they are. Otherwise explanations are compared by their
+evidence: single outliers, bad stretches, a wrong accuracy or clock of a source, a wrong start heading, an unusual
+length scale. The fixes, and what else is given, are then changed as the best explanation says, and findings tell it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from threadpoolctl import ThreadpoolController
+
+from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, weigh_all
+from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
+from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
+from pdr_est.estimators.fix_checks.explanations import (
+    Explained,
+    Explanation,
+    alternatives,
+    degrees_of_freedom,
+    weigh_under,
+    with_rest_spread,
+)
+from pdr_est.estimators.fix_checks.fix_findings import repeated_finding, section_findings
+from pdr_est.estimators.fix_checks.remaining_doubt import remaining_doubt
+from pdr_est.estimators.fix_checks.section import Section, sections_of, table_of
+from pdr_est.frames import Array
+from pdr_est.types.findings import Finding
+from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPose, StepOdometry
+
+_MOST_ROUNDS = 5  # differences from what is stated, one after another
+_FAR_SIGMAS = 2.5  # at which deviation of a scale or a heading from its prior explanations are compared
+_MISFIT = 1.5  # standard deviations of the sum of squared residuals from which on the same holds
+_LIKELY = 0.2  # probability of an outlier from which on the same holds
+_REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself
+_WENT_ON_M = 0.5  # if the walker went this far meanwhile
+
+
+@dataclass(frozen=True)
+class CheckedWalk:
+    """Measurements of a walk after the comparison.
+
+    Attributes
+    ----------
+    devices
+        Measurements of each device; the same objects where nothing was changed.
+    start
+        Start pose, of which a heading that contradicts the fixes is taken away.
+    sigma_length_scale
+        Standard deviation of the length scale, which is larger where the walk shows an unusual one.
+    findings
+        What does not fit.
+    """
+
+    devices: tuple[DeviceMeasurements, ...]
+    start: StartPose
+    sigma_length_scale: float
+    findings: tuple[Finding, ...] = ()
+
+
+def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_length_scale: float) -> CheckedWalk:
+    """Compare the fixes of a walk with the steps of the device that has most of them.
+
+    Parameters
+    ----------
+    devices
+        Measurements of each device; the fixes of the walk stand among those of every device.
+    start
+        Start pose as far as it is known.
+    sigma_length_scale
+        Standard deviation of the length scale around 1.
+    """
+    unchanged = CheckedWalk(tuple(devices), start, sigma_length_scale)
+    given = [m for m in devices[0].measurements if isinstance(m, PositionFix)] if devices else []
+    steps_of = {one.device: _steps(one) for one in devices}
+    main = max(devices, key=lambda one: len(steps_of[one.device]), default=None)
+    if main is None or not steps_of[main.device] or len(given) + (start.position_m is not None) < 2:
+        return unchanged
+    with _blas_of_one_thread().limit(limits=1, user_api="blas"):
+        path = DeadReckonedPath(main.start_s, steps_of[main.device])
+        fixes, findings = _without_repeats(given, path)
+        heading = None if start.heading_rad is None else (start.heading_rad, max(start.sigma_heading_rad, 1e-3))
+        table = table_of(fixes, start, float(path.time_s[0]))
+        results = [_examined(one) for one in sections_of(path, table, heading, sigma_length_scale)]
+    findings = [*findings, *section_findings(results)]
+    if not findings and len(fixes) == len(given) and not any(one.examined for one in results):
+        return unchanged
+    first = results[0].explained.explanation
+    return CheckedWalk(
+        tuple(_with_fixes(one, given, adjusted(fixes, results)) for one in devices),
+        replace(start, heading_rad=None, sigma_heading_rad=0.0) if first.heading_wrong else start,
+        max(result.sigma_scale for result in results),
+        tuple(findings),
+    )
+
+
+def _examined(section: Section) -> SectionResult:
+    """Find the best explanation of a section; a section that fits costs one comparison."""
+    now = weigh_under(section, Explanation())
+    result = weigh_all(section, now)
+    if _fits(section, now, result):
+        return result
+    for _ in range(_MOST_ROUNDS):
+        tried = [weigh_under(section, one) for one in (*alternatives(section, now), *likely_stretches(now))]
+        better = max(tried, key=lambda one: one.score, default=now)
+        if better.score <= now.score:
+            break
+        now = better
+    doubts = remaining_doubt(section, now)
+    now, spread_m = with_rest_spread(section, now)
+    return replace(weigh_all(section, now), doubts=doubts, spread_m=spread_m)
+
+
+def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
+    """Tell whether nothing about a section needs an explanation."""
+    stated, freedom = now.weighed.stated, degrees_of_freedom(section, now)
+    if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
+        return False
+    if abs(stated.log_scale) > _FAR_SIGMAS * section.sigma_scale > 0.0:
+        return False
+    if section.heading is None:
+        return True
+    off_rad = np.angle(np.exp(1j * (stated.heading_rad - section.heading[0])))
+    return bool(abs(off_rad) < _FAR_SIGMAS * section.heading[1])
+
+
+def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:
+    """Leave out fixes that repeat one of their source, at once or shortly after though the walker went on."""
+    ordered = sorted(given, key=lambda one: one.time_s)
+    walked_m = path.at(np.array([fix.time_s for fix in ordered])).position_m
+    kept: list[PositionFix] = []
+    last: dict[tuple[str, float, float], tuple[float, Array]] = {}
+    repeats = 0
+    for fix, place_m in zip(ordered, walked_m, strict=True):
+        key = (fix.source, float(fix.position_m[0]), float(fix.position_m[1]))
+        before_s, there_m = last.get(key, (-np.inf, place_m))
+        last[key] = fix.time_s, place_m
+        elapsed_s, way_m = fix.time_s - before_s, np.hypot(*(place_m - there_m))
+        if elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and way_m > _WENT_ON_M):
+            repeats += 1
+        else:
+            kept.append(fix)
+    return kept, [repeated_finding(repeats, len(given))] if repeats else []
+
+
+def _with_fixes(
+    one: DeviceMeasurements, given: Sequence[PositionFix], fixes: Sequence[PositionFix]
+) -> DeviceMeasurements:
+    """Put other fixes in place of those of a device."""
+    others = tuple(m for m in one.measurements if not isinstance(m, PositionFix))
+    return replace(one, measurements=(*others, *fixes))
+
+
+def _steps(one: DeviceMeasurements) -> list[StepOdometry]:
+    return [m for m in one.measurements if isinstance(m, StepOdometry) and m.device == one.device]
+
+
+@cache
+def _blas_of_one_thread() -> ThreadpoolController:
+    """Return the controller of the numerical libraries: for matrices of this size threads only cost time."""
+    return ThreadpoolController()

@@ -1,0 +1,115 @@
+"""Findings of the comparison of fixes and steps, in words."""
+
+from collections.abc import Sequence
+from math import degrees, exp, sqrt
+
+import numpy as np
+
+from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult
+from pdr_est.estimators.fix_checks.explanations import BadStretch
+from pdr_est.frames import wrap_angle
+from pdr_est.types.findings import Finding, FindingKind
+
+_WRONG = 0.5  # probability from which a fix is told to be an outlier
+_FAR_SIGMAS = 2.5
+_MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
+_MANY = 0.1  # share of repeated fixes from which it is worth a look
+
+
+def section_findings(results: Sequence[SectionResult]) -> list[Finding]:
+    """Say what does not fit in the sections of a walk."""
+    found = [finding for result in results for finding in _of_section(result)]
+    return [*found, *_outliers(results), *_scale(results)]
+
+
+def repeated_finding(repeats: int, count: int) -> Finding:
+    """Say that a source repeats its fixes."""
+    message = f"{repeats} of {count} position fixes repeat the one before: each counts once"
+    return Finding(FindingKind.FIXES, message, value=float(repeats), doubtful=repeats > _MANY * count)
+
+
+def _of_section(result: SectionResult) -> list[Finding]:
+    explanation, table = result.explained.explanation, result.section.table
+    begin_s, end_s = float(table.time_s[0]), float(table.time_s[-1])
+    found = [_stretch(result, one) for one in explanation.stretches]
+    for source, shift_s in explanation.shift_s:
+        late = "late" if shift_s < 0.0 else "early"
+        message = f"the clock of the fixes ({table.names[source]}) is {abs(shift_s):.1f} s {late}: corrected"
+        found.append(Finding(FindingKind.FIX_CLOCK, message, "", begin_s, end_s, shift_s, 0.5))
+    factors = dict(explanation.factor) | {one.source: one.factor for one in result.doubts}
+    for source, factor in factors.items():
+        if factor > _MUCH_WORSE:
+            message = f"the fixes ({table.names[source]}) err {factor:.1f} times as much as stated: weighed down"
+            found.append(Finding(FindingKind.FIX_ACCURACY, message, "", begin_s, end_s, factor))
+    if result.spread_m is not None and result.spread_m > np.median(table.sigma_m):
+        message = (
+            f"position fixes between {begin_s:.0f} s and {end_s:.0f} s contradict each other or the steps, and "
+            f"nothing tells which is wrong: {result.spread_m:.0f} m are added to the error of each"
+        )
+        found.append(Finding(FindingKind.FIXES, message, "", begin_s, end_s, result.spread_m))
+    if explanation.heading_wrong and result.section.heading is not None:
+        found.append(_start_heading(result, *result.section.heading))
+    return found
+
+
+def _start_heading(result: SectionResult, given_rad: float, sigma_rad: float) -> Finding:
+    solved = result.explained.weighed.regression
+    off_rad = float(wrap_angle(solved.heading_rad - given_rad))
+    message = (
+        f"start heading {degrees(given_rad):.0f}° ± {degrees(sigma_rad):.0f}° contradicts the fixes by "
+        f"{degrees(abs(off_rad)):.0f}°: the heading is taken from the fixes"
+    )
+    return Finding(FindingKind.START_HEADING, message, value=off_rad, sigma=sigma_rad)
+
+
+def _stretch(result: SectionResult, stretch: BadStretch) -> Finding:
+    """Say where fixes of a source have a common error, and how far they are from the steps."""
+    table = result.section.table
+    inside = stretch.has(table)
+    distance_m = _distance_without(result, stretch)
+    begin_s, end_s = float(table.time_s[inside][0]), float(table.time_s[inside][-1])
+    name = "GPS" if table.names[stretch.source] == "gps" else f"fixes ({table.names[stretch.source]})"
+    span = f"between {begin_s:.0f} s and {end_s:.0f} s"
+    message = f"{name} {span} disagrees with the steps by {distance_m:.0f} m: weighed down"
+    return Finding(FindingKind.FIXES, message, "", begin_s, end_s, distance_m, stretch.sigma_m)
+
+
+def _distance_without(result: SectionResult, stretch: BadStretch) -> float:
+    """Return the root mean square distance of the compared fixes of a stretch from what all others predict, m."""
+    solved = result.explained.weighed.regression
+    block = np.flatnonzero(stretch.has(result.explained.fixes))
+    rows = np.stack([2 * block, 2 * block + 1], axis=1).ravel()
+    residual = np.linalg.solve(solved.information[np.ix_(rows, rows)], solved.pulled[rows])
+    return sqrt(float(np.square(residual).sum()) / len(block))
+
+
+def _outliers(results: Sequence[SectionResult]) -> list[Finding]:
+    """Say which single fixes are wrong."""
+    rows = [(result, row) for result in results for row in np.flatnonzero(result.outlier > _WRONG)]
+    rows = [(result, row) for result, row in rows if result.section.table.index[row] >= 0]
+    if not rows:
+        return []
+    count = sum(int(np.count_nonzero(result.section.table.index >= 0)) for result in results)
+    times_s = [float(result.section.table.time_s[row]) for result, row in rows]
+    distance_m = sqrt(float(np.mean([np.square(result.left_out_m[row]).sum() for result, row in rows])))
+    where = f"at {times_s[0]:.1f} s" if len(rows) == 1 else f"between {min(times_s):.0f} s and {max(times_s):.0f} s"
+    message = (
+        f"{len(rows)} of {count} position fixes, {where}, disagree with the steps and the other fixes by "
+        f"{distance_m:.0f} m: weighed down"
+    )
+    return [Finding(FindingKind.FIXES, message, "", min(times_s), max(times_s), distance_m)]
+
+
+def _scale(results: Sequence[SectionResult]) -> list[Finding]:
+    """Say that the length scale is unusual."""
+    sigma = results[0].section.sigma_scale
+    solved = max((one.explained.weighed.regression for one in results), key=lambda one: abs(one.log_scale))
+    if sigma == 0.0 or abs(solved.log_scale) <= _FAR_SIGMAS * sigma:
+        return []
+    scale, away = exp(solved.log_scale), abs(solved.log_scale) / sigma
+    own = scale * sqrt(float(solved.placement_covariance[1, 1]))
+    message = (
+        f"length scale {scale:.2f} is {away:.1f} sigma from usual: one of the positions, their times, or the step "
+        "lengths is wrong, or the walker is unusual"
+    )
+    return [Finding(FindingKind.LENGTH_SCALE, message, value=scale, sigma=own)]

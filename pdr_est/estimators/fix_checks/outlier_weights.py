@@ -1,0 +1,151 @@
+"""Outliers among the fixes of a section: the probability of each, from its prediction by all the others.
+
+The independent error of a fix is a mixture: as stated, or larger by one of `_OUTLIER_SIGMAS`. The mixture of a fix is
+weighed by its leave-one-out residual, and its error then counts with the variance that the data ask for beyond the
+prior, until nothing changes: expectation propagation with inflated covariances.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pdr_est.estimators.fix_checks.position_regression import (
+    UNKNOWN_HEADING_RAD,
+    PlacementPrior,
+    Regression,
+    regress,
+)
+from pdr_est.estimators.fix_checks.section import FixTable
+from pdr_est.frames import Array
+
+_OUTLIER_SIGMAS = np.array([3.0, 10.0, 40.0, 200.0])  # of the stated error; with their shares among the outliers
+_OUTLIER_SHARES = np.array([0.45, 0.3, 0.2, 0.05])
+_ROUNDS = 12
+_HEADINGS = 48  # first guesses round the circle, and scales
+_FIRST_SCALES = (0.85, 1.0, 1.15)
+_ROUGH_M = 4.0  # error of a rough guess beside those of the fixes
+
+
+@dataclass(frozen=True)
+class WeighedFixes:
+    """Fixes of a section with their probabilities to be outliers.
+
+    Attributes
+    ----------
+    score
+        Logarithm of the evidence, with the cost of the outliers.
+    outlier
+        (n,) probability of each fix to be an outlier.
+    more_m2
+        (n,) variance that its error has more than stated in each coordinate, m².
+    regression
+        Solution with these variances.
+    stated
+        Solution with the fixes as they are stated.
+    """
+
+    score: float
+    outlier: Array
+    more_m2: Array
+    regression: Regression
+    stated: Regression
+
+
+def weigh(
+    fixes: FixTable,
+    path_m: Array,
+    common_m2: Array,
+    heading: tuple[float, float] | None,
+    sigma_scale: float,
+) -> WeighedFixes:
+    """Weigh the fixes of a section.
+
+    Parameters
+    ----------
+    fixes
+        Fixes, n in number.
+    path_m
+        (n, 2) points of the path at their times.
+    common_m2
+        (2 n, 2 n) covariance of the errors of these points and of the wandering errors of the fixes.
+    heading
+        Heading of the path and its standard deviation, rad; None if unknown.
+    sigma_scale
+        Standard deviation of the length scale.
+    """
+    guess_rad, distance_m = _rough_heading(fixes, path_m, None if heading is None else heading[0])
+    sigma_m = fixes.sigma_m
+    expected = (guess_rad, UNKNOWN_HEADING_RAD) if heading is None else heading
+    prior = PlacementPrior(*expected, sigma_scale)
+    far = np.where(distance_m > 3.0 * sigma_m + _ROUGH_M, distance_m**2, 0.0)
+    tries = (
+        [far] if not far.any() else [far, np.full(len(fixes), float(np.median(distance_m)) ** 2) + 25.0 * sigma_m**2]
+    )
+    found = [_converged(fixes, path_m, common_m2, prior, guess_rad, more_m2) for more_m2 in tries]
+    return max(found, key=lambda one: one.score)
+
+
+def _converged(
+    fixes: FixTable, path_m: Array, common_m2: Array, prior: PlacementPrior, about_rad: float, more_m2: Array
+) -> WeighedFixes:
+    """Repeat regression and weighing from first variances."""
+    sigma_m = fixes.sigma_m
+    for number in range(_ROUNDS):
+        solved = regress(fixes.position_m, path_m, common_m2, widened(fixes.white_m2, more_m2), prior, about_rad)
+        about_rad = solved.heading_rad
+        outlier, wanted_m2 = outliers(fixes, solved.left_out_m, solved.left_out_m2)
+        settled = bool(np.all(np.abs(np.sqrt(wanted_m2) - np.sqrt(more_m2)) < 0.1 * sigma_m))
+        if settled or number == _ROUNDS - 1:
+            break
+        share = 2.0 / (2.0 + number)  # where two fixes contradict each other, either wants to be the outlier
+        more_m2 = more_m2 + share * (wanted_m2 - more_m2)
+    solved = regress(fixes.position_m, path_m, common_m2, widened(fixes.white_m2, more_m2), prior, about_rad)
+    stated = regress(fixes.position_m, path_m, common_m2, fixes.white_m2, prior, about_rad)
+    score = solved.log_evidence - float(outlier_cost(outlier, fixes.doubt).sum())
+    return WeighedFixes(score, outlier, more_m2, solved, stated)
+
+
+def outliers(fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> tuple[Array, Array]:
+    """Return the probability (n,) of each fix to be an outlier, and the variance (n,) that its error has more, m².
+
+    Parameters
+    ----------
+    fixes
+        Fixes, n in number.
+    left_out_m, left_out_m2
+        (n, 2) difference of each from its prediction by the others, and (n, 2, 2) covariance without its own
+        independent error.
+    """
+    variance = np.outer(fixes.sigma_m**2, np.array([0.0, *_OUTLIER_SIGMAS]) ** 2)
+    prior = np.column_stack([1.0 - fixes.doubt, fixes.doubt[:, None] * _OUTLIER_SHARES])
+    spread = (left_out_m2 + fixes.white_m2)[:, None] + variance[:, :, None, None] * np.eye(2)
+    squared = np.einsum("ia,ikab,ib->ik", left_out_m, np.linalg.inv(spread), left_out_m)
+    logarithm = np.log(prior) - 0.5 * squared - 0.5 * np.log(np.linalg.det(spread))
+    posterior = np.exp(logarithm - logarithm.max(axis=1, keepdims=True))
+    posterior /= posterior.sum(axis=1, keepdims=True)
+    at_most = np.square(left_out_m).sum(axis=1)
+    more_m2 = np.maximum(posterior - prior, 0.0)[:, 1:].sum(axis=1) * at_most
+    return 1.0 - posterior[:, 0], more_m2
+
+
+def outlier_cost(outlier: Array, doubt: Array) -> Array:
+    """Return the divergence (n,) of the probabilities to be an outlier from those before any comparison."""
+    sure = np.clip(outlier, 1e-12, 1.0 - 1e-12)
+    return np.asarray(sure * np.log(sure / doubt) + (1.0 - sure) * np.log((1.0 - sure) / (1.0 - doubt)))
+
+
+def widened(white_m2: Array, more_m2: Array) -> Array:
+    """Add variances (n,) to covariances (n, 2, 2)."""
+    return np.asarray(white_m2 + more_m2[:, None, None] * np.eye(2))
+
+
+def _rough_heading(fixes: FixTable, path_m: Array, known_rad: float | None) -> tuple[float, Array]:
+    """Return the heading at which most fixes lie near the path, rad, and their distances (n,) from it there, m."""
+    headings_rad = np.arange(_HEADINGS) * 2.0 * np.pi / _HEADINGS if known_rad is None else np.array([known_rad])
+    turns = np.outer(_FIRST_SCALES, np.exp(1j * headings_rad)).ravel()
+    offsets = (fixes.position_m @ [1.0, 1j])[None, :] - turns[:, None] * (path_m @ [1.0, 1j])
+    middle = np.median(offsets.real, axis=1) + 1j * np.median(offsets.imag, axis=1)
+    distance_m = np.abs(offsets - middle[:, None])
+    cost = np.log1p(np.square(distance_m / (2.0 * fixes.sigma_m + _ROUGH_M))).sum(axis=1)
+    best = int(np.argmin(cost))
+    return float(np.angle(turns[best])), distance_m[best]
