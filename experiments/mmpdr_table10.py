@@ -118,9 +118,10 @@ def reckoned(walk: SimulatedWalk, config: Config) -> SmoothedWalk:
 
 
 def start_of(walk: SimulatedWalk) -> StartParams:
-    """Return the start position and heading of the walk, which the walkers of the paper know."""
+    """Return the start position and heading of the walk, which the walkers of the paper know exactly."""
     x_m, y_m = walk.truth_position_m[0].tolist()
-    return StartParams(x_m=x_m, y_m=y_m, heading_rad=float(wrap_angle(walk.truth_heading_rad[0])))
+    heading_rad = float(wrap_angle(walk.truth_heading_rad[0]))
+    return StartParams(x_m=x_m, y_m=y_m, heading_rad=heading_rad, sigma_heading_rad=0.0)
 
 
 def trained(steps: Sequence[Step]) -> tuple[TrainedOffset, ...]:

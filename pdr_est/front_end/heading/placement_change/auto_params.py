@@ -32,7 +32,7 @@ class AutoHeadingParams:
     """Turn within a stride, rad, beyond which steps are not averaged over it: the walker is turning."""
     training_steps: Annotated[int, Ge(2), Le(20)] = 4
     """Number of steps in a new place from which the heading offset is learnt."""
-    straight: Fraction = 0.89
+    straight: Fraction = 0.76
     """Probability that a walker who turns neither before nor after goes straight on meanwhile."""
     sigma_kept_rad: Positive = 0.04
     """Standard deviation, rad, of the heading of a walker who goes straight on."""
