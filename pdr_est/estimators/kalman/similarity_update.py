@@ -16,7 +16,7 @@ A. Barrau, S. Bonnabel, "The invariant extended Kalman filter as a stable observ
 import numpy as np
 
 from pdr_est.estimators.common.huber import HUBER
-from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES
+from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, LOG_SCALE, STATES
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 
@@ -90,8 +90,8 @@ def _turned_errors(covariances: Array, change: Array) -> Array:
 
 
 def _centres(means: Array, covariances: Array) -> Array:
-    """Return the places (k, 2) whose positions are uncorrelated with the heading."""
-    per_radian = covariances[:, :2, 2] / covariances[:, 2, 2, None]
+    """Return the places (k, 2) whose positions are uncorrelated with the heading; where it is exact, the positions."""
+    per_radian = covariances[:, :2, 2] / np.maximum(covariances[:, 2, 2, None], JITTER_VARIANCE)
     return means[:, :2] + np.stack([-per_radian[:, 1], per_radian[:, 0]], axis=1)
 
 
