@@ -205,8 +205,9 @@ def _undecided(alternatives: Sequence[Alternative]) -> list[Finding]:
             findings.append(
                 Finding(
                     FindingKind.START_HEADING,
-                    f"{one.device}: the fixes fit several start headings; the one of the track has a probability of "
-                    f"{share}, and its uncertainty covers the others: give a start heading, or one more fix",
+                    f"{one.device}: the measurements fit several start headings; the one of the track has a "
+                    f"probability of {share}, and its uncertainty covers the others: give a start heading, or one "
+                    "more fix",
                     device=one.device,
                     value=first.probability,
                 )

@@ -115,7 +115,8 @@ def _examined(section: Section) -> SectionResult:
 def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
     """Tell whether nothing about a section needs an explanation."""
     stated, freedom = now.weighed.stated, degrees_of_freedom(section, now)
-    if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
+    too_large = freedom > 0 and stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom)
+    if too_large or np.any(result.outlier > _LIKELY):
         return False
     if abs(stated.log_scale) > _FAR_SIGMAS * section.sigma_scale > 0.0:
         return False

@@ -42,8 +42,7 @@ def estimate(
     covariances = [np.concatenate([segment.covariance for segment in segments]) for segments in walk.segments]
     scales = [segments[-1].end.length_scale for segments in walk.segments]
     for posterior in walk.posteriors:
-        for device, node in posterior.touched:
-            state = posterior.state_of(device)
+        for (device, node), state in zip(posterior.touched, posterior.states, strict=True):
             poses[device][node], covariances[device][node] = state.mean[:3], state.covariance[:3, :3]
             scales[device] = state.length_scale
     tracks = [

@@ -76,6 +76,9 @@ class JointPosterior:
     ----------
     touched
         Numbers of device and node: first the node itself, then the nodes of other devices that tethers changed.
+    states
+        Filtered states at these nodes: each after the node itself and the tethers that join its device, as of that
+        time.
     node_tethers
         Tethers that were applied after the node.
     entered
@@ -87,13 +90,14 @@ class JointPosterior:
     """
 
     touched: tuple[tuple[int, int], ...]
+    states: tuple[GaussianState, ...]
     node_tethers: tuple[NodeTether, ...]
     entered: GaussianState | None
     joint: GaussianState
     devices: int
 
     def state_of(self, device: int) -> GaussianState:
-        """Return the state of a device."""
+        """Return the state of a device after all these tethers."""
         return marginal_of(self.joint, device, self.devices)
 
 
@@ -186,13 +190,12 @@ class _Fold:
         if not applied:
             return
         last, joint = self.posteriors[-1], self.state.joint_state()
-        ends = [end for one in applied for end in ((one.device_a, one.node_a), (one.device_b, one.node_b))]
+        ends = {end for one in applied for end in ((one.device_a, one.node_a), (one.device_b, one.node_b))}
+        states = dict(zip(last.touched, last.states, strict=True))
+        states |= {end: marginal_of(joint, end[0], last.devices) for end in sorted(ends)}
+        tethers = (*last.node_tethers, *applied)
         self.posteriors[-1] = JointPosterior(
-            tuple(dict.fromkeys((*last.touched, *ends))),
-            (*last.node_tethers, *applied),
-            last.entered,
-            joint,
-            last.devices,
+            tuple(states), tuple(states.values()), tethers, last.entered, joint, last.devices
         )
 
     def record(self, device: int, number: int, entered: GaussianState | None) -> None:
@@ -202,8 +205,9 @@ class _Fold:
             return
         self.own_states[device].append(own)
         if self.state.joint is not None and own.heading_known:
-            joint = self.state.joint_state()
-            self.posteriors.append(JointPosterior(((device, number),), (), entered, joint, len(self.state.devices)))
+            joint, devices = self.state.joint_state(), len(self.state.devices)
+            state = marginal_of(joint, device, devices)
+            self.posteriors.append(JointPosterior(((device, number),), (state,), (), entered, joint, devices))
 
 
 def _closed(timeline: Timeline, prior: StartPrior) -> tuple[Node, ...]:

@@ -16,17 +16,22 @@ A. Barrau, S. Bonnabel, "The invariant extended Kalman filter as a stable observ
 import numpy as np
 
 from pdr_est.estimators.common.huber import HUBER
-from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES
+from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, LOG_SCALE, STATES
+from pdr_est.estimators.kalman.fix_sources import contradiction_factor
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 
 _ITERATIONS = 4
+_MOST_CHANGE = 0.5  # of heading (rad) and logarithmic scale in one iteration, within which the linearisation helps
 
 
 def similarity_update(
     means: Array, covariances: Array, fix: PositionFix, of_fix: Array
 ) -> tuple[Array, Array, Array]:
     """Update the states of some hypotheses with a position fix.
+
+    A robust fix is Huber-weighted. Where another one contradicts every hypothesis, it is doubted together with their
+    positions, as in the filter of one hypothesis (`fix_sources.contradiction_factor`).
 
     Parameters
     ----------
@@ -35,7 +40,7 @@ def similarity_update(
     covariances
         Their covariances (k, n, n).
     fix
-        The fix; robust ones are Huber-weighted.
+        The fix.
     of_fix
         Jacobian (2, n) of the fix with respect to the states, of position and wandering errors.
 
@@ -46,39 +51,62 @@ def similarity_update(
     log_likelihood
         Logarithm (k,) of the probability density of the fix, up to a constant.
     """
+    noise = np.asarray(fix.covariance_m2)
+    found = _iterated(means, covariances, fix, of_fix, noise)
+    factor = 1.0 if fix.robust else contradiction_factor(float(found[3].min()))
+    if factor > 1.0:
+        doubted = covariances.copy()
+        doubted[:, :2, :2] *= factor
+        found = _iterated(means, doubted, fix, of_fix, factor * noise)
+    return found[:3]
+
+
+def _iterated(
+    means: Array, covariances: Array, fix: PositionFix, of_fix: Array, noise: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Update by Gauss-Newton iterations; return also the squared normalised innovations (k,)."""
     centre_m = _centres(means, covariances)
-    before_m, noise = means[:, :2] - centre_m, np.asarray(fix.covariance_m2)
-    to_similarity = _from_similarity(-before_m, means.shape[1])
+    before_m, size = means[:, :2] - centre_m, means.shape[1]
+    to_similarity = _from_similarity(-before_m, size)
     prior = to_similarity @ covariances @ to_similarity.transpose(0, 2, 1)
-    change = np.zeros_like(means)
+    at = change = np.zeros_like(means)
     for _ in range(_ITERATIONS):
-        turned_m = _turned(before_m, change)
-        jacobian = _from_similarity(turned_m, means.shape[1])[:, :2]
+        at = at + _limited(change - at)
+        turned_m = _turned(before_m, at)
+        jacobian = _from_similarity(turned_m, size)[:, :2]
         jacobian[:, :, STATES:] = of_fix[:, STATES:]
-        wandered_m = (means + change)[:, STATES:] @ of_fix[:, STATES:].T
-        expected_m = centre_m + turned_m + change[:, :2] + wandered_m
-        residual = np.asarray(fix.position_m) - expected_m + np.einsum("kij,kj->ki", jacobian, change)
-        turned = _turned_errors(prior, change)
+        wandered_m = (means + at)[:, STATES:] @ of_fix[:, STATES:].T
+        expected_m = centre_m + turned_m + at[:, :2] + wandered_m
+        residual = np.asarray(fix.position_m) - expected_m + np.einsum("kij,kj->ki", jacobian, at)
+        turned = _turned_errors(prior, at)
         across = turned @ jacobian.transpose(0, 2, 1)
         spread = jacobian @ across + noise
+        squared = squared_distance(spread, residual)
         if fix.robust:
-            excess = np.maximum(np.sqrt(squared_distance(spread, residual)) / HUBER, 1.0) - 1.0
+            excess = np.maximum(np.sqrt(squared) / HUBER, 1.0) - 1.0
             spread = spread + excess[:, None, None] * noise
         gain = np.linalg.solve(spread, across.transpose(0, 2, 1)).transpose(0, 2, 1)
         change = np.einsum("kij,kj->ki", gain, residual)
+    change = at + _limited(change - at)
     log_likelihood = -0.5 * (squared_distance(spread, residual) + np.linalg.slogdet(spread)[1])
     posterior = turned - gain @ across.transpose(0, 2, 1)
     moved = means + change
     after_m = _turned(before_m, change) + change[:, :2]
     moved[:, :2] = centre_m + after_m
-    back = _from_similarity(after_m, means.shape[1]) @ _from_similarity(-change[:, :2], means.shape[1])
+    back = _from_similarity(after_m, size) @ _from_similarity(-change[:, :2], size)
     posterior = back @ posterior @ back.transpose(0, 2, 1)
-    return moved, 0.5 * (posterior + posterior.transpose(0, 2, 1)), log_likelihood
+    return moved, 0.5 * (posterior + posterior.transpose(0, 2, 1)), log_likelihood, squared
 
 
 def squared_distance(covariance: Array, residual: Array) -> Array:
     """Return the squared Mahalanobis distances (k,) of residuals (k, m) with covariances (k, m, m)."""
     return np.asarray(np.einsum("ki,ki->k", residual, np.linalg.solve(covariance, residual[..., None])[..., 0]))
+
+
+def _limited(step: Array) -> Array:
+    """Shorten steps (k, n) that change heading or logarithmic scale by more than the linearisation is good for."""
+    largest = np.abs(step[:, 2 : LOG_SCALE + 1]).max(axis=1)
+    return step * np.minimum(1.0, _MOST_CHANGE / np.maximum(largest, _MOST_CHANGE))[:, None]
 
 
 def _turned_errors(covariances: Array, change: Array) -> Array:
@@ -90,8 +118,8 @@ def _turned_errors(covariances: Array, change: Array) -> Array:
 
 
 def _centres(means: Array, covariances: Array) -> Array:
-    """Return the places (k, 2) whose positions are uncorrelated with the heading."""
-    per_radian = covariances[:, :2, 2] / covariances[:, 2, 2, None]
+    """Return the places (k, 2) that are uncorrelated with the heading; where it is known exactly, the positions."""
+    per_radian = covariances[:, :2, 2] / np.maximum(covariances[:, 2, 2, None], JITTER_VARIANCE)
     return means[:, :2] + np.stack([-per_radian[:, 1], per_radian[:, 0]], axis=1)
 
 
