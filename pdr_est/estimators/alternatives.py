@@ -123,6 +123,8 @@ def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> li
     modes = _modes(last.bank)[:_MOST]
     likely = [mode for mode in modes if mode[1] >= _LEAST_PROBABILITY]
     share = sum(probability for _, probability in likely)
+    if share < _KNOWN_SHARE and last.heading_known:
+        return [_Way(1.0, last.decided, None)]  # undecided turns keep the mean and covariance of all hypotheses
     if share < _KNOWN_SHARE:
         return [_Way(1.0, last.bank.lineages[last.bank.likeliest], None)]
     turned_rad = sum(node.heading_change_rad for node in timeline.nodes[1:])
@@ -175,7 +177,10 @@ def _resolved(timeline: Timeline, lineage: Lineage) -> Timeline:
 def _turned(node: Node, chosen: int) -> Node:
     """Return a node with one of its turn hypotheses for its turn."""
     turn = node.turn_hypotheses[chosen]
-    covariance = with_heading_variance(node.covariance, turn.sigma_rad**2)
+    slight = [one for one in node.turn_hypotheses if one is not turn and one.probability < _LEAST_PROBABILITY]
+    off = [one.sigma_rad**2 + wrap_angle(one.heading_change_rad - turn.heading_change_rad) ** 2 for one in slight]
+    rest = sum(one.probability * square for one, square in zip(slight, off, strict=True))  # never an alternative
+    covariance = with_heading_variance(node.covariance, turn.sigma_rad**2 + float(rest))
     return replace(node, heading_change_rad=turn.heading_change_rad, covariance=covariance, turn_hypotheses=())
 
 
