@@ -32,7 +32,7 @@ from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPos
 
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
 _FAR_SIGMAS = 2.5  # at which deviation of a scale or a heading from its prior explanations are compared
-_MISFIT = 1.5  # standard deviations of the sum of squared residuals from which on the same holds
+_MISFIT = 2.0  # standard deviations of the sum of squared residuals from which on the same holds
 _LIKELY = 0.2  # probability of an outlier from which on the same holds
 _REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself
 _WENT_ON_M = 0.5  # if the walker went this far meanwhile
@@ -115,6 +115,8 @@ def _examined(section: Section) -> SectionResult:
 def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
     """Tell whether nothing about a section needs an explanation."""
     stated, freedom = now.weighed.stated, degrees_of_freedom(section, now)
+    if freedom <= 0:
+        return True
     if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
         return False
     if abs(stated.log_scale) > _FAR_SIGMAS * section.sigma_scale > 0.0:
