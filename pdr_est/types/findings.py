@@ -13,6 +13,9 @@ class FindingKind(StrEnum):
     FIX_ACCURACY = "fix-accuracy"
     """A source of fixes whose stated accuracy does not fit its errors."""
 
+    STEPS = "steps"
+    """Steps that disagree with the fixes more than usual and count less."""
+
     FIX_CLOCK = "fix-clock"
     """A source of fixes whose clock is shifted against the recording."""
 

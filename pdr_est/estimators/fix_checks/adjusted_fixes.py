@@ -17,7 +17,7 @@ from pdr_est.estimators.fix_checks.outlier_weights import outliers
 from pdr_est.estimators.fix_checks.remaining_doubt import SourceDoubt
 from pdr_est.estimators.fix_checks.section import FixTable, Section
 from pdr_est.frames import Array
-from pdr_est.types.measurements import PositionFix
+from pdr_est.types.measurements import PositionFix, StepOdometry
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,9 @@ def _predicted(section: Section, explained: Explained, fixes: FixTable) -> tuple
     explanation, known = explained.explanation, explained.fixes
     points = section.path.at(fixes.time_s + explanation.shifts(fixes))
     begin = min(first_pose(explained.points), first_pose(points))
-    with_known = section.path.covariance(points, explained.points, begin)
-    own = section.path.variance(points, begin) + _own_common_m2(explained, fixes)[:, None, None] * np.eye(2)
+    worse = explanation.step_factor**2
+    with_known = worse * section.path.covariance(points, explained.points, begin)
+    own = worse * section.path.variance(points, begin) + _own_common_m2(explained, fixes)[:, None, None] * np.eye(2)
     return explained.weighed.regression.predict(
         fixes.position_m,
         points.position_m,
@@ -129,6 +130,19 @@ def adjusted(fixes: Sequence[PositionFix], results: Sequence[SectionResult]) -> 
                 bad = [one for one in explanation.stretches if one.has(table.rows(np.array([row])))[0]]
                 changed[index] = _in_stretches(fix, bad)
     return tuple(changed)
+
+
+def adjusted_steps(steps: Sequence[StepOdometry], results: Sequence[SectionResult]) -> tuple[StepOdometry, ...]:
+    """Return the steps with the covariances of the explanations; a step belongs to the section that ends after it."""
+    ends_s = np.array([float(result.section.table.time_s[-1]) for result in results])
+    factors = [result.explained.explanation.step_factor for result in results]
+    if all(factor == 1.0 for factor in factors):
+        return tuple(steps)
+    own = np.minimum(np.searchsorted(ends_s, [step.time_s for step in steps]), len(results) - 1)
+    return tuple(
+        step if factors[i] == 1.0 else replace(step, covariance=factors[i] ** 2 * step.covariance)
+        for i, step in zip(own.tolist(), steps, strict=True)
+    )
 
 
 def _with_doubts(explanation: Explanation, result: SectionResult) -> FixTable:

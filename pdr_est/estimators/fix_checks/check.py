@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, weigh_all
+from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, adjusted_steps, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
 from pdr_est.estimators.fix_checks.explanations import (
@@ -32,7 +32,7 @@ from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPos
 
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
 _FAR_SIGMAS = 2.5  # at which deviation of a scale or a heading from its prior explanations are compared
-_MISFIT = 1.5  # standard deviations of the sum of squared residuals from which on the same holds
+_MISFIT = 2.0  # standard deviations of the sum of squared residuals from which on the same holds
 _LIKELY = 0.2  # probability of an outlier from which on the same holds
 _REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself
 _WENT_ON_M = 0.5  # if the walker went this far meanwhile
@@ -88,7 +88,7 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
     if not findings and len(fixes) == len(given) and not any(one.examined for one in results):
         return unchanged
     return CheckedWalk(
-        tuple(_with_fixes(one, adjusted(fixes, results)) for one in devices),
+        tuple(_changed_device(one, adjusted(fixes, results), results) for one in devices),
         _changed(start, results[0]),
         max(result.sigma_scale for result in results),
         tuple(findings),
@@ -115,8 +115,9 @@ def _examined(section: Section) -> SectionResult:
 def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
     """Tell whether nothing about a section needs an explanation."""
     stated, freedom = now.weighed.stated, degrees_of_freedom(section, now)
-    too_large = freedom > 0 and stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom)
-    if too_large or np.any(result.outlier > _LIKELY):
+    if freedom <= 0:
+        return True
+    if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
         return False
     if abs(stated.log_scale) > _FAR_SIGMAS * section.sigma_scale > 0.0:
         return False
@@ -153,10 +154,12 @@ def _changed(start: StartPose, first: SectionResult) -> StartPose:
     return start if start.position_m is None else replace(start, sigma_position_m=float(sigma_m))
 
 
-def _with_fixes(one: DeviceMeasurements, fixes: Sequence[PositionFix]) -> DeviceMeasurements:
-    """Put other fixes in place of those of a device."""
-    others = tuple(m for m in one.measurements if not isinstance(m, PositionFix))
-    return replace(one, measurements=(*others, *fixes))
+def _changed_device(
+    one: DeviceMeasurements, fixes: Sequence[PositionFix], results: Sequence[SectionResult]
+) -> DeviceMeasurements:
+    """Put other fixes and steps in place of those of a device."""
+    others = tuple(m for m in one.measurements if not isinstance(m, PositionFix | StepOdometry))
+    return replace(one, measurements=(*adjusted_steps(_steps(one), results), *others, *fixes))
 
 
 def _steps(one: DeviceMeasurements) -> list[StepOdometry]:

@@ -24,6 +24,7 @@ _SHIFTS_S = tuple(_SHIFT_STEP_S * k for k in range(-16, 17))
 _GROWTH, _MOST_SPREAD_M = 1.25, 1e4  # of the added standard deviation
 _FACTORS = (1.5, 2.2, 3.3, 5.0, 8.0)
 _LOG_OTHER_ACCURACY, _SIGMA_LOG_FACTOR = log(0.1), 0.8  # also phones that state a wrong accuracy state one
+_LOG_WORSE_STEPS = log(0.3)  # of a walk, on stairs or with a phone that is moved (our choice)
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,8 @@ class Explanation:
         Factor on the stated errors of a source, by its number.
     stretches
         Bad stretches.
+    step_factor
+        Factor on the standard deviations of the steps.
     """
 
     log_prior: float = 0.0
@@ -77,6 +80,7 @@ class Explanation:
     shift_s: tuple[tuple[int, float], ...] = ()
     factor: tuple[tuple[int, float], ...] = ()
     stretches: tuple[BadStretch, ...] = ()
+    step_factor: float = 1.0
 
     def shifts(self, fixes: FixTable) -> Array:
         """Return the clock correction (n,) of each fix, s."""
@@ -189,7 +193,7 @@ def _assumed(
     """Return fixes, points, their common covariance, heading and sigma of the scale under an explanation."""
     fixes = explanation.apply(section.table.rows(section.chosen))
     points = section.path.at(fixes.time_s + explanation.shifts(fixes))
-    of_path = section.path.covariance(points, points, first_pose(points))
+    of_path = explanation.step_factor**2 * section.path.covariance(points, points, first_pose(points))
     heading = None if explanation.heading_wrong else section.heading
     sigma_scale = max(section.sigma_scale, _SIGMA_UNUSUAL_SCALE) if explanation.unusual_scale else section.sigma_scale
     return fixes, points, of_path + spread_m2(explanation.common_m2(fixes, fixes)), heading, sigma_scale
@@ -208,6 +212,8 @@ def alternatives(section: Section, now: Explained) -> Iterator[Explanation]:
         yield replace(known, heading_wrong=True, log_prior=known.log_prior + _LOG_WRONG_HEADING)
     if not known.unusual_scale and 0.0 < section.sigma_scale < _SIGMA_UNUSUAL_SCALE:
         yield replace(known, unusual_scale=True, log_prior=known.log_prior + _LOG_UNUSUAL)
+    if known.step_factor == 1.0:
+        yield from _worse_steps(known)
     for source in checked_sources(now):
         if source not in dict(known.factor):
             yield from other_accuracies(known, source)
@@ -217,12 +223,18 @@ def alternatives(section: Section, now: Explained) -> Iterator[Explanation]:
 
 
 def other_accuracies(known: Explanation, source: int) -> list[Explanation]:
-    """Return the explanations by other other_accuracies of a source."""
+    """Return the explanations by other accuracies of a source."""
     costs = [(one, _LOG_OTHER_ACCURACY - 0.5 * (log(one) / _SIGMA_LOG_FACTOR) ** 2) for one in _FACTORS]
     return [
         replace(known, factor=(*known.factor, (source, factor)), log_prior=known.log_prior + cost)
         for factor, cost in costs
     ]
+
+
+def _worse_steps(known: Explanation) -> list[Explanation]:
+    """Return the explanations by steps that are worse than usual."""
+    costs = [(one, _LOG_WORSE_STEPS - 0.5 * (log(one) / _SIGMA_LOG_FACTOR) ** 2) for one in _FACTORS]
+    return [replace(known, step_factor=factor, log_prior=known.log_prior + cost) for factor, cost in costs]
 
 
 def shift_evidence(section: Section, now: Explained, source: int) -> tuple[Array, Array]:

@@ -43,6 +43,12 @@ def _of_section(result: SectionResult) -> list[Finding]:
         if factor > _MUCH_WORSE:
             message = f"the fixes ({table.names[source]}) err {factor:.1f} times as much as stated: weighed down"
             found.append(Finding(FindingKind.FIX_ACCURACY, message, "", begin_s, end_s, factor))
+    if explanation.step_factor > _MUCH_WORSE:
+        message = (
+            f"the steps between {begin_s:.0f} s and {end_s:.0f} s disagree with the fixes "
+            f"{explanation.step_factor:.1f} times as much as usual: they count less"
+        )
+        found.append(Finding(FindingKind.STEPS, message, "", begin_s, end_s, explanation.step_factor))
     if explanation.heading_wrong and result.section.heading is not None:
         found.append(_start_heading(result, *result.section.heading))
     found += _start_position(result)

@@ -1,4 +1,4 @@
-"""Doubt that the best explanation of a section leaves: other other_accuracies and clocks explain it nearly as well."""
+"""Doubt that the best explanation of a section leaves: other accuracies and clocks explain it nearly as well."""
 
 from dataclasses import dataclass, replace
 
@@ -7,8 +7,8 @@ import numpy as np
 from pdr_est.estimators.fix_checks.explanations import (
     Explained,
     Explanation,
-    other_accuracies,
     checked_sources,
+    other_accuracies,
     shift_evidence,
     weigh_under,
 )
