@@ -22,6 +22,7 @@ from pdr_est.estimators.fix_checks.explanations import (
     degrees_of_freedom,
     weigh_under,
     with_rest_spread,
+    with_worse_steps,
 )
 from pdr_est.estimators.fix_checks.fix_findings import repeated_finding, section_findings
 from pdr_est.estimators.fix_checks.remaining_doubt import remaining_doubt
@@ -107,6 +108,7 @@ def _examined(section: Section) -> SectionResult:
         if better.score <= now.score:
             break
         now = better
+    now = with_worse_steps(section, now)
     doubts = remaining_doubt(section, now)
     now, spread_m = with_rest_spread(section, now)
     return replace(weigh_all(section, now), doubts=doubts, spread_m=spread_m)

@@ -25,6 +25,7 @@ _GROWTH, _MOST_SPREAD_M = 1.25, 1e4  # of the added standard deviation
 _FACTORS = (1.5, 2.2, 3.3, 5.0, 8.0)
 _LOG_OTHER_ACCURACY, _SIGMA_LOG_FACTOR = log(0.1), 0.8  # also phones that state a wrong accuracy state one
 _LOG_WORSE_STEPS = log(0.3)  # of a walk, on stairs or with a phone that is moved (our choice)
+_MOST_STEP_FACTOR = 4.0  # ours
 
 
 @dataclass(frozen=True)
@@ -175,6 +176,19 @@ def with_rest_spread(section: Section, now: Explained) -> tuple[Explained, float
             solved.heading_rad,
         )
     return replace(now, weighed=replace(now.weighed, more_m2=more_m2, regression=solved)), added_m
+
+
+def with_worse_steps(section: Section, now: Explained) -> Explained:
+    """Widen the steps until the residuals are as large as expected, as far as steps can be that wrong.
+
+    Steps are wrong more often than surveyed points, on stairs or where the walker moves sideways; a misfit of a few
+    metres is theirs first.
+    """
+    freedom = degrees_of_freedom(section, now)
+    while now.weighed.regression.squared > freedom > 0 and now.explanation.step_factor < _MOST_STEP_FACTOR:
+        wider = replace(now.explanation, step_factor=_GROWTH * now.explanation.step_factor)
+        now = weigh_under(section, wider)
+    return now
 
 
 def spread_m2(common_m2: Array) -> Array:

@@ -22,7 +22,7 @@ APART_S = 3.5
 anything new about steps and wandering errors (our choice)."""
 
 _LEAST_SIGMA_M = 1e-3
-_ONE_IN_DOUBT = (0.02, 0.05)  # probability that a fix is an outlier: of one not marked as robust, and of one that is
+_ONE_IN_DOUBT = (0.005, 0.05)  # probability that a fix is an outlier: of one not marked as robust, and of one that is
 
 
 @dataclass(frozen=True)
