@@ -20,13 +20,16 @@ from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank, Lineage
 from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.frames import wrap_angle
 from pdr_est.types.findings import Finding, FindingKind
-from pdr_est.types.measurements import StartPose
+from pdr_est.types.measurements import StartPose, TurnHypothesis
 from pdr_est.types.track import Track
+
+Turns = tuple[tuple[int, TurnHypothesis], ...]
+"""Numbers of nodes, and the turn that each of them has."""
 
 _MOST, _LEAST_PROBABILITY = 4, 0.02  # alternatives that are smoothed, and the least probability of one
 _ONE_MODE_RAD = 0.5  # headings that differ by less are one alternative, for the smoother moves them
-_KNOWN_SHARE = 0.9  # of the probability that few alternatives must have; otherwise the heading is simply unknown
-_DECIDED = 0.95  # probability of an alternative from which on nothing is reported; ours
+_KNOWN_SHARE = 0.9  # of the probability that few alternatives must have; otherwise each turn is open by itself
+_DECIDED = 0.95  # probability of an alternative or a turn from which on nothing is reported; ours
 
 
 @dataclass(frozen=True)
@@ -41,11 +44,15 @@ class Alternative:
         Measurements of each device, with the turns that this alternative chose.
     start_headings_rad
         Heading of each device at the start of the walk to linearise at; None where it is known or unambiguous.
+    open_turns
+        Number of the node, and probability of the chosen turn, of each turn of each device that is not decided within
+        this alternative. Its variance is then that of all its hypotheses about the chosen one.
     """
 
     probability: float
     timelines: tuple[Timeline, ...]
     start_headings_rad: tuple[float | None, ...]
+    open_turns: tuple[tuple[tuple[int, float], ...], ...]
 
 
 def alternatives_of(
@@ -64,13 +71,15 @@ def alternatives_of(
     """
     starts = starts_of(timelines, start)
     ways = [_ways(one, own, sigma_length_scale) for one, own in zip(timelines, starts, strict=True)]
-    together = sorted(product(*ways), key=lambda some: -prod(one.probability for one in some))[:_MOST]
-    total = sum(prod(one.probability for one in some) for some in together)
+    together, total = _most_probable([own.apart for own in ways])
+    if total < _KNOWN_SHARE:
+        together, total = ((tuple(own.together for own in ways),), 1.0)
     return tuple(
         Alternative(
             prod(one.probability for one in some) / total,
-            tuple(_resolved(timeline, one.lineage) for timeline, one in zip(timelines, some, strict=True)),
+            tuple(_resolved(timeline, one.turns) for timeline, one in zip(timelines, some, strict=True)),
             tuple(one.start_heading_rad for one in some),
+            tuple(_open(one.turns) for one in some),
         )
         for some in together
     )
@@ -87,7 +96,7 @@ def estimate_alternatives(alternatives: Sequence[Alternative], estimate: Callabl
         Function that estimates the track of an alternative.
     """
     tracks = [estimate(one) for one in alternatives]
-    likeliest = tracks[0]
+    likeliest = replace(tracks[0], findings=(*tracks[0].findings, *_undecided(alternatives)))
     if len(tracks) == 1:
         return likeliest
     weights = np.array([one.probability for one in alternatives])
@@ -99,43 +108,84 @@ def estimate_alternatives(alternatives: Sequence[Alternative], estimate: Callabl
         likeliest,
         covariance_m2=np.einsum("k,knij->nij", weights, covariance),
         sigma_heading_rad=np.sqrt(weights @ variance),
-        findings=(*likeliest.findings, *_undecided(alternatives)),
     )
 
 
 @dataclass(frozen=True)
 class _Way:
-    """One possible course of a device: its probability, the turns that it chose, and its heading at the start."""
+    """One possible course of a device: its probability, the turns at its nodes, and its heading at the start."""
 
     probability: float
-    lineage: Lineage
+    turns: Turns
     start_heading_rad: float | None
 
 
-def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[_Way]:
+@dataclass(frozen=True)
+class _Ways:
+    """Courses of a device: the most probable ones, and one whose variance is that of all of them."""
+
+    apart: tuple[_Way, ...]
+    together: _Way
+
+
+def _most_probable(ways: Sequence[Sequence[_Way]]) -> tuple[tuple[tuple[_Way, ...], ...], float]:
+    """Return the most probable combinations of the courses of all devices, and their probability together."""
+    some = sorted(product(*ways), key=lambda one: -prod(way.probability for way in one))[:_MOST]
+    return tuple(some), sum(prod(way.probability for way in one) for one in some)
+
+
+def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> _Ways:
     """Return the possible courses of a device, the most probable first."""
     prior = start_prior(timeline, start, sigma_length_scale)
     if not prior.heading_open and not any(node.turn_hypotheses for node in timeline.nodes):
-        return [_Way(1.0, (), None)]
+        return _certain(())
     last = _filtered(timeline, start, sigma_length_scale)
     if last.bank is None:
-        return [_Way(1.0, last.decided, None)]
-    modes = _modes(last.bank)[:_MOST]
-    likely = [mode for mode in modes if mode[1] >= _LEAST_PROBABILITY]
-    share = sum(probability for _, probability in likely)
-    if share < _KNOWN_SHARE and last.heading_known:
-        return [_Way(1.0, last.decided, None)]  # undecided turns keep the mean and covariance of all hypotheses
-    if share < _KNOWN_SHARE:
-        return [_Way(1.0, last.bank.lineages[last.bank.likeliest], None)]
-    turned_rad = sum(node.heading_change_rad for node in timeline.nodes[1:])
-    return [
-        _Way(
-            probability / share,
-            last.bank.lineages[number],
-            float(wrap_angle(last.bank.means[number, 2] - turned_rad)) if not last.heading_known else None,
+        return _certain(_chosen(timeline, last.decided))
+    together = _Way(1.0, _one_by_one(timeline, last.bank), None)
+    apart = []
+    for number, probability in _modes(last.bank):
+        if probability >= _LEAST_PROBABILITY:
+            turns, heading_rad = _chosen(timeline, last.bank.lineages[number]), None
+            if not last.heading_known:
+                turned_rad = sum(node.heading_change_rad for node in _resolved(timeline, turns).nodes[1:])
+                heading_rad = float(wrap_angle(last.bank.means[number, 2] - turned_rad))
+            apart.append(_Way(probability, turns, heading_rad))
+    return _Ways(tuple(apart), together)
+
+
+def _certain(turns: Turns) -> _Ways:
+    way = _Way(1.0, turns, None)
+    return _Ways((way,), way)
+
+
+def _chosen(timeline: Timeline, lineage: Lineage) -> Turns:
+    """Return the turns that a hypothesis chose, as certain."""
+    return tuple((i, replace(timeline.nodes[i].turn_hypotheses[j], probability=1.0)) for i, j in lineage)
+
+
+def _one_by_one(timeline: Timeline, bank: HypothesisBank) -> Turns:
+    """Return the turns of the most probable hypothesis, each with its probability among all hypotheses.
+
+    The variance of each is the second moment of all its hypotheses about the chosen one.
+    """
+    turns = []
+    for i, chosen in bank.lineages[bank.likeliest]:
+        hypotheses, probability = timeline.nodes[i].turn_hypotheses, np.zeros(len(timeline.nodes[i].turn_hypotheses))
+        for weight, lineage in zip(bank.weights, bank.lineages, strict=True):
+            probability[dict(lineage)[i]] += weight
+        off = wrap_angle(
+            np.array([one.heading_change_rad - hypotheses[chosen].heading_change_rad for one in hypotheses])
         )
-        for number, probability in likely
-    ]
+        moment = probability @ (off**2 + np.array([one.sigma_rad for one in hypotheses]) ** 2)
+        turn = replace(hypotheses[chosen], probability=float(probability[chosen]), sigma_rad=float(np.sqrt(moment)))
+        turns.append((i, turn))
+    return tuple(turns)
+
+
+def _open(turns: Turns) -> tuple[tuple[int, float], ...]:
+    """Return number of the node and probability of the turns that are not decided."""
+    return tuple((i, turn.probability) for i, turn in turns if turn.probability < _DECIDED)
 
 
 def _filtered(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> DeviceFilterState:
@@ -164,57 +214,56 @@ def _modes(bank: HypothesisBank) -> list[tuple[int, float]]:
     return sorted(modes, key=lambda mode: -mode[1])
 
 
-def _resolved(timeline: Timeline, lineage: Lineage) -> Timeline:
+def _resolved(timeline: Timeline, turns: Turns) -> Timeline:
     """Return a timeline with the chosen turns."""
-    if not lineage:
+    if not turns:
         return timeline
     nodes = list(timeline.nodes)
-    for number, chosen in lineage:
-        nodes[number] = _turned(nodes[number], chosen)
+    for number, turn in turns:
+        nodes[number] = _turned(nodes[number], turn)
     return replace(timeline, nodes=tuple(nodes))
 
 
-def _turned(node: Node, chosen: int) -> Node:
-    """Return a node with one of its turn hypotheses for its turn."""
-    turn = node.turn_hypotheses[chosen]
-    slight = [one for one in node.turn_hypotheses if one is not turn and one.probability < _LEAST_PROBABILITY]
-    off = [one.sigma_rad**2 + wrap_angle(one.heading_change_rad - turn.heading_change_rad) ** 2 for one in slight]
-    rest = sum(one.probability * square for one, square in zip(slight, off, strict=True))  # never an alternative
-    covariance = with_heading_variance(node.covariance, turn.sigma_rad**2 + float(rest))
+def _turned(node: Node, turn: TurnHypothesis) -> Node:
+    """Return a node with one turn instead of its hypotheses."""
+    covariance = with_heading_variance(node.covariance, turn.sigma_rad**2)
     return replace(node, heading_change_rad=turn.heading_change_rad, covariance=covariance, turn_hypotheses=())
 
 
 def _undecided(alternatives: Sequence[Alternative]) -> list[Finding]:
     """Report the turns and start headings that the measurements do not decide."""
-    first = alternatives[0]
-    if first.probability >= _DECIDED:
-        return []
-    share = f"{first.probability:.0%}"
-    findings = []
+    first, findings = alternatives[0], []
+    others = alternatives[1:] if first.probability < _DECIDED else ()
     for number, one in enumerate(first.timelines):
-        others = [other.timelines[number] for other in alternatives[1:]]
+        probabilities = dict(first.open_turns[number])
         for i, node in enumerate(one.nodes):
-            if any(other.nodes[i].heading_change_rad != node.heading_change_rad for other in others):
-                findings.append(
-                    Finding(
-                        FindingKind.PLACEMENT,
-                        f"{one.device}: after the phone was put elsewhere at {node.time_s:.0f} s the direction of "
-                        f"the walk is not certain: that of the track has a probability of {share}; its uncertainty "
-                        "covers the others, and a position fix later on would decide",
-                        device=one.device,
-                        begin_s=node.time_s,
-                        value=first.probability,
-                    )
-                )
-        if any(other.start_headings_rad[number] != first.start_headings_rad[number] for other in alternatives[1:]):
-            findings.append(
-                Finding(
-                    FindingKind.START_HEADING,
-                    f"{one.device}: the measurements fit several start headings; the one of the track has a "
-                    f"probability of {share}, and its uncertainty covers the others: give a start heading, or one "
-                    "more fix",
-                    device=one.device,
-                    value=first.probability,
-                )
-            )
+            if any(
+                other.timelines[number].nodes[i].heading_change_rad != node.heading_change_rad for other in others
+            ):
+                probabilities[i] = first.probability
+        findings += [_open_turn(one.device, one.nodes[i].time_s, probabilities[i]) for i in sorted(probabilities)]
+        if any(other.start_headings_rad[number] != first.start_headings_rad[number] for other in others):
+            findings.append(_open_start(one.device, first.probability))
     return findings
+
+
+def _open_turn(device: str, time_s: float, probability: float) -> Finding:
+    return Finding(
+        FindingKind.PLACEMENT,
+        f"{device}: after the phone was put elsewhere at {time_s:.0f} s the direction of the walk is not certain: "
+        f"that of the track has a probability of {probability:.0%}; its uncertainty covers the others, and a "
+        "position fix later on would decide",
+        device=device,
+        begin_s=time_s,
+        value=probability,
+    )
+
+
+def _open_start(device: str, probability: float) -> Finding:
+    return Finding(
+        FindingKind.START_HEADING,
+        f"{device}: the measurements fit several start headings; the one of the track has a probability of "
+        f"{probability:.0%}, and its uncertainty covers the others: give a start heading, or one more fix",
+        device=device,
+        value=probability,
+    )

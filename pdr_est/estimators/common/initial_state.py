@@ -101,9 +101,10 @@ def prior_after_lost_heading(before: GaussianState, node: Node) -> StartPrior:
     node
         Node to which a motion in an unknown direction leads.
     """
-    variance = 0.5 * (node.length_m**2 + node.covariance[0, 0] + node.covariance[1, 1])
-    covariance = np.diag([variance, variance, UNKNOWN_SIGMA_RAD**2, *np.diag(before.covariance)[3:]])
-    covariance[:2, :2] += before.covariance[:2, :2]
+    covariance = before.covariance.copy()
+    covariance[2, :], covariance[:, 2] = 0.0, 0.0
+    covariance[2, 2] = UNKNOWN_SIGMA_RAD**2
+    covariance[:2, :2] += 0.5 * (node.length_m**2 + node.covariance[0, 0] + node.covariance[1, 1]) * np.eye(2)
     return StartPrior(replace(before, covariance=covariance), position_open=False, heading_open=True)
 
 

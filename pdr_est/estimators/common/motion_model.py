@@ -47,7 +47,7 @@ class SourceState:
     count
         Number of coordinates that the sum counts; older ones count less.
     jump_variance
-        Variance that was added to its error at the last fix, because its fixes have begun to disagree.
+        Sum of the variances that were added to its error so far, because its fixes had begun to disagree.
     """
 
     name: str

@@ -67,6 +67,7 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
         fix.wander_time_s,
         misfit=kept * earlier.misfit,
         count=kept * earlier.count,
+        jump_variance=earlier.jump_variance,
     )
     sources = (*state.sources[:number], now, *state.sources[number + 1 :])
     if correlation == 1.0:

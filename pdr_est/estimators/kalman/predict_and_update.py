@@ -1,6 +1,7 @@
 """Prediction and updates of the extended Kalman filter (filterpy): the states of some devices side by side."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
@@ -55,18 +56,18 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     def set_state(self, state: GaussianState, device: int = 0) -> None:
         """Set the state of a device, uncorrelated with the others.
 
-        The wandering errors of the state replace those of the filter if no other device takes part; otherwise they
-        are left out, for the filter has them from the other devices.
+        The wandering errors of the state come along if the filter does not have them from another device.
         """
-        own, covariance = rows_of(device), self.P.copy()
-        covariance[own, :], covariance[:, own] = 0.0, 0.0
-        if not covariance[: STATES * self._devices, : STATES * self._devices].any():
-            self.load(_alone(state, device, self._devices))
-            return
-        self.x = self.x.copy()
-        self.x[own] = state.mean[:STATES]
-        covariance[own, own] = state.covariance[:STATES, :STATES]
-        self.P = covariance
+        joint = _without_device(self.dump(), device, self._devices)
+        names, first = {source.name for source in joint.sources}, len(joint.mean)
+        new = [i for i, source in enumerate(state.sources) if source.name not in names]
+        rows = [*range(STATES), *(STATES + 2 * i + axis for i in new for axis in (0, 1))]
+        own = [*range(STATES * device, STATES * (device + 1)), *range(first, first + 2 * len(new))]
+        mean, covariance = np.zeros(first + 2 * len(new)), np.zeros((first + 2 * len(new),) * 2)
+        mean[:first], covariance[:first, :first] = joint.mean, joint.covariance
+        mean[own] = state.mean[rows]
+        covariance[np.ix_(own, own)] = state.covariance[np.ix_(rows, rows)]
+        self.load(GaussianState(mean, covariance, (*joint.sources, *(state.sources[i] for i in new))))
 
     def add_device(self, state: GaussianState, node: Node, device: int, donor: int | None) -> GaussianState:
         """Let a device take part from a node on.
@@ -242,15 +243,14 @@ def marginal_of(state: GaussianState, device: int, devices: int) -> GaussianStat
     return GaussianState(state.mean[own].copy(), 0.5 * (covariance + covariance.T))
 
 
-def _alone(state: GaussianState, device: int, devices: int) -> GaussianState:
-    """Return the joint state of several devices of which only one takes part, with its wandering errors."""
-    own = rows_of(device)
-    rows = [*range(own.start, own.stop), *range(STATES * devices, STATES * devices + 2 * len(state.sources))]
-    size = STATES * devices + 2 * len(state.sources)
-    mean, covariance = np.zeros(size), np.zeros((size, size))
-    mean[rows] = state.mean
-    covariance[np.ix_(rows, rows)] = state.covariance
-    return GaussianState(mean, covariance, state.sources)
+def _without_device(state: GaussianState, device: int, devices: int) -> GaussianState:
+    """Return a joint state without one of the devices; without any there are no wandering errors either."""
+    own, poses = rows_of(device), STATES * devices
+    mean, covariance = state.mean.copy(), state.covariance.copy()
+    mean[own], covariance[own, :], covariance[:, own] = 0.0, 0.0, 0.0
+    if covariance[:poses, :poses].any():
+        return replace(state, mean=mean, covariance=covariance)
+    return GaussianState(mean[:poses], covariance[:poses, :poses])
 
 
 def rows_of(device: int) -> slice:

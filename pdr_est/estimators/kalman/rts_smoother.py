@@ -73,7 +73,7 @@ def with_all_sources(states: Sequence[GaussianState]) -> list[GaussianState]:
     last = states[-1].sources
     padded = []
     for state in states:
-        missing = last[len(state.sources) :]
+        missing = [replace(source, jump_variance=0.0) for source in last[len(state.sources) :]]
         if missing:
             known, size = len(state.mean), len(state.mean) + 2 * len(missing)
             covariance = np.eye(size)
@@ -93,7 +93,7 @@ def _let_errors_wander(
             decay, own = later.correlation_with(earlier), slice(row, row + 2)
             moved[k, own] *= decay
             jacobian[k, own, own] = decay * np.eye(2)
-            noise[k, own, own] = (1.0 - decay**2 + (later.jump_variance if later != earlier else 0.0)) * np.eye(2)
+            noise[k, own, own] = (1.0 - decay**2 + later.jump_variance - earlier.jump_variance) * np.eye(2)
 
 
 def smooth_walk(

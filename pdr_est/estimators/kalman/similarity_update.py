@@ -106,7 +106,7 @@ def squared_distance(covariance: Array, residual: Array) -> Array:
 def _limited(step: Array) -> Array:
     """Shorten steps (k, n) that change heading or logarithmic scale by more than the linearisation is good for."""
     largest = np.abs(step[:, 2 : LOG_SCALE + 1]).max(axis=1)
-    return step * np.minimum(1.0, _MOST_CHANGE / np.maximum(largest, _MOST_CHANGE))[:, None]
+    return np.asarray(step * (_MOST_CHANGE / np.maximum(largest, _MOST_CHANGE))[:, None])
 
 
 def _turned_errors(covariances: Array, change: Array) -> Array:

@@ -173,10 +173,10 @@ def test_bad_fixes_in_a_row_weigh_a_source_down_and_good_ones_restore_it() -> No
     source, factors = SourceState("gps", 0.0, 3.0, 15.0), []
     for squared in [20.0] * 8 + [2.0] * 40:
         # As the filter does between fixes a second apart.
-        source = replace(source, misfit=0.9 * source.misfit, count=0.9 * source.count, jump_variance=0.0)
+        source = replace(source, misfit=0.9 * source.misfit, count=0.9 * source.count)
         factor, source = variance_factor(source, squared)
         factors.append(factor)
-        assert source.jump_variance == pytest.approx(factor - 1.0)
+    assert source.jump_variance == pytest.approx(sum(factors) - len(factors))
     assert factors[:8] == sorted(factors[:8])
     assert factors[7] > 3.0
     assert factors[-1] < 1.1
@@ -238,6 +238,53 @@ def test_no_series_of_fixes_breaks_the_filter(events: list[tuple[float, float, f
     assert np.linalg.eigvalsh(found.covariance)[0] > -1e-9 * np.trace(found.covariance)
     assert (np.diag(found.covariance) > 0.0).all()
     assert 0.0 < found.length_scale[0] < 10.0
+
+
+def test_a_device_brings_the_errors_that_the_filter_does_not_know() -> None:
+    """With what its pose has in common with them; the error of a source that the filter has is left as it is."""
+    known = filtered(standing(), [wandering(0, 2.0, 1.0), wandering(1, 2.0, 1.0, "beacon")])
+    first = filtered(standing(), [wandering(0, 5.0, 5.0, "beacon")])
+    ekf = MultiDeviceEkf(2)
+    ekf.set_state(first, 0)
+    ekf.set_state(known, 1)
+    joint = ekf.dump()
+    assert [source.name for source in joint.sources] == ["beacon", "gps"]
+    rows = [*range(STATES, 2 * STATES), 2 * STATES + 2, 2 * STATES + 3]
+    assert joint.mean[rows] == pytest.approx(known.mean[: STATES + 2])
+    assert joint.covariance[np.ix_(rows, rows)] == pytest.approx(known.covariance[: STATES + 2, : STATES + 2])
+    others = [*range(STATES), 2 * STATES, 2 * STATES + 1]
+    assert joint.covariance[np.ix_(others, others)] == pytest.approx(first.covariance)
+    assert not joint.covariance[np.ix_(rows, others)].any()
+    ekf.set_state(first, 0)  # a device that enters anew leaves what it had brought to the other one
+    assert [source.name for source in ekf.dump().sources] == ["beacon", "gps"]
+
+
+def test_a_device_that_enters_alone_brings_all_errors_anew() -> None:
+    ekf = MultiDeviceEkf(2)
+    ekf.set_state(filtered(standing(), [wandering(0, 5.0, 5.0, "beacon")]), 0)
+    again = filtered(standing(), [wandering(0, 2.0, 1.0, "beacon"), wandering(1, 2.0, 1.0)])
+    ekf.set_state(again, 0)
+    assert ekf.dump().sources == again.sources
+    assert ekf.dump().covariance[2 * STATES :, 2 * STATES :] == pytest.approx(again.covariance[STATES:, STATES:])
+
+
+@pytest.mark.parametrize("together", [False, True])
+def test_smoothing_goes_through_jumps_of_a_source(together: bool) -> None:
+    """Fixes that disagree grossly, also several at one node; the covariance stays one, and the last state is kept."""
+    walk = simulate(np.random.default_rng(6), np.zeros(30), (3.0, -2.0, 0.0), covariance=STRAIGHT)
+    fixes = []
+    for k in range(0, 30, 2):
+        off = 40.0 if 10 <= k < 20 else 0.0
+        for _ in range(2 if together else 1):
+            fixes.append(replace(wandering(k, walk.truth[k, 0], walk.truth[k, 1] + off), robust=True))
+    segments = run_filter(build_timeline("phone", 0.0, [*walk.odometry, *fixes]), EAST, 0.05)
+    states = smooth_segments(segments)
+    assert segments[-1].end.sources[0].jump_variance > 0.0
+    for state in states:
+        assert np.linalg.eigvalsh(state.covariance)[0] > -1e-9
+    for smoothed, before in zip(states, segments[-1].states, strict=True):
+        variances = np.diag(smoothed.covariance)[:3], np.diag(before.covariance)[:3]
+        assert (variances[0] <= variances[1] * (1.0 + 1e-6)).all()  # what comes later tells only more
 
 
 def test_a_joint_state_with_sources_is_pickled_whole() -> None:
