@@ -56,15 +56,13 @@ class BuiltInEstimator:
     ) -> Track:
         """Estimate the track of every device, as the contract says.
 
-        Fixes are compared with the steps before. An estimator that smooths takes them as the comparison says, and it
-        does so for each alternative that the measurements leave open; a filter takes them as they are.
+        Before an estimator smooths, the fixes are compared with the steps, and it does so for each alternative that
+        the measurements leave open. A filter takes the fixes one by one as they are.
         """
-        if not self.spec.uses_fixes:
+        if not self.spec.smooths:
             return self._estimate(devices, tethers, start, sigma_length_scale)
         checked = check_fixes(devices, start, sigma_length_scale)
-        if self.spec.smooths:
-            devices, start, sigma_length_scale = checked.devices, checked.start, checked.sigma_length_scale
-        track = self._estimate(devices, tethers, start, sigma_length_scale)
+        track = self._estimate(checked.devices, tethers, checked.start, checked.sigma_length_scale)
         return replace(track, findings=tuple(dict.fromkeys((*checked.findings, *track.findings))))
 
     def _estimate(

@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, winding
+from estimator_walks import (
+    DEVICE,
+    SIGMA_SCALE,
+    SimulatedWalk,
+    fix,
+    heading_prior,
+    simulate,
+    smooth_as_given,
+    winding,
+)
 from least_squares import solve, solve_linear
 
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
@@ -93,7 +102,7 @@ def test_on_a_walk_due_east_the_graph_is_least_squares(sigma_scale: float) -> No
     timeline = timeline_of(walk)
     (position,), (covariance,), (log_scale,), of_scale = solve_linear([timeline], EAST, sigma_scale)
     steps = [node.is_step for node in timeline.nodes]
-    track = run("factor-graph", walk.measurements, EAST, sigma_scale)
+    track = smooth_as_given(walk.measurements, EAST, sigma_scale)
     assert track.position_m == pytest.approx(position[steps], abs=5e-6)
     assert track.covariance_m2 == pytest.approx(covariance[steps], abs=5e-6)
     assert track.length_scale == pytest.approx(np.exp(log_scale), abs=5e-6)
@@ -110,7 +119,7 @@ def test_on_a_gently_turning_walk_the_graph_is_the_smoothed_filter() -> None:
     walk = simulate(rng, turns, (3.0, -2.0, 0.5), 1.02, fix_every=10, sigma_fix_m=0.2, covariance=covariance)
     timeline = timeline_of(walk)
     smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, start, 0.03)[0].states)
-    track = run("factor-graph", walk.measurements, start, 0.03)
+    track = smooth_as_given(walk.measurements, start, 0.03)
     assert track.position_m == pytest.approx(np.array([state.mean[:2] for state in smoothed]), abs=0.01)
     for k, state in enumerate(smoothed):
         expected = state.covariance[:2, :2]
@@ -122,7 +131,7 @@ def test_with_turns_the_graph_is_dense_least_squares_over_poses_and_scale() -> N
     start = StartPose((3.0, -2.0), 2.5, sigma_position_m=0.1, sigma_heading_rad=0.1)
     walk = simulate(rng, 2.0 * winding(24, rng), (3.0, -2.0, 2.6), 1.1, fix_every=5, first_fix=4, sigma_fix_m=0.2)
     priors = [heading_prior(k, walk.truth[k, 2] + 0.02) for k in (10, 20)]
-    track = run("factor-graph", [*walk.measurements, *priors], start)
+    track = smooth_as_given([*walk.measurements, *priors], start)
     timeline = build_timeline(DEVICE, 0.0, [*walk.measurements, *priors])
     guess = np.column_stack([track.position_m, track.heading_rad])
     mean, covariance = solve(timeline, start, SIGMA_SCALE, guess)

@@ -4,7 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, heading_prior, run, simulate, straight, winding
+from estimator_walks import (
+    DEVICE,
+    SIGMA_SCALE,
+    SimulatedWalk,
+    fix,
+    heading_prior,
+    run,
+    simulate,
+    smooth_as_given,
+    straight,
+    winding,
+)
 from least_squares import solve
 
 from pdr_est.estimators.common.timeline import build_timeline
@@ -32,7 +43,7 @@ def turning_walk() -> SimulatedWalk:
 
 def test_the_graph_is_dense_least_squares_with_the_reference_as_a_variable() -> None:
     measurements = tied(turning_walk(), 1.3, range(3, 24, 3))
-    track = run("factor-graph", measurements, START)
+    track = smooth_as_given(measurements, START)
     timeline = build_timeline(DEVICE, 0.0, measurements)
     mean, covariance = solve(timeline, START, SIGMA_SCALE, np.column_stack([track.position_m, track.heading_rad]))
     poses = mean[:75].reshape(-1, 3)
@@ -55,7 +66,7 @@ def test_on_a_gently_turning_walk_the_graph_is_the_smoothed_filter() -> None:
     measurements = [*walk.measurements, *(relative(k, walk.truth[k, 2] + 0.7, 0.01) for k in range(0, 81, 8))]
     timeline = build_timeline(DEVICE, 0.0, measurements)
     smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, start, 0.03)[0].states)
-    track = run("factor-graph", measurements, start, 0.03)
+    track = smooth_as_given(measurements, start, 0.03)
     assert track.position_m == pytest.approx(np.array([state.mean[:2] for state in smoothed]), abs=0.01)
     assert track.heading_rad == pytest.approx(np.array([state.mean[2] for state in smoothed]), abs=2e-3)
     for k, state in enumerate(smoothed):

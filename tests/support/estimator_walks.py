@@ -5,10 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.estimators import EstimatorName, estimate_track
+from pdr_est.estimators import EstimatorName, estimate_track, timelines_of
+from pdr_est.estimators.factor_graph.smoother import estimate
 from pdr_est.frames import Array, rotation_matrix
 from pdr_est.front_end.odometry import step_covariance
-from pdr_est.types.measurements import HeadingPrior, Measurement, PositionFix, StartPose, StepOdometry
+from pdr_est.types.measurements import (
+    DeviceMeasurements,
+    HeadingPrior,
+    Measurement,
+    PositionFix,
+    StartPose,
+    StepOdometry,
+)
 from pdr_est.types.track import Track
 
 DEVICE = "phone"
@@ -55,6 +63,11 @@ def run(
     name: EstimatorName, measurements: Sequence[Measurement], start: StartPose, sigma_scale: float = SIGMA_SCALE
 ) -> Track:
     return estimate_track(name, DEVICE, 0.0, measurements, start, sigma_scale)
+
+
+def smooth_as_given(measurements: Sequence[Measurement], start: StartPose, sigma_scale: float = SIGMA_SCALE) -> Track:
+    """Smooth by the factor graph with all measurements as they are, without comparing fixes with steps before."""
+    return estimate(timelines_of([DeviceMeasurements(DEVICE, 0.0, tuple(measurements))]), [], start, sigma_scale)
 
 
 @dataclass(frozen=True)

@@ -66,12 +66,13 @@ class GpsNoise(FixNoise):
     1.51 standard deviations of a coordinate, and indoors it is further off. Its filter smooths the positions: they
     lag behind, their errors hardly change from second to second, and they wander.
 
-    The defaults are those at which the smoothed track predicts surveyed points best, by their log density, on ten
-    walks along five routes in and around buildings with two phones (IPIN 2023, track 3). Whichever route is left out,
-    the best are a wandering share of 0.85 to 1, a least wandering error of 3 m and a correlation time of 10 to 15 s;
-    between 2 and 3 m there is hardly a difference. The errors themselves, against tracks through all surveyed points,
-    have a standard deviation of 0.8 to 1.5 stated accuracies over 1.51 and stay alike for about a minute; but they
-    also shorten the ways by 5 to 30 %, which a shorter correlation time allows for.
+    The defaults come from ten walks along five routes in and around buildings with two phones (IPIN 2023, track 3).
+    Whichever route is left out, the smoothed track predicts the surveyed points of the others best, by their log
+    density, at a wandering share of 0.85 to 1, a least wandering error of 2.5 to 3 m and a correlation time of 10 to
+    15 s. There the ellipses cover all points, so that the share is a little smaller: 0.75, at which they cover 99 %.
+    The errors themselves, against tracks through all surveyed points, have a standard deviation of 0.8 to 1.5 stated
+    accuracies over 1.51 and stay alike for about a minute; but they also shorten the ways by 5 to 30 %, which a
+    shorter correlation time allows for.
     """
 
     white_share: NonNegative = 0.3
@@ -80,7 +81,7 @@ class GpsNoise(FixNoise):
     least_white_m: NonNegative = 1.0
     """Independent error of a phone that states an accuracy of 0, m."""
 
-    wander_share: NonNegative = 0.78
+    wander_share: NonNegative = 0.75
     """Standard deviation of the error that wanders slowly and is common to the fixes of the source, over the stated
     accuracy."""
 

@@ -34,7 +34,7 @@ def test_phones_that_state_too_good_an_accuracy_are_not_believed() -> None:
 def test_what_is_beyond_the_largest_wandering_error_is_independent() -> None:
     (fix,) = fixes_with_noise([stated(748.0)], FixNoiseParams())
     assert fix.sigma_wander_m == 20.0
-    assert np.sqrt(fix.total_covariance_m2[0, 0]) == pytest.approx(748.0 * np.hypot(0.3, 0.78), rel=1e-3)
+    assert np.sqrt(fix.total_covariance_m2[0, 0]) == pytest.approx(748.0 * np.hypot(0.3, 0.75), rel=1e-3)
 
 
 def test_surveyed_points_and_fixes_with_a_wandering_error_stay_as_they_are() -> None:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from estimator_walks import DEVICE, fix, heading_prior, simulate, winding
+from estimator_walks import DEVICE, fix, heading_prior, simulate, smooth_as_given, winding
 
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.tethers import TetherParams, tethers_between
@@ -21,7 +21,7 @@ def lagged(measurements: list[Measurement], start: StartPose, lag_s: float, sigm
 
 
 def batch(measurements: list[Measurement], start: StartPose, sigma_scale: float = 0.0) -> Track:
-    return estimate_walk("factor-graph", [DeviceMeasurements(DEVICE, 0.0, tuple(measurements))], start, sigma_scale)
+    return smooth_as_given(measurements, start, sigma_scale)
 
 
 def relative(k: float, heading_rad: float) -> HeadingPrior:
