@@ -181,6 +181,17 @@ def test_a_heading_of_which_little_is_known_is_no_alternative() -> None:
     assert len(alternatives) == 1
 
 
+def test_a_turn_stays_decided_when_the_heading_is_lost_later() -> None:
+    """A fix decides the corner; after a gap nothing is known of the heading, until two more fixes find it."""
+    steps = with_corner(straight(60, 0.7, QUIET))
+    steps[30] = replace(steps[30], covariance=np.diag([0.1, 0.1, 2.0]))
+    fixes = [fix(20, 7.0, 7.0), fix(40, 0.0, 14.0), fix(60, -14.0, 14.0)]
+    (one,) = alternatives_of([timeline([*steps, *fixes])], KNOWN, 0.1)
+    node = one.timelines[0].nodes[11]
+    assert node.heading_change_rad == CORNER[1].heading_change_rad
+    assert not node.turn_hypotheses
+
+
 def test_alternatives_of_devices_are_combined() -> None:
     steps = straight(20, 0.7, QUIET)
     second = [replace(one, device="b") for one in with_corner(steps)]
