@@ -14,6 +14,7 @@ from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import Estimator, estimator_named
+from pdr_est.estimators.common.unknown_direction import with_unknown_direction
 from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, NO_PARTS, Parts, given_part
@@ -180,7 +181,8 @@ def estimate(
     track = chosen.estimate(devices, tethers, known, sigma_length_scale)
     further = findings_of(track, devices, tethers, known, sigma_length_scale, chosen.spec)
     track = replace(track, findings=(*track.findings, *further))
-    return concatenate([track, fuse(track)]) if len(devices) > 1 else track
+    track = concatenate([track, fuse(track)]) if len(devices) > 1 else track
+    return with_unknown_direction(track, devices, known)
 
 
 def _by_device(odometry: Odometry) -> list[DeviceMeasurements]:

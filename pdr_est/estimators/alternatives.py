@@ -160,8 +160,17 @@ def _certain(turns: Turns) -> _Ways:
 
 
 def _chosen(timeline: Timeline, lineage: Lineage) -> Turns:
-    """Return the turns that a hypothesis chose, as certain."""
-    return tuple((i, replace(timeline.nodes[i].turn_hypotheses[j], probability=1.0)) for i, j in lineage)
+    """Return the turns that a hypothesis chose, as certain but for those that are too slight to be an alternative."""
+    turns = []
+    for i, chosen in lineage:
+        hypotheses = timeline.nodes[i].turn_hypotheses
+        turn = hypotheses[chosen]
+        slight = [one for one in hypotheses if one is not turn and one.probability < _LEAST_PROBABILITY]
+        off = [one.sigma_rad**2 + wrap_angle(one.heading_change_rad - turn.heading_change_rad) ** 2 for one in slight]
+        rest = sum(one.probability * float(square) for one, square in zip(slight, off, strict=True))
+        sigma_rad = float(np.sqrt(turn.sigma_rad**2 + rest))
+        turns.append((i, replace(turn, probability=1.0, sigma_rad=sigma_rad)))
+    return tuple(turns)
 
 
 def _one_by_one(timeline: Timeline, bank: HypothesisBank) -> Turns:

@@ -83,7 +83,7 @@ class Tracker:
         self._lag_s = delays_s.get("delayed")
         sigma = self._config.odometry.sigma_length_scale
         shared = self._names, self._front_ends, self._config.devices, online.wait_s
-        self._updates = UpdateAssembly(*shared, delays_s, sigma)
+        self._updates = UpdateAssembly(*shared, delays_s, sigma, self._config.start.pose())
         self._flushed = False
         self._reported_missed = 0
         self.refused_fixes = 0
@@ -278,7 +278,7 @@ class Tracker:
         if not measurements and front_end.end_s == before_s:
             return  # the samples wait for those of another sensor
         self._processed_s[number] = front_end.end_s
-        self._updates.extend(number, before_s, front_end.end_s)
+        self._updates.extend(number, before_s, front_end.end_s, measurements)
         span_s = front_end.start_s, front_end.end_s
         self._estimator.extend(number, span_s, measurements, front_end.latency_s)
 

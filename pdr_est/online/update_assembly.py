@@ -1,15 +1,18 @@
 """Assembly of updates from the poses of filter and smoother: those of each device, and those of the person."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from math import inf
 
+import numpy as np
+
 from pdr_est.config import DevicesParams
+from pdr_est.estimators.common.unknown_direction import tells_direction
 from pdr_est.evaluate.walk_findings import FindingsSoFar
 from pdr_est.online.device_front_end import DeviceFrontEnd
 from pdr_est.online.person_estimates import DeviceCoverage, PersonEstimates
-from pdr_est.online.update import Kind, PoseEstimate, Update, at_mounting, update_of
-from pdr_est.types.measurements import PositionFix
+from pdr_est.online.update import Kind, PoseEstimate, Update, at_mounting, in_unknown_direction, update_of
+from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose, StepOdometry
 
 
 class UpdateAssembly:
@@ -27,6 +30,8 @@ class UpdateAssembly:
         Time by which poses of each kind come later than those of the filter.
     sigma_length_scale
         Standard deviation of the logarithm of the length scale over walkers.
+    start
+        Start pose as far as it is known.
     """
 
     def __init__(
@@ -37,7 +42,10 @@ class UpdateAssembly:
         wait_s: float,
         delays_s: dict[Kind, float],
         sigma_length_scale: float,
+        start: StartPose,
     ) -> None:
+        unknown = start.heading_rad is None and start.position_m is not None
+        self._turned_about_m = np.array(start.position_m) if unknown else None  # while nothing tells the direction
         self._findings = FindingsSoFar(sigma_length_scale)
         self._names, self._front_ends, self._devices = names, front_ends, devices
         self._wait_s, self._delays_s = wait_s, delays_s
@@ -50,21 +58,26 @@ class UpdateAssembly:
             return None
         return next((kind for kind, person in self._persons.items() if person.pending), None)
 
-    def extend(self, device: int, from_s: float, to_s: float) -> None:
-        """Take note that a device recorded between two times."""
+    def extend(
+        self, device: int, from_s: float, to_s: float, measurements: Iterable[StepOdometry | HeadingPrior]
+    ) -> None:
+        """Take note that a device recorded between two times, and of what was measured then."""
+        if self._turned_about_m is not None and any(tells_direction(one) for one in measurements):
+            self._turned_about_m = None
         for person in self._persons.values():
             person.extend(device, from_s, to_s)
 
     def add_fix(self, fix: PositionFix) -> None:
         """Take note of a fix, which the poses after it are compared with."""
         self._findings.add_fix(fix)
+        self._turned_about_m = None
 
     def of_devices(self, kind: Kind, poses: Sequence[PoseEstimate]) -> list[Update]:
         """Make the updates of device poses; only the ends of steps have one. New findings come with the last one."""
         steps = [pose for pose in poses if pose.node.is_step]
         self._persons[kind].add(steps, len(self._names))
         centred = [update_of(pose, self._names[pose.device], kind) for pose in steps]
-        updates = [self._mounted(update) for update in centred]
+        updates = [self._turned(self._mounted(update)) for update in centred]
         if kind == "filtered" and steps:
             findings = self._findings.add(centred, steps[-1].scale[0])
             updates[-1] = replace(updates[-1], findings=tuple(findings)) if findings else updates[-1]
@@ -89,7 +102,8 @@ class UpdateAssembly:
             end_s = -inf if front_end.end_s is None else front_end.end_s
             known_s = now_s if now_s == inf else end_s - front_end.step_latency_s - delay_s
             devices.append(DeviceCoverage(front_end.spans_s, known_s))
-        return self._persons[kind].give(devices, now_s - self._patience_s - delay_s, most)
+        given = self._persons[kind].give(devices, now_s - self._patience_s - delay_s, most)
+        return [self._turned(update) for update in given]
 
     def last_of_person(self) -> list[Update]:
         """Make the remaining updates of the person at the end of the walk."""
@@ -104,6 +118,9 @@ class UpdateAssembly:
     def _patience_s(self) -> float:
         """Time for which the person waits for the pose of a device that may not come."""
         return self._wait_s + max((front_end.step_latency_s for front_end in self._front_ends), default=0.0)
+
+    def _turned(self, update: Update) -> Update:
+        return update if self._turned_about_m is None else in_unknown_direction(update, self._turned_about_m)
 
     def _mounted(self, update: Update) -> Update:
         offset_m = self._devices.mounting_of(update.device).offset_m if len(self._names) > 1 else (0.0, 0.0)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
+from pdr_est.estimators.common.unknown_direction import with_unknown_direction
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.front_end_chain import analyse_device, north_of
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
@@ -106,4 +107,4 @@ def estimate_tracks(
         ]
         track = run_estimator(devices, tethers, estimator, config)
     track = with_findings(track, walks, devices, tethers, estimator, config)
-    return with_person(track, config) if len(walks) > 1 else track
+    return with_unknown_direction(with_person(track, config), devices, config.start.pose())

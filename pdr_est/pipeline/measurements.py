@@ -149,7 +149,9 @@ def with_findings(
 
 
 def with_person(track: Track, config: Config) -> Track:
-    """Put the track of each device where the device sits on the body, and add the track of the person."""
+    """Put the tracks of several devices where they sit on the body, and add the track of the person."""
+    if len(track.devices) < 2:
+        return track
     placed = [
         at_lever_arm(track.of_device(name), config.devices.mounting_of(name).offset_m) for name in track.devices
     ]

@@ -10,6 +10,7 @@ from estimator_walks import DEVICE, fix, run, simulate, straight
 from pdr_est.estimators import timelines_of
 from pdr_est.estimators.alternatives import Alternative, alternatives_of, estimate_alternatives
 from pdr_est.estimators.common.timeline import Timeline, build_timeline, track_from_nodes
+from pdr_est.estimators.factor_graph.smoother import estimate
 from pdr_est.types.findings import FindingKind
 from pdr_est.types.measurements import (
     DeviceMeasurements,
@@ -41,6 +42,14 @@ def around_a_corner(*others: Measurement) -> list[Measurement]:
 
 def timeline(measurements: Sequence[Measurement]) -> Timeline:
     return build_timeline(DEVICE, 0.0, measurements)
+
+
+def smoothed(measurements: Sequence[Measurement], start: StartPose, sigma_scale: float) -> Track:
+    """Smooth a walk with its fixes as they are, without a comparison with the steps."""
+    alternatives = alternatives_of([timeline(measurements)], start, sigma_scale)
+    return estimate_alternatives(
+        alternatives, lambda one: estimate(one.timelines, [], start, sigma_scale, one.start_headings_rad)
+    )
 
 
 def kinds(track: Track) -> list[FindingKind]:
@@ -91,6 +100,17 @@ def test_an_open_turn_is_told_and_covered() -> None:
     assert finding.device == DEVICE
 
 
+def test_a_turn_that_is_too_slight_to_be_an_alternative_is_covered() -> None:
+    """One walk in a hundred went anywhere."""
+    steps = straight(20, 0.7, QUIET)
+    unusual = TurnHypothesis(0.01, 0.0, np.pi / np.sqrt(3.0), "unusual")
+    turns = (replace(CORNER[0], probability=0.99), unusual)
+    steps[10] = replace(steps[10], turn_hypotheses=turns, covariance=np.diag([0.005, 0.005, 0.04]))
+    (one,) = alternatives_of([timeline(steps)], KNOWN, 0.1)
+    assert one.timelines[0].nodes[11].covariance[2, 2] == pytest.approx(0.05**2 + 0.01 * np.pi**2 / 3.0)
+    assert run("factor-graph", steps, KNOWN).findings == ()
+
+
 def test_each_of_two_open_turns_is_told() -> None:
     steps = with_corner(with_corner(straight(30, 0.7, QUIET), 10), 20)
     alternatives = alternatives_of([timeline(steps)], KNOWN, 0.1)
@@ -123,7 +143,7 @@ def test_fixes_that_fit_two_start_headings_give_both() -> None:
     assert [one.probability for one in alternatives] == pytest.approx([0.5, 0.5], abs=0.05)
     headings = sorted(float(one.start_headings_rad[0] or 0.0) for one in alternatives)
     assert headings == pytest.approx([np.pi / 6, np.pi * 5 / 6], abs=0.15)
-    track = run("factor-graph", measurements, UNTURNED, 0.02)
+    track = smoothed(measurements, UNTURNED, 0.02)
     assert abs(track.position_m[-1, 0]) == pytest.approx(14.0 * np.cos(np.pi / 6), abs=0.5)
     other = track.position_m[-1] * [-2.0, 0.0]
     assert other @ np.linalg.solve(track.covariance_m2[-1], other) < 5.99
@@ -150,7 +170,7 @@ def test_one_more_fix_decides_between_two_start_headings() -> None:
     measurements = [*straight(20, 0.7, QUIET), NORTH_ONLY, fix(12, -7.3, 4.2)]
     (one,) = alternatives_of([timeline(measurements)], UNTURNED, 0.02)
     assert one.start_headings_rad == (None,)
-    track = run("factor-graph", measurements, UNTURNED, 0.02)
+    track = smoothed(measurements, UNTURNED, 0.02)
     assert track.position_m[-1, 0] == pytest.approx(-14.0 * np.cos(np.pi / 6), abs=0.7)
     assert FindingKind.START_HEADING not in kinds(track)
 
@@ -159,6 +179,17 @@ def test_a_heading_of_which_little_is_known_is_no_alternative() -> None:
     """A vague fix leaves headings all round: they are one wide distribution, and nothing is put together."""
     alternatives = alternatives_of([timeline([*straight(20, 0.7, QUIET), fix(20, 1.0, 2.0, 30.0)])], UNTURNED, 0.02)
     assert len(alternatives) == 1
+
+
+def test_a_turn_stays_decided_when_the_heading_is_lost_later() -> None:
+    """A fix decides the corner; after a gap nothing is known of the heading, until two more fixes find it."""
+    steps = with_corner(straight(60, 0.7, QUIET))
+    steps[30] = replace(steps[30], covariance=np.diag([0.1, 0.1, 2.0]))
+    fixes = [fix(20, 7.0, 7.0), fix(40, 0.0, 14.0), fix(60, -14.0, 14.0)]
+    (one,) = alternatives_of([timeline([*steps, *fixes])], KNOWN, 0.1)
+    node = one.timelines[0].nodes[11]
+    assert node.heading_change_rad == CORNER[1].heading_change_rad
+    assert not node.turn_hypotheses
 
 
 def test_alternatives_of_devices_are_combined() -> None:

@@ -19,6 +19,8 @@ from event_streams import (
     in_time_order,
     offline,
     walk_of,
+    wandering_fix,
+    with_placements,
 )
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -47,6 +49,12 @@ def random_walk(rng: np.random.Generator) -> Walk:
     return replace(walk, fixes=(*walk.fixes, *more))
 
 
+def with_doubts(walk: Walk, rng: np.random.Generator) -> Walk:
+    """Let most fixes have wandering errors, and phones be put elsewhere."""
+    fixes = tuple(wandering_fix(fix) if rng.random() < 0.7 else fix for fix in walk.fixes)
+    return with_placements(replace(walk, fixes=fixes), rng, 0.08)
+
+
 def shuffled(walk: Walk, rng: np.random.Generator) -> list[Event]:
     """Each device in its own order, at random against the others and the fixes."""
     queues: list[list[Event]] = [
@@ -72,11 +80,20 @@ def test_events_in_any_order_give_the_offline_filter(seed: int) -> None:
     assert_same(follow(walk, shuffled(walk, rng), wait_s=wait_s, horizon_s=1000.0), offline(walk))
 
 
+@settings(max_examples=25, deadline=None)
+@given(seeds)
+def test_wandering_errors_and_open_turns_are_taken_back_like_poses(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    walk = with_doubts(random_walk(rng), rng)
+    assert_same(follow(walk, shuffled(walk, rng), horizon_s=1000.0), offline(walk))
+
+
 @settings(max_examples=20, deadline=None)
-@given(seeds, st.floats(0.0, 1.0))
-def test_an_estimator_restored_at_any_point_goes_on_as_before(seed: int, share: float) -> None:
+@given(seeds, st.floats(0.0, 1.0), st.booleans())
+def test_an_estimator_restored_at_any_point_goes_on_as_before(seed: int, share: float, doubts: bool) -> None:
     rng = np.random.default_rng(seed)
     walk = random_walk(rng)
+    walk = with_doubts(walk, rng) if doubts else walk
     events = shuffled(walk, rng)
     follower = Follower(walk, estimator_of(walk, horizon_s=1000.0))
     for number, event in enumerate(events):

@@ -18,6 +18,7 @@ from pdr_est.types.measurements import (
     PositionFix,
     StartPose,
     StepOdometry,
+    TurnHypothesis,
 )
 from pdr_est.types.track import Track
 
@@ -76,6 +77,24 @@ def walk_of(
     ends = tuple(max((m.time_s for m in own), default=begins[d]) + 2.0 * LATENCY_S for d, own in enumerate(measured))
     fixes = tuple(fix_at(s, 1.4 * s, rng.normal()) for s in fixes_s)
     return Walk(measured, tuple(begins), ends, fixes, start)
+
+
+def with_placements(walk: Walk, rng: np.random.Generator, share: float) -> Walk:
+    """Let the phones be put elsewhere before a share of the steps: straight on or round a corner."""
+    turns = (TurnHypothesis(0.7, 0.0, 0.1, "straight on"), TurnHypothesis(0.3, np.pi / 2, 0.1, "corner"))
+
+    def placed(step: Measured) -> Measured:
+        if isinstance(step, HeadingPrior) or rng.random() > share:
+            return step
+        covariance = step_covariance(0.7, 0.07, 0.1, 0.8)
+        return replace(step, heading_change_rad=0.3 * np.pi / 2, covariance=covariance, turn_hypotheses=turns)
+
+    return replace(walk, devices=tuple(tuple(placed(one) for one in own) for own in walk.devices))
+
+
+def wandering_fix(fix: PositionFix) -> PositionFix:
+    """Return a robust fix of a source whose error wanders."""
+    return replace(fix, source="gps", robust=True, sigma_wander_m=2.0, wander_time_s=10.0)
 
 
 def fix_at(time_s: float, east_m: float, north_m: float) -> PositionFix:

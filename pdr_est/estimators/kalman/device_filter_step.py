@@ -63,7 +63,9 @@ class DeviceFilterState:
         return self.state.covariance[:3, :3]
 
 
-def start_device(node: Node, number: int, prior: StartPrior, scratch: MultiDeviceEkf) -> DeviceFilterState:
+def start_device(
+    node: Node, number: int, prior: StartPrior, scratch: MultiDeviceEkf, decided: Lineage = ()
+) -> DeviceFilterState:
     """Return the state after the first node of a segment.
 
     Parameters
@@ -76,13 +78,15 @@ def start_device(node: Node, number: int, prior: StartPrior, scratch: MultiDevic
         Prior of the state there.
     scratch
         EKF of one device, used as working memory only.
+    decided
+        Turns that were chosen before.
     """
     if prior.heading_open:
-        bank = HypothesisBank.of_unknown_heading(prior.state).updated(node)
+        bank = HypothesisBank.of_unknown_heading(prior.state, decided).updated(node)
         return _after_bank(bank, number, heading_known=False)
     scratch.load(prior.state)
     scratch.update_node(node)
-    return DeviceFilterState(number, scratch.state_of(), None, heading_known=True, heading_found=True)
+    return DeviceFilterState(number, scratch.state_of(), None, True, True, decided=decided)
 
 
 def restart_device(before: DeviceFilterState, node: Node, number: int, scratch: MultiDeviceEkf) -> DeviceFilterState:
@@ -90,8 +94,7 @@ def restart_device(before: DeviceFilterState, node: Node, number: int, scratch: 
 
     The parameters are those of `step_device`.
     """
-    started = start_device(node, number, prior_after_lost_heading(before.state, node), scratch)
-    return replace(started, decided=before.decided)
+    return start_device(node, number, prior_after_lost_heading(before.state, node), scratch, before.decided)
 
 
 def step_device(
@@ -123,9 +126,8 @@ def step_device(
         bank = HypothesisBank.of_state(before.state, before.decided)
     if bank is not None:
         after = _after_bank(bank.predicted(node, number).updated(node), before.segment_begin, before.heading_known)
-        return replace(
-            after, lost_heading_s=lost_s, decided=before.decided if after.bank is not None else after.decided
-        )
+        decided = before.decided if after.bank is not None else after.decided
+        return replace(after, lost_heading_s=lost_s, decided=decided)
     scratch.load(before.state)
     scratch.predict_node(node)
     scratch.update_node(node)

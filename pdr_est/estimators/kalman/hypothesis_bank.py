@@ -72,14 +72,14 @@ class HypothesisBank:
         return cls(np.ones(1), state.mean[None], state.covariance[None], state.sources, (lineage,))
 
     @classmethod
-    def of_unknown_heading(cls, state: GaussianState) -> "HypothesisBank":
+    def of_unknown_heading(cls, state: GaussianState, lineage: Lineage = ()) -> "HypothesisBank":
         """Return the bank of a state whose heading may be any, and is independent of the other states."""
         count, spacing = UNKNOWN_HEADINGS, 2.0 * np.pi / UNKNOWN_HEADINGS
         means, covariances = np.tile(state.mean, (count, 1)), np.tile(state.covariance, (count, 1, 1))
         means[:, 2] = wrap_angle(spacing * np.arange(count))
         covariances[:, 2, :], covariances[:, :, 2] = 0.0, 0.0
         covariances[:, 2, 2] = (_SIGMA_OVER_SPACING * spacing) ** 2
-        return cls(np.full(count, 1.0 / count), means, covariances, state.sources, ((),) * count)
+        return cls(np.full(count, 1.0 / count), means, covariances, state.sources, (lineage,) * count)
 
     def moments(self) -> GaussianState:
         """Return mean and covariance of the mixture; headings are averaged on the circle."""
@@ -144,7 +144,7 @@ class HypothesisBank:
         )
 
     def _with_fix(self, fix: PositionFix) -> "HypothesisBank":
-        """Update with a position fix; its source is trusted as the most probable hypothesis has it."""
+        """Update with a position fix, before which the wandering error of its source is predicted to its time."""
         bank = self
         if fix.sigma_wander_m > 0.0:
             states = [
@@ -199,14 +199,17 @@ class HypothesisBank:
 
     def _reduced(self) -> "HypothesisBank":
         """Drop improbable hypotheses, merge those that are alike, and keep no more than the largest number."""
-        kept = np.flatnonzero(self.weights >= _LEAST_WEIGHT * self.weights.max())
-        bank = self._selected(kept)
+        bank = self._selected(np.flatnonzero(self.weights >= _LEAST_WEIGHT * self.weights.max()))
+        costs, pairs = np.full((len(bank), len(bank)), np.inf), np.triu_indices(len(bank), 1)
+        costs[pairs] = bank._merging_costs(*pairs)
         while len(bank) > 1:
-            costs = bank._merging_costs()
-            i, j = np.unravel_index(int(np.argmin(costs)), costs.shape)
+            i, j = (int(number) for number in np.unravel_index(int(np.argmin(costs)), costs.shape))
             if costs[i, j] > _MERGING_COST and len(bank) <= MOST_HYPOTHESES:
                 break
-            bank = bank._merged(int(i), int(j))
+            bank = bank._merged(i, j)
+            others, last = np.delete(np.arange(len(costs)), [i, j]), len(bank) - 1
+            costs = np.pad(costs[np.ix_(others, others)], (0, 1), constant_values=np.inf)
+            costs[:last, last] = bank._merging_costs(np.arange(last), np.full(last, last))
         return bank
 
     def _selected(self, kept: NDArray[np.intp]) -> "HypothesisBank":
@@ -219,17 +222,15 @@ class HypothesisBank:
             tuple(self.lineages[i] for i in kept),
         )
 
-    def _merging_costs(self) -> Array:
-        """Return the costs (k, k) of merging two hypotheses by their poses, infinity for i >= j.
+    def _merging_costs(self, first: NDArray[np.intp], second: NDArray[np.intp]) -> Array:
+        """Return the costs (m,) of merging pairs of hypotheses (m,) by their poses.
 
         They are Runnalls' bounds, over the probability of the two.
         """
-        count, pose = len(self), self._near_mean_heading()[:, :3]
         own = self.covariances[:, :3, :3] + 1e-9 * np.eye(3)
-        first, second = np.triu_indices(count, 1)
         both = self.weights[first] + self.weights[second]
         share = self.weights[first] / both
-        apart = pose[first] - pose[second]
+        apart = self.means[first, :3] - self.means[second, :3]
         apart[:, 2] = wrap_angle(apart[:, 2])
         merged = (
             share[:, None, None] * own[first]
@@ -237,11 +238,8 @@ class HypothesisBank:
             + (share * (1.0 - share))[:, None, None] * apart[:, :, None] * apart[:, None, :]
         )
         log_volume = np.linalg.slogdet(own)[1]
-        costs = np.full((count, count), np.inf)
-        costs[first, second] = 0.5 * (
-            np.linalg.slogdet(merged)[1] - share * log_volume[first] - (1.0 - share) * log_volume[second]
-        )
-        return costs
+        log_volumes = share * log_volume[first] + (1.0 - share) * log_volume[second]
+        return np.asarray(0.5 * (np.linalg.slogdet(merged)[1] - log_volumes))
 
     def _merged(self, i: int, j: int) -> "HypothesisBank":
         """Merge two hypotheses into one with their moments."""

@@ -3,8 +3,9 @@
 import math
 from collections.abc import Sequence
 
+from pdr_est.estimators.common.unknown_direction import direction_is_unknown
 from pdr_est.types.findings import Finding, FindingKind
-from pdr_est.types.measurements import DeviceMeasurements, HeadingPrior, PositionFix, StartPose
+from pdr_est.types.measurements import DeviceMeasurements, StartPose
 
 UNUSUAL_SIGMAS = 2.5
 """A length scale this many standard deviations from 1 is a finding (ours): about one walker in 80 has such steps, so
@@ -48,10 +49,7 @@ def unknown_direction_finding(devices: Sequence[DeviceMeasurements], start: Star
     start
         Start pose as far as it is known.
     """
-    if start.position_m is None or start.heading_rad is not None:
-        return None
-    given = [one for device in devices for one in device.measurements]
-    if any(isinstance(one, PositionFix) or (isinstance(one, HeadingPrior) and not one.relative) for one in given):
+    if not direction_is_unknown(devices, start):
         return None
     return Finding(
         FindingKind.START_HEADING,
