@@ -141,12 +141,12 @@ def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> _W
         return _certain(())
     last = _filtered(timeline, start, sigma_length_scale)
     if last.bank is None:
-        return _certain(_chosen(timeline, last.decided))
+        return _certain(_chosen(timeline, last.decided, 1.0))
     together = _Way(1.0, _one_by_one(timeline, last.bank), None)
     apart = []
     for number, probability in _modes(last.bank):
         if probability >= _LEAST_PROBABILITY:
-            turns, heading_rad = _chosen(timeline, last.bank.lineages[number]), None
+            turns, heading_rad = _chosen(timeline, last.bank.lineages[number], _LEAST_PROBABILITY), None
             if not last.heading_known:
                 turned_rad = sum(node.heading_change_rad for node in _resolved(timeline, turns).nodes[1:])
                 heading_rad = float(wrap_angle(last.bank.means[number, 2] - turned_rad))
@@ -159,13 +159,16 @@ def _certain(turns: Turns) -> _Ways:
     return _Ways((way,), way)
 
 
-def _chosen(timeline: Timeline, lineage: Lineage) -> Turns:
-    """Return the turns that a hypothesis chose, as certain but for those that are too slight to be an alternative."""
+def _chosen(timeline: Timeline, lineage: Lineage, slight_probability: float) -> Turns:
+    """Return the turns that a hypothesis chose; the variance includes the others below a probability.
+
+    They are the ones that are no alternative: too slight, or, where the filter went on with one Gaussian, all.
+    """
     turns = []
     for i, chosen in lineage:
         hypotheses = timeline.nodes[i].turn_hypotheses
         turn = hypotheses[chosen]
-        slight = [one for one in hypotheses if one is not turn and one.probability < _LEAST_PROBABILITY]
+        slight = [one for one in hypotheses if one is not turn and one.probability < slight_probability]
         off = [one.sigma_rad**2 + wrap_angle(one.heading_change_rad - turn.heading_change_rad) ** 2 for one in slight]
         rest = sum(one.probability * float(square) for one, square in zip(slight, off, strict=True))
         sigma_rad = float(np.sqrt(turn.sigma_rad**2 + rest))

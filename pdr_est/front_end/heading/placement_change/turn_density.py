@@ -18,6 +18,7 @@ ANGLES_RAD.flags.writeable = False
 _SECTORS = 8  # hypotheses for all directions that no peak covers
 _CORE = 0.05  # a peak reaches to where its density is this share of the highest one
 _WIDEST_PEAK = 120  # cells; anything wider is not near a Gaussian and divided into sectors
+_TEMPER = 0.75  # exponent of the probabilities, ours
 _LEAST_PROBABILITY = 1e-4  # hypotheses below this are left out
 _BLUR_RAD = 0.035  # before peaks are sought: grain of the grid makes none
 
@@ -93,6 +94,17 @@ def hypotheses_from(
     total = sum(one.probability for one in found)
     found.sort(key=lambda one: -one.probability)
     return tuple(replace(one, probability=one.probability / total) for one in found)
+
+
+def tempered(hypotheses: Sequence[TurnHypothesis]) -> tuple[TurnHypothesis, ...]:
+    """Return hypotheses with probabilities that are nearer to each other.
+
+    Strides of the same walk and the directions of the building are not independent, as the product of their densities
+    has it. Over a whole walk there are many of them.
+    """
+    weight = np.array([one.probability for one in hypotheses]) ** _TEMPER
+    shares = (weight / weight.sum()).tolist()
+    return tuple(replace(one, probability=share) for one, share in zip(hypotheses, shares, strict=True))
 
 
 def _parts(density: Array) -> NDArray[np.int64]:

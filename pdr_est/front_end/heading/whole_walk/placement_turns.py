@@ -17,6 +17,7 @@ from pdr_est.front_end.heading.placement_change.placement_tracker import (
     Placement,
     placements_of,
 )
+from pdr_est.front_end.heading.placement_change.turn_density import tempered
 from pdr_est.front_end.heading.placement_change.turn_estimate import (
     KnownPlace,
     PlacedSteps,
@@ -59,7 +60,7 @@ class PlacedWalk:
             for step, angle in zip(self.steps, averaged.tolist(), strict=True)
         ]
         for number, turn in self.turns.items():
-            self._mark(done, averaged, number, turn.hypotheses())
+            self._mark(done, averaged, number, tempered(turn.hypotheses()))
         return done
 
     def _mark(self, steps: list[Step], heading: Array, number: int, hypotheses: Sequence[TurnHypothesis]) -> None:
