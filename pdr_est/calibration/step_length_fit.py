@@ -35,6 +35,7 @@ from pdr_est.types.measurements import PositionFix
 from pdr_est.types.steps import Step
 
 SIGMA_LOG_SCALE = OdometryParams().sigma_length_scale  # of people, each over the model
+_SIGMA_OPEN_SCALE = 10.0 * SIGMA_LOG_SCALE  # so large that the prior hardly matters, and no scale counts as unusual
 MEAN_EXPONENT, SIGMA_EXPONENT = 0.3, 0.2  # of people's length over the model, by cadence
 SIGMA_WALK = 0.05  # of one person's walks, in the logarithm of their length
 SIGMA_LOG_CADENCE = 0.15  # of one person's ordinary walks, in the logarithm of their cadence
@@ -179,8 +180,8 @@ def observe_fixes(
         )
     steps = [CalibrationSteps.from_steps(walk.steps) for walk in walks]
     _mean_length_m(steps, place)
-    usual = replace(config, odometry=replace(config.odometry, sigma_length_scale=SIGMA_LOG_SCALE))
-    found = [_scale_from_fixes_alone(walk, usual, fixes, place) for walk in walks]
+    open_scale = replace(config, odometry=replace(config.odometry, sigma_length_scale=_SIGMA_OPEN_SCALE))
+    found = [_scale_from_fixes_alone(walk, open_scale, fixes, place) for walk in walks]
     scale = float(np.mean([value for value, _ in found]))
     _refuse_scale(scale, place, f"the fixes make the steps {scale:.2f} times as long")
     # The devices are carried along one way past the same fixes: together they know little more than one.

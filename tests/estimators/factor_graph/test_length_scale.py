@@ -33,7 +33,7 @@ def estimated_scales(name: EstimatorName, true_scale: float, start: StartPose) -
 def test_fixes_tell_the_scale_within_its_sigma(name: EstimatorName, start: StartPose) -> None:
     scale, sigma = estimated_scales(name, 1.1, start)
     deviations = (scale - 1.1) / sigma
-    assert np.max(sigma) < 0.04
+    assert np.max(sigma) < 0.05  # a walk whose steps disagree with the fixes by chance knows less
     assert np.max(np.abs(deviations)) < 3.5
     assert 0.35 < np.mean(deviations**2) < 2.2  # chi squared of 20, 99.5 %
     # A first-order filter takes the walk between fixes for a little straighter than it is; the graph does not.
