@@ -268,6 +268,14 @@ def test_a_device_that_enters_alone_brings_all_errors_anew() -> None:
     assert ekf.dump().covariance[2 * STATES :, 2 * STATES :] == pytest.approx(again.covariance[STATES:, STATES:])
 
 
+def test_a_source_remembers_all_its_jumps() -> None:
+    """Also those of two fixes at one time, so that a smoother knows what was added between two nodes."""
+    bad = replace(wandering(2, 60.0, 0.0), robust=True)
+    once, twice = filtered(standing(), [bad]).sources[0], filtered(standing(), [bad, bad]).sources[0]
+    later = filtered(standing(), [bad, bad, replace(wandering(4, 0.0, 0.0), robust=True)]).sources[0]
+    assert 0.0 < once.jump_variance < twice.jump_variance <= later.jump_variance
+
+
 @pytest.mark.parametrize("together", [False, True])
 def test_smoothing_goes_through_jumps_of_a_source(together: bool) -> None:
     """Fixes that disagree grossly, also several at one node; the covariance stays one, and the last state is kept."""
