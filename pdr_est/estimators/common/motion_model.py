@@ -78,6 +78,8 @@ class SourceTrust:
         Time of its last fix, s.
     probabilities
         Probabilities of the hypotheses about its accuracy (`kalman/source_trust.py`).
+    lost
+        Probability, after its last fix, that the track is somewhere else than the state says.
     position_m
         Position of its last fix, east and north, m.
     """
@@ -86,6 +88,7 @@ class SourceTrust:
     device: int
     time_s: float
     probabilities: tuple[float, ...]
+    lost: float
     position_m: tuple[float, float]
 
 

@@ -21,11 +21,13 @@ from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 
 _FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
-_PRIOR = np.array([0.938, 0.02, 0.01, 0.01, 0.01, 0.01, 0.002])  # the last two: gross error, lost track; ours
-_GROSS, _LOST = 5, 6  # numbers of these hypotheses
+_PRIOR = np.array([0.94, 0.02, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
+_GROSS, _LOST = 5, 6  # numbers of the hypotheses of a gross error and of a lost track
+_LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
 _GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
 _NEGLIGIBLE = 0.02  # weight below which a hypothesis is left out, too little for a 95 % region
-_KEPT, _MEMORY_S = 0.95, 120.0  # probability that the accuracy stays the same to the next fix, and for how long; ours
+_KEPT = np.array([0.95, 0.95, 0.95, 0.95, 0.95, 0.5])
+_MEMORY_S = 120.0  # probability that the accuracy stays the same to the next fix, and for how long; ours
 _SAME_POSITION_S = 5.0  # a position that is repeated exactly within this time is no new one; ours
 
 
@@ -82,7 +84,8 @@ def hypotheses_about(fix: PositionFix, trust: SourceTrust, distance_m: float) ->
     noise[_GROSS] += gross_m2 * np.eye(2)
     lost_m2 = np.zeros(len(_FACTORS))
     lost_m2[_LOST] = gross_m2
-    return FixHypotheses(np.array(trust.probabilities), noise, _FACTORS**2 - 1.0, lost_m2)
+    weights = np.append((1.0 - trust.lost) * np.array(trust.probabilities), trust.lost)
+    return FixHypotheses(weights, noise, _FACTORS**2 - 1.0, lost_m2)
 
 
 def weighed(
@@ -127,12 +130,14 @@ def log_density(spread: Array, residual: Array) -> Array:
 
 def trust_in(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> SourceTrust:
     """Return what is known of the source of a fix at its time, before the fix."""
-    earlier = next((one for one in trusts if (one.name, one.device) == (fix.source, device)), None)
+    own = [one for one in trusts if one.device == device]
+    lost = (own[-1].lost if own else 0.0) + _LOST_PRIOR
+    earlier = next((one for one in own if one.name == fix.source), None)
     if earlier is None:
-        return SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), (np.nan, np.nan))
-    kept = _KEPT * exp(-max(fix.time_s - earlier.time_s, 0.0) / _MEMORY_S)
-    mixed = kept * np.array(earlier.probabilities) + (1.0 - kept) * _PRIOR
-    return replace(earlier, probabilities=tuple(mixed))
+        return SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost, (np.nan, np.nan))
+    kept = _KEPT * exp(-max(fix.time_s - earlier.time_s, 0.0) / _MEMORY_S) * np.array(earlier.probabilities)
+    mixed = kept + (1.0 - kept.sum()) * _PRIOR
+    return replace(earlier, probabilities=tuple(mixed), lost=lost)
 
 
 def is_repeated(trust: SourceTrust, fix: PositionFix) -> bool:
@@ -157,11 +162,10 @@ def with_trust(
     probabilities
         Probabilities (k,) of the hypotheses after it. That the track was lost is no fault of the source.
     """
-    shares = probabilities.copy()
-    shares[0] += shares[_LOST]
-    shares[_LOST] = 0.0
+    shares = probabilities[:_LOST] / max(1.0 - probabilities[_LOST], 1e-300)
+    neglected = float(sum(one for one in probabilities[_GROSS:] if one < _NEGLIGIBLE))
     east, north = np.asarray(fix.position_m, dtype=np.float64)
-    after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), (float(east), float(north)))
+    after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), neglected, (float(east), float(north)))
     others = tuple(one for one in trusts if (one.name, one.device) != (after.name, after.device))
     return (*others, after)
 
