@@ -66,7 +66,7 @@ class SourceState:
 
 @dataclass(frozen=True)
 class SourceTrust:
-    """What a filter has learnt of the accuracy of a source of fixes, as seen from one device.
+    """Keep what a filter has learnt of the accuracy of a source of fixes, as seen from one device.
 
     Attributes
     ----------

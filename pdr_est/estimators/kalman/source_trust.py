@@ -21,11 +21,11 @@ from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 
 _FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
-_PRIOR = np.array([0.94, 0.02, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
+_PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
 _GROSS, _LOST = 5, 6  # numbers of the hypotheses of a gross error and of a lost track
 _LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
 _GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
-_NEGLIGIBLE = 0.02  # weight below which a hypothesis is left out, too little for a 95 % region
+_NEGLIGIBLE = 0.03  # weight below which a hypothesis is left out, too little for a 95 % region
 _KEPT = np.array([0.95, 0.95, 0.95, 0.95, 0.95, 0.5])
 _MEMORY_S = 120.0  # probability that the accuracy stays the same to the next fix, and for how long; ours
 _SAME_POSITION_S = 5.0  # a position that is repeated exactly within this time is no new one; ours
