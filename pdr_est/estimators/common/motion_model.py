@@ -65,6 +65,34 @@ class SourceState:
 
 
 @dataclass(frozen=True)
+class SourceTrust:
+    """Keep what a filter has learnt of the accuracy of a source of fixes, as seen from one device.
+
+    Attributes
+    ----------
+    name
+        Name of the source.
+    device
+        Number of the device.
+    time_s
+        Time of its last fix, s.
+    probabilities
+        Probabilities of the hypotheses about its accuracy (`kalman/source_trust.py`).
+    lost
+        Probability, after its last fix, that the track is somewhere else than the state says.
+    position_m
+        Position of its last fix, east and north, m.
+    """
+
+    name: str
+    device: int
+    time_s: float
+    probabilities: tuple[float, ...]
+    lost: float
+    position_m: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class GaussianState:
     """Gaussian distribution of the state of one device, or of d devices side by side, with s wandering errors.
 
@@ -76,11 +104,14 @@ class GaussianState:
         Covariance, (5 d + 2 s, 5 d + 2 s).
     sources
         The sources (s) whose errors are the last states.
+    trusts
+        What was learnt of the accuracy of the sources.
     """
 
     mean: Array
     covariance: Array
     sources: tuple[SourceState, ...] = ()
+    trusts: tuple[SourceTrust, ...] = ()
 
     @property
     def length_scale(self) -> tuple[float, float]:

@@ -55,7 +55,7 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
         covariance = np.eye(size + 2)
         covariance[:size, :size] = state.covariance
         added = SourceState(fix.source, fix.time_s, fix.sigma_wander_m, fix.wander_time_s)
-        return GaussianState(np.append(state.mean, [0.0, 0.0]), covariance, (*state.sources, added))
+        return GaussianState(np.append(state.mean, [0.0, 0.0]), covariance, (*state.sources, added), state.trusts)
     earlier = state.sources[number]
     elapsed_s = max(fix.time_s - earlier.time_s, 0.0)
     correlation, sigma_m = wander_to(fix, earlier.sigma_m, elapsed_s)
@@ -79,7 +79,7 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
     covariance[own] *= correlation
     covariance[:, own] *= correlation
     covariance[own, own] += (1.0 - correlation**2) * np.eye(2)
-    return GaussianState(mean, covariance, sources)
+    return GaussianState(mean, covariance, sources, state.trusts)
 
 
 def variance_factor(source: SourceState, squared_distance: float) -> tuple[float, SourceState]:

@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.huber import HUBER
-from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState, linearise_motions
+from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState, SourceTrust, linearise_motions
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.kalman.fix_sources import fix_rows, with_source_at
-from pdr_est.estimators.kalman.similarity_update import similarity_update, squared_distance
+from pdr_est.estimators.kalman.similarity_update import squared_distance, updated_by_fix
+from pdr_est.estimators.kalman.source_trust import hypotheses_about, is_repeated, trust_in, with_trust
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
@@ -55,6 +56,8 @@ class HypothesisBank:
         Sources of fixes with wandering errors, as in `GaussianState`.
     lineages
         For each hypothesis, the turns that it chose. A merged one has those of its more probable part.
+    trusts
+        What was learnt of the accuracy of the sources, as in `GaussianState`.
     """
 
     weights: Array
@@ -62,6 +65,7 @@ class HypothesisBank:
     covariances: Array
     sources: tuple[SourceState, ...]
     lineages: tuple[Lineage, ...]
+    trusts: tuple[SourceTrust, ...] = ()
 
     def __len__(self) -> int:
         return len(self.weights)
@@ -69,7 +73,7 @@ class HypothesisBank:
     @classmethod
     def of_state(cls, state: GaussianState, lineage: Lineage = ()) -> "HypothesisBank":
         """Return the bank of a single hypothesis."""
-        return cls(np.ones(1), state.mean[None], state.covariance[None], state.sources, (lineage,))
+        return cls(np.ones(1), state.mean[None], state.covariance[None], state.sources, (lineage,), state.trusts)
 
     @classmethod
     def of_unknown_heading(cls, state: GaussianState, lineage: Lineage = ()) -> "HypothesisBank":
@@ -79,7 +83,7 @@ class HypothesisBank:
         means[:, 2] = wrap_angle(spacing * np.arange(count))
         covariances[:, 2, :], covariances[:, :, 2] = 0.0, 0.0
         covariances[:, 2, 2] = (_SIGMA_OVER_SPACING * spacing) ** 2
-        return cls(np.full(count, 1.0 / count), means, covariances, state.sources, (lineage,) * count)
+        return cls(np.full(count, 1.0 / count), means, covariances, state.sources, (lineage,) * count, state.trusts)
 
     def moments(self) -> GaussianState:
         """Return mean and covariance of the mixture; headings are averaged on the circle."""
@@ -89,7 +93,7 @@ class HypothesisBank:
         within = np.einsum("k,kij->ij", self.weights, self.covariances)
         between = np.einsum("k,ki,kj->ij", self.weights, apart, apart)
         covariance = within + between
-        return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources)
+        return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources, self.trusts)
 
     @property
     def likeliest(self) -> int:
@@ -98,7 +102,7 @@ class HypothesisBank:
 
     def state_of_hypothesis(self, number: int) -> GaussianState:
         """Return the state of one hypothesis."""
-        return GaussianState(self.means[number], self.covariances[number], self.sources)
+        return GaussianState(self.means[number], self.covariances[number], self.sources, self.trusts)
 
     def predicted(self, node: Node, number: int) -> "HypothesisBank":
         """Predict the motion to a node, which is the device's `number`-th one, with each of its turn hypotheses."""
@@ -113,7 +117,12 @@ class HypothesisBank:
         covariance = np.array([with_heading_variance(node.covariance, turn.sigma_rad**2) for turn in turns])
         lineages = tuple((*self.lineages[i], (number, int(j))) for i, j in zip(parent, chosen, strict=True))
         split = HypothesisBank(
-            self.weights[parent] * prior[chosen], self.means[parent], self.covariances[parent], self.sources, lineages
+            self.weights[parent] * prior[chosen],
+            self.means[parent],
+            self.covariances[parent],
+            self.sources,
+            lineages,
+            self.trusts,
         )
         return split._moved(turn_rad[chosen], node.length_m, covariance[chosen])._reduced()
 
@@ -144,8 +153,10 @@ class HypothesisBank:
         )
 
     def _with_fix(self, fix: PositionFix) -> "HypothesisBank":
-        """Update with a position fix, before which the wandering error of its source is predicted to its time."""
-        bank = self
+        """Update with a position fix, unless it repeats the last position of its source."""
+        trust, bank = trust_in(self.trusts, fix, 0), self
+        if is_repeated(trust, fix):
+            return self
         if fix.sigma_wander_m > 0.0:
             states = [
                 with_source_at(GaussianState(mean, covariance, self.sources), 1, fix)
@@ -157,15 +168,18 @@ class HypothesisBank:
                 covariances=np.array([one.covariance for one in states]),
                 sources=states[0].sources,
             )
-        return bank._at_position(fix)
+        return bank._at_position(fix, trust)
 
-    def _at_position(self, fix: PositionFix) -> "HypothesisBank":
-        """Update with a position fix by similarity transformations of the whole track (`similarity_update`)."""
-        of_fix = fix_rows(self.state_of_hypothesis(0), 1, fix)
-        means, covariances, log_likelihood = similarity_update(self.means, self.covariances, fix, of_fix)
-        log_weight = np.log(np.maximum(self.weights, 1e-300)) + log_likelihood
-        weights = np.exp(log_weight - log_weight.max())
-        return replace(self, weights=weights / weights.sum(), means=means, covariances=covariances)
+    def _at_position(self, fix: PositionFix, trust: SourceTrust) -> "HypothesisBank":
+        """Update with a position fix, for each hypothesis by the mixture of hypotheses about the error of the fix."""
+        rows = fix_rows(self.state_of_hypothesis(0), 1, fix)
+        nearest_m = float(np.hypot(*(np.asarray(fix.position_m) - self.means @ rows.T).T).min())
+        about = hypotheses_about(fix, trust, nearest_m)
+        weights, means, covariances, probabilities = updated_by_fix(
+            self.weights, self.means, self.covariances, fix, rows, about
+        )
+        trusts = with_trust(self.trusts, trust, fix, probabilities)
+        return replace(self, weights=weights, means=means, covariances=covariances, trusts=trusts)
 
     def _with_heading(self, prior: HeadingPrior) -> "HypothesisBank":
         """Update with a heading prior."""
@@ -220,6 +234,7 @@ class HypothesisBank:
             self.covariances[kept],
             self.sources,
             tuple(self.lineages[i] for i in kept),
+            self.trusts,
         )
 
     def _merging_costs(self, first: NDArray[np.intp], second: NDArray[np.intp]) -> Array:
@@ -252,4 +267,5 @@ class HypothesisBank:
             np.concatenate([self.covariances[others], state.covariance[None]]),
             self.sources,
             (*(self.lineages[k] for k in others), self.lineages[likelier]),
+            self.trusts,
         )

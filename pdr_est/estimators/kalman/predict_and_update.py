@@ -10,12 +10,14 @@ from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.kalman.fix_sources import (
-    contradiction_factor,
-    fix_rows,
-    place_of_source,
-    variance_factor,
-    with_source_at,
+from pdr_est.estimators.kalman.fix_sources import fix_rows, place_of_source, with_source_at
+from pdr_est.estimators.kalman.source_trust import (
+    hypotheses_about,
+    is_repeated,
+    mixture_of,
+    trust_in,
+    weighed,
+    with_trust,
 )
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
@@ -46,12 +48,12 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
 
     def load(self, state: GaussianState) -> None:
         """Set the states of all devices and sources to what `dump` returned."""
-        self.x, self.P, self._sources = state.mean, state.covariance, state.sources
+        self.x, self.P, self._sources, self._trusts = state.mean, state.covariance, state.sources, state.trusts
         self._I = np.eye(len(self.x))  # filterpy's unit matrix
 
     def dump(self) -> GaussianState:
         """Return the states of all devices and sources; the covariance is symmetric only up to rounding."""
-        return GaussianState(self.x, self.P, self._sources)
+        return GaussianState(self.x, self.P, self._sources, self._trusts)
 
     def set_state(self, state: GaussianState, device: int = 0) -> None:
         """Set the state of a device, uncorrelated with the others.
@@ -67,7 +69,8 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         mean[:first], covariance[:first, :first] = joint.mean, joint.covariance
         mean[own] = state.mean[rows]
         covariance[np.ix_(own, own)] = state.covariance[np.ix_(rows, rows)]
-        self.load(GaussianState(mean, covariance, (*joint.sources, *(state.sources[i] for i in new))))
+        trusts = (*joint.trusts, *(replace(trust, device=device) for trust in state.trusts))
+        self.load(GaussianState(mean, covariance, (*joint.sources, *(state.sources[i] for i in new)), trusts))
 
     def add_device(self, state: GaussianState, node: Node, device: int, donor: int | None) -> GaussianState:
         """Let a device take part from a node on.
@@ -129,49 +132,35 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
             self.update_heading(prior, device)
 
     def update_position(self, fix: PositionFix, device: int = 0) -> None:
-        """Update with a position fix.
+        """Update with a position fix by the mixture of hypotheses about its error (`source_trust`).
 
-        If it is robust, it is Huber-weighted and its source is weighed down after a run of bad fixes; otherwise
-        position and fix are both doubted where they contradict each other (`fix_sources`).
+        A fix that repeats the last position of its source is left out.
         """
-        position, noise = np.asarray(fix.position_m, dtype=np.float64), np.asarray(fix.covariance_m2)
+        trust = trust_in(self._trusts, fix, device)
+        if is_repeated(trust, fix):
+            return
         if fix.sigma_wander_m > 0.0:
             self.load(with_source_at(self.dump(), self._devices, fix))
-        wander = place_of_source(self._sources, self._devices, fix)
         jacobian = fix_rows(self.dump(), self._devices, fix, device)
-        residual = position - jacobian @ self.x
-        spread = jacobian @ self.P @ jacobian.T + noise
-        distance = float(residual @ np.linalg.solve(spread, residual))
-        if fix.robust:
-            if wander is not None:
-                factor = self._weigh_down(fix, wander, distance)
-                noise = noise * factor
-                spread = jacobian @ self.P @ jacobian.T + noise
-            noise = noise * huber_inflation(residual, spread)
-        else:
-            factor = contradiction_factor(distance)
-            if factor > 1.0:
-                self._doubt_position(device, factor)
-                noise = noise * factor
-        self._correct(position, jacobian, noise, np.subtract)
-
-    def _weigh_down(self, fix: PositionFix, wander: int, squared_distance: float) -> float:
-        """Let the error of a source jump as far as its latest fixes suggest; return the factor on its variances."""
-        number = [source.name for source in self._sources].index(fix.source)
-        factor, source = variance_factor(self._sources[number], squared_distance)
-        self._sources = (*self._sources[:number], source, *self._sources[number + 1 :])
-        if factor > 1.0:
-            self.P = self.P.copy()
-            self.P[wander, wander] += factor - 1.0
-            self.P[wander + 1, wander + 1] += factor - 1.0
-        return factor
-
-    def _doubt_position(self, device: int, factor: float) -> None:
-        """Multiply the covariance of a device's position, and nothing else, by a factor."""
-        first = rows_of(device).start
-        own = slice(first, first + 2)
-        self.P = self.P.copy()
-        self.P[own, own] *= factor
+        residual = np.asarray(fix.position_m, dtype=np.float64) - jacobian @ self.x
+        wander = place_of_source(self._sources, self._devices, fix)
+        wander_m2 = 0.0 if wander is None else float(jacobian[0, wander]) ** 2
+        about = hypotheses_about(fix, trust, float(np.hypot(*residual)))
+        likely, probabilities = weighed(about, jacobian @ self.P @ jacobian.T, wander_m2, residual)
+        self._trusts = with_trust(self._trusts, trust, fix, probabilities)
+        prior = np.tile(self.P, (len(likely), 1, 1))
+        first = STATES * device
+        for row in (first, first + 1):
+            prior[:, row, row] += likely.lost_m2
+        if wander is not None:
+            for row in (wander, wander + 1):
+                prior[:, row, row] += likely.jump
+        across = prior @ jacobian.T
+        spread = jacobian @ across + likely.noise
+        gain = np.linalg.solve(spread, across.transpose(0, 2, 1)).transpose(0, 2, 1)
+        covariances = prior - gain @ across.transpose(0, 2, 1)
+        self.x, covariance = mixture_of(likely.weights, self.x + gain @ residual, covariances)
+        self.P = 0.5 * (covariance + covariance.T)
 
     def update_heading(self, prior: HeadingPrior, device: int = 0) -> None:
         """Update with a heading prior, absolute or relative, Huber-weighted if it is robust."""
@@ -237,7 +226,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
 def marginal_of(state: GaussianState, device: int, devices: int) -> GaussianState:
     """Return the state of one of several devices, with a symmetric covariance; of a single one all that is known."""
     if devices == 1:
-        return GaussianState(state.mean.copy(), 0.5 * (state.covariance + state.covariance.T), state.sources)
+        return GaussianState(state.mean.copy(), 0.5 * (state.covariance + state.covariance.T), state.sources, state.trusts)
     own = rows_of(device)
     covariance = state.covariance[own, own]
     return GaussianState(state.mean[own].copy(), 0.5 * (covariance + covariance.T))
@@ -249,7 +238,8 @@ def _without_device(state: GaussianState, device: int, devices: int) -> Gaussian
     mean, covariance = state.mean.copy(), state.covariance.copy()
     mean[own], covariance[own, :], covariance[:, own] = 0.0, 0.0, 0.0
     if covariance[:poses, :poses].any():
-        return replace(state, mean=mean, covariance=covariance)
+        trusts = tuple(one for one in state.trusts if one.device != device)
+        return replace(state, mean=mean, covariance=covariance, trusts=trusts)
     return GaussianState(mean[:poses], covariance[:poses, :poses])
 
 

@@ -79,7 +79,7 @@ def with_all_sources(states: Sequence[GaussianState]) -> list[GaussianState]:
             covariance = np.eye(size)
             covariance[:known, :known] = state.covariance
             mean = np.concatenate([state.mean, np.zeros(2 * len(missing))])
-            state = GaussianState(mean, covariance, (*state.sources, *missing))
+            state = GaussianState(mean, covariance, (*state.sources, *missing), state.trusts)
         padded.append(state)
     return padded
 
@@ -157,5 +157,5 @@ def _smoothed(
     gain = np.linalg.solve(regular, jacobian @ earlier.covariance).T
     covariance = earlier.covariance + gain @ (later.covariance - predicted) @ gain.T
     mean = earlier.mean + gain @ (later.mean - moved)
-    joint = GaussianState(mean, 0.5 * (covariance + covariance.T), earlier.sources)
+    joint = GaussianState(mean, 0.5 * (covariance + covariance.T), earlier.sources, earlier.trusts)
     return replace(before, joint=joint)

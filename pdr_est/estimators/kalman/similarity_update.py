@@ -15,9 +15,8 @@ A. Barrau, S. Bonnabel, "The invariant extended Kalman filter as a stable observ
 
 import numpy as np
 
-from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, LOG_SCALE, STATES
-from pdr_est.estimators.kalman.fix_sources import contradiction_factor
+from pdr_est.estimators.kalman.source_trust import FixHypotheses, mixture_of
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 
@@ -25,13 +24,55 @@ _ITERATIONS = 4
 _MOST_CHANGE = 0.5  # of heading (rad) and logarithmic scale in one iteration, within which the linearisation helps
 
 
-def similarity_update(
-    means: Array, covariances: Array, fix: PositionFix, of_fix: Array
-) -> tuple[Array, Array, Array]:
-    """Update the states of some hypotheses with a position fix.
+def updated_by_fix(
+    weights: Array, means: Array, covariances: Array, fix: PositionFix, of_fix: Array, about: FixHypotheses
+) -> tuple[Array, Array, Array, Array]:
+    """Update k weighted states with a position fix about which there are hypotheses.
 
-    A robust fix is Huber-weighted. Where another one contradicts every hypothesis, it is doubted together with their
-    positions, as in the filter of one hypothesis (`fix_sources.contradiction_factor`).
+    Parameters
+    ----------
+    weights, means, covariances
+        Weights (k,), states (k, n) and their covariances (k, n, n).
+    fix
+        The fix.
+    of_fix
+        Jacobian (2, n) of the fix with respect to the states, of position and wandering errors.
+    about
+        Hypotheses (m) about the fix.
+
+    Returns
+    -------
+    weights, means, covariances
+        The updated ones, the moments over the hypotheses about the fix.
+    probabilities
+        Probabilities (m,) of the hypotheses about the fix after it.
+    """
+    states, kinds, size = len(weights), len(about), means.shape[1]
+    prior = np.repeat(covariances, kinds, axis=0)
+    lost_m2, jump = np.tile(about.lost_m2, states), np.tile(about.jump, states)
+    for row in (0, 1):
+        prior[:, row, row] += lost_m2
+    for row in np.flatnonzero(of_fix[:, STATES:].any(axis=0)) + STATES:
+        prior[:, row, row] += jump
+    noise = np.tile(about.noise, (states, 1, 1))
+    moved, spread, log_likelihood = similarity_update(np.repeat(means, kinds, axis=0), prior, fix, of_fix, noise)
+    log_weight = np.log(np.maximum(weights, 1e-300))[:, None] + np.log(about.weights)
+    log_weight = log_weight + log_likelihood.reshape(states, kinds)
+    joint = np.exp(log_weight - log_weight.max())
+    joint /= joint.sum()
+    probabilities = joint.sum(axis=0)
+    share = np.exp(log_weight - log_weight.max(axis=1, keepdims=True))
+    share = np.where(about.negligible(probabilities), 0.0, share) + 1e-300
+    share /= share.sum(axis=1, keepdims=True)
+    moved, spread = moved.reshape(states, kinds, size), spread.reshape(states, kinds, size, size)
+    mixed = [mixture_of(*one) for one in zip(share, moved, spread, strict=True)]
+    return joint.sum(axis=1), np.array([one[0] for one in mixed]), np.array([one[1] for one in mixed]), probabilities
+
+
+def similarity_update(
+    means: Array, covariances: Array, fix: PositionFix, of_fix: Array, noise: Array | None = None
+) -> tuple[Array, Array, Array]:
+    """Update states with a position fix by Gauss-Newton iterations.
 
     Parameters
     ----------
@@ -43,6 +84,8 @@ def similarity_update(
         The fix.
     of_fix
         Jacobian (2, n) of the fix with respect to the states, of position and wandering errors.
+    noise
+        Covariances (k, 2, 2) of the independent error of the fix; by default that of the fix itself.
 
     Returns
     -------
@@ -51,20 +94,7 @@ def similarity_update(
     log_likelihood
         Logarithm (k,) of the probability density of the fix, up to a constant.
     """
-    noise = np.asarray(fix.covariance_m2)
-    found = _iterated(means, covariances, fix, of_fix, noise)
-    factor = 1.0 if fix.robust else contradiction_factor(float(found[3].min()))
-    if factor > 1.0:
-        doubted = covariances.copy()
-        doubted[:, :2, :2] *= factor
-        found = _iterated(means, doubted, fix, of_fix, factor * noise)
-    return found[:3]
-
-
-def _iterated(
-    means: Array, covariances: Array, fix: PositionFix, of_fix: Array, noise: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Update by Gauss-Newton iterations; return also the squared normalised innovations (k,)."""
+    noise = np.asarray(fix.covariance_m2) if noise is None else noise
     centre_m = _centres(means, covariances)
     before_m, size = means[:, :2] - centre_m, means.shape[1]
     to_similarity = _from_similarity(-before_m, size)
@@ -81,10 +111,6 @@ def _iterated(
         turned = _turned_errors(prior, at)
         across = turned @ jacobian.transpose(0, 2, 1)
         spread = jacobian @ across + noise
-        squared = squared_distance(spread, residual)
-        if fix.robust:
-            excess = np.maximum(np.sqrt(squared) / HUBER, 1.0) - 1.0
-            spread = spread + excess[:, None, None] * noise
         gain = np.linalg.solve(spread, across.transpose(0, 2, 1)).transpose(0, 2, 1)
         change = np.einsum("kij,kj->ki", gain, residual)
     change = at + _limited(change - at)
@@ -95,7 +121,7 @@ def _iterated(
     moved[:, :2] = centre_m + after_m
     back = _from_similarity(after_m, size) @ _from_similarity(-change[:, :2], size)
     posterior = back @ posterior @ back.transpose(0, 2, 1)
-    return moved, 0.5 * (posterior + posterior.transpose(0, 2, 1)), log_likelihood, squared
+    return moved, 0.5 * (posterior + posterior.transpose(0, 2, 1)), log_likelihood
 
 
 def squared_distance(covariance: Array, residual: Array) -> Array:

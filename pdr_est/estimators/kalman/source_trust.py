@@ -1,0 +1,178 @@
+"""Trust in a source of fixes: a mixture of hypotheses about the error of a fix, weighed by Bayes' rule.
+
+A fix may be as good as stated, worse by some factor, or grossly wrong; or the fix is right and the track is lost. The
+probability that the source is worse than it says persists from fix to fix: a stretch of bad positions has one cause.
+No hypothesis is chosen. The state after the fix has the mean and the covariance of the mixture of all updates.
+
+References
+----------
+H. A. P. Blom, Y. Bar-Shalom, "The interacting multiple model algorithm for systems with Markovian switching
+coefficients", IEEE Trans. Autom. Control 33 (1988).
+"""
+
+from dataclasses import dataclass, replace
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.estimators.common.motion_model import SourceTrust
+from pdr_est.frames import Array
+from pdr_est.types.measurements import PositionFix
+
+_FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
+_PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
+_GROSS, _LOST = 5, 6  # numbers of the hypotheses of a gross error and of a lost track
+_LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
+_GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
+_NEGLIGIBLE = 0.03  # weight below which a hypothesis is left out, too little for a 95 % region
+_KEPT = np.array([0.95, 0.95, 0.95, 0.95, 0.95, 0.5])
+_MEMORY_S = 120.0  # probability that the accuracy stays the same to the next fix, and for how long; ours
+_SAME_POSITION_S = 5.0  # a position that is repeated exactly within this time is no new one; ours
+
+
+@dataclass(frozen=True)
+class FixHypotheses:
+    """Hypotheses about a fix and the track, before the fix is seen.
+
+    Attributes
+    ----------
+    weights
+        Their probabilities (k,).
+    noise
+        Covariances (k, 2, 2) of the independent error of the fix.
+    jump
+        Variances (k,) added to the wandering error of the source, which is in units of its standard deviation.
+    lost_m2
+        Variances (k,) added to the position of the track.
+    """
+
+    weights: Array
+    noise: Array
+    jump: Array
+    lost_m2: Array
+
+    def __len__(self) -> int:
+        return len(self.weights)
+
+    def negligible(self, weights: Array) -> NDArray[np.bool_]:
+        """Tell which hypotheses (k,) are negligible with these weights; the most probable one never is."""
+        return np.asarray(weights < min(_NEGLIGIBLE, weights.max()))
+
+    def selected(self, weights: Array) -> "FixHypotheses":
+        """Return the hypotheses with new weights, without the negligible ones."""
+        kept: NDArray[np.intp] = np.flatnonzero(~self.negligible(weights))
+        share = weights[kept] / weights[kept].sum()
+        return FixHypotheses(share, self.noise[kept], self.jump[kept], self.lost_m2[kept])
+
+
+def hypotheses_about(fix: PositionFix, trust: SourceTrust, distance_m: float) -> FixHypotheses:
+    """Return the hypotheses about a fix.
+
+    Parameters
+    ----------
+    fix
+        The fix.
+    trust
+        What is known of its source before it.
+    distance_m
+        Distance of the fix from where it is expected. The size of a gross error is not known; that which suits best
+        is half of the distance.
+    """
+    gross_m2 = max(_GROSS_M, 0.5 * distance_m) ** 2
+    noise = _FACTORS[:, None, None] ** 2 * np.asarray(fix.covariance_m2)
+    noise[_GROSS] += gross_m2 * np.eye(2)
+    lost_m2 = np.zeros(len(_FACTORS))
+    lost_m2[_LOST] = gross_m2
+    weights = np.append((1.0 - trust.lost) * np.array(trust.probabilities), trust.lost)
+    return FixHypotheses(weights, noise, _FACTORS**2 - 1.0, lost_m2)
+
+
+def weighed(
+    hypotheses: FixHypotheses, expected: Array, wander_m2: float, residual: Array
+) -> tuple[FixHypotheses, Array]:
+    """Weigh hypotheses by the innovation of the fix.
+
+    Parameters
+    ----------
+    hypotheses
+        The hypotheses before the fix is seen.
+    expected
+        Covariance (2, 2) of the position that is expected of the fix, without its independent error.
+    wander_m2
+        Variance of the wandering error that a jump of 1 adds, m².
+    residual
+        Innovation (2,).
+
+    Returns
+    -------
+    FixHypotheses
+        Those that are not negligible, with their weights.
+    Array
+        Probabilities (k,) of all of them.
+    """
+    added = hypotheses.jump * wander_m2 + hypotheses.lost_m2
+    spread = expected + hypotheses.noise + added[:, None, None] * np.eye(2)
+    log_weight = np.log(hypotheses.weights) + log_density(spread, residual)
+    weights = np.exp(log_weight - log_weight.max())
+    weights /= weights.sum()
+    return hypotheses.selected(weights), weights
+
+
+def log_density(spread: Array, residual: Array) -> Array:
+    """Return the logarithms (k,) of Gaussian densities (k, 2, 2) at residuals (2,) or (k, 2), up to a constant."""
+    (a, b), (c, d) = spread[:, 0].T, spread[:, 1].T
+    east, north = residual.T
+    volume = a * d - b * c
+    squared = (d * east**2 - (b + c) * east * north + a * north**2) / volume
+    return np.asarray(-0.5 * (squared + np.log(volume)))
+
+
+def trust_in(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> SourceTrust:
+    """Return what is known of the source of a fix at its time, before the fix."""
+    own = [one for one in trusts if one.device == device]
+    lost = (own[-1].lost if own else 0.0) + _LOST_PRIOR
+    earlier = next((one for one in own if one.name == fix.source), None)
+    if earlier is None:
+        return SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost, (np.nan, np.nan))
+    kept = _KEPT * exp(-max(fix.time_s - earlier.time_s, 0.0) / _MEMORY_S) * np.array(earlier.probabilities)
+    mixed = kept + (1.0 - kept.sum()) * _PRIOR
+    return replace(earlier, probabilities=tuple(mixed), lost=lost)
+
+
+def is_repeated(trust: SourceTrust, fix: PositionFix) -> bool:
+    """Tell whether a fix repeats the last position of its source, which may be out of date and tells nothing new."""
+    near = abs(fix.time_s - trust.time_s) <= _SAME_POSITION_S
+    return near and tuple(np.asarray(fix.position_m, dtype=np.float64)) == trust.position_m
+
+
+def with_trust(
+    trusts: tuple[SourceTrust, ...], before: SourceTrust, fix: PositionFix, probabilities: Array
+) -> tuple[SourceTrust, ...]:
+    """Return what is known of all sources after a fix.
+
+    Parameters
+    ----------
+    trusts
+        What was known before.
+    before
+        What `trust_in` returned for the fix.
+    fix
+        The fix.
+    probabilities
+        Probabilities (k,) of the hypotheses after it. That the track was lost is no fault of the source.
+    """
+    shares = probabilities[:_LOST] / max(1.0 - probabilities[_LOST], 1e-300)
+    neglected = float(sum(one for one in probabilities[_GROSS:] if one < _NEGLIGIBLE))
+    east, north = np.asarray(fix.position_m, dtype=np.float64)
+    after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), neglected, (float(east), float(north)))
+    others = tuple(one for one in trusts if (one.name, one.device) != (after.name, after.device))
+    return (*others, after)
+
+
+def mixture_of(weights: Array, means: Array, covariances: Array) -> tuple[Array, Array]:
+    """Return mean (n,) and covariance (n, n) of a mixture of Gaussians (k)."""
+    mean: Array = weights @ means
+    apart = means - mean
+    within = np.einsum("k,kij->ij", weights, covariances)
+    return mean, within + (weights[:, None] * apart).T @ apart
