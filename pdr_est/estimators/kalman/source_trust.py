@@ -16,6 +16,7 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.common.initial_state import CLOSURE_SOURCE
 from pdr_est.estimators.common.motion_model import SourceTrust
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
@@ -84,8 +85,17 @@ def hypotheses_about(fix: PositionFix, trust: SourceTrust, distance_m: float) ->
     noise[_GROSS] += gross_m2 * np.eye(2)
     lost_m2 = np.zeros(len(_FACTORS))
     lost_m2[_LOST] = gross_m2
+    if fix.source == CLOSURE_SOURCE:
+        return _of_closure(noise, lost_m2)
     weights = np.append((1.0 - trust.lost) * np.array(trust.probabilities), trust.lost)
     return FixHypotheses(weights, noise, _FACTORS**2 - 1.0, lost_m2)
+
+
+def _of_closure(noise: Array, lost_m2: Array) -> FixHypotheses:
+    """Return the hypotheses about the end of a walk that is known to be closed: it is right, whatever the track."""
+    weights = np.zeros(len(_FACTORS))
+    weights[[0, _LOST]] = 1.0 - _LOST_PRIOR, _LOST_PRIOR
+    return FixHypotheses(weights, noise, np.zeros(len(_FACTORS)), lost_m2)
 
 
 def weighed(
@@ -113,7 +123,7 @@ def weighed(
     """
     added = hypotheses.jump * wander_m2 + hypotheses.lost_m2
     spread = expected + hypotheses.noise + added[:, None, None] * np.eye(2)
-    log_weight = np.log(hypotheses.weights) + log_density(spread, residual)
+    log_weight = np.log(np.maximum(hypotheses.weights, 1e-300)) + log_density(spread, residual)
     weights = np.exp(log_weight - log_weight.max())
     weights /= weights.sum()
     return hypotheses.selected(weights), weights
