@@ -50,10 +50,9 @@ def updated_by_fix(
     states, kinds, size = len(weights), len(about), means.shape[1]
     prior = np.repeat(covariances, kinds, axis=0)
     lost_m2, jump = np.tile(about.lost_m2, states), np.tile(about.jump, states)
-    for row in (0, 1):
-        prior[:, row, row] += lost_m2
-    for row in np.flatnonzero(of_fix[:, STATES:].any(axis=0)) + STATES:
-        prior[:, row, row] += jump
+    wander = np.flatnonzero(of_fix[:, STATES:].any(axis=0)) + STATES
+    prior[:, [0, 1], [0, 1]] += lost_m2[:, None]
+    prior[:, wander, wander] += jump[:, None]
     noise = np.tile(about.noise, (states, 1, 1))
     moved, spread, log_likelihood = similarity_update(np.repeat(means, kinds, axis=0), prior, fix, of_fix, noise)
     log_weight = np.log(np.maximum(weights, 1e-300))[:, None] + np.log(np.maximum(about.weights, 1e-300))
