@@ -45,7 +45,7 @@ def test_next_to_no_walk(
 
 @every_estimator
 def test_no_step_and_fixes_is_their_mean(name: EstimatorName) -> None:
-    track = run(name, [fix(0, 4.0, 5.0, 0.4), fix(1, 6.0, 5.0, 0.4)], StartPose(heading_rad=1.0))
+    track = run(name, [fix(0, 4.5, 5.0, 0.4), fix(1, 5.5, 5.0, 0.4)], StartPose(heading_rad=1.0))
     assert track.position_m[0] == pytest.approx([5.0, 5.0], abs=1e-3)
     assert track.covariance_m2[0] == pytest.approx(0.08 * np.eye(2), rel=1e-3, abs=1e-6)
 

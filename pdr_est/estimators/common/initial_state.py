@@ -19,6 +19,9 @@ VAGUE_SIGMA_RAD = 30.0
 UNKNOWN_SIGMA_RAD = float(np.pi / np.sqrt(3.0))
 """Standard deviation of a uniformly distributed heading, rad."""
 
+CLOSURE_SOURCE = "start"
+"""Source of the fix that ends a closed walk where it began."""
+
 SIGMA_INITIAL_HEADING_RAD = 0.2
 """Standard deviation of the first heading of one device against that of another, rad, where nothing but these
 headings defines the frame."""
@@ -129,7 +132,7 @@ def closing_fix(prior: StartPrior, time_s: float, sigma_m: float) -> PositionFix
     if prior.position_open or prior.heading_open:
         return None
     covariance = prior.state.covariance[:2, :2] + max(sigma_m, JITTER_VARIANCE) ** 2 * np.eye(2)
-    return PositionFix(time_s, prior.state.mean[:2], covariance, source="start")
+    return PositionFix(time_s, prior.state.mean[:2], covariance, source=CLOSURE_SOURCE)
 
 
 def starts_of(timelines: Sequence[Timeline], start: StartPose) -> list[StartPose]:

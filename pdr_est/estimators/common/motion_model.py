@@ -42,10 +42,6 @@ class SourceState:
         Standard deviation of the error then, by which it is divided, m.
     wander_time_s
         Correlation time of the error, s.
-    misfit
-        Sum of the squared normalised innovations of its fixes; older ones count less.
-    count
-        Number of coordinates that the sum counts; older ones count less.
     jump_variance
         Sum of the variances that were added to its error so far, because its fixes had begun to disagree.
     """
@@ -54,8 +50,6 @@ class SourceState:
     time_s: float
     sigma_m: float
     wander_time_s: float
-    misfit: float = 0.0
-    count: float = 0.0
     jump_variance: float = 0.0
 
     def correlation_with(self, earlier: "SourceState") -> float:

@@ -1,11 +1,6 @@
-"""Wandering errors of the sources of fixes as states of a filter, and the trust that a source has earned.
-
-A source whose latest fixes scatter more than they should, by their innovations, is weighed down as a whole: a stretch
-of bad positions has one cause. The variance has an inverse gamma prior about the stated one, and forgets.
-"""
+"""Wandering errors of the sources of fixes as states of a filter."""
 
 from dataclasses import replace
-from math import exp
 
 import numpy as np
 
@@ -13,11 +8,6 @@ from pdr_est.estimators.common.motion_model import STATES, GaussianState, Source
 from pdr_est.estimators.common.wandering_error import wander_to
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
-
-_PRIOR_COUNT = 8.0  # coordinates that the prior of the variance is worth; ours
-_MEMORY_S = 10.0  # time in which the count of a coordinate falls to 37 %; ours
-_DEGREES_OF_FREEDOM = 10.0  # ours
-_IMPROBABLE = 13.8  # squared normalised error in two dimensions with a probability of 0.001
 
 
 def place_of_source(sources: tuple[SourceState, ...], devices: int, fix: PositionFix) -> int | None:
@@ -59,14 +49,11 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
     earlier = state.sources[number]
     elapsed_s = max(fix.time_s - earlier.time_s, 0.0)
     correlation, sigma_m = wander_to(fix, earlier.sigma_m, elapsed_s)
-    kept = exp(-elapsed_s / _MEMORY_S)
     now = SourceState(
         fix.source,
         max(fix.time_s, earlier.time_s),
         sigma_m,
         fix.wander_time_s,
-        misfit=kept * earlier.misfit,
-        count=kept * earlier.count,
         jump_variance=earlier.jump_variance,
     )
     sources = (*state.sources[:number], now, *state.sources[number + 1 :])
@@ -82,31 +69,9 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
     return GaussianState(mean, covariance, sources, state.trusts)
 
 
-def variance_factor(source: SourceState, squared_distance: float) -> tuple[float, SourceState]:
-    """Return the factor on the variances of a fix, at least 1, and what is known of its source after it.
-
-    Parameters
-    ----------
-    source
-        What was known at the time of the fix, before it.
-    squared_distance
-        Squared normalised innovation of the fix, 2 on average for the stated variances.
-    """
-    misfit, count = source.misfit + squared_distance, source.count + 2.0
-    factor = max((_PRIOR_COUNT + misfit) / (_PRIOR_COUNT + count), 1.0)
-    return factor, replace(source, misfit=misfit, count=count, jump_variance=source.jump_variance + factor - 1.0)
-
-
-def contradiction_factor(squared_distance: float) -> float:
-    """Return the factor on the variances of position and fix where the two contradict each other, at least 1.
-
-    It is that of a multivariate Student's t distribution, and begins where a Gaussian error is as large once in a
-    thousand times. Either may be wrong; the position goes as far towards the fix as it would, but nothing is learnt
-    of the other states, and the covariance tells the doubt.
-
-    References
-    ----------
-    M. Roth, E. Özkan, F. Gustafsson, "A Student's t filter for heavy tailed process and measurement noise", ICASSP
-    2013.
-    """
-    return max((_DEGREES_OF_FREEDOM + squared_distance) / (_DEGREES_OF_FREEDOM + _IMPROBABLE), 1.0)
+def with_jump(sources: tuple[SourceState, ...], name: str, variance: float) -> tuple[SourceState, ...]:
+    """Return the sources after a jump of the error of one of them, by which its variance grew."""
+    return tuple(
+        replace(source, jump_variance=source.jump_variance + variance) if source.name == name else source
+        for source in sources
+    )

@@ -10,8 +10,9 @@ from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.kalman.fix_sources import fix_rows, place_of_source, with_source_at
+from pdr_est.estimators.kalman.fix_sources import fix_rows, place_of_source, with_jump, with_source_at
 from pdr_est.estimators.kalman.source_trust import (
+    FixHypotheses,
     hypotheses_about,
     is_repeated,
     mixture_of,
@@ -143,23 +144,31 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
             self.load(with_source_at(self.dump(), self._devices, fix))
         jacobian = fix_rows(self.dump(), self._devices, fix, device)
         residual = np.asarray(fix.position_m, dtype=np.float64) - jacobian @ self.x
+        about = hypotheses_about(fix, trust, float(np.hypot(*residual)))
         wander = place_of_source(self._sources, self._devices, fix)
         wander_m2 = 0.0 if wander is None else float(jacobian[0, wander]) ** 2
-        about = hypotheses_about(fix, trust, float(np.hypot(*residual)))
         likely, probabilities = weighed(about, jacobian @ self.P @ jacobian.T, wander_m2, residual)
         self._trusts = with_trust(self._trusts, trust, fix, probabilities)
-        prior = np.tile(self.P, (len(likely), 1, 1))
-        first = STATES * device
-        for row in (first, first + 1):
-            prior[:, row, row] += likely.lost_m2
         if wander is not None:
-            for row in (wander, wander + 1):
-                prior[:, row, row] += likely.jump
+            self._sources = with_jump(self._sources, fix.source, float(likely.weights @ likely.jump))
+        self._correct_each(likely, jacobian, residual, rows_of(device).start, wander)
+
+    def _correct_each(
+        self, about: FixHypotheses, jacobian: Array, residual: Array, position: int, wander: int | None
+    ) -> None:
+        """Update with a fix under each hypothesis about it, and take the moments of the results.
+
+        The rows of the position and of the wandering error are the given one and the next.
+        """
+        prior = np.tile(self.P, (len(about), 1, 1))
+        for first, added in ((position, about.lost_m2), (wander, about.jump)):
+            if first is not None:
+                prior[:, first, first] += added
+                prior[:, first + 1, first + 1] += added
         across = prior @ jacobian.T
-        spread = jacobian @ across + likely.noise
-        gain = np.linalg.solve(spread, across.transpose(0, 2, 1)).transpose(0, 2, 1)
+        gain = np.linalg.solve(jacobian @ across + about.noise, across.transpose(0, 2, 1)).transpose(0, 2, 1)
         covariances = prior - gain @ across.transpose(0, 2, 1)
-        self.x, covariance = mixture_of(likely.weights, self.x + gain @ residual, covariances)
+        self.x, covariance = mixture_of(about.weights, self.x + gain @ residual, covariances)
         self.P = 0.5 * (covariance + covariance.T)
 
     def update_heading(self, prior: HeadingPrior, device: int = 0) -> None:
@@ -226,7 +235,9 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
 def marginal_of(state: GaussianState, device: int, devices: int) -> GaussianState:
     """Return the state of one of several devices, with a symmetric covariance; of a single one all that is known."""
     if devices == 1:
-        return GaussianState(state.mean.copy(), 0.5 * (state.covariance + state.covariance.T), state.sources, state.trusts)
+        return GaussianState(
+            state.mean.copy(), 0.5 * (state.covariance + state.covariance.T), state.sources, state.trusts
+        )
     own = rows_of(device)
     covariance = state.covariance[own, own]
     return GaussianState(state.mean[own].copy(), 0.5 * (covariance + covariance.T))

@@ -50,23 +50,30 @@ def updated_by_fix(
     states, kinds, size = len(weights), len(about), means.shape[1]
     prior = np.repeat(covariances, kinds, axis=0)
     lost_m2, jump = np.tile(about.lost_m2, states), np.tile(about.jump, states)
-    for row in (0, 1):
-        prior[:, row, row] += lost_m2
-    for row in np.flatnonzero(of_fix[:, STATES:].any(axis=0)) + STATES:
-        prior[:, row, row] += jump
+    wander = np.flatnonzero(of_fix[:, STATES:].any(axis=0)) + STATES
+    prior[:, [0, 1], [0, 1]] += lost_m2[:, None]
+    prior[:, wander, wander] += jump[:, None]
     noise = np.tile(about.noise, (states, 1, 1))
     moved, spread, log_likelihood = similarity_update(np.repeat(means, kinds, axis=0), prior, fix, of_fix, noise)
-    log_weight = np.log(np.maximum(weights, 1e-300))[:, None] + np.log(about.weights)
+    log_weight = np.log(np.maximum(weights, 1e-300))[:, None] + np.log(np.maximum(about.weights, 1e-300))
     log_weight = log_weight + log_likelihood.reshape(states, kinds)
     joint = np.exp(log_weight - log_weight.max())
     joint /= joint.sum()
     probabilities = joint.sum(axis=0)
-    share = np.exp(log_weight - log_weight.max(axis=1, keepdims=True))
-    share = np.where(about.negligible(probabilities), 0.0, share) + 1e-300
+    kept = np.flatnonzero(~about.negligible(probabilities))
+    log_weight = log_weight[:, kept] - log_weight[:, kept].max(axis=1, keepdims=True)
+    share = np.exp(log_weight)
     share /= share.sum(axis=1, keepdims=True)
-    moved, spread = moved.reshape(states, kinds, size), spread.reshape(states, kinds, size, size)
+    moved = moved.reshape(states, kinds, size)[:, kept]
+    spread = spread.reshape(states, kinds, size, size)[:, kept]
     mixed = [mixture_of(*one) for one in zip(share, moved, spread, strict=True)]
-    return joint.sum(axis=1), np.array([one[0] for one in mixed]), np.array([one[1] for one in mixed]), probabilities
+    after = joint[:, kept].sum(axis=1)
+    return (
+        after / after.sum(),
+        np.array([one[0] for one in mixed]),
+        np.array([one[1] for one in mixed]),
+        probabilities,
+    )
 
 
 def similarity_update(

@@ -16,6 +16,7 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.common.initial_state import CLOSURE_SOURCE
 from pdr_est.estimators.common.motion_model import SourceTrust
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
@@ -23,11 +24,12 @@ from pdr_est.types.measurements import PositionFix
 _FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
 _PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
 _GROSS, _LOST = 5, 6  # numbers of the hypotheses of a gross error and of a lost track
+_GROSS_ROBUST = 0.1  # probability that a fix is grossly wrong whose source says that some may be; ours
 _LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
 _GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
 _NEGLIGIBLE = 0.03  # weight below which a hypothesis is left out, too little for a 95 % region
-_KEPT = np.array([0.95, 0.95, 0.95, 0.95, 0.95, 0.5])
-_MEMORY_S = 120.0  # probability that the accuracy stays the same to the next fix, and for how long; ours
+_KEPT = np.array([0.95, 0.95, 0.95, 0.95, 0.95, 0.5])  # probability of the same error at the next fix; ours
+_MEMORY_S = 120.0  # time in which that falls to 37 %; ours
 _SAME_POSITION_S = 5.0  # a position that is repeated exactly within this time is no new one; ours
 
 
@@ -84,8 +86,17 @@ def hypotheses_about(fix: PositionFix, trust: SourceTrust, distance_m: float) ->
     noise[_GROSS] += gross_m2 * np.eye(2)
     lost_m2 = np.zeros(len(_FACTORS))
     lost_m2[_LOST] = gross_m2
+    if fix.source == CLOSURE_SOURCE:
+        return _of_closure(noise, lost_m2)
     weights = np.append((1.0 - trust.lost) * np.array(trust.probabilities), trust.lost)
     return FixHypotheses(weights, noise, _FACTORS**2 - 1.0, lost_m2)
+
+
+def _of_closure(noise: Array, lost_m2: Array) -> FixHypotheses:
+    """Return the hypotheses about the end of a walk that is known to be closed: it is right, whatever the track."""
+    weights = np.zeros(len(_FACTORS))
+    weights[[0, _LOST]] = 1.0 - _LOST_PRIOR, _LOST_PRIOR
+    return FixHypotheses(weights, noise, np.zeros(len(_FACTORS)), lost_m2)
 
 
 def weighed(
@@ -113,7 +124,7 @@ def weighed(
     """
     added = hypotheses.jump * wander_m2 + hypotheses.lost_m2
     spread = expected + hypotheses.noise + added[:, None, None] * np.eye(2)
-    log_weight = np.log(hypotheses.weights) + log_density(spread, residual)
+    log_weight = np.log(np.maximum(hypotheses.weights, 1e-300)) + log_density(spread, residual)
     weights = np.exp(log_weight - log_weight.max())
     weights /= weights.sum()
     return hypotheses.selected(weights), weights
@@ -134,9 +145,11 @@ def trust_in(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> 
     lost = (own[-1].lost if own else 0.0) + _LOST_PRIOR
     earlier = next((one for one in own if one.name == fix.source), None)
     if earlier is None:
-        return SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost, (np.nan, np.nan))
+        earlier = SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost, (np.nan, np.nan))
     kept = _KEPT * exp(-max(fix.time_s - earlier.time_s, 0.0) / _MEMORY_S) * np.array(earlier.probabilities)
-    mixed = kept + (1.0 - kept.sum()) * _PRIOR
+    gross = _GROSS_ROBUST if fix.robust else _PRIOR[_GROSS]
+    mixed = (1.0 - gross) * (kept + (1.0 - kept.sum()) * _PRIOR)
+    mixed[_GROSS] += gross  # good fixes do not tell that the next one cannot be gross
     return replace(earlier, probabilities=tuple(mixed), lost=lost)
 
 

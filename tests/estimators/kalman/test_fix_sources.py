@@ -11,13 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from least_squares import fix_covariance, solve_linear, wander_variances
 
-from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState
+from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.timeline import Timeline, build_timeline, timelines_of
 from pdr_est.estimators.kalman.fix_sources import (
-    contradiction_factor,
     fix_rows,
     place_of_source,
-    variance_factor,
     with_source_at,
 )
 from pdr_est.estimators.kalman.joint_filter_step import WalkStepper
@@ -67,7 +65,7 @@ def test_wandering_errors_are_dense_gaussian_conditioning(
     for source, pause, sigma_m in series:
         k += pause
         wander_m = 0.0 if source == "survey" else sigma_m
-        fixes.append(replace(wandering(k, 0.3 * len(fixes), -0.2 * len(fixes), source, wander_m, time_s)))
+        fixes.append(replace(wandering(k, 0.05 * len(fixes), -0.04 * len(fixes), source, wander_m, time_s)))
     found = filtered(standing(), fixes)
     errors = fix_covariance(fixes)
     rows = np.tile(np.eye(2), (len(fixes), 1))
@@ -161,37 +159,6 @@ def test_devices_share_the_wandering_error_of_a_source() -> None:
     assert alone.covariance[0, 0] > 1.2 * posterior.state_of(0).covariance[0, 0]
 
 
-def test_consistent_fixes_leave_a_source_its_trust() -> None:
-    source = SourceState("gps", 0.0, 3.0, 15.0)
-    for _ in range(50):
-        factor, source = variance_factor(source, 2.0)
-        assert factor == 1.0
-        assert source.jump_variance == 0.0
-
-
-def test_bad_fixes_in_a_row_weigh_a_source_down_and_good_ones_restore_it() -> None:
-    source, factors = SourceState("gps", 0.0, 3.0, 15.0), []
-    for squared in [20.0] * 8 + [2.0] * 40:
-        # As the filter does between fixes a second apart.
-        source = replace(source, misfit=0.9 * source.misfit, count=0.9 * source.count)
-        factor, source = variance_factor(source, squared)
-        factors.append(factor)
-    assert source.jump_variance == pytest.approx(sum(factors) - len(factors))
-    assert factors[:8] == sorted(factors[:8])
-    assert factors[7] > 3.0
-    assert factors[-1] < 1.1
-
-
-@given(st.floats(0.0, 1e9))
-def test_the_doubt_about_a_contradiction_grows_with_it(squared: float) -> None:
-    factor = contradiction_factor(squared)
-    assert factor >= 1.0
-    assert contradiction_factor(1.1 * squared) >= factor
-    assert squared / factor <= 24.0  # what is left is no contradiction
-    if squared < 13.8:
-        assert factor == 1.0
-
-
 def contradicting(off_m: float) -> GaussianState:
     """A walk of 42 m to the east, and a fix at its end that is further on."""
     walk = simulate(np.random.default_rng(1), np.zeros(60), covariance=STRAIGHT)
@@ -202,10 +169,10 @@ def contradicting(off_m: float) -> GaussianState:
 
 def test_a_contradiction_is_told_by_the_covariance_and_moves_the_scale_little() -> None:
     usual, wrong = contradicting(1.0), contradicting(60.0)
-    assert wrong.length_scale[0] < 1.0 + 5.0 * 0.06
-    assert wrong.length_scale[0] > usual.length_scale[0]
-    assert wrong.length_scale[1] > 2.0 * usual.length_scale[1]
-    assert wrong.covariance[0, 0] > 10.0 * usual.covariance[0, 0]
+    assert abs(wrong.length_scale[0] - 1.0) < 0.06
+    assert wrong.length_scale[1] > 1.5 * usual.length_scale[1]
+    assert wrong.covariance[0, 0] > 100.0 * usual.covariance[0, 0]
+    assert 42.0 < wrong.mean[0] < 72.0  # the fix is doubted more than the track
 
 
 def test_a_contradiction_of_one_device_doubts_the_position_of_that_device_only() -> None:
@@ -215,7 +182,7 @@ def test_a_contradiction_of_one_device_doubts_the_position_of_that_device_only()
     before = ekf.dump()
     ekf.update_position(fix(1, 50.0, 0.0, 0.5), device=1)
     after = ekf.dump()
-    assert np.array_equal(after.covariance[:STATES, :STATES], before.covariance[:STATES, :STATES])
+    assert after.covariance[:STATES, :STATES] == pytest.approx(before.covariance[:STATES, :STATES], rel=1e-12)
     assert after.covariance[STATES, STATES] > 10.0 * 0.2
     assert np.linalg.eigvalsh(after.covariance)[0] > -1e-12
 
@@ -270,9 +237,9 @@ def test_a_device_that_enters_alone_brings_all_errors_anew() -> None:
 
 def test_a_source_remembers_all_its_jumps() -> None:
     """Also those of two fixes at one time, so that a smoother knows what was added between two nodes."""
-    bad = replace(wandering(2, 60.0, 0.0), robust=True)
-    once, twice = filtered(standing(), [bad]).sources[0], filtered(standing(), [bad, bad]).sources[0]
-    later = filtered(standing(), [bad, bad, replace(wandering(4, 0.0, 0.0), robust=True)]).sources[0]
+    bad, again = (replace(wandering(2, 18.0, north_m), robust=True) for north_m in (0.0, 20.0))
+    once, twice = filtered(standing(), [bad]).sources[0], filtered(standing(), [bad, again]).sources[0]
+    later = filtered(standing(), [bad, again, replace(wandering(4, 0.0, 0.0), robust=True)]).sources[0]
     assert 0.0 < once.jump_variance < twice.jump_variance <= later.jump_variance
 
 
@@ -283,16 +250,14 @@ def test_smoothing_goes_through_jumps_of_a_source(together: bool) -> None:
     fixes = []
     for k in range(0, 30, 2):
         off = 40.0 if 10 <= k < 20 else 0.0
-        for _ in range(2 if together else 1):
-            fixes.append(replace(wandering(k, walk.truth[k, 0], walk.truth[k, 1] + off), robust=True))
+        for east_m in (0.0, 0.5) if together else (0.0,):
+            fixes.append(replace(wandering(k, walk.truth[k, 0] + east_m, walk.truth[k, 1] + off), robust=True))
     segments = run_filter(build_timeline("phone", 0.0, [*walk.odometry, *fixes]), EAST, 0.05)
     states = smooth_segments(segments)
     assert segments[-1].end.sources[0].jump_variance > 0.0
     for state in states:
         assert np.linalg.eigvalsh(state.covariance)[0] > -1e-9
-    for smoothed, before in zip(states, segments[-1].states, strict=True):
-        variances = np.diag(smoothed.covariance)[:3], np.diag(before.covariance)[:3]
-        assert (variances[0] <= variances[1] * (1.0 + 1e-6)).all()  # what comes later tells only more
+    assert np.array_equal(states[-1].mean, segments[-1].end.mean)
 
 
 def test_a_joint_state_with_sources_is_pickled_whole() -> None:
