@@ -1,7 +1,8 @@
 """Estimators: from the measurements of a walk to its track with covariance.
 
 They know geometry and probability, and nothing of phones. `spec` holds the contract that each of them fits, also one
-from outside the package; `built_in` the table of those of the package and what each can do.
+from outside the package; `built_in` the table of those of the package and what each can do. What a smoother gets has
+been through `fix_checks`, which compares fixes and steps, and `alternatives`, which lists what is open.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -155,6 +155,7 @@ def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> _W
 
 
 def _certain(turns: Turns) -> _Ways:
+    """Return the only course of a device."""
     way = _Way(1.0, turns, None)
     return _Ways((way,), way)
 
@@ -169,10 +170,8 @@ def _chosen(timeline: Timeline, lineage: Lineage, slight_probability: float) -> 
         hypotheses = timeline.nodes[i].turn_hypotheses
         turn = hypotheses[chosen]
         slight = [one for one in hypotheses if one is not turn and one.probability < slight_probability]
-        off = [one.sigma_rad**2 + wrap_angle(one.heading_change_rad - turn.heading_change_rad) ** 2 for one in slight]
-        rest = sum(one.probability * float(square) for one, square in zip(slight, off, strict=True))
-        sigma_rad = float(np.sqrt(turn.sigma_rad**2 + rest))
-        turns.append((i, replace(turn, probability=1.0, sigma_rad=sigma_rad)))
+        rest = _moment_about(turn, slight, [one.probability for one in slight])
+        turns.append((i, replace(turn, probability=1.0, sigma_rad=float(np.sqrt(turn.sigma_rad**2 + rest)))))
     return tuple(turns)
 
 
@@ -186,13 +185,18 @@ def _one_by_one(timeline: Timeline, bank: HypothesisBank) -> Turns:
         hypotheses, probability = timeline.nodes[i].turn_hypotheses, np.zeros(len(timeline.nodes[i].turn_hypotheses))
         for weight, lineage in zip(bank.weights, bank.lineages, strict=True):
             probability[dict(lineage)[i]] += weight
-        off = wrap_angle(
-            np.array([one.heading_change_rad - hypotheses[chosen].heading_change_rad for one in hypotheses])
-        )
-        moment = probability @ (off**2 + np.array([one.sigma_rad for one in hypotheses]) ** 2)
-        turn = replace(hypotheses[chosen], probability=float(probability[chosen]), sigma_rad=float(np.sqrt(moment)))
-        turns.append((i, turn))
+        sigma_rad = float(np.sqrt(_moment_about(hypotheses[chosen], hypotheses, probability.tolist())))
+        turns.append((i, replace(hypotheses[chosen], probability=float(probability[chosen]), sigma_rad=sigma_rad)))
     return tuple(turns)
+
+
+def _moment_about(
+    turn: TurnHypothesis, hypotheses: Sequence[TurnHypothesis], probabilities: Sequence[float]
+) -> float:
+    """Return the second moment of hypotheses with some probabilities about a turn, rad²."""
+    off = [float(wrap_angle(one.heading_change_rad - turn.heading_change_rad)) for one in hypotheses]
+    squares = [one.sigma_rad**2 + apart**2 for one, apart in zip(hypotheses, off, strict=True)]
+    return sum(share * square for share, square in zip(probabilities, squares, strict=True))
 
 
 def _open(turns: Turns) -> tuple[tuple[int, float], ...]:
@@ -260,6 +264,7 @@ def _undecided(alternatives: Sequence[Alternative]) -> list[Finding]:
 
 
 def _open_turn(device: str, time_s: float, probability: float) -> Finding:
+    """Report that the turn at a time is not decided."""
     return Finding(
         FindingKind.PLACEMENT,
         f"{device}: after the phone was put elsewhere at {time_s:.0f} s the direction of the walk is not certain: "
@@ -272,6 +277,7 @@ def _open_turn(device: str, time_s: float, probability: float) -> Finding:
 
 
 def _open_start(device: str, probability: float) -> Finding:
+    """Report that the start heading is not decided."""
     return Finding(
         FindingKind.START_HEADING,
         f"{device}: the measurements fit several start headings; the one of the track has a probability of "

@@ -56,8 +56,8 @@ class BuiltInEstimator:
     ) -> Track:
         """Estimate the track of every device, as the contract says.
 
-        Before an estimator smooths, the fixes are compared with the steps, and it does so for each alternative that
-        the measurements leave open. A filter takes the fixes one by one as they are.
+        For an estimator that smooths, the fixes are compared with the steps first; then it smooths each alternative
+        that the measurements leave open. A filter takes the fixes one by one as they are.
         """
         if not self.spec.smooths:
             return self._estimate(devices, tethers, start, sigma_length_scale)

@@ -1,4 +1,4 @@
-"""The pipeline: from a recording to measurements, and from measurements to a track."""
+"""The pipeline: from a recording to measurements, and from measurements to a track with findings."""
 
 import time
 from collections.abc import Sequence

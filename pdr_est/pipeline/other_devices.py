@@ -70,6 +70,7 @@ def with_turns_of_others(devices: Sequence[DeviceMeasurements]) -> list[DeviceMe
 
 
 def _weighed(device: DeviceMeasurements, own: _Headings, others: Sequence[_Headings]) -> DeviceMeasurements:
+    """Weigh the possible turns of a device by the headings of the others."""
     number, found = 0, []
     for one in device.measurements:
         if isinstance(one, StepOdometry):
@@ -83,7 +84,9 @@ def _weighed(device: DeviceMeasurements, own: _Headings, others: Sequence[_Headi
 
 def _with_turn_of_other(step: StepOdometry, own: _Headings, number: int, other: _Headings) -> StepOdometry:
     """Weigh the possible turns of a step, the `number`-th of its device, by the turn of one other device."""
-    first = max(number - _WINDOW_STEPS, int(np.searchsorted(own.time_s, other.time_s[:1].sum())))
+    if not len(other.time_s):
+        return step
+    first = max(number - _WINDOW_STEPS, int(np.searchsorted(own.time_s, other.time_s[0])))
     if number - first < _LEAST_STEPS:
         return step
     change = other.change(own.time_s[first], own.time_s[number])

@@ -1,1 +1,11 @@
-"""Comparison of the fixes of a walk with its steps, before a smoother takes them; `check` holds the function."""
+"""Comparison of the fixes of a walk with its steps, before a smoother takes them.
+
+* `check`: the top function, `check_fixes`.
+* `section`: the fixes of a walk as a table, in sections that can be compared at once.
+* `dead_reckoned_path`: the path of the steps alone and the covariance of its errors.
+* `position_regression`: the Gaussian model that places this path through the fixes, with evidence and residuals.
+* `outlier_weights`: the probability of each fix to be an outlier.
+* `explanations`, `bad_stretches`: what may be otherwise than stated.
+* `remaining_doubt`: what the best explanation leaves open.
+* `adjusted_fixes`, `fix_findings`: what the smoother gets, and what is told.
+"""

@@ -18,13 +18,13 @@ from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
 from pdr_est.estimators.fix_checks.explanations import (
     Explained,
     Explanation,
-    alternatives,
     degrees_of_freedom,
+    further_explanations,
     weigh_under,
     with_rest_spread,
     with_worse_steps,
 )
-from pdr_est.estimators.fix_checks.fix_findings import repeated_finding, section_findings
+from pdr_est.estimators.fix_checks.fix_findings import FAR_SIGMAS, repeated_finding, section_findings
 from pdr_est.estimators.fix_checks.remaining_doubt import remaining_doubt
 from pdr_est.estimators.fix_checks.section import Section, sections_of, table_of
 from pdr_est.frames import Array
@@ -32,7 +32,6 @@ from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPose, StepOdometry
 
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
-_FAR_SIGMAS = 2.5  # at which deviation of a scale or a heading from its prior explanations are compared
 _MISFIT = 2.0  # standard deviations of the sum of squared residuals from which on the same holds
 _LIKELY = 0.2  # probability of an outlier from which on the same holds
 _REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself
@@ -103,7 +102,7 @@ def _examined(section: Section) -> SectionResult:
     if _fits(section, now, result):
         return result
     for _ in range(_MOST_ROUNDS):
-        tried = [weigh_under(section, one) for one in (*alternatives(section, now), *likely_stretches(now))]
+        tried = [weigh_under(section, one) for one in (*further_explanations(section, now), *likely_stretches(now))]
         better = max(tried, key=lambda one: one.score, default=now)
         if better.score <= now.score:
             break
@@ -121,12 +120,12 @@ def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
         return True
     if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
         return False
-    if abs(stated.log_scale) > _FAR_SIGMAS * section.sigma_scale > 0.0:
+    if abs(stated.log_scale) > FAR_SIGMAS * section.sigma_scale > 0.0:
         return False
     if section.heading is None:
         return True
     off_rad = np.angle(np.exp(1j * (stated.heading_rad - section.heading[0])))
-    return bool(abs(off_rad) < _FAR_SIGMAS * section.heading[1])
+    return bool(abs(off_rad) < FAR_SIGMAS * section.heading[1])
 
 
 def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:

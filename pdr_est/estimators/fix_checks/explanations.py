@@ -219,8 +219,8 @@ def checked_sources(now: Explained) -> list[int]:
     return [i for i, name in enumerate(now.fixes.names) if name != START and counts[i] >= LEAST_FIXES]
 
 
-def alternatives(section: Section, now: Explained) -> Iterator[Explanation]:
-    """Yield explanations that differ from one in one respect."""
+def further_explanations(section: Section, now: Explained) -> Iterator[Explanation]:
+    """Yield explanations with one more difference from what is stated."""
     known = now.explanation
     if section.heading is not None and not known.heading_wrong:
         yield replace(known, heading_wrong=True, log_prior=known.log_prior + _LOG_WRONG_HEADING)

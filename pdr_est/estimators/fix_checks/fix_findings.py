@@ -11,8 +11,11 @@ from pdr_est.estimators.fix_checks.explanations import BadStretch
 from pdr_est.frames import wrap_angle
 from pdr_est.types.findings import Finding, FindingKind
 
+FAR_SIGMAS = 2.5
+"""Standard deviations of the prior from which on a length scale is told, and from which on it, or a heading, makes
+explanations be compared (our choice)."""
+
 _WRONG = 0.5  # probability from which a fix is told to be an outlier
-_FAR_SIGMAS = 2.5
 _MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
 _IMPROBABLE = 0.02  # probability of a larger chi-squared below which it is told that fixes fit badly
 _MANY = 0.1  # share of repeated fixes from which it is worth a look
@@ -139,7 +142,7 @@ def _scale(results: Sequence[SectionResult]) -> list[Finding]:
     """Say that the length scale is unusual."""
     sigma = results[0].section.sigma_scale
     solved = max((one.explained.weighed.regression for one in results), key=lambda one: abs(one.log_scale))
-    if sigma == 0.0 or abs(solved.log_scale) <= _FAR_SIGMAS * sigma:
+    if sigma == 0.0 or abs(solved.log_scale) <= FAR_SIGMAS * sigma:
         return []
     scale, away = exp(solved.log_scale), abs(solved.log_scale) / sigma
     own = scale * sqrt(float(solved.placement_covariance[1, 1]))

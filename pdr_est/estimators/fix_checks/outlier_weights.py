@@ -9,12 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.estimators.fix_checks.position_regression import (
-    UNKNOWN_HEADING_RAD,
-    PlacementPrior,
-    Regression,
-    regress,
-)
+from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
+from pdr_est.estimators.fix_checks.position_regression import PlacementPrior, Regression, regress
 from pdr_est.estimators.fix_checks.section import FixTable
 from pdr_est.frames import Array
 
@@ -75,7 +71,7 @@ def weigh(
     """
     guess_rad, distance_m = _rough_heading(fixes, path_m, None if heading is None else heading[0])
     sigma_m = fixes.sigma_m
-    expected = (guess_rad, UNKNOWN_HEADING_RAD) if heading is None else heading
+    expected = (guess_rad, UNKNOWN_SIGMA_RAD) if heading is None else heading
     prior = PlacementPrior(*expected, sigma_scale)
     far = np.where(distance_m > 3.0 * sigma_m + _ROUGH_M, distance_m**2, 0.0)
     tries = (

@@ -16,9 +16,6 @@ from pdr_est.frames import Array, rotation_matrix
 UNKNOWN_POSITION_M = 300.0
 """Standard deviation of the place of a path about its first fix, m: vague, but not so that digits are lost."""
 
-UNKNOWN_HEADING_RAD = float(np.pi / np.sqrt(3.0))
-"""Standard deviation of a uniformly distributed heading, rad."""
-
 
 @dataclass(frozen=True)
 class PlacementPrior:

@@ -22,7 +22,7 @@ from pdr_est.estimators.common.motion_model import STATES, GaussianState, Source
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.kalman.fix_sources import fix_rows, with_source_at
 from pdr_est.estimators.kalman.similarity_update import squared_distance, updated_by_fix
-from pdr_est.estimators.kalman.source_trust import hypotheses_about, is_repeated, trust_in, with_trust
+from pdr_est.estimators.kalman.source_trust import hypotheses_about, is_repeated, mixture_of, trust_in, with_trust
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
@@ -87,12 +87,7 @@ class HypothesisBank:
 
     def moments(self) -> GaussianState:
         """Return mean and covariance of the mixture; headings are averaged on the circle."""
-        means = self._near_mean_heading()
-        mean: Array = self.weights @ means
-        apart = means - mean
-        within = np.einsum("k,kij->ij", self.weights, self.covariances)
-        between = np.einsum("k,ki,kj->ij", self.weights, apart, apart)
-        covariance = within + between
+        mean, covariance = mixture_of(self.weights, self._near_mean_heading(), self.covariances)
         return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources, self.trusts)
 
     @property

@@ -1,4 +1,11 @@
-"""Findings about a finished track that follow from the track and its measurements alone: what does not fit."""
+"""Findings that follow from a track and its measurements alone: what does not fit.
+
+* `fix_residuals`: fixes far from the track that the other measurements give.
+* `prior_checks`: an unusual length scale, and a direction that nothing tells.
+* `north_check`: headings against north that contradict the track.
+* `tether_slack`: devices that are farther apart than their tether allows.
+* `so_far`: the first two while a walk goes on.
+"""
 
 from collections.abc import Sequence
 
@@ -37,8 +44,8 @@ def findings_of(
     Returns
     -------
     tuple of Finding
-        Further findings. Where the estimator has a finding about the length scale, or about fixes at the same time,
-        there is no second one.
+        Further findings. Where the estimator has a finding about the length scale, the start heading, or fixes at
+        the same time, there is no second one.
     """
     found: list[Finding | None] = []
     known = {finding.kind for finding in track.findings}

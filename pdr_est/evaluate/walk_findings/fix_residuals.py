@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdr_est.estimators.common.huber import HUBER
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import PositionFix
@@ -24,9 +25,6 @@ _STEP_NOISE = 0.1
 _LEAST_FREE = 0.1
 """A smoothed position of which a fix alone tells more than all but this share cannot judge the fix any better (ours);
 it also bounds the error of a covariance that an estimator has raised because of doubts."""
-
-_ROBUST_SIGMAS = 1.345
-"""A robust fix whose residual is longer, in standard deviations, has little weight (the Huber threshold)."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ def fix_residual(fix: PositionFix, track: Track, devices: int = 1, used: bool = 
     shares = np.array([1.0 - share, share])
     covariance_m2 = np.einsum("p,pij->ij", shares, track.covariance_m2[around])
     error_m = np.asarray(fix.position_m - shares @ track.position_m[around])
-    outlier = fix.robust and float(error_m @ np.linalg.solve(noise_m2, error_m)) > _ROBUST_SIGMAS**2
+    outlier = fix.robust and float(error_m @ np.linalg.solve(noise_m2, error_m)) > HUBER**2
     if not used or outlier or fix.sigma_wander_m > 0.0:
         return _compared(fix, error_m, noise_m2 + covariance_m2)
     return _left_out(fix, error_m, noise_m2, covariance_m2, devices)

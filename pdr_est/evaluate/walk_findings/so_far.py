@@ -52,7 +52,7 @@ class PoseRow(Protocol):
 
 
 class FindingsSoFar:
-    """Finds fixes that disagree with the walk until then, and an unusual length scale; each is told once.
+    """Find fixes that disagree with the walk until then, and an unusual length scale; each is told once.
 
     Parameters
     ----------

@@ -10,7 +10,8 @@
 * `magnetometer`: the compass.
 * `level_frame`, `stride_pairing`: geometry and pairing of steps that several methods share.
 * `north/`: headings against north, for the method "auto".
-* `whole_walk/`: corrections that need the whole walk: the dominant directions of the building.
+* `whole_walk/`: corrections that need the whole walk: the turns while the phone was put elsewhere, from all strides,
+  and the dominant directions of the building.
 """
 
 from dataclasses import field

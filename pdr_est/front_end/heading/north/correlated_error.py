@@ -82,9 +82,7 @@ class CorrelatedHeadingError:
         if not self._known:
             self._mean[_HEADING] = heading_rad - self._mean[_STAYS] - self._mean[_WANDERS]
             self._known = True
-        with_sum: Array = self._covariance.sum(
-            axis=1
-        )  # covariance of each state with the sum of all, which is measured
+        with_sum: Array = self._covariance.sum(axis=1)  # the sum of all states is what is measured
         variance = float(with_sum.sum()) + sigma_white_rad**2
         innovation = float(wrap_angle(heading_rad - float(self._mean.sum())))
         sigmas = abs(innovation) / float(np.sqrt(variance))

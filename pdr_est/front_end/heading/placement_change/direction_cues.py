@@ -67,9 +67,7 @@ _LIMBS = {
 _WRONG_SIGN_COHERENCE = 0.13  # the probability of a wrong sign falls by e over so much coherence
 _NO_AXIS_COHERENCE = 0.085  # the probability of no axis at all falls by e over so much coherence
 _LEAST_NO_AXIS = 0.015
-_INCOHERENT_AXIS_RAD = (
-    1.0  # standard deviation of the axis in a pocket without coherence: a thigh has a motion of its own
-)
+_INCOHERENT_AXIS_RAD = 1.0  # standard deviation of the axis in a pocket without coherence: a thigh moves by itself
 
 
 @dataclass(frozen=True)

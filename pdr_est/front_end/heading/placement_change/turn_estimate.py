@@ -118,8 +118,8 @@ def estimate_turn(
     directions = [
         direction_density(stride_cues(place.steps, place.up), parameters.sigma_axis_rad) for place in (before, after)
     ]
-    start_rad = first_heading(yaw_after)
-    by_axis = difference(directions[1], directions[0], start_rad - last_heading(yaw_before))
+    start_rad, end_rad = first_heading(yaw_after, parameters.bend_rad), last_heading(yaw_before, parameters.bend_rad)
+    by_axis = difference(directions[1], directions[0], start_rad - end_rad)
     as_before = _as_carried_before(after, start_rad - heading_rad, known, parameters)
     straight = gaussian(0.0, parameters.sigma_kept_rad)
     cues = (
@@ -149,7 +149,7 @@ def _as_carried_before(
     return mixed(*parts)
 
 
-def last_heading(heading_rad: Array, bend_rad: float = 0.26) -> float:
+def last_heading(heading_rad: Array, bend_rad: float) -> float:
     """Return the heading at the end of some steps with continuous headings (n,).
 
     It is the mean of the last two, because that cancels the motion of a limb, but the last one where the walker turns
@@ -159,7 +159,7 @@ def last_heading(heading_rad: Array, bend_rad: float = 0.26) -> float:
     return float(latest[-1] if abs(latest[-1] - latest[0]) > bend_rad else latest.mean())
 
 
-def first_heading(heading_rad: Array, bend_rad: float = 0.26) -> float:
+def first_heading(heading_rad: Array, bend_rad: float) -> float:
     """Return the heading at the beginning of some steps, as `last_heading` does at the end."""
     return last_heading(heading_rad[::-1], bend_rad)
 

@@ -1,4 +1,4 @@
-"""The stage that corrects headings by the dominant directions at the end of the walk."""
+"""The stage that corrects headings at the end of the walk: by all strides, and by the dominant directions."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,15 +22,15 @@ from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
 
 _LEAST_PROBABILITY = 0.5  # that a section follows a dominant direction, for a prior
-_DECIDED = (
-    0.995  # least probability of the nearest direction after the phone was put elsewhere, for priors on both sides
-)
+_DECIDED = 0.995  # least probability of the nearest direction after a change of place, for priors on both sides
 
 
 class WholeWalkHeading:
-    """Stage Step -> Step that corrects the headings by the dominant directions of the building, if it has some.
+    """Stage Step -> Step that corrects the headings when the whole walk is known.
 
-    Each segment of the recording is treated by itself.
+    The turns while the phone was put elsewhere are estimated again, from all strides in each place and from the
+    directions of the building; then the headings are corrected by these directions, if the building has some. Each
+    segment of the recording is treated by itself.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ def forward_pass(
     sections : LegSections
         Sections of the straight legs, at least one.
     transitions : SectionTransitions
-        SectionTransitions between them.
+        Transitions between them.
     number : int
         Number of directions.
     level : DriftLevel

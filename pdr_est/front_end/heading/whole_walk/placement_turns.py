@@ -89,6 +89,7 @@ class PlacedWalk:
 
 
 Refine = Callable[[int, TurnEstimate], TurnEstimate]
+"""Function of the number of a place and of the turn before it that returns a better estimate of the turn."""
 
 
 def placed_walk(
@@ -103,7 +104,7 @@ def placed_walk(
     parameters : AutoHeadingParams
         Parameters.
     refine : callable
-        Function of the number of a place and of the turn before it that returns a better estimate of the turn.
+        What else tells the turns; by default nothing.
     """
     places = placements_of(steps, parameters)
     if len(places) < 2:
@@ -122,11 +123,11 @@ def placed_walk(
             turn = estimate_turn(before, here, between, known, end_rad, parameters)
             turns[number] = refine(number, turn)
             turn_rad = turns[number].hypotheses()[0].heading_change_rad
-            offset_rad = first_heading(yaw) - end_rad - turn_rad
+            offset_rad = first_heading(yaw, parameters.bend_rad) - end_rad - turn_rad
         heading = yaw - offset_rad
         if number:
             heading = heading + 2.0 * np.pi * np.round((end_rad - heading[0]) / (2.0 * np.pi))
-        end_rad = last_heading(heading)
+        end_rad = last_heading(heading, parameters.bend_rad)
         if not place.returned:
             known.append(here.known(offset_rad))
         at += list(range(place.first, place.last))
