@@ -15,7 +15,7 @@ import numpy as np
 from pdr_est.estimators.common.initial_state import start_prior, starts_of
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, start_device, step_device
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, loses_heading, start_device, step_device
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank, Lineage
 from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.frames import wrap_angle
@@ -139,25 +139,33 @@ def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> _W
     prior = start_prior(timeline, start, sigma_length_scale)
     if not prior.heading_open and not any(node.turn_hypotheses for node in timeline.nodes):
         return _certain(())
-    last = _filtered(timeline, start, sigma_length_scale)
+    last, number = _last_open(timeline, start, sigma_length_scale)
     if last.bank is None:
-        return _certain(_chosen(timeline, last.decided, 1.0))
+        turns, heading_rad = _chosen(timeline, last.decided, 1.0), None
+        if prior.heading_open and last.segment_begin == 0:
+            heading_rad = _heading_at_start(timeline, turns, float(last.state.mean[2]), number)
+        return _certain(turns, heading_rad)
     together = _Way(1.0, _one_by_one(timeline, last.bank), None)
     apart = []
-    for number, probability in _modes(last.bank):
+    for hypothesis, probability in _modes(last.bank):
         if probability >= _LEAST_PROBABILITY:
-            turns, heading_rad = _chosen(timeline, last.bank.lineages[number], _LEAST_PROBABILITY), None
+            turns, heading_rad = _chosen(timeline, last.bank.lineages[hypothesis], _LEAST_PROBABILITY), None
             if not last.heading_known:
-                turned_rad = sum(node.heading_change_rad for node in _resolved(timeline, turns).nodes[1:])
-                heading_rad = float(wrap_angle(last.bank.means[number, 2] - turned_rad))
+                heading_rad = _heading_at_start(timeline, turns, float(last.bank.means[hypothesis, 2]), number)
             apart.append(_Way(probability, turns, heading_rad))
     return _Ways(tuple(apart), together)
 
 
-def _certain(turns: Turns) -> _Ways:
+def _certain(turns: Turns, start_heading_rad: float | None = None) -> _Ways:
     """Return the only course of a device."""
-    way = _Way(1.0, turns, None)
+    way = _Way(1.0, turns, start_heading_rad)
     return _Ways((way,), way)
+
+
+def _heading_at_start(timeline: Timeline, turns: Turns, heading_rad: float, number: int) -> float:
+    """Return the heading at the start that leads to a heading at the node of that number."""
+    turned_rad = sum(node.heading_change_rad for node in _resolved(timeline, turns).nodes[1 : number + 1])
+    return float(wrap_angle(heading_rad - turned_rad))
 
 
 def _chosen(timeline: Timeline, lineage: Lineage, slight_probability: float) -> Turns:
@@ -204,14 +212,17 @@ def _open(turns: Turns) -> tuple[tuple[int, float], ...]:
     return tuple((i, turn.probability) for i, turn in turns if turn.probability < _DECIDED)
 
 
-def _filtered(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> DeviceFilterState:
-    """Return the state of the filter at the end of a device's walk."""
+def _last_open(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> tuple[DeviceFilterState, int]:
+    """Return the state of the filter of a device where nothing is open any more, or at the end, and its node."""
     scratch, nodes = MultiDeviceEkf(1), timeline.nodes
     observing = max((i for i, node in enumerate(nodes) if node.observes_heading), default=0)
+    opening = max((i for i, node in enumerate(nodes) if node.turn_hypotheses or loses_heading(node)), default=0)
     state = start_device(nodes[0], 0, start_prior(timeline, start, sigma_length_scale), scratch)
     for number, node in enumerate(nodes[1:], 1):
+        if number > opening and state.bank is None:
+            return state, number - 1
         state = step_device(state, node, number, number <= observing, scratch)
-    return state
+    return state, len(nodes) - 1
 
 
 def _modes(bank: HypothesisBank) -> list[tuple[int, float]]:

@@ -15,7 +15,7 @@ from pdr_est.frames import Array
 HEADING_RESET_VARIANCE_RAD2 = 0.25
 """Heading variance of a turn, rad², above which the heading is too far from Gaussian for an EKF and is given up."""
 
-ALIGNED_SIGMA_RAD = 0.2
+ALIGNED_SIGMA_RAD = 0.3
 """Standard deviation of the heading over all hypotheses, rad, below which one Gaussian describes the state."""
 
 
@@ -61,6 +61,11 @@ class DeviceFilterState:
     def covariance(self) -> Array:
         """Covariance (3, 3) of the pose."""
         return self.state.covariance[:3, :3]
+
+
+def loses_heading(node: Node) -> bool:
+    """Tell whether a turn is too uncertain to leave any knowledge of the heading."""
+    return bool(node.covariance[2, 2] > HEADING_RESET_VARIANCE_RAD2) and not node.turn_hypotheses
 
 
 def start_device(
@@ -116,7 +121,7 @@ def step_device(
     scratch
         EKF of one device, used as working memory only.
     """
-    is_lost = bool(node.covariance[2, 2] > HEADING_RESET_VARIANCE_RAD2) and not node.turn_hypotheses
+    is_lost = loses_heading(node)
     if is_lost and heading_observed_later:
         return restart_device(before, node, number, scratch)
     lost_s = before.lost_heading_s if before.lost_heading_s is not None or not is_lost else node.time_s
