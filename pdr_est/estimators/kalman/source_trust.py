@@ -24,7 +24,7 @@ from pdr_est.types.measurements import PositionFix
 _FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
 _PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
 _GROSS, _LOST = 5, 6  # numbers of the hypotheses of a gross error and of a lost track
-_GROSS_ROBUST = 0.1  # probability that a fix is grossly wrong whose source says that some may be; ours
+_GROSS_ROBUST = 0.07  # probability that a fix is grossly wrong whose source says that some may be; ours
 _LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
 _GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
 _NEGLIGIBLE = 0.03  # weight below which a hypothesis is left out, too little for a 95 % region
