@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
 from pdr_est.estimators.fix_checks.position_regression import PlacementPrior, Regression, regress
 from pdr_est.estimators.fix_checks.section import FixTable
-from pdr_est.frames import Array
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array
 
 _OUTLIER_SIGMAS = np.array([3.0, 10.0, 40.0, 200.0])  # of the stated error; with their shares among the outliers
 _OUTLIER_SHARES = np.array([0.45, 0.3, 0.2, 0.05])
@@ -71,7 +70,7 @@ def weigh(
     """
     guess_rad, distance_m = _rough_heading(fixes, path_m, None if heading is None else heading[0])
     sigma_m = fixes.sigma_m
-    expected = (guess_rad, UNKNOWN_SIGMA_RAD) if heading is None else heading
+    expected = (guess_rad, SIGMA_UNIFORM_RAD) if heading is None else heading
     prior = PlacementPrior(*expected, sigma_scale)
     far = np.where(distance_m > 3.0 * sigma_m + _ROUGH_M, distance_m**2, 0.0)
     tries = (
