@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 STANDARD_GRAVITY_MPS2 = 9.80665
 """Standard acceleration of gravity (m/s²)."""
 
+SIGMA_UNIFORM_RAD = float(np.pi / np.sqrt(3.0))
+"""Standard deviation of an angle of which nothing is known: uniform on the circle (rad)."""
+
 
 def wrap_angle(angle_rad: ArrayLike) -> Array:
     """Wrap angles to [-pi, pi).

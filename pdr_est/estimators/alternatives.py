@@ -70,10 +70,10 @@ def alternatives_of(
         Standard deviation of the walker's length scale.
     """
     starts = starts_of(timelines, start)
-    ways = [_ways(one, own, sigma_length_scale) for one, own in zip(timelines, starts, strict=True)]
-    together, total = _most_probable([own.apart for own in ways])
+    courses = [_courses(one, own, sigma_length_scale) for one, own in zip(timelines, starts, strict=True)]
+    combinations, total = _most_probable([own.apart for own in courses])
     if total < _KNOWN_SHARE:
-        together, total = ((tuple(own.together for own in ways),), 1.0)
+        combinations, total = ((tuple(own.together for own in courses),), 1.0)
     return tuple(
         Alternative(
             prod(one.probability for one in some) / total,
@@ -81,7 +81,7 @@ def alternatives_of(
             tuple(one.start_heading_rad for one in some),
             tuple(_open(one.turns) for one in some),
         )
-        for some in together
+        for some in combinations
     )
 
 
@@ -112,7 +112,7 @@ def estimate_alternatives(alternatives: Sequence[Alternative], estimate: Callabl
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Course:
     """One possible course of a device: its probability, the turns at its nodes, and its heading at the start."""
 
     probability: float
@@ -121,20 +121,20 @@ class _Way:
 
 
 @dataclass(frozen=True)
-class _Ways:
+class _Courses:
     """Courses of a device: the most probable ones, and one whose variance is that of all of them."""
 
-    apart: tuple[_Way, ...]
-    together: _Way
+    apart: tuple[_Course, ...]
+    together: _Course
 
 
-def _most_probable(ways: Sequence[Sequence[_Way]]) -> tuple[tuple[tuple[_Way, ...], ...], float]:
+def _most_probable(courses: Sequence[Sequence[_Course]]) -> tuple[tuple[tuple[_Course, ...], ...], float]:
     """Return the most probable combinations of the courses of all devices, and their probability together."""
-    some = sorted(product(*ways), key=lambda one: -prod(way.probability for way in one))[:_MOST]
-    return tuple(some), sum(prod(way.probability for way in one) for one in some)
+    some = sorted(product(*courses), key=lambda one: -prod(course.probability for course in one))[:_MOST]
+    return tuple(some), sum(prod(course.probability for course in one) for one in some)
 
 
-def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> _Ways:
+def _courses(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> _Courses:
     """Return the possible courses of a device, the most probable first."""
     prior = start_prior(timeline, start, sigma_length_scale)
     if not prior.heading_open and not any(node.turn_hypotheses for node in timeline.nodes):
@@ -145,21 +145,21 @@ def _ways(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> _W
         if prior.heading_open and last.segment_begin == 0:
             heading_rad = _heading_at_start(timeline, turns, float(last.state.mean[2]), number)
         return _certain(turns, heading_rad)
-    together = _Way(1.0, _one_by_one(timeline, last.bank), None)
+    together = _Course(1.0, _one_by_one(timeline, last.bank), None)
     apart = []
     for hypothesis, probability in _modes(last.bank):
         if probability >= _LEAST_PROBABILITY:
             turns, heading_rad = _chosen(timeline, last.bank.lineages[hypothesis], _LEAST_PROBABILITY), None
             if not last.heading_known:
                 heading_rad = _heading_at_start(timeline, turns, float(last.bank.means[hypothesis, 2]), number)
-            apart.append(_Way(probability, turns, heading_rad))
-    return _Ways(tuple(apart), together)
+            apart.append(_Course(probability, turns, heading_rad))
+    return _Courses(tuple(apart), together)
 
 
-def _certain(turns: Turns, start_heading_rad: float | None = None) -> _Ways:
+def _certain(turns: Turns, start_heading_rad: float | None = None) -> _Courses:
     """Return the only course of a device."""
-    way = _Way(1.0, turns, start_heading_rad)
-    return _Ways((way,), way)
+    course = _Course(1.0, turns, start_heading_rad)
+    return _Courses((course,), course)
 
 
 def _heading_at_start(timeline: Timeline, turns: Turns, heading_rad: float, number: int) -> float:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.front_end.heading.placement_change.turn_density import mean_and_sigma
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
@@ -131,10 +131,10 @@ class Odometry:
         return replace(self._step(step, change_rad, sigma_rad), turn_hypotheses=hypotheses)
 
     def _bridge(self, start_s: float, end_s: float, mode: CarryingMode) -> StepOdometry:
-        """Make an unobserved motion: anywhere within reach, with a heading change up to uniform (pi / sqrt 3)."""
+        """Make an unobserved motion: anywhere within reach, with a heading change up to uniform."""
         duration = max(end_s - start_s, 0.0)
         reach = self._parameters.gap_speed_mps * duration
-        turn = min(self._parameters.gap_turn_rad_per_sqrt_s * np.sqrt(duration), np.pi / np.sqrt(3.0))
+        turn = min(self._parameters.gap_turn_rad_per_sqrt_s * np.sqrt(duration), SIGMA_UNIFORM_RAD)
         return StepOdometry(
             device=self._device,
             time_s=end_s,

@@ -15,7 +15,7 @@ from pdr_est.online.params import OnlineParams
 from pdr_est.online.update import PoseEstimate
 from pdr_est.online.walk_estimator import FilteredPose
 from pdr_est.parts import Parts, is_external
-from pdr_est.pipeline.measurements import chosen_estimator
+from pdr_est.pipeline.estimation import chosen_estimator
 from pdr_est.types.measurements import HeadingPrior, LoopClosure, PositionFix, StepOdometry
 from pdr_est.types.steps import CarryingMode
 

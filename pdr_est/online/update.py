@@ -7,10 +7,9 @@ from typing import Literal, Protocol
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.unknown_direction import covariance_any_direction
-from pdr_est.frames import Array, rotate_vectors, wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, rotate_vectors, wrap_angle
 from pdr_est.types.findings import Finding
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
@@ -142,7 +141,7 @@ def update_of(pose: PoseEstimate, device: str, kind: Kind) -> Update:
 def in_unknown_direction(update: Update, start_m: Array) -> Update:
     """Give an update the uncertainty of a walk that may be turned by any angle about its start (2,)."""
     covariance = covariance_any_direction(update.position_m[None], update.covariance_m2[None], start_m)[0]
-    return replace(update, covariance_m2=covariance, sigma_heading_rad=UNKNOWN_SIGMA_RAD)
+    return replace(update, covariance_m2=covariance, sigma_heading_rad=SIGMA_UNIFORM_RAD)
 
 
 def at_mounting(update: Update, offset_m: tuple[float, float]) -> Update:

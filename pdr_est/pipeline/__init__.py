@@ -8,17 +8,14 @@ from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.estimators.common.unknown_direction import with_unknown_direction
 from pdr_est.parts import NO_PARTS, Parts
+from pdr_est.pipeline.estimation import chosen_estimator, run_estimator, with_findings, with_person
 from pdr_est.pipeline.front_end_chain import analyse_device, north_of
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.measurements import (
-    chosen_estimator,
     measurements_of,
     refuse_without_heading,
-    run_estimator,
     tethers_of,
-    with_findings,
     with_map_directions,
-    with_person,
     without_partial_north,
 )
 from pdr_est.pipeline.other_devices import with_turns_of_others

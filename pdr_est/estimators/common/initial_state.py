@@ -8,6 +8,7 @@ import numpy as np
 from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, STATES, GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.frames import SIGMA_UNIFORM_RAD
 from pdr_est.types.measurements import LATE_START_S, PositionFix, StartPose
 
 UNKNOWN_SIGMA_M = 1e3
@@ -15,9 +16,6 @@ UNKNOWN_SIGMA_M = 1e3
 
 VAGUE_SIGMA_RAD = 30.0
 """Standard deviation of an unknown reference direction, rad: so large that its mean does not matter."""
-
-UNKNOWN_SIGMA_RAD = float(np.pi / np.sqrt(3.0))
-"""Standard deviation of a uniformly distributed heading, rad."""
 
 CLOSURE_SOURCE = "start"
 """Source of the fix that ends a closed walk where it began."""
@@ -90,7 +88,7 @@ def start_prior_from(
     if start.heading_rad is not None:
         mean[2], sigma[2] = start.heading_rad, start.sigma_heading_rad
     elif heading_open:
-        sigma[2] = UNKNOWN_SIGMA_RAD
+        sigma[2] = SIGMA_UNIFORM_RAD
     return StartPrior(GaussianState(mean, np.diag(sigma**2)), position_open, heading_open)
 
 
@@ -106,7 +104,7 @@ def prior_after_lost_heading(before: GaussianState, node: Node) -> StartPrior:
     """
     covariance = before.covariance.copy()
     covariance[2, :], covariance[:, 2] = 0.0, 0.0
-    covariance[2, 2] = UNKNOWN_SIGMA_RAD**2
+    covariance[2, 2] = SIGMA_UNIFORM_RAD**2
     covariance[:2, :2] += 0.5 * (node.length_m**2 + node.covariance[0, 0] + node.covariance[1, 1]) * np.eye(2)
     return StartPrior(replace(before, covariance=covariance), position_open=False, heading_open=True)
 

@@ -9,8 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
-from pdr_est.frames import Array
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array
 from pdr_est.types.measurements import DeviceMeasurements, HeadingPrior, PositionFix, StartPose
 from pdr_est.types.track import Track
 
@@ -52,7 +51,7 @@ def with_unknown_direction(track: Track, devices: Sequence[DeviceMeasurements], 
     return replace(
         track,
         covariance_m2=covariance_any_direction(track.position_m, track.covariance_m2, np.array(start.position_m)),
-        sigma_heading_rad=np.full(len(track), UNKNOWN_SIGMA_RAD),
+        sigma_heading_rad=np.full(len(track), SIGMA_UNIFORM_RAD),
     )
 
 

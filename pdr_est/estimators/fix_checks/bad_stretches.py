@@ -60,7 +60,7 @@ def _gain(now: Explained, block: NDArray[np.int64], sigma: float) -> float:
     apart = np.abs(fixes.time_s[block][:, None] - fixes.time_s[block]) / fixes.wander_time_s[block][:, None]
     variance = (sigma * float(np.median(fixes.sigma_m[block]))) ** 2
     then: Array = present - np.diag(more_m2) + np.kron(variance * np.exp(-apart), np.eye(2))
-    saved = float(outlier_cost(weighed.outlier[block], fixes.doubt[block]).sum())
+    saved = float(outlier_cost(weighed.outlier[block], fixes.outlier_prior[block]).sum())
     return saved + _log_density(residual, then) - _log_density(residual, present)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.frames import Array, rotation_matrix
+from pdr_est.frames import Array
 from pdr_est.types.measurements import StepOdometry
 from pdr_est.types.track import bracketing_poses
 
@@ -145,8 +145,3 @@ class DeadReckonedPath:
             (at - of_heading[:, None] * q0) @ LEFT.T,
             LEFT @ twice @ LEFT.T,
         )
-
-
-def rotated(points: Array, angle_rad: float) -> Array:
-    """Rotate points (n, 2) to the left."""
-    return np.asarray(points @ rotation_matrix(angle_rad).T)

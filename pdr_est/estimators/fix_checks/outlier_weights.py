@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
 from pdr_est.estimators.fix_checks.position_regression import PlacementPrior, Regression, regress
 from pdr_est.estimators.fix_checks.section import FixTable
-from pdr_est.frames import Array
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array
 
 _OUTLIER_SIGMAS = np.array([3.0, 10.0, 40.0, 200.0])  # of the stated error; with their shares among the outliers
 _OUTLIER_SHARES = np.array([0.45, 0.3, 0.2, 0.05])
@@ -71,7 +70,7 @@ def weigh(
     """
     guess_rad, distance_m = _rough_heading(fixes, path_m, None if heading is None else heading[0])
     sigma_m = fixes.sigma_m
-    expected = (guess_rad, UNKNOWN_SIGMA_RAD) if heading is None else heading
+    expected = (guess_rad, SIGMA_UNIFORM_RAD) if heading is None else heading
     prior = PlacementPrior(*expected, sigma_scale)
     far = np.where(distance_m > 3.0 * sigma_m + _ROUGH_M, distance_m**2, 0.0)
     tries = (
@@ -97,7 +96,7 @@ def _converged(
         more_m2 = more_m2 + share * (wanted_m2 - more_m2)
     solved = regress(fixes.position_m, path_m, common_m2, widened(fixes.white_m2, more_m2), prior, about_rad)
     stated = regress(fixes.position_m, path_m, common_m2, fixes.white_m2, prior, about_rad)
-    score = solved.log_evidence - float(outlier_cost(outlier, fixes.doubt).sum())
+    score = solved.log_evidence - float(outlier_cost(outlier, fixes.outlier_prior).sum())
     return WeighedFixes(score, outlier, more_m2, solved, stated)
 
 
@@ -113,7 +112,7 @@ def outliers(fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> tuple[Ar
         independent error.
     """
     variance = np.outer(fixes.sigma_m**2, np.array([0.0, *_OUTLIER_SIGMAS]) ** 2)
-    prior = np.column_stack([1.0 - fixes.doubt, fixes.doubt[:, None] * _OUTLIER_SHARES])
+    prior = np.column_stack([1.0 - fixes.outlier_prior, fixes.outlier_prior[:, None] * _OUTLIER_SHARES])
     spread = (left_out_m2 + fixes.white_m2)[:, None] + variance[:, :, None, None] * np.eye(2)
     squared = np.einsum("ia,ikab,ib->ik", left_out_m, np.linalg.inv(spread), left_out_m)
     logarithm = np.log(prior) - 0.5 * squared - 0.5 * np.log(np.linalg.det(spread))
@@ -124,10 +123,10 @@ def outliers(fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> tuple[Ar
     return 1.0 - posterior[:, 0], more_m2
 
 
-def outlier_cost(outlier: Array, doubt: Array) -> Array:
+def outlier_cost(outlier: Array, prior: Array) -> Array:
     """Return the divergence (n,) of the probabilities to be an outlier from those before any comparison."""
     sure = np.clip(outlier, 1e-12, 1.0 - 1e-12)
-    return np.asarray(sure * np.log(sure / doubt) + (1.0 - sure) * np.log((1.0 - sure) / (1.0 - doubt)))
+    return np.asarray(sure * np.log(sure / prior) + (1.0 - sure) * np.log((1.0 - sure) / (1.0 - prior)))
 
 
 def widened(white_m2: Array, more_m2: Array) -> Array:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dpotri
 
-from pdr_est.estimators.fix_checks.dead_reckoned_path import LEFT, rotated
-from pdr_est.frames import Array, rotation_matrix
+from pdr_est.estimators.fix_checks.dead_reckoned_path import LEFT
+from pdr_est.frames import Array, rotate_vectors, rotation_matrix
 
 UNKNOWN_POSITION_M = 300.0
 """Standard deviation of the place of a path about its first fix, m: vague, but not so that digits are lost."""
@@ -104,7 +104,7 @@ class Regression:
         toward = rotation_matrix(self.prior.heading_rad - self.about_rad)
         weight = np.diag([self.prior.sigma_scale**2, self.prior.sigma_heading_rad**2])
         design, known = _design(path_m - of_path, toward), _design(known_path_m - of_path, toward)
-        residual = rotated(fixes_m - of_fix, -self.about_rad) - design[:, 0].reshape(-1, 2)
+        residual = rotate_vectors(fixes_m - of_fix, -self.about_rad) - design[:, 0].reshape(-1, 2)
         count, size = len(fixes_m), len(known_path_m)
         covariance = with_known_m2 + design @ weight @ known.T
         four = covariance.reshape(count, 2, size, 2)
@@ -116,7 +116,7 @@ class Regression:
         left = own - gain @ covariance.reshape(count, 2, 2 * size).transpose(0, 2, 1)
         from_path = rotation_matrix(self.about_rad)
         difference = residual - (covariance @ self.pulled).reshape(count, 2)
-        return rotated(difference, self.about_rad), from_path @ left @ from_path.T
+        return rotate_vectors(difference, self.about_rad), from_path @ left @ from_path.T
 
 
 def regress(
@@ -144,7 +144,7 @@ def regress(
     toward = rotation_matrix(prior.heading_rad - about_rad)
     design = _design(q, toward)
     weight = np.diag([prior.sigma_scale**2, prior.sigma_heading_rad**2])
-    residual = rotated(fixes_m - fixes_m[0], -about_rad).ravel() - design[:, 0]
+    residual = rotate_vectors(fixes_m - fixes_m[0], -about_rad).ravel() - design[:, 0]
     white = to_path @ white_m2 @ to_path.T
     total = common_m2 + design @ weight @ design.T
     four = total.reshape(count, 2, count, 2)
@@ -168,7 +168,7 @@ def regress(
         heading_rad=float(about_rad + np.arctan2(vector[1], vector[0])),
         log_scale=float(np.log(max(np.hypot(*vector), 1e-3))),
         placement_covariance=to_polar @ spread @ to_polar.T,
-        left_out_m=rotated(left_out, about_rad),
+        left_out_m=rotate_vectors(left_out, about_rad),
         left_out_m2=to_path.T @ (alone - white) @ to_path,
         information=information,
         pulled=pulled,

@@ -22,7 +22,7 @@ APART_S = 3.5
 anything new about steps and wandering errors (our choice)."""
 
 _LEAST_SIGMA_M = 1e-3
-_ONE_IN_DOUBT = (0.005, 0.05)  # probability that a fix is an outlier: of one not marked as robust, and of one that is
+_OUTLIER_PRIOR = (0.005, 0.05)  # of a fix that is not marked as robust, and of one that is; ours
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class FixTable:
         (n,) numbers of the sources.
     names
         Names of the sources.
-    doubt
+    outlier_prior
         (n,) probability that a fix is an outlier, before it is compared with anything.
     index
         (n,) place of each fix in the given list; -1 for the start.
@@ -54,7 +54,7 @@ class FixTable:
     wander_time_s: Array
     source: NDArray[np.int64]
     names: tuple[str, ...]
-    doubt: Array
+    outlier_prior: Array
     index: NDArray[np.int64]
 
     def __len__(self) -> int:
@@ -70,7 +70,7 @@ class FixTable:
             wander_time_s=self.wander_time_s[chosen],
             source=self.source[chosen],
             names=self.names,
-            doubt=self.doubt[chosen],
+            outlier_prior=self.outlier_prior[chosen],
             index=self.index[chosen],
         )
 
@@ -110,7 +110,7 @@ def table_of(fixes: Sequence[PositionFix], start: StartPose, begin_s: float) -> 
         wander_time_s=np.array([fix.wander_time_s for fix in known]),
         source=np.array([names.index(fix.source) for fix in known]),
         names=names,
-        doubt=np.array([_ONE_IN_DOUBT[fix.robust] for fix in known]),
+        outlier_prior=np.array([_OUTLIER_PRIOR[fix.robust] for fix in known]),
         index=np.array(index),
     )
     return table.rows(np.lexsort((table.index, table.time_s)))

@@ -13,13 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
 from pdr_est.front_end.signal.vectors import dot
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import Step
 
-_SIGMA_UNIFORM_RAD = np.pi / np.sqrt(3.0)  # standard deviation of a uniform angle
 _LEAST_Z = 1e-9  # keeps the heading of a device that lies upside down finite
 
 
@@ -54,7 +53,7 @@ class MagnetometerHeading:
         magnetic_rad = mean_magnetic_yaw(item.samples)
         if np.isnan(magnetic_rad):
             return [replace(item, heading_rad=float(wrap_angle(device_yaw_rad + self._offset_rad)))]
-        sigma_rad = item.sigma_turn_rad if first or self._north_known else _SIGMA_UNIFORM_RAD
+        sigma_rad = item.sigma_turn_rad if first or self._north_known else SIGMA_UNIFORM_RAD
         self._north_known, self._offset_rad = True, magnetic_rad - device_yaw_rad
         return [replace(item, heading_rad=magnetic_rad, sigma_turn_rad=float(sigma_rad))]
 

@@ -28,14 +28,13 @@ import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
-from pdr_est.frames import wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD, wrap_angle
 from pdr_est.front_end.heading.level_frame import to_level
 from pdr_est.front_end.heading.stride_pairing import STRIDE_LATENCY_S, StridePairing, mean_yaw_of
 from pdr_est.params import Fraction, NonNegative, params
 from pdr_est.types.steps import CarryingMode, Step
 
 _LEAD_RAD = 0.5 * np.pi  # phase lead of the forward acceleration over the vertical one
-_SIGMA_UNIFORM_RAD = float(np.pi / np.sqrt(3.0))  # standard deviation of a uniform angle
 
 
 @params
@@ -161,7 +160,7 @@ class PrincipalAxis:
         """Give all waiting steps their headings."""
         done = [step for steps in self._waiting for step in self._orient(steps)]
         if done and self._corrected:
-            done[0] = replace(done[0], sigma_turn_rad=_SIGMA_UNIFORM_RAD)
+            done[0] = replace(done[0], sigma_turn_rad=SIGMA_UNIFORM_RAD)
         self._waiting.clear()
         self._released, self._corrected = True, False
         return done
@@ -227,7 +226,7 @@ def walking_direction(strides: Sequence[StrideMotion], parameters: PrincipalAxis
     trusted = bool(coherence >= parameters.least_coherence * np.sqrt(parameters.strides / len(strides)))
     return WalkingDirection(
         offset_rad=float(wrap_angle(-forward_rad)),
-        sigma_rad=sigma_rad if trusted else _SIGMA_UNIFORM_RAD,
+        sigma_rad=sigma_rad if trusted else SIGMA_UNIFORM_RAD,
         coherence=float(coherence),
         trusted=trusted,
     )

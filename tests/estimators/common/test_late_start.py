@@ -9,7 +9,7 @@ from pdr_est.config import Config, StartParams
 from pdr_est.estimators import EstimatorName, estimate_walk
 from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
 from pdr_est.performance.odometry import SIGMA_SCALE, START, walk_of
-from pdr_est.pipeline.measurements import run_estimator
+from pdr_est.pipeline.estimation import run_estimator
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StepOdometry
 from pdr_est.types.track import Track
 

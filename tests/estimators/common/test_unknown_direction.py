@@ -6,9 +6,8 @@ from estimator_walks import fix, heading_prior, simulate, straight, winding
 
 import pdr_est
 from pdr_est.config import Config, StartParams
-from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
 from pdr_est.estimators.common.unknown_direction import covariance_any_direction
-from pdr_est.frames import Array, rotation_matrix
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, rotation_matrix
 from pdr_est.online import Tracker, track_of
 from pdr_est.simulate import preset, simulate_walk
 from pdr_est.types.measurements import StartPose, StepOdometry
@@ -52,7 +51,7 @@ def test_a_walk_in_any_direction_lies_within_what_its_track_states(estimator: st
         track = pdr_est.estimate(walk.odometry, estimator=estimator, start=HERE)
         error = walk.truth[-1, :2] - track.position_m[-1]
         squared.append(error @ np.linalg.solve(track.covariance_m2[-1], error))
-        assert track.sigma_heading_rad == pytest.approx(np.full(len(track), UNKNOWN_SIGMA_RAD))
+        assert track.sigma_heading_rad == pytest.approx(np.full(len(track), SIGMA_UNIFORM_RAD))
     assert np.mean(squared) == pytest.approx(2.0, abs=0.7)
 
 
@@ -72,7 +71,7 @@ def test_the_person_of_several_devices_is_in_any_direction_as_well() -> None:
     other = [StepOdometry("b", s.time_s + 0.2, s.start_s + 0.2, 0.7, 0.0, s.covariance) for s in straight(20)]
     track = pdr_est.estimate([*straight(20), *other], estimator="ekf", start=HERE)
     assert "fused" in track.devices
-    assert track.sigma_heading_rad == pytest.approx(np.full(len(track), UNKNOWN_SIGMA_RAD))
+    assert track.sigma_heading_rad == pytest.approx(np.full(len(track), SIGMA_UNIFORM_RAD))
     last = track.of_device("fused")
     assert np.trace(last.covariance_m2[-1]) > 1.9 * 14.0**2
 
@@ -87,7 +86,7 @@ def test_pipeline_and_tracker_state_the_same_until_a_fix_comes() -> None:
     updates += tracker.flush()
     online = track_of(updates)
     assert np.array_equal(online.covariance_m2, offline.covariance_m2)
-    assert offline.sigma_heading_rad == pytest.approx(np.full(len(offline), UNKNOWN_SIGMA_RAD))
+    assert offline.sigma_heading_rad == pytest.approx(np.full(len(offline), SIGMA_UNIFORM_RAD))
     end, size = offline.position_m[-1], np.linalg.norm(offline.position_m[-1] - [5.0, -3.0])
     assert np.sqrt(np.trace(offline.covariance_m2[-1])) > 1.3 * size
     tracker = Tracker(config, [phone.name])

@@ -12,14 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal, norm
 
-from pdr_est.estimators.common.initial_state import UNKNOWN_SIGMA_RAD
 from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.kalman.hypothesis_bank import MOST_HYPOTHESES, HypothesisBank
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, run_filter
 from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, Measurement, PositionFix, StartPose, TurnHypothesis
 from pdr_est.types.steps import CarryingMode
 
@@ -145,7 +144,7 @@ def test_moments_turn_with_the_map(turn_rad: float) -> None:
 def test_an_unknown_heading_is_uniform() -> None:
     bank = HypothesisBank.of_unknown_heading(state())
     moments = bank.moments()
-    assert np.sqrt(moments.covariance[2, 2]) == pytest.approx(UNKNOWN_SIGMA_RAD, rel=0.01)
+    assert np.sqrt(moments.covariance[2, 2]) == pytest.approx(SIGMA_UNIFORM_RAD, rel=0.01)
     assert moments.covariance[2, [0, 1, 3, 4]] == pytest.approx(np.zeros(4), abs=1e-12)
     assert moments.mean[[0, 1, 3, 4]] == pytest.approx(state().mean[[0, 1, 3, 4]], abs=1e-12)
     at = np.linspace(-np.pi, np.pi, 1000)
@@ -273,7 +272,7 @@ def test_an_unknown_start_heading_is_found_as_by_a_fine_grid() -> None:
     """Random walks with one to three fixes; the worst are those whose fixes are improbable."""
     offs, ratios = zip(*(beside_a_grid(seed) for seed in range(60)), strict=True)
     assert np.quantile(offs, 0.5) < 0.1
-    assert np.quantile(offs, 0.9) < 0.15
+    assert np.quantile(offs, 0.9) < 0.2
     assert max(offs) < 0.6
     assert np.quantile(ratios, 0.1) > 0.9
     assert np.quantile(ratios, 0.9) < 1.1

@@ -6,7 +6,7 @@ from math import degrees, hypot, sqrt
 
 import numpy as np
 
-from pdr_est.frames import wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD, wrap_angle
 from pdr_est.front_end.heading.north.correlated_error import CorrelatedHeadingError, IndependentSigma
 from pdr_est.front_end.heading.north.params import NorthParams
 from pdr_est.front_end.heading.north.reference import NorthReference
@@ -19,7 +19,6 @@ from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import HeadingPrior
 from pdr_est.types.steps import CarryingMode, Step
 
-_UNIFORM_VARIANCE = np.pi**2 / 3.0  # rad², of an angle of which nothing is known
 _LARGEST_SIGMA_RAD = 1.0  # a prior beyond would tell nothing: it waits until there is more to tell
 
 
@@ -101,7 +100,7 @@ class NorthPriors:
         p, first = self._parameters, self._first
         if first is None or self._steps < p.least_steps or self._walked_m < p.spacing_m:
             return []
-        sigma_rad = sqrt((p.sigma_step_rad**2 + self._doubt * _UNIFORM_VARIANCE) / self._steps)
+        sigma_rad = sqrt((p.sigma_step_rad**2 + self._doubt * SIGMA_UNIFORM_RAD**2) / self._steps)
         if self._error.expected_sigma(sigma_rad) > _LARGEST_SIGMA_RAD:
             return []
         offset_rad = cmath.phase(self._offset_sum)

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.level_frame import to_level
 from pdr_est.front_end.heading.phone_posture import mean_yaw
-from pdr_est.front_end.heading.placement_change.turn_density import CELLS, gaussian, mixed
+from pdr_est.front_end.heading.placement_change.turn_density import CELLS, gaussian, mixed, normalised
 from pdr_est.front_end.heading.principal_axis import (
     PrincipalAxisParams,
     StrideMotion,
@@ -130,7 +130,7 @@ def direction_density(cues: Sequence[StrideCue], sigma_axis_rad: float) -> Array
     if not cues:
         return np.ones(CELLS)
     density = _by_acceleration(cues, sigma_axis_rad) * _by_rotation(cues)
-    return np.asarray(density / density.mean())
+    return normalised(density)
 
 
 def _by_acceleration(cues: Sequence[StrideCue], sigma_axis_rad: float) -> Array:

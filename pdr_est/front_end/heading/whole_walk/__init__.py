@@ -3,6 +3,7 @@
 * `placement_turns`: the turns while the phone was put elsewhere, from all strides in each place.
 * `straight_legs`: the straight legs of the walk, in sections of a few steps.
 * `dominant_directions`: the most probable dominant directions, and the drift of the headings against them.
+* `offset_evidence`: what these directions tell about such a turn.
 * `drift_passes`: the forward and the backward pass over that drift.
 * `circular_grid`: probability densities of an angle.
 * `drift_correction`: the stage that corrects the headings by both, or hands the directions on as heading priors.

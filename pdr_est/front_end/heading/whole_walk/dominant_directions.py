@@ -15,17 +15,14 @@ beforehand.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
 from annotated_types import Ge, Le
 
-from pdr_est.frames import Array
 from pdr_est.front_end.heading.whole_walk.drift_passes import (
     DRIFT_LEVELS,
-    LEG_PRIOR,
     OUTLIER_SHARE,
     ForwardPass,
     SectionTransitions,
@@ -39,10 +36,6 @@ from pdr_est.types.analysis import DominantDirections
 # Prior probability of each number of directions; the rest is that there are none.
 _NUMBER_PRIOR: Mapping[int, float] = MappingProxyType({2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1})
 _PRIOR_OF_NONE = 1.0 - sum(_NUMBER_PRIOR.values())
-
-# Probability that the directions across a turn are twice as many: even where most corners have 90 degrees, some have
-# 45. Half of it is for turns between the directions.
-_HALVED_SHARE = 0.35
 
 
 @params
@@ -76,84 +69,21 @@ def dominant_directions(sections: LegSections, parameters: DominantParams) -> Do
     """Estimate the most probable dominant directions of a walk; None for one without straight legs."""
     if not len(sections):
         return None
-    number, log_odds, fitted = _best_fit(sections, parameters)
+    number, log_odds, fitted = best_fit(sections, parameters)
     used = parameters.given_number is not None or log_odds >= parameters.least_log_odds
     return _smooth(sections, fitted, number, log_odds, bool(used))
 
 
-@dataclass(frozen=True)
-class OffsetEvidence:
-    """Likelihood of an error of all headings from one section on, by the directions of a building.
-
-    Attributes
-    ----------
-    spacing_rad : float
-        Angle between neighbouring directions, rad.
-    error_rad : ndarray, shape (m,)
-        Errors from 0 to the spacing, rad.
-    likelihood : ndarray, shape (m,)
-        Their likelihood over that without any building.
-    """
-
-    spacing_rad: float
-    error_rad: Array
-    likelihood: Array
-
-    def at(self, error_rad: Array) -> Array:
-        """Compute the likelihood of any errors (n,), rad."""
-        return np.interp(error_rad, self.error_rad, self.likelihood, period=self.spacing_rad)
-
-
-def offset_evidence(
-    sections: LegSections, parameters: DominantParams, borders: Sequence[int]
-) -> dict[int, OffsetEvidence]:
-    """Compute what the directions tell about an error of the headings from some steps on.
+def best_fit(sections: LegSections, parameters: DominantParams) -> tuple[int, float, ForwardPass]:
+    """Find the most probable number of directions, its log odds against none, and the forward pass of its drift.
 
     Parameters
     ----------
     sections : LegSections
-        Sections of the straight legs.
+        Sections of the straight legs, at least one.
     parameters : DominantParams
         Parameters of the search.
-    borders : sequence of int
-        Numbers of the first steps with the error.
-
-    Returns
-    -------
-    dict of int to OffsetEvidence
-        For each border that has sections on both sides.
     """
-    inside = [border for border in borders if len(sections) and sections.first[0] < border <= sections.first[-1]]
-    if not inside:
-        return {}
-    number, log_odds, fitted = _best_fit(sections, parameters)
-    building = 1.0 if parameters.given_number is not None else 1.0 / (1.0 + np.exp(-log_odds))
-    passes = [(building, fitted)]
-    if parameters.given_number is None:
-        _, _, halved = _best_fit(sections, replace(parameters, number=2 * number))
-        passes = [(building * (1.0 - _HALVED_SHARE), fitted), (building * _HALVED_SHARE, halved)]
-    error = np.arange(0.0, 2.0 * np.pi / number, np.deg2rad(1.0))
-    likelihood = {border: np.full(len(error), 1.0 - building) for border in inside}
-    for weight, one in passes:
-        future = backward_pass(one)
-        for border in inside:
-            i = int(np.searchsorted(sections.first, border))
-            likelihood[border] += weight * _error_likelihood(one, future, i, error)
-    return {border: OffsetEvidence(2.0 * np.pi / number, error, values) for border, values in likelihood.items()}
-
-
-def _error_likelihood(fitted: ForwardPass, future: Array, section: int, error_rad: Array) -> Array:
-    """Compute the likelihood of errors (m,), rad, of all headings from one section on, relative to any error."""
-    before = np.fft.rfft(fitted.forward[section - 1].sum(axis=0))
-    after = np.fft.rfft(LEG_PRIOR @ (fitted.likelihood[section] * future[section]))
-    found = np.maximum(np.fft.irfft(after * before.conj(), fitted.grid.cells), 0.0)
-    cell_rad = fitted.grid.spacing_rad / fitted.grid.cells
-    at = np.arange(fitted.grid.cells) * cell_rad
-    return np.asarray(np.interp(error_rad, at, found / found.mean(), period=fitted.grid.spacing_rad))
-
-
-def _best_fit(sections: LegSections, parameters: DominantParams) -> tuple[int, float, ForwardPass]:
-    """Find the most probable number of directions, its log odds against none, and the forward pass of its drift."""
     given = parameters.given_number
     numbers = _NUMBER_PRIOR if given is None else {given: 1.0 - _PRIOR_OF_NONE}
     transitions = SectionTransitions.of(sections, parameters.turn_rad)

@@ -11,11 +11,8 @@ from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
 from pdr_est.front_end.heading.placement_change.turn_estimate import TurnEstimate
-from pdr_est.front_end.heading.whole_walk.dominant_directions import (
-    DominantParams,
-    dominant_directions,
-    offset_evidence,
-)
+from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
+from pdr_est.front_end.heading.whole_walk.offset_evidence import offset_evidence
 from pdr_est.front_end.heading.whole_walk.placement_turns import placed_walk
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
 from pdr_est.types.analysis import DominantDirections
