@@ -32,10 +32,10 @@ from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPose, StepOdometry
 
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
-_MISFIT = 2.0  # standard deviations of the sum of squared residuals from which on the same holds
-_LIKELY = 0.2  # probability of an outlier from which on the same holds
-_REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself
-_WENT_ON_M = 0.5  # if the walker went this far meanwhile
+_MISFIT = 2.0  # standard deviations of the sum of squared residuals from which on explanations are compared; ours
+_LIKELY = 0.2  # probability of an outlier from which on they are compared, too; ours
+_REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself; ours
+_WENT_ON_M = 0.5  # if the walker went this far meanwhile; ours
 
 
 @dataclass(frozen=True)
