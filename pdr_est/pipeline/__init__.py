@@ -97,11 +97,10 @@ def estimate_tracks(
     devices = with_turns_of_others(devices)
     tethers = tethers_of(walks, config, estimator.spec)
     track = run_estimator(devices, tethers, estimator, config)
-    direction_rad = config.heading.dominant.direction_rad
+    direction_rad, tied = config.heading.dominant.direction_rad, devices
     if direction_rad is not None:
-        devices = [
-            with_map_directions(one, walk, track, direction_rad) for one, walk in zip(devices, walks, strict=True)
-        ]
-        track = run_estimator(devices, tethers, estimator, config)
+        pairs = zip(devices, walks, strict=True)
+        tied = [with_map_directions(one, walk, track, direction_rad) for one, walk in pairs]
+        track = run_estimator(tied, tethers, estimator, config)
     track = with_findings(track, walks, devices, tethers, estimator, config)
-    return with_unknown_direction(with_person(track, config), devices, config.start.pose())
+    return with_unknown_direction(with_person(track, config), tied, config.start.pose())

@@ -21,6 +21,8 @@ from pdr_est.types.track import Track
 
 __all__ = ["FindingsSoFar", "findings_of"]
 
+_COMPARED = {FindingKind.FIXES, FindingKind.FIX_ACCURACY, FindingKind.FIX_CLOCK, FindingKind.STEPS}
+
 
 def findings_of(
     track: Track,
@@ -44,8 +46,8 @@ def findings_of(
     Returns
     -------
     tuple of Finding
-        Further findings. Where the estimator has a finding about the length scale, the start heading, or fixes at
-        the same time, there is no second one.
+        Further findings. Where the estimator has compared fixes and steps itself, or has a finding about the length
+        scale or the start heading, there is no second one: it may have used the fixes otherwise than they were given.
     """
     found: list[Finding | None] = []
     known = {finding.kind for finding in track.findings}
@@ -53,7 +55,8 @@ def findings_of(
         found.append(unknown_direction_finding(devices, start))
     if FindingKind.LENGTH_SCALE not in known:
         found.append(length_scale_finding(track.length_scale, sigma_length_scale))
-    found += fix_findings(track, _fixes_of(devices), spec.uses_fixes)
+    if not known & _COMPARED:
+        found += fix_findings(track, _fixes_of(devices), spec.uses_fixes)
     found += north_findings(track, devices)
     if spec.uses_tethers:
         found += tether_findings(track, tethers)
