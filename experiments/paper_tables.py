@@ -156,7 +156,8 @@ def mmpdr_table_10() -> str:
         walks = words[0].replace("paper", "").strip() or walks
         who = f"chain `{words[1].strip()}`" if len(words) > 1 else "paper"
         rows.append((f"{walks}, {who}", *numbers))
-    return markdown_table(("walks", "median, deg", "mean", "95th percentile", "position, %"), rows)
+    titles = ("walks", "median, deg", "mean", "95th percentile", "position, %", "error over sigma, rms")
+    return markdown_table(titles, [(*row, *["–"] * (len(titles) - len(row))) for row in rows])
 
 
 def mmpdr_offsets() -> str:
