@@ -32,6 +32,9 @@ UNKNOWN_HEADINGS = 36
 MOST_HYPOTHESES = 36
 """Largest number of hypotheses that are kept."""
 
+_MOST_AT_ONCE = (
+    2 * MOST_HYPOTHESES
+)  # after a split; of an open heading with many turns the least probable are dropped
 _SIGMA_OVER_SPACING = 0.8  # of hypotheses round the circle, whose sum is then uniform within 0.1 %
 _LEAST_WEIGHT = 1e-4  # of a hypothesis that is kept
 _MERGING_COST = 0.02  # nats by which a merger may change the distribution of the two
@@ -104,15 +107,15 @@ class HypothesisBank:
         if not node.turn_hypotheses:
             turn_rad = np.full(len(self), node.heading_change_rad)
             return self._moved(turn_rad, node.length_m, np.tile(node.covariance, (len(self), 1, 1)))
-        turns, count = node.turn_hypotheses, len(self)
-        parent = np.repeat(np.arange(count), len(turns))
-        chosen = np.tile(np.arange(len(turns)), count)
+        turns = node.turn_hypotheses
         prior = np.array([turn.probability for turn in turns])
+        likeliest = np.argsort(-np.outer(self.weights, prior).ravel(), kind="stable")[:_MOST_AT_ONCE]
+        parent, chosen = np.divmod(np.sort(likeliest), len(turns))
         turn_rad = np.array([turn.heading_change_rad for turn in turns])
         covariance = np.array([with_heading_variance(node.covariance, turn.sigma_rad**2) for turn in turns])
         lineages = tuple((*self.lineages[i], (number, int(j))) for i, j in zip(parent, chosen, strict=True))
         split = HypothesisBank(
-            self.weights[parent] * prior[chosen],
+            self.weights[parent] * prior[chosen] / np.sum(self.weights[parent] * prior[chosen]),
             self.means[parent],
             self.covariances[parent],
             self.sources,
