@@ -13,6 +13,9 @@ from pdr_est.frames import Array
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.steps import TurnHypothesis as TurnHypothesis
 
+START_SOURCE = "start"
+"""Source of the start position where it is used like a fix; no other fix may have it."""
+
 LATE_START_S = 5.0
 """A device that starts recording at most this long after another is taken to start at the same place (our choice)."""
 

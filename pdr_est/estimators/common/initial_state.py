@@ -9,7 +9,7 @@ from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, STATES, Gaus
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.frames import SIGMA_UNIFORM_RAD
-from pdr_est.types.measurements import LATE_START_S, PositionFix, StartPose
+from pdr_est.types.measurements import LATE_START_S, START_SOURCE, PositionFix, StartPose
 
 UNKNOWN_SIGMA_M = 1e3
 """Standard deviation of an unknown start position around the first fix, m."""
@@ -17,7 +17,7 @@ UNKNOWN_SIGMA_M = 1e3
 VAGUE_SIGMA_RAD = 30.0
 """Standard deviation of an unknown reference direction, rad: so large that its mean does not matter."""
 
-CLOSURE_SOURCE = "start"
+CLOSURE_SOURCE = START_SOURCE
 """Source of the fix that ends a closed walk where it began."""
 
 SIGMA_INITIAL_HEADING_RAD = 0.2

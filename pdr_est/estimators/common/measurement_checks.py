@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.types.measurements import HeadingPrior, LoopClosure, PositionFix, StepOdometry
+from pdr_est.types.measurements import START_SOURCE, HeadingPrior, LoopClosure, PositionFix, StepOdometry
 
 
 def refuse_unusable(
@@ -36,6 +36,11 @@ def refuse_unusable(
             raise EstimationError(
                 f"position fix ({fix.source}) at {fix.time_s} s has a position of shape {shapes[0]} and a covariance "
                 f"of shape {shapes[1]}: give (2,) and (2, 2), east and north"
+            )
+        if fix.source == START_SOURCE:
+            raise EstimationError(
+                f"position fix at {fix.time_s} s has the source {START_SOURCE!r}, which stands for the start: "
+                "give it another name"
             )
         values = (fix.time_s, *fix.position_m, *np.ravel(fix.covariance_m2))
         if not np.isfinite(values).all():

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from pdr_est.estimators.common.wandering_error import wander_chain
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
 from pdr_est.frames import Array
-from pdr_est.types.measurements import PositionFix, StartPose
+from pdr_est.types.measurements import START_SOURCE, PositionFix, StartPose
 
-START = "start"
+START = START_SOURCE
 """Source of the fix that stands for a known start position."""
 
 MOST_FIXES = 48

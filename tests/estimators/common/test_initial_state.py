@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from estimator_walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, step, straight, turned, winding
 
+from pdr_est.errors import EstimationError
 from pdr_est.estimators import ESTIMATORS, EstimatorName
 from pdr_est.estimators.common.initial_state import late_start_donor
 from pdr_est.estimators.common.timeline import build_timeline
@@ -280,3 +281,9 @@ def test_a_device_that_begins_more_than_five_seconds_late_has_a_donor(
     number: int, time_s: float, present: set[int], donor: int | None
 ) -> None:
     assert late_start_donor(number, time_s, 0.0, present) == donor
+
+
+def test_no_fix_may_have_the_source_of_the_start() -> None:
+    named = PositionFix(5.0, np.zeros(2), np.eye(2), source="start")
+    with pytest.raises(EstimationError, match=r"at 5\.0 s has the source 'start', .* give it another name"):
+        run("ekf", [*straight(20), named], StartPose())
