@@ -118,8 +118,8 @@ class DeadReckonedPath:
     def _blocks(self, some_m: Array, others_m: Array, pose: NDArray[np.int64], begin: int) -> Array:
         """Return the covariance (..., 2, 2) of two points (..., 2), of which the earlier one is at a pose."""
         a, b = (some_m - self.position_m[begin]) @ LEFT.T, (others_m - self.position_m[begin]) @ LEFT.T
-        of_position, with_heading, with_at, of_heading, at, twice = self._sums_since(begin)
-        m = np.maximum(pose, begin)
+        m = np.maximum(pose, begin) - begin
+        of_position, with_heading, with_at, of_heading, at, twice = self._sums_since(begin, int(m.max()) + 1)
         constant = (of_position - with_at - with_at.transpose(0, 2, 1) + twice)[m]
         linear = (with_heading - at)[m]
         swing = of_heading[m][..., None, None] * a[..., :, None] * b[..., None, :]
@@ -127,18 +127,21 @@ class DeadReckonedPath:
             constant + swing + linear[..., :, None] * b[..., None, :] + a[..., :, None] * linear[..., None, :]
         )
 
-    def _sums_since(self, begin: int) -> tuple[Array, ...]:
-        """Return the sums from a pose on, of points relative to it; those of heading errors turned to the left."""
-        q0 = self.position_m[begin]
-        of_heading = self._of_heading - self._of_heading[begin]
-        with_heading = self._with_heading - self._with_heading[begin]
-        at = self._of_heading_at - self._of_heading_at[begin]
-        twice = self._of_heading_at_twice - self._of_heading_at_twice[begin]
-        with_at = self._with_heading_at - self._with_heading_at[begin] - with_heading[:, :, None] * q0
+    def _sums_since(self, begin: int, count: int) -> tuple[Array, ...]:
+        """Return the sums from a pose on, of points relative to it; those of heading errors turned to the left.
+
+        They are at the pose and those after it, `count` in all.
+        """
+        own, q0 = slice(begin, begin + count), self.position_m[begin]
+        of_heading = self._of_heading[own] - self._of_heading[begin]
+        with_heading = self._with_heading[own] - self._with_heading[begin]
+        at = self._of_heading_at[own] - self._of_heading_at[begin]
+        twice = self._of_heading_at_twice[own] - self._of_heading_at_twice[begin]
+        with_at = self._with_heading_at[own] - self._with_heading_at[begin] - with_heading[:, :, None] * q0
         across = at[:, :, None] * q0
         twice = twice - across - across.transpose(0, 2, 1) + of_heading[:, None, None] * np.outer(q0, q0)
         return (
-            self._of_position - self._of_position[begin],
+            self._of_position[own] - self._of_position[begin],
             with_heading,
             with_at @ LEFT.T,
             of_heading,
