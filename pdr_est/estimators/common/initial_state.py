@@ -17,9 +17,6 @@ UNKNOWN_SIGMA_M = 1e3
 VAGUE_SIGMA_RAD = 30.0
 """Standard deviation of an unknown reference direction, rad: so large that its mean does not matter."""
 
-CLOSURE_SOURCE = START_SOURCE
-"""Source of the fix that ends a closed walk where it began."""
-
 SIGMA_INITIAL_HEADING_RAD = 0.2
 """Standard deviation of the first heading of one device against that of another, rad, where nothing but these
 headings defines the frame."""
@@ -130,7 +127,7 @@ def closing_fix(prior: StartPrior, time_s: float, sigma_m: float) -> PositionFix
     if prior.position_open or prior.heading_open:
         return None
     covariance = prior.state.covariance[:2, :2] + max(sigma_m, JITTER_VARIANCE) ** 2 * np.eye(2)
-    return PositionFix(time_s, prior.state.mean[:2], covariance, source=CLOSURE_SOURCE)
+    return PositionFix(time_s, prior.state.mean[:2], covariance, source=START_SOURCE)
 
 
 def starts_of(timelines: Sequence[Timeline], start: StartPose) -> list[StartPose]:

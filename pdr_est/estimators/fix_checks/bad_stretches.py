@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.fix_checks.explanations import LEAST_FIXES, BadStretch, Explained, Explanation
 from pdr_est.estimators.fix_checks.outlier_weights import outlier_cost
-from pdr_est.estimators.fix_checks.section import START
 from pdr_est.frames import Array
+from pdr_est.types.measurements import START_SOURCE
 
 _LOG_STRETCH = log(0.1)  # probability that a section has a bad stretch (our choice)
 _MOST_STRETCHES = 3
@@ -38,7 +38,7 @@ def _blocks(now: Explained) -> Iterator[NDArray[np.int64]]:
     """Yield runs of fixes of a source, by their numbers."""
     for source, name in enumerate(now.fixes.names):
         own = np.flatnonzero(now.fixes.source == source)
-        if name == START or len(own) < LEAST_FIXES:
+        if name == START_SOURCE or len(own) < LEAST_FIXES:
             continue
         length = 2
         while length <= _LARGEST_SHARE * len(own):

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from pdr_est.estimators.fix_checks.dead_reckoned_path import ReckonedPoints
 from pdr_est.estimators.fix_checks.outlier_weights import WeighedFixes, weigh, widened
 from pdr_est.estimators.fix_checks.position_regression import regress
-from pdr_est.estimators.fix_checks.section import START, FixTable, Section
+from pdr_est.estimators.fix_checks.section import FixTable, Section
 from pdr_est.frames import Array
+from pdr_est.types.measurements import START_SOURCE
 
 LEAST_FIXES = 4
 """Fewer fixes of a source tell nothing about it as a whole."""
@@ -161,7 +162,7 @@ def with_rest_spread(section: Section, now: Explained) -> tuple[Explained, float
     """
     fixes, points, common_m2, _, _ = _assumed(section, now.explanation)
     solved, expected = now.weighed.regression, degrees_of_freedom(section, now)
-    given = np.array([fixes.names[source] != START for source in fixes.source])
+    given = np.array([fixes.names[source] != START_SOURCE for source in fixes.source])
     added_m = 0.0
     more_m2 = now.weighed.more_m2
     while solved.squared > expected > 0 and added_m < _MOST_SPREAD_M:
@@ -216,7 +217,7 @@ def _assumed(
 def checked_sources(now: Explained) -> list[int]:
     """List the sources that have enough fixes to be judged as a whole."""
     counts = [np.count_nonzero(now.fixes.source == number) for number in range(len(now.fixes.names))]
-    return [i for i, name in enumerate(now.fixes.names) if name != START and counts[i] >= LEAST_FIXES]
+    return [i for i, name in enumerate(now.fixes.names) if name != START_SOURCE and counts[i] >= LEAST_FIXES]
 
 
 def further_explanations(section: Section, now: Explained) -> Iterator[Explanation]:

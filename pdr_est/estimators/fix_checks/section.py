@@ -11,9 +11,6 @@ from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix, StartPose
 
-START = START_SOURCE
-"""Source of the fix that stands for a known start position."""
-
 MOST_FIXES = 48
 """Most fixes of a section: the work grows with their third power (our choice)."""
 
@@ -95,7 +92,7 @@ def table_of(fixes: Sequence[PositionFix], start: StartPose, begin_s: float) -> 
     index = list(range(len(fixes)))
     if start.position_m is not None:
         sigma = max(start.sigma_position_m, _LEAST_SIGMA_M)
-        known.insert(0, PositionFix(begin_s, np.array(start.position_m), sigma**2 * np.eye(2), START))
+        known.insert(0, PositionFix(begin_s, np.array(start.position_m), sigma**2 * np.eye(2), START_SOURCE))
         index.insert(0, -1)
     names = tuple(dict.fromkeys(fix.source for fix in known))
     sigma_wander_m = np.zeros(len(known))

@@ -16,10 +16,9 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.common.initial_state import CLOSURE_SOURCE
 from pdr_est.estimators.common.motion_model import SourceTrust
 from pdr_est.frames import Array
-from pdr_est.types.measurements import PositionFix
+from pdr_est.types.measurements import START_SOURCE, PositionFix
 
 _FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
 _PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
@@ -86,7 +85,7 @@ def hypotheses_about(fix: PositionFix, trust: SourceTrust, distance_m: float) ->
     noise[_GROSS] += gross_m2 * np.eye(2)
     lost_m2 = np.zeros(len(_FACTORS))
     lost_m2[_LOST] = gross_m2
-    if fix.source == CLOSURE_SOURCE:
+    if fix.source == START_SOURCE:
         return _of_closure(noise, lost_m2)
     weights = np.append((1.0 - trust.lost) * np.array(trust.probabilities), trust.lost)
     return FixHypotheses(weights, noise, _FACTORS**2 - 1.0, lost_m2)
