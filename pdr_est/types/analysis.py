@@ -29,8 +29,10 @@ class DominantDirections:
         Angle between neighbouring directions, rad.
     drift_per_sqrt_s
         Drift of the heading of the phone that fits the walk best, rad/√s.
+    rate_radps
+        Constant rate of the drift, by the bias of the gyroscope, rad/s.
     drift_rad
-        (n,) rad, heading drift since the first piece.
+        (n,) rad, heading drift since the first piece without that of the constant rate.
     sigma_rad
         (n,) rad, standard deviation of the heading after subtracting the drift.
     path_heading_rad
@@ -44,6 +46,7 @@ class DominantDirections:
     used: bool
     spacing_rad: float
     drift_per_sqrt_s: float
+    rate_radps: float
     drift_rad: Array
     sigma_rad: Array
     path_heading_rad: Array

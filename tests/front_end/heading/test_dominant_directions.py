@@ -39,9 +39,30 @@ def test_a_building_with_right_angles_is_found_and_the_drift_taken_off(seed: int
     assert found.spacing_rad == pytest.approx(np.pi / 2.0)
     assert np.abs(errors_rad(pieces, found.path_heading_rad, truth)).max() < 1e-6
     middle = (pieces.first + pieces.last) // 2
-    off = found.drift_rad - (drift[middle] - drift[middle[0]])
+    constant = found.rate_radps * 0.5 * middle
+    off = found.drift_rad + constant - constant[0] - (drift[middle] - drift[middle[0]])
     assert np.abs(off).max() < 0.25
     assert np.sqrt(np.mean(off**2)) < 0.12
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("rate_deg_per_s", [-0.7, -0.3, 0.2, 0.5])
+def test_a_biased_gyroscope_is_found_in_a_building(seed: int, rate_deg_per_s: float) -> None:
+    """The walk of 90 s turns by up to a right angle too much; the rate is found within what the random walk hides."""
+    rng = np.random.default_rng(seed)
+    truth = random_legs(rng, 90.0, 9)
+    rate_radps = np.deg2rad(rate_deg_per_s)
+    _, found = found_in(unsteady(truth, rng, 0.002) + rate_radps * 0.5 * np.arange(len(truth)))
+    assert (found.number, found.used) == (4, True)
+    assert found.rate_radps == pytest.approx(rate_radps, abs=np.deg2rad(0.07))
+
+
+def test_directions_are_not_told_from_headings_that_drift_too_much() -> None:
+    """By 8 degrees a second: any building would fit."""
+    walks = [np.random.default_rng(seed) for seed in SEEDS]
+    found = [found_in(unsteady(random_legs(rng, 90.0, 9), rng, 0.15))[1] for rng in walks]
+    assert all(one.drift_per_sqrt_s < 0.02 for one in found)
+    assert sum(one.used for one in found) <= 1
 
 
 @pytest.mark.parametrize("seed", SEEDS)

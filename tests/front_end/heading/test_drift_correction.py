@@ -27,17 +27,26 @@ def headings(steps: list[Step]) -> Array:
     return np.array([step.heading_rad for step in steps])
 
 
-def bare(step: Step) -> Step:
-    return replace(step, path_heading_rad=0.0, sigma_path_heading_rad=0.0, sigma_turn_rad=0.0)
+def times_s(steps: list[Step]) -> Array:
+    """Since the first step."""
+    return np.array([step.event.time_s - steps[0].event.time_s for step in steps])
 
 
-def test_as_priors_the_headings_stay_and_straight_steps_get_their_direction() -> None:
+def bare(step: Step, heading_rad: float) -> Step:
+    return replace(
+        step, path_heading_rad=0.0, sigma_path_heading_rad=0.0, sigma_turn_rad=0.0, heading_rad=heading_rad
+    )
+
+
+def test_as_priors_only_a_constant_rate_is_taken_off_and_straight_steps_get_their_direction() -> None:
     steps = with_headings(drifting())
     stage = WholeWalkHeading(PARAMETERS, as_priors=True)
     found = run(stage, steps)
     assert stage.directions is not None
     assert (stage.directions.number, stage.directions.used) == (4, True)
-    assert [bare(step) for step in found] == [bare(step) for step in steps]
+    assert [bare(step, 0.0) for step in found] == [bare(step, 0.0) for step in steps]
+    rate = stage.directions.rate_radps
+    np.testing.assert_allclose(wrap_angle(headings(steps) - headings(found)), rate * times_s(steps), atol=1e-9)
     elapsed_s = np.diff([step.event.time_s for step in steps])
     turns = np.array([step.sigma_turn_rad for step in found])
     np.testing.assert_allclose(turns[1:], stage.directions.drift_per_sqrt_s * np.sqrt(elapsed_s))

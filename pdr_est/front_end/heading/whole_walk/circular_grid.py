@@ -35,31 +35,39 @@ class CircularGrid:
         return np.ones(self.cells)
 
     def diffuse(self, density: Array, sigma_rad: float) -> Array:
-        """Compute the density (cells,) after a Gaussian change of the angle."""
-        decay = np.exp(-0.5 * (sigma_rad * self._frequency) ** 2)
-        return np.maximum(np.fft.irfft(np.fft.rfft(density) * decay, self.cells), 1e-12)
+        """Compute the density (..., cells) after a Gaussian change of the angle."""
+        return self.damp(density, self.damping(sigma_rad))
 
-    def likelihood(self, angles_rad: Array, sigma_rad: float, outlier_share: float) -> Array:
+    def damping(self, sigma_rad: Array | float) -> Array:
+        """Compute what Gaussian changes with sigmas (...), rad, leave of each frequency, (..., frequencies)."""
+        damping: Array = np.exp(-0.5 * (np.asarray(sigma_rad)[..., None] * self._frequency) ** 2)
+        return damping
+
+    def damp(self, density: Array, damping: Array) -> Array:
+        """Compute densities (..., cells) after changes that leave so much of each frequency."""
+        return np.maximum(np.fft.irfft(np.fft.rfft(density) * damping, self.cells), 1e-12)
+
+    def likelihood(self, angles_rad: Array, sigma_rad: Array | float, outlier_share: float) -> Array:
         """Compute the likelihood of measured angles in each cell.
 
         Parameters
         ----------
-        angles_rad : ndarray, shape (n,)
+        angles_rad : ndarray, shape (...)
             Measured angles.
-        sigma_rad : float
+        sigma_rad : float or ndarray that fits to it
             Standard deviation of a measurement.
         outlier_share : float
             Probability of a measurement that may be any angle.
 
         Returns
         -------
-        ndarray, shape (n, cells)
+        ndarray, shape (..., cells)
             Relative to the uniform density.
         """
         half = 0.5 * self.spacing_rad
-        error = (angles_rad[:, None] - self._angle + half) % self.spacing_rad - half
-        gaussian = np.exp(-0.5 * (error / sigma_rad) ** 2)
-        gaussian /= gaussian.mean(axis=1, keepdims=True)
+        error = (angles_rad[..., None] - self._angle + half) % self.spacing_rad - half
+        gaussian = np.exp(-0.5 * (error / np.asarray(sigma_rad)[..., None]) ** 2)
+        gaussian /= gaussian.mean(axis=-1, keepdims=True)
         mixed: Array = (1.0 - outlier_share) * gaussian + outlier_share
         return mixed
 

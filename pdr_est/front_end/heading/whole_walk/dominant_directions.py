@@ -2,8 +2,9 @@
 
 In a building the straight legs of a walk follow a few directions at equal angles: four in most, any number in others,
 none in a park. The heading of a leg, modulo the spacing of the directions, then is the same all over the walk but for
-the drift of the heading. Here that drift is a random walk on a circle of the spacing, whose steps are larger across
-turns, and it is estimated by a forward and a backward pass over the sections of the legs.
+the drift of the heading. Here that drift has a constant rate, by the bias of the gyroscope, and a random walk on a
+circle of the spacing, whose steps are larger across turns; it is estimated by a forward and a backward pass over the
+sections of the legs.
 
 The evidence for a building comes from turns alone: with dominant directions the heading after a turn is predicted up
 to the drift, without them it is anywhere. How the heading moves along a leg says nothing, for both explain it as
@@ -21,13 +22,15 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Ge, Le
 
+from pdr_est.front_end.heading.whole_walk.constant_rate import rate_candidates
 from pdr_est.front_end.heading.whole_walk.drift_passes import (
     DRIFT_LEVELS,
     OUTLIER_SHARE,
+    Drift,
     ForwardPass,
     SectionTransitions,
     backward_pass,
-    forward_pass,
+    forward_passes,
 )
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams
 from pdr_est.params import params
@@ -52,8 +55,10 @@ class DominantParams:
     """One of the directions in the map, rad, null where unknown; given, the directions hold from the first step on,
     and without a number there are four.
     """
-    least_log_odds: float = 2.0
-    """Log odds of dominant directions against none from which on they are used; ours."""
+    least_log_odds: float = 1.0
+    """Log odds of dominant directions that the headings are steady enough to tell, against all else, from which on
+    they are used; ours.
+    """
     turn_rad: Annotated[float, Ge(0.1), Le(1.5)] = 0.44
     """Change of heading between legs, rad, below which it is no evidence; ours."""
     straight: StraightLegParams = StraightLegParams()
@@ -87,27 +92,48 @@ def best_fit(sections: LegSections, parameters: DominantParams) -> tuple[int, fl
     given = parameters.given_number
     numbers = _NUMBER_PRIOR if given is None else {given: 1.0 - _PRIOR_OF_NONE}
     transitions = SectionTransitions.of(sections, parameters.turn_rad)
-    passes = {
-        number: [forward_pass(sections, transitions, number, level) for level in DRIFT_LEVELS] for number in numbers
-    }
-    log_odds = {
-        number: _log_mean_over_levels([run.log_evidence for run in runs])
-        - _log_mean_over_levels([run.log_evidence_of_none for run in runs])
-        + np.log(numbers[number] / _PRIOR_OF_NONE)
+    passes = {number: forward_passes(sections, transitions, number, _drifts(sections, number)) for number in numbers}
+    usable = {
+        number: [run for run in runs if given is not None or run.drift.level.tells_directions]
         for number, runs in passes.items()
     }
+    log_odds = {
+        number: _log_probability(usable[number]) + np.log(prior) - _log_probability_else(passes[number], prior)
+        for number, prior in numbers.items()
+    }
     number = max(log_odds, key=lambda one: log_odds[one])
-    best = max(
-        zip(passes[number], DRIFT_LEVELS, strict=True),
-        key=lambda pair: pair[0].log_evidence + np.log(pair[1].probability),
-    )
-    return number, float(log_odds[number]), best[0]
+    best = max(usable[number], key=lambda run: run.log_evidence + run.drift.log_prior)
+    return number, float(log_odds[number]), best
 
 
-def _log_mean_over_levels(logs: Sequence[float]) -> float:
-    """Compute the log of the mean probability over the levels of drift."""
-    weights = np.log([level.probability for level in DRIFT_LEVELS])
-    return float(np.logaddexp.reduce(np.array(logs) + weights))
+def _drifts(sections: LegSections, number: int) -> list[Drift]:
+    """List the drifts that are compared: each level of the random walk with each constant rate."""
+    rates = rate_candidates(sections, number)
+    return [
+        Drift(level, rate, log_prior + float(np.log(level.probability)))
+        for level in DRIFT_LEVELS
+        for rate, log_prior in rates
+    ]
+
+
+def _log_probability(passes: Sequence[ForwardPass]) -> float:
+    """Compute the log probability of the headings with dominant directions, over the drifts."""
+    return float(np.logaddexp.reduce([run.log_evidence + run.drift.log_prior for run in passes]))
+
+
+def _log_probability_else(passes: Sequence[ForwardPass], prior: float) -> float:
+    """Compute the log probability of all else: no dominant directions, or headings that drift too much to tell them.
+
+    Without directions a constant rate changes nothing.
+    """
+    steady = [run for run in passes if not run.drift.rate_radps]
+    none = [run.log_evidence_of_none + np.log(run.drift.level.probability) + np.log(_PRIOR_OF_NONE) for run in steady]
+    drifting = [
+        run.log_evidence + run.drift.log_prior + np.log(prior)
+        for run in passes
+        if not run.drift.level.tells_directions
+    ]
+    return float(np.logaddexp.reduce([*none, *drifting]))
 
 
 def _smooth(
@@ -119,18 +145,23 @@ def _smooth(
     straight = belief[:, 0].sum(axis=1) / belief.sum(axis=(1, 2))
     spacing = fitted.grid.spacing_rad
     drift = np.unwrap(mean, period=spacing)
-    along = spacing * np.round((sections.heading_rad - drift) / spacing)
-    error = (sections.heading_rad - drift - along) / fitted.level.of_section
+    heading = fitted.heading_rad
+    along = spacing * np.round((heading - drift) / spacing)
+    error = (heading - drift - along) / fitted.drift.level.of_section
     gaussian = (
-        (1.0 - OUTLIER_SHARE) * np.exp(-0.5 * error**2) * spacing / (fitted.level.of_section * np.sqrt(2.0 * np.pi))
+        (1.0 - OUTLIER_SHARE)
+        * np.exp(-0.5 * error**2)
+        * spacing
+        / (fitted.drift.level.of_section * np.sqrt(2.0 * np.pi))
     )
     return DominantDirections(
         number=number,
         log_odds=log_odds,
         used=used,
         spacing_rad=spacing,
-        drift_per_sqrt_s=fitted.level.per_sqrt_s,
+        drift_per_sqrt_s=fitted.drift.level.per_sqrt_s,
         drift_rad=drift - drift[0],
+        rate_radps=fitted.drift.rate_radps,
         sigma_rad=sigma,
         path_heading_rad=along + drift[0],
         follows=straight * gaussian / (gaussian + OUTLIER_SHARE),

@@ -34,8 +34,8 @@ class WholeWalkHeading:
     parameters : DominantParams
         Parameters of the search for dominant directions.
     as_priors : bool
-        True to give steps along a dominant direction a `path_heading_rad` and leave their heading; False to take the
-        drift off their heading.
+        True to give steps along a dominant direction a `path_heading_rad`, and to take only the drift at a constant
+        rate off their heading; False to take off all drift.
     placement : AutoHeadingParams or None
         How to estimate the turns while the phone was put elsewhere again, from the whole walk; None leaves them.
 
@@ -95,6 +95,7 @@ class WholeWalkHeading:
             self.directions = directions
         if directions is None or not directions.used:
             return steps
+        steps = _without_rate(steps, directions.rate_radps)
         if not self._as_priors:
             return _without_drift(steps, sections, directions)
         return _with_drift_noise(_with_priors(steps, sections, directions), directions.drift_per_sqrt_s)
@@ -139,6 +140,15 @@ def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
     return [
         replace(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
         for step, passed in zip(steps, elapsed_s, strict=True)
+    ]
+
+
+def _without_rate(steps: Sequence[Step], rate_radps: float) -> list[Step]:
+    """Take a constant rate off the headings."""
+    start_s = steps[0].event.time_s
+    return [
+        replace(step, heading_rad=float(wrap_angle(step.heading_rad - rate_radps * (step.event.time_s - start_s))))
+        for step in steps
     ]
 
 

@@ -1,5 +1,6 @@
 """Forward and backward pass over the drift of the headings, on a circle of the angle between two directions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.whole_walk.circular_grid import CircularGrid
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections
+
+_TELLING_PER_SQRT_S = 0.02  # drift of headings that tell no directions any more
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,14 @@ class DriftLevel:
     per_turn: float
     of_section: float
     probability: float
+
+    @property
+    def tells_directions(self) -> bool:
+        """Return True if headings that drift so little tell the directions of a building.
+
+        With more drift any way fits some directions, which then bend it.
+        """
+        return self.per_sqrt_s < _TELLING_PER_SQRT_S
 
 
 # From a phone in a steady hand to one that slips about in a pocket.
@@ -72,16 +83,37 @@ class SectionTransitions:
 
 
 @dataclass(frozen=True)
-class ForwardPass:
-    """Forward pass for one number of directions and one level of drift.
+class Drift:
+    """Drift of the headings of a walk: a random walk, and a constant rate by the gyroscope's bias.
 
-    `likelihood`, `forward`: (n, 2, cells) of each section and drift, if its leg follows a direction and if it is a
-    diagonal. `sigma`: (n - 1,) of the drift between sections. `log_evidence`, `log_evidence_of_none`: log probability
-    of the headings with dominant directions, and if each turn leads anywhere.
+    Attributes
+    ----------
+    level : DriftLevel
+        The random walk.
+    rate_radps : float
+        The constant rate, rad/s.
+    log_prior : float
+        Log of the prior probability of both.
+    """
+
+    level: DriftLevel
+    rate_radps: float
+    log_prior: float
+
+
+@dataclass(frozen=True)
+class ForwardPass:
+    """Forward pass for one number of directions and one drift.
+
+    `heading_rad`: (n,) of the sections without the constant rate. `likelihood`, `forward`: (n, 2, cells) of each
+    section and drift, if its leg follows a direction and if it is a diagonal. `sigma`: (n - 1,) of the drift between
+    sections. `log_evidence`, `log_evidence_of_none`: log probability of the headings with dominant directions, and if
+    each turn leads anywhere.
     """
 
     grid: CircularGrid
-    level: DriftLevel
+    drift: Drift
+    heading_rad: Array
     likelihood: Array
     forward: Array
     sigma: Array
@@ -90,10 +122,10 @@ class ForwardPass:
     log_evidence_of_none: float
 
 
-def forward_pass(
-    sections: LegSections, transitions: SectionTransitions, number: int, level: DriftLevel
-) -> ForwardPass:
-    """Compute the density of the drift at each section given the sections up to it.
+def forward_passes(
+    sections: LegSections, transitions: SectionTransitions, number: int, drifts: Sequence[Drift]
+) -> list[ForwardPass]:
+    """Compute the density of each drift at each section given the sections up to it, all drifts side by side.
 
     Parameters
     ----------
@@ -103,46 +135,69 @@ def forward_pass(
         Transitions between them.
     number : int
         Number of directions.
-    level : DriftLevel
-        Level of the drift.
+    drifts : sequence of Drift
+        Drifts of the headings.
     """
     grid = CircularGrid(2.0 * np.pi / number)
-    along = grid.likelihood(sections.heading_rad, level.of_section, OUTLIER_SHARE)
-    walked = level.per_sqrt_s**2 * transitions.elapsed_s + (level.per_turn * transitions.quarter_turns) ** 2
-    sigma = np.sqrt(walked + sections.sigma_change_rad[1:] ** 2)
-    diagonal = _predictive_likelihoods(grid, along, sigma, transitions.new_leg)
-    likelihood = np.stack([along, np.broadcast_to(diagonal[:, None], along.shape)], axis=1)
-    belief = LEG_PRIOR[:, None] * grid.uniform()
-    log_evidence = 0.0
+    rate = np.array([drift.rate_radps for drift in drifts])
+    of_section = np.array([drift.level.of_section for drift in drifts])
+    heading = sections.heading_rad[:, None] - rate * (sections.time_s - sections.time_s[0])[:, None]
+    along = grid.likelihood(heading, of_section, OUTLIER_SHARE)  # (n, drifts, cells)
+    sigma = np.stack([_sigma_between(sections, transitions, drift.level) for drift in drifts], axis=1)
+    damping = grid.damping(sigma)
+    diagonal = _predictive_likelihoods(grid, along, damping, transitions.new_leg)
+    likelihood = np.stack([along, np.broadcast_to(diagonal[..., None], along.shape)], axis=2)
+    belief = np.broadcast_to(LEG_PRIOR[:, None] * grid.uniform(), likelihood.shape[1:])
+    log_evidence = np.zeros(len(drifts))
     forward = np.empty_like(likelihood)
     for i, row in enumerate(likelihood):
         if i:
-            belief = grid.diffuse(belief, sigma[i - 1])
+            belief = grid.damp(belief, damping[i - 1][:, None])
             if transitions.new_leg[i - 1]:
-                belief = LEG_PRIOR[:, None] * belief.sum(axis=0)
+                belief = LEG_PRIOR[:, None] * belief.sum(axis=1, keepdims=True)
         belief = belief * row
-        evidence = float(belief.sum(axis=0).mean())
+        evidence = belief.sum(axis=1).mean(axis=-1)
         log_evidence += np.log(evidence)
-        forward[i] = belief = belief / evidence
-    log_evidence_of_none = float(np.log(_predictive_likelihoods(grid, along, sigma, transitions.informative)).sum())
-    return ForwardPass(
-        grid, level, likelihood, forward, sigma, transitions.new_leg, log_evidence, log_evidence_of_none
-    )
+        forward[i] = belief = belief / evidence[:, None, None]
+    of_none = np.log(_predictive_likelihoods(grid, along, damping, transitions.informative)).sum(axis=0)
+    return [
+        ForwardPass(
+            grid,
+            drift,
+            heading[:, k],
+            likelihood[:, k],
+            forward[:, k],
+            sigma[:, k],
+            transitions.new_leg,
+            float(log_evidence[k]),
+            float(of_none[k]),
+        )
+        for k, drift in enumerate(drifts)
+    ]
 
 
-def _predictive_likelihoods(grid: CircularGrid, along: Array, sigma: Array, resets: NDArray[np.bool_]) -> Array:
-    """Compute the likelihoods (n,) of the sections given those before, relative to the uniform density.
+def _sigma_between(sections: LegSections, transitions: SectionTransitions, level: DriftLevel) -> Array:
+    """Compute the standard deviations (n - 1,), rad, of the drift between sections."""
+    walked = level.per_sqrt_s**2 * transitions.elapsed_s + (level.per_turn * transitions.quarter_turns) ** 2
+    sigma: Array = np.sqrt(walked + sections.sigma_change_rad[1:] ** 2)
+    return sigma
+
+
+def _predictive_likelihoods(grid: CircularGrid, along: Array, damping: Array, resets: NDArray[np.bool_]) -> Array:
+    """Compute the likelihoods (n, drifts) of the sections given those before, relative to the uniform density.
 
     `resets` (n - 1,) marks the transitions after which the direction may be any.
     """
-    probability = np.empty(len(along))
-    belief = grid.uniform()
+    probability = np.empty(along.shape[:2])
+    belief = np.ones(along.shape[1:])
     for i, row in enumerate(along):
-        if i:
-            belief = grid.uniform() if resets[i - 1] else grid.diffuse(belief, sigma[i - 1])
+        if i and resets[i - 1]:
+            belief = np.ones(along.shape[1:])
+        elif i:
+            belief = grid.damp(belief, damping[i - 1])
         belief = belief * row
-        probability[i] = belief.mean()
-        belief = belief / probability[i]
+        probability[i] = belief.mean(axis=-1)
+        belief = belief / probability[i][:, None]
     return probability
 
 
