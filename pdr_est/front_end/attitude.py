@@ -3,6 +3,7 @@
 Without gyroscope there is no yaw, and gravity comes from the accelerometer alone.
 """
 
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -10,13 +11,16 @@ from annotated_types import Ge, Le
 from vqf import VQF
 
 from pdr_est.errors import RecordingError
-from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, twist_about_vertical, up_in_device
+from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, twist_about_vertical, up_in_device, wrap_angle
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.vectors import dot, norm
 from pdr_est.params import Positive, params
 from pdr_est.types.sensors import ImuBlock, LevelBlock
 from pdr_est.types.steps import CarryingMode
 
+# Pause, s, up to which a straight line between its borders tells more of the rotation than nothing: measured by
+# cutting pauses into recorded walks.
+_BRIDGED_S = 1.5
 _LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of a zero vector finite
 
 
@@ -42,7 +46,10 @@ class AttitudeParams:
 
 
 class VqfAttitude:
-    """Stage ImuBlock -> LevelBlock with the filter VQF without magnetometer; a new segment restarts the filter.
+    """Stage ImuBlock -> LevelBlock with the filter VQF without magnetometer.
+
+    The filter goes on over a short pause as if the samples changed linearly. After a longer one gravity is found
+    anew, and yaw and the bias of the gyroscope are kept.
 
     Parameters
     ----------
@@ -65,7 +72,9 @@ class VqfAttitude:
             "restThGyr": float(np.rad2deg(parameters.rest_rate_radps)),
         }
         self._filter = VQF(**self._settings)
+        self._last: tuple[Array, Array, float] | None = None  # last rate, force and yaw
         self._segment: int | None = None
+        self._yaw_offset_rad = 0.0  # that keeps the yaw over long pauses
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_filter": self._filter.state}
@@ -85,12 +94,35 @@ class VqfAttitude:
         """
         if not len(item.time_s):
             return []
-        if item.segment != self._segment:
+        rate, force = _rotation_rate(item), item.specific_force_mps2
+        yaw_kept_rad = self._bridge(item, rate[0], force[0]) if item.segment != self._segment else None
+        self._segment = item.segment
+        result = self._filter.updateBatch(np.ascontiguousarray(rate), np.ascontiguousarray(force))
+        level = _level(item, result["quat6D"], rate - result["bias"])
+        if yaw_kept_rad is not None:
+            self._yaw_offset_rad = yaw_kept_rad - float(level.yaw_rad[0])
+        if self._yaw_offset_rad:
+            level = replace(level, yaw_rad=wrap_angle(level.yaw_rad + self._yaw_offset_rad))
+        self._last = rate[-1], force[-1], float(level.yaw_rad[-1])
+        return [level]
+
+    def _bridge(self, item: ImuBlock, first_rate: Array, first_force: Array) -> float | None:
+        """Take the filter over the pause before a block; return the yaw to go on with, None for its own."""
+        if self._last is None or item.hole is None:
             self._filter.resetState()
-            self._segment = item.segment
-        rate = _rotation_rate(item)
-        result = self._filter.updateBatch(np.ascontiguousarray(rate), np.ascontiguousarray(item.specific_force_mps2))
-        return [_level(item, result["quat6D"], rate - result["bias"])]
+            return None
+        last_rate, last_force, last_yaw_rad = self._last
+        if item.hole.duration_s <= _BRIDGED_S:
+            count = round(item.hole.duration_s / self._settings["gyrTs"])
+            share = np.arange(1, count)[:, None] / count
+            self._filter.updateBatch(
+                last_rate + share * (first_rate - last_rate), last_force + share * (first_force - last_force)
+            )
+            return None
+        bias, sigma = self._filter.getBiasEstimate()
+        self._filter.resetState()
+        self._filter.setBiasEstimate(bias, sigma)
+        return last_yaw_rad
 
     def flush(self) -> list[LevelBlock]:
         """Return nothing: no sample is held back."""
@@ -166,6 +198,7 @@ class AccelerometerTilt:
                 mode=np.full(len(force), CarryingMode.UNKNOWN, dtype=np.int8),
                 mode_probability=np.zeros(len(force)),
                 magnetic_field_ut=item.magnetic_field_ut,
+                hole=item.hole,
             )
         ]
 
@@ -198,4 +231,5 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         mode_probability=np.zeros(len(block.time_s)),
         magnetic_field_ut=block.magnetic_field_ut,
         recorded_yaw_rad=None if block.attitude is None else twist_about_vertical(block.attitude),
+        hole=block.hole,
     )

@@ -10,6 +10,10 @@ from pdr_est.params import NonNegative, Positive, params
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.steps import CarryingMode, Step
 
+_WALKING_S = 1.0  # longer than a step takes
+_LEAST_STEP_S = 0.2
+_SHORT_PAUSE_S = 5.0  # beyond, a walker may have stood meanwhile
+
 
 @params
 class OdometryParams:
@@ -34,9 +38,9 @@ class OdometryParams:
     the phone was turned against the body; not used where the heading follows the phone.
     """
     gap_speed_mps: Positive = 1.0
-    """Speed, m/s, with which a walker may have moved during a gap."""
-    gap_turn_rad_per_sqrt_s: Positive = 1.0
-    """Random walk of the walker's heading during a gap, rad per root second."""
+    """Speed, m/s, with which a walker may have moved during a pause of the recording."""
+    sigma_gap_length: Positive = 0.3
+    """Standard deviation of the way of a walker who walks before and after a short pause, over that way; ours."""
     sigma_straight_rad: Positive = 0.15
     """Standard deviation, rad, of the heading of a step around the straight path that it lies on, independent from
     step to step.
@@ -46,9 +50,9 @@ class OdometryParams:
 class Odometry:
     """Stage Step -> StepOdometry and HeadingPrior of one device.
 
-    The first step of a new segment is preceded by a bridge over the gap: an unobserved motion. A step on a straight
-    path of known heading is followed by a heading prior, which is relative, because the zero of the headings is
-    arbitrary. After a gap the zero is another one, so that priors are given in the first segment only.
+    The first step after a pause of the recording is preceded by a bridge over it: an unobserved motion. A step on a
+    straight path of known heading is followed by a heading prior, which is relative, because the zero of the headings
+    is arbitrary.
 
     Parameters
     ----------
@@ -64,7 +68,6 @@ class Odometry:
         self._device = device
         self._parameters = parameters
         self._previous: Step | None = None
-        self._first_segment: int | None = None
 
     def push(self, item: Step, /) -> list[StepOdometry | HeadingPrior]:
         """Turn a step into its measurements."""
@@ -75,9 +78,7 @@ class Odometry:
         return []
 
     def _heading_prior(self, step: Step) -> list[HeadingPrior]:
-        if self._first_segment is None:
-            self._first_segment = step.event.segment
-        if np.isnan(step.path_heading_rad) or step.event.segment != self._first_segment:
+        if np.isnan(step.path_heading_rad):
             return []
         sigma = float(np.hypot(step.sigma_path_heading_rad, self._parameters.sigma_straight_rad))
         return [HeadingPrior(self._device, step.event.time_s, step.path_heading_rad, sigma, relative=True)]
@@ -92,8 +93,11 @@ class Odometry:
             if item.turn_hypotheses:
                 return [self._undecided_step(item, sigma)]
             return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
-        bridge = self._bridge(previous.event.time_s, item.start_s, item.event.mode)
-        return [bridge, self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
+        bridge = self._bridge(previous, item)
+        sigma = self._sigma_heading(item.event.time_s - item.start_s)
+        if item.turn_hypotheses:
+            return [bridge, self._undecided_step(item, sigma)]
+        return [bridge, self._step(item, 0.0, sigma)]
 
     def _extra_sigma(self, previous: Step, item: Step) -> float:
         """Compute the extra heading-change sigma (rad) from mode changes and re-orientation."""
@@ -130,21 +134,44 @@ class Odometry:
         change_rad, sigma_rad = mean_and_sigma(hypotheses)
         return replace(self._step(step, change_rad, sigma_rad), turn_hypotheses=hypotheses)
 
-    def _bridge(self, start_s: float, end_s: float, mode: CarryingMode) -> StepOdometry:
-        """Make an unobserved motion: anywhere within reach, with a heading change up to uniform."""
-        duration = max(end_s - start_s, 0.0)
-        reach = self._parameters.gap_speed_mps * duration
-        turn = min(self._parameters.gap_turn_rad_per_sqrt_s * np.sqrt(duration), SIGMA_UNIFORM_RAD)
+    def _bridge(self, previous: Step, item: Step) -> StepOdometry:
+        """Make the unobserved motion over the pauses between two steps.
+
+        Who walked before and after goes on at the same speed; who stood on one side at least may have gone anywhere
+        within reach. The turn is that of the headings, unless the step itself has possible turns. Where the pause is
+        not described, the heading has another zero after it.
+        """
+        p = self._parameters
+        start_s, end_s = previous.event.time_s, max(item.start_s, previous.event.time_s)
+        pause_s = sum(min(hole.duration_s, end_s - start_s) for hole in item.holes) if item.holes else end_s - start_s
+        length_m, sigma_m = 0.0, p.gap_speed_mps * pause_s
+        if _walks_on(previous, item) and pause_s < _SHORT_PAUSE_S:
+            speed_mps = previous.length_m / max(previous.event.time_s - previous.start_s, _LEAST_STEP_S)
+            length_m = speed_mps * (end_s - start_s)
+            sigma_m = p.sigma_gap_length * length_m
+        turn_rad, sigma_turn_rad = 0.0, SIGMA_UNIFORM_RAD
+        if item.holes:
+            turn_rad = 0.0 if item.turn_hypotheses else float(wrap_angle(item.heading_rad - previous.heading_rad))
+            sigma_turn_rad = max(self._sigma_heading(end_s - start_s, item.sigma_turn_rad), 1e-3)
         return StepOdometry(
             device=self._device,
             time_s=end_s,
             start_s=start_s,
-            length_m=0.0,
-            heading_change_rad=0.0,
-            covariance=np.diag([max(reach, 1e-3) ** 2, max(reach, 1e-3) ** 2, max(turn, 1e-3) ** 2]),
-            mode=mode,
+            length_m=length_m,
+            heading_change_rad=turn_rad,
+            covariance=np.diag([max(sigma_m, 1e-3) ** 2, max(sigma_m, 1e-3) ** 2, sigma_turn_rad**2]),
+            mode=item.event.mode,
             observed=False,
         )
+
+
+def _walks_on(previous: Step, item: Step) -> bool:
+    """Return True for steps so near to the pause between them that the walker walks on both sides of it."""
+    if not item.holes or not all(hole.duration_known for hole in item.holes):
+        return False
+    before_s = item.holes[0].start_s - previous.event.time_s
+    after_s = item.start_s - item.holes[-1].end_s
+    return before_s < _WALKING_S and after_s < _WALKING_S
 
 
 def step_covariance(

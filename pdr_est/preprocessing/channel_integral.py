@@ -154,6 +154,10 @@ class ChannelIntegral:
         inside = 0 < i < len(self.time_s) and self.time_s[i] - self.time_s[i - 1] > self._longest_s
         return float(self.time_s[i]) if inside else time_s
 
+    def restarted_between(self, start_s: float, end_s: float) -> bool:
+        """Return True if the clock of the channel restarted between two times."""
+        return any(start_s <= time_s <= end_s for time_s in self._restarts_s)
+
     def record_missing_ends(self, first_s: float, last_s: float) -> None:
         """List as gaps what this channel missed between the first and the last sample of any channel, s."""
         own_last_s = float(self.time_s[-1])

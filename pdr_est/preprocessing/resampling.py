@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.params import Positive, params
 from pdr_est.preprocessing.channel_integral import ChannelIntegral
-from pdr_est.types.sensors import Channel, Gap, ImuBlock, SensorBlock
+from pdr_est.types.sensors import Channel, Gap, Hole, ImuBlock, SensorBlock
 
 _OPTIONAL_LAG_S = 2.0  # how far an optional channel may lag behind the others
 _MAX_POINTS = 1 << 16  # evaluated at once, which bounds the memory that a jump of the clock can ask for
@@ -66,6 +66,7 @@ class Resampler:
         self._next_index = 0
         self._segment = 0
         self._in_gap = False
+        self._last_s: float | None = None  # time of the last grid value
 
     @property
     def latency_s(self) -> float:
@@ -170,9 +171,12 @@ class Resampler:
             if not observed[start]:
                 self._in_gap = True
                 continue
+            hole = None
             if self._in_gap:
                 self._segment += 1
                 self._in_gap = False
+                hole = self._hole_before(float(time[start]))
+            self._last_s = float(time[stop - 1])
             blocks.append(
                 ImuBlock(
                     first_index=self._next_index + int(start),
@@ -182,10 +186,19 @@ class Resampler:
                     rotation_rate_radps=_rows(means.get(Channel.ROTATION_RATE), start, stop),
                     attitude=_unit_quaternions(means.get(Channel.ATTITUDE), start, stop),
                     magnetic_field_ut=_rows(means.get(Channel.MAGNETIC_FIELD), start, stop),
+                    hole=hole,
                 )
             )
         self._next_index += len(observed)
         return blocks
+
+    def _hole_before(self, time_s: float) -> Hole | None:
+        """Describe the pause before the first grid value of a segment; None if there was none before it."""
+        last_s = self._last_s
+        if last_s is None:
+            return None
+        restarted = any(channel.restarted_between(last_s, time_s) for channel in self._inputs.values())
+        return Hole(last_s, time_s, duration_known=not restarted)
 
 
 def _rows(values: Array | None, start: int, stop: int) -> Array | None:

@@ -23,7 +23,8 @@ def slice_block(block: Block, start: int, stop: int) -> Block:
     }
     if isinstance(block, SensorBlock):
         return replace(block, **own)
-    return replace(block, first_index=block.first_index + start, **own)
+    hole = block.hole if start == 0 else None
+    return replace(block, first_index=block.first_index + start, hole=hole, **own)
 
 
 def cut_block(block: Block, rng: np.random.Generator, pieces: int) -> list[Block]:

@@ -86,6 +86,28 @@ class Gap:
 
 
 @dataclass(frozen=True)
+class Hole:
+    """A pause between two segments on the working grid.
+
+    Attributes
+    ----------
+    start_s, end_s
+        Last sample before and first sample after it, s.
+    duration_known
+        False where the clock restarted, so that nobody knows how long the pause was.
+    """
+
+    start_s: float
+    end_s: float
+    duration_known: bool = True
+
+    @property
+    def duration_s(self) -> float:
+        """Return the duration, s; infinite where it is not known."""
+        return self.end_s - self.start_s if self.duration_known else float("inf")
+
+
+@dataclass(frozen=True)
 class ImuBlock:
     """Consecutive samples on the uniform working grid, all of one segment (no gap inside).
 
@@ -106,6 +128,8 @@ class ImuBlock:
         attitude is not used.
     magnetic_field_ut
         (n, 3) µT, NaN where it was not recorded; None where no stage needs it.
+    hole
+        The pause before the first sample, where a segment after another one begins; else None.
     """
 
     first_index: int
@@ -115,6 +139,7 @@ class ImuBlock:
     rotation_rate_radps: Array | None
     attitude: Array | None = None
     magnetic_field_ut: Array | None = None
+    hole: Hole | None = None
 
 
 @dataclass(frozen=True)
@@ -123,7 +148,7 @@ class LevelBlock:
 
     Attributes
     ----------
-    first_index, segment
+    first_index, segment, hole
         As in `ImuBlock`.
     time_s
         (n,) s.
@@ -134,7 +159,7 @@ class LevelBlock:
     vertical_mps2
         (n,) m/s², upward component of the acceleration.
     yaw_rad
-        (n,) rad, rotation about the vertical, wrapped, with an arbitrary zero in each segment.
+        (n,) rad, rotation about the vertical, wrapped, with an arbitrary zero; carried over pauses.
     rotation_rate_radps
         (n, 3) rad/s, device axes, corrected by the gyroscope bias that the attitude filter estimates.
     turn_rate_radps
@@ -163,6 +188,7 @@ class LevelBlock:
     mode_probability: Array
     magnetic_field_ut: Array | None = None
     recorded_yaw_rad: Array | None = None
+    hole: Hole | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)

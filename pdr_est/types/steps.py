@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import IntEnum
 
-from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.sensors import Hole, LevelBlock
 
 
 class CarryingMode(IntEnum):
@@ -108,7 +108,9 @@ class Step:
     length_m
         Step length, m.
     heading_rad
-        Heading of the step, rad, with an arbitrary zero in each segment.
+        Heading of the step, rad, with an arbitrary zero.
+    holes
+        Pauses of the recording since the previous step.
     sigma_turn_rad
         Standard deviation of the heading change since the previous step, rad, in addition to the noise that every
         step has.
@@ -147,6 +149,7 @@ class Step:
     gait_probability: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))
     sigma_length_m: float = float("nan")
     recorded_share: float = 1.0
+    holes: tuple[Hole, ...] = ()
 
     @property
     def time_s(self) -> float:

@@ -12,7 +12,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, wrap_angle
 from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, DeviceAttitude, VqfAttitude
 from pdr_est.simulate import NO_SENSOR_ERRORS, SensorParams, SimulatedWalk
-from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.sensors import Hole, LevelBlock
 from pdr_est.types.steps import CarryingMode
 
 ALONG_THE_AXES = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
@@ -199,3 +199,29 @@ def test_the_yaw_follows_the_walker_around_the_corner() -> None:
         yaw, time_s = joined(blocks, "yaw_rad"), joined(blocks, "time_s")
         first, last = (float(np.mean(yaw[(time_s > a) & (time_s < a + 1.0)])) for a in (1.0, walk.steps.end_s - 1.5))
         assert np.rad2deg(wrap_angle(last - first)) == pytest.approx(90.0, abs=6.0)
+
+
+@pytest.mark.parametrize(
+    ("pause_s", "most_deg"),
+    [((3.0, 3.8), 15.0), ((9.5, 11.0), 6.0), ((8.6, 11.6), 6.0)],
+    ids=["walks", "short", "long"],
+)
+def test_the_yaw_goes_on_over_a_pause(pause_s: tuple[float, float], most_deg: float) -> None:
+    """Walking, and standing; the yaw by the device knows what happened in the pause."""
+    by_vqf, by_device = both_ways(corner_walk(sensors=replace(STEADY_CLOCK, gaps_s=(pause_s,))))
+    (resumed,) = (block for block in by_vqf if block.hole is not None)
+    assert (resumed.hole.start_s, resumed.hole.end_s) == pytest.approx(pause_s, abs=0.05)
+    yaw = np.unwrap(wrap_angle(joined(by_vqf, "yaw_rad") - joined(by_device, "yaw_rad")))
+    after = joined(by_vqf, "time_s") > pause_s[1]
+    change = np.mean(yaw[after][:50]) - np.mean(yaw[~after][-50:])
+    assert np.rad2deg(np.abs(change)) < most_deg
+
+
+def test_the_bias_of_the_gyroscope_is_kept_over_a_pause() -> None:
+    bias = np.array([0.004, -0.003, 0.005])
+    stage = vqf()
+    still = imu(still_force(np.array([0.0, 0.0, 1.0]), 1500), np.tile(bias, (1500, 1)))
+    later = imu(still_force(np.array([0.0, 0.6, 0.8]), 200), np.tile(bias, (200, 1)), segment=1, first_index=5000)
+    stage.push(still)
+    (block,) = stage.push(replace(later, hole=Hole(30.0, 100.0)))
+    np.testing.assert_allclose(block.rotation_rate_radps[0], 0.0, atol=1e-4)

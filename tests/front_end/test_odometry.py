@@ -8,6 +8,7 @@ from signals import run, step
 
 from pdr_est.front_end.odometry import Odometry, OdometryParams, step_covariance
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
+from pdr_est.types.sensors import Hole
 from pdr_est.types.steps import CarryingMode, Step, TurnHypothesis
 
 PARAMETERS = OdometryParams(
@@ -15,7 +16,7 @@ PARAMETERS = OdometryParams(
     sigma_direction_rad=0.2,
     sigma_heading_rad_per_sqrt_s=0.05,
     gap_speed_mps=1.5,
-    gap_turn_rad_per_sqrt_s=0.8,
+    sigma_gap_length=0.25,
 )
 
 TURNED, TURNED_MORE = step(1.0, 0.4, heading_rad=0.2), step(1.5, 1.0, heading_rad=1.5)
@@ -88,14 +89,46 @@ def test_a_gap_is_bridged_by_an_unobserved_walk() -> None:
     _, bridge, resumed = odometry_of(before, after)
     assert (bridge.start_s, bridge.time_s, bridge.observed) == (1.0, 3.4, False)
     assert (bridge.length_m, bridge.heading_change_rad) == (0.0, 0.0)
-    reach, turn = 1.5 * 2.4, 0.8 * np.sqrt(2.4)
+    reach, turn = 1.5 * 2.4, np.pi / np.sqrt(3.0)
     np.testing.assert_allclose(bridge.covariance, np.diag([reach**2, reach**2, turn**2]))
     # the new segment's yaw has a zero of its own: no heading change across the gap
     assert (resumed.heading_change_rad, resumed.start_s, resumed.time_s, resumed.observed) == (0.0, 3.4, 4.0, True)
     np.testing.assert_allclose(resumed.covariance, step_covariance(0.7, 0.07, 0.2, 0.05 * np.sqrt(0.6)))
 
 
-def test_after_a_long_gap_the_heading_is_anything() -> None:
+def across(hole: Hole, after: Step, sigma_turn_rad: float = 0.2) -> Step:
+    return replace(after, holes=(hole,), sigma_turn_rad=sigma_turn_rad)
+
+
+def test_who_walks_on_over_a_short_pause_goes_the_way_of_that_time() -> None:
+    """From 1.0 s to 2.4 s at 1.2 m/s, turned as the headings tell, with the doubt of the pause."""
+    before = step(1.0, 0.5, length_m=0.6, heading_rad=0.3)
+    after = across(Hole(1.3, 2.1), step(2.9, 2.4, heading_rad=0.8, segment=1))
+    _, bridge, walked = odometry_of(before, after)
+    assert (bridge.start_s, bridge.time_s, bridge.observed) == (1.0, 2.4, False)
+    assert bridge.length_m == pytest.approx(1.2 * 1.4)
+    assert bridge.heading_change_rad == pytest.approx(0.5)
+    assert walked.heading_change_rad == 0.0
+    sigma_m, sigma_rad = 0.25 * bridge.length_m, np.hypot(0.2, 0.05 * np.sqrt(1.4))
+    np.testing.assert_allclose(bridge.covariance, np.diag([sigma_m, sigma_m, sigma_rad]) ** 2)
+
+
+def test_who_stands_moves_in_the_pause_only() -> None:
+    """Seen to stand for 30 s before and 8 s after a pause of 0.6 s."""
+    after = across(Hole(31.0, 31.6), step(40.0, 39.6, heading_rad=0.1, segment=1), 0.06)
+    _, bridge, _ = odometry_of(step(1.0, 0.5), after)
+    assert bridge.length_m == 0.0
+    assert np.sqrt(bridge.covariance[0, 0]) == pytest.approx(1.5 * 0.6)
+    assert bridge.heading_change_rad == pytest.approx(0.1)
+
+
+def test_a_pause_of_unknown_duration_lasts_for_the_whole_time_between_the_steps() -> None:
+    after = across(Hole(1.2, 2.2, duration_known=False), step(3.0, 2.5, segment=1), np.pi / np.sqrt(3.0))
+    _, bridge, _ = odometry_of(step(1.0, 0.5), after)
+    assert np.sqrt(bridge.covariance[0, 0]) == pytest.approx(1.5 * 1.5)
+
+
+def test_after_a_pause_that_nobody_describes_the_heading_is_anything() -> None:
     _, bridge, _ = odometry_of(step(1.0, 0.4), step(3600.0, 3599.4, segment=1))
     assert np.sqrt(bridge.covariance[2, 2]) == pytest.approx(np.pi / np.sqrt(3.0))
     assert np.sqrt(bridge.covariance[0, 0]) == pytest.approx(1.5 * 3598.4)
@@ -103,7 +136,7 @@ def test_after_a_long_gap_the_heading_is_anything() -> None:
 
 def test_a_bridge_of_no_time_is_regular() -> None:
     _, bridge, _ = odometry_of(step(1.0, 0.4), step(1.5, 1.0, segment=1))
-    np.testing.assert_allclose(bridge.covariance, 1e-6 * np.eye(3))
+    np.testing.assert_allclose(np.diag(bridge.covariance), [1e-6, 1e-6, np.pi**2 / 3.0])
 
 
 def test_headings_of_a_segment_compare_among_themselves() -> None:
@@ -143,14 +176,12 @@ def test_the_sigmas_of_a_mode_change_and_of_the_heading_stage_add_up() -> None:
     np.testing.assert_allclose(second.covariance, step_covariance(0.7, 0.07, 0.2, sigma))
 
 
-def test_a_step_on_a_straight_path_is_followed_by_a_heading_prior_in_the_first_segment_only() -> None:
+def test_a_step_on_a_straight_path_is_followed_by_a_heading_prior() -> None:
     def on_path(found: Step) -> Step:
         return replace(found, path_heading_rad=0.25, sigma_path_heading_rad=0.08)
 
     parameters = OdometryParams(sigma_straight_rad=0.15)
-    found = odometry_of(
-        step(1.0, 0.4), on_path(TURNED_MORE), on_path(step(4.0, 3.4, segment=1)), parameters=parameters
-    )
+    found = odometry_of(step(1.0, 0.4), on_path(TURNED_MORE), parameters=parameters)
     priors = [item for item in found if isinstance(item, HeadingPrior)]
     assert priors == [HeadingPrior("left", 1.5, 0.25, pytest.approx(0.17), relative=True)]  # type: ignore[arg-type]
     assert isinstance(found[found.index(priors[0]) - 1], StepOdometry)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pdr_est.frames import Array
 from pdr_est.preprocessing.resampling import ResampleParams, Resampler
-from pdr_est.types.sensors import Channel, ImuBlock, SensorBlock
+from pdr_est.types.sensors import Channel, Hole, ImuBlock, SensorBlock
 
 FORCE, RATE, ATTITUDE = Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE, Channel.ATTITUDE
 PERIOD_S = 0.02
@@ -121,6 +121,7 @@ def test_a_longer_pause_begins_a_segment_and_is_listed() -> None:
     assert blocks[0].time_s[-1] + PERIOD_S / 2 <= 2.0
     assert blocks[1].time_s[0] - PERIOD_S / 2 >= 2.51
     assert blocks[1].time_s[0] - 2.51 < 1.5 * PERIOD_S
+    assert [block.hole for block in blocks] == [None, Hole(blocks[0].time_s[-1], blocks[1].time_s[0])]
     for block in blocks:  # nothing of the pause is mixed in
         np.testing.assert_allclose(block.specific_force_mps2[:, 0], block.time_s, atol=1e-10)
 
@@ -200,6 +201,8 @@ def test_a_restarted_clock_begins_a_segment_one_second_later() -> None:
     assert [block.segment for block in blocks] == [0, 1]
     assert [(gap.start_s, gap.end_s) for gap in resampler.gaps] == [(7.0, 8.0)] * 2
     assert resampler.gaps[0].reason == "clock reset by -7.000 s"
+    assert blocks[1].hole is not None
+    assert not blocks[1].hole.duration_known
     assert resampler.dropped == {}
     # what was recorded at second 1 of the new clock stands at second 9 of the continued one
     np.testing.assert_allclose(blocks[1].specific_force_mps2[:, 0], blocks[1].time_s - 8.0, atol=1e-10)

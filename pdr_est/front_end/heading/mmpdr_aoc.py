@@ -12,7 +12,7 @@ training keep O_b; so do compensated steps, which were not observed.
 Readings of the paper. (1) Both steps of a pair get the orientation of the pair, so the first waits for the second.
 One that stays alone, before a standstill, a change of mode, a gap or the end, is averaged by itself. (2) Every
 transition trains again, also one that comes back to the same mode. One that comes before the training is over begins
-a new training with the same O_b. (3) The paper's walks begin HOLDING. In a segment that begins otherwise there is no
+a new training with the same O_b. (3) The paper's walks begin HOLDING. In a walk that begins otherwise there is no
 O_b, and since the zero of the headings is arbitrary the yaw is taken as it is, until the first transition. The same
 holds for a transition at the very beginning.
 
@@ -109,7 +109,12 @@ class MmpdrHeading:
         self._parameters = parameters
         self._offsets: list[TrainedOffset] = []
         self._strides = StridePairing()
-        self._begin(None)
+        self._segment: int | None = None
+        self._mode: CarryingMode | None = None
+        self._moved = False  # since the latest valid step
+        self._heading_rad: float | None = None  # of the latest valid step, which becomes O_b
+        self._offset_rad = 0.0
+        self._training: _Training | None = None
 
     @property
     def trained_offsets(self) -> tuple[TrainedOffset, ...]:
@@ -120,8 +125,7 @@ class MmpdrHeading:
         """Take the next step and return those whose heading is now known."""
         done: list[Step] = []
         if item.event.segment != self._segment:
-            done = self.flush()
-            self._begin(item.event.segment)
+            done, self._segment = self.flush(), item.event.segment
         if item.event.mode is CarryingMode.TRANS or item.event.compensated:
             return done + self.flush() + self._keep(item)
         mode = self._mode_at(item)
@@ -135,14 +139,6 @@ class MmpdrHeading:
     def flush(self) -> list[Step]:
         """Return the step that waits for the second of its pair."""
         return [step for steps in self._strides.flush() for step in self._orient(steps)]
-
-    def _begin(self, segment: int | None) -> None:
-        self._segment = segment
-        self._mode: CarryingMode | None = None
-        self._moved = False  # since the latest valid step
-        self._heading_rad: float | None = None  # of the latest valid step, which becomes O_b
-        self._offset_rad = 0.0
-        self._training: _Training | None = None
 
     def _mode_at(self, step: Step) -> CarryingMode:
         if step.event.mode is not CarryingMode.UNKNOWN:

@@ -55,26 +55,7 @@ class PostureAwareYaw:
         self._parameters = parameters
         self._axis = axis
         self._pending: Step | None = None
-        self._begin(None)
-
-    def push(self, item: Step, /) -> list[Step]:
-        """Take the next step and return the one before with its heading."""
-        done: list[Step] = []
-        if item.event.segment != self._segment:
-            done = self.flush()
-            self._begin(item.event.segment)
-        return done + self._average_pending(self._with_heading(item))
-
-    def flush(self) -> list[Step]:
-        """Return the step that waits for the next one."""
-        pending, self._pending = self._pending, None
-        if pending is None:
-            return []
-        before_rad = pending.heading_rad if self._before_pending_rad is None else self._before_pending_rad
-        return [self._stride_averaged(before_rad, pending, before_rad)]
-
-    def _begin(self, segment: int | None) -> None:
-        self._segment = segment
+        self._segment: int | None = None
         self._tracker = PlacementTracker(self._parameters)
         self._offset_rad: float | None = None  # yaw of the phone less the heading in the present place, or the last
         # Steps in that place; the deque also holds the one before the strides that count together.
@@ -85,6 +66,22 @@ class PostureAwareYaw:
         self._heading_rad = 0.0
         self._before_pending_rad: float | None = None
         self._emitted_rad: float | None = None
+
+    def push(self, item: Step, /) -> list[Step]:
+        """Take the next step and return the one before with its heading."""
+        done: list[Step] = []
+        if item.event.segment != self._segment:  # the yaw goes on, but neighbours are no pair any more
+            done, self._segment = self.flush(), item.event.segment
+            self._before_pending_rad = None
+        return done + self._average_pending(self._with_heading(item))
+
+    def flush(self) -> list[Step]:
+        """Return the step that waits for the next one."""
+        pending, self._pending = self._pending, None
+        if pending is None:
+            return []
+        before_rad = pending.heading_rad if self._before_pending_rad is None else self._before_pending_rad
+        return [self._stride_averaged(before_rad, pending, before_rad)]
 
     def _with_heading(self, step: Step) -> Step:
         """Give the step its heading, not yet averaged, and continuous within a segment instead of wrapped."""

@@ -79,8 +79,8 @@ class PspHeading:
         self._gyro_rad = 0.0
 
     def _stride(self, steps: Sequence[Step]) -> list[Step]:
-        if steps[0].event.segment != self._segment:
-            self._begin(steps[0].event.segment)
+        if steps[0].event.segment != self._segment:  # a pause in which nothing is known of the turn
+            self._segment, self._before_rad = steps[0].event.segment, self._latest_rad
         increment_rad = y_turn_rad(steps, self._rate_hz)
         duration_s = sum(len(step.samples) for step in steps) / self._rate_hz
         turn, compensation_rad = self._compensation(duration_s)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pdr_est.types.sensors import LevelBlock
 
-_COLUMNS = tuple(field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment"))
+_COLUMNS = tuple(field.name for field in fields(LevelBlock) if field.name not in ("first_index", "segment", "hole"))
 _columns_of = attrgetter(*_COLUMNS)
 
 
@@ -25,7 +25,8 @@ def join(blocks: Sequence[LevelBlock]) -> LevelBlock:
     if len(blocks) == 1:
         return blocks[0]
     columns = map(_joined, zip(*map(_columns_of, blocks), strict=True))
-    return LevelBlock(blocks[0].first_index, blocks[0].segment, **dict(zip(_COLUMNS, columns, strict=True)))
+    first = blocks[0]
+    return LevelBlock(first.first_index, first.segment, hole=first.hole, **dict(zip(_COLUMNS, columns, strict=True)))
 
 
 def _joined(columns: Sequence[NDArray[Any] | None]) -> Any:
@@ -62,4 +63,5 @@ def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
     """
     whole = zip(_COLUMNS, _columns_of(block), strict=True)
     columns: dict[str, Any] = {name: None if column is None else column[start:stop] for name, column in whole}
-    return LevelBlock(first_index=block.first_index + start, segment=block.segment, **columns)
+    hole = block.hole if start == 0 else None
+    return LevelBlock(first_index=block.first_index + start, segment=block.segment, hole=hole, **columns)

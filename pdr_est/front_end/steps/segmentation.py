@@ -6,12 +6,15 @@ III-D).
 
 import numpy as np
 
+from pdr_est.frames import SIGMA_UNIFORM_RAD
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.front_end.steps.mode_transition import StepFrequency
 from pdr_est.params import Positive, params
 from pdr_est.stage import Stage
-from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.sensors import Hole, LevelBlock
 from pdr_est.types.steps import Step, StepEvent
+
+_STANDING_S = 1.0  # longer than a step takes: who made no step in it stands
 
 
 @params
@@ -22,6 +25,12 @@ class SegmentationParams:
     """Time without a step, s, after which the walker stands (MMPDR section III-C: 2 s)."""
     initial_step_s: Positive = 0.6
     """Duration, s, of the first step after a standstill, or of one that a segment begins in; ours."""
+    hole_turn_radps: Positive = 0.36
+    """Standard deviation of the heading change over a pause of the recording in which the walker goes on, over its
+    duration, rad/s, up to that of any direction. Measured by cutting pauses of 0.6 to 4 s into recorded walks.
+    """
+    standing_hole_turn_radps: Positive = 0.1
+    """The same for a walker who stands before and after the pause."""
 
 
 class StepSegmentation:
@@ -41,6 +50,9 @@ class StepSegmentation:
         self._samples: list[LevelBlock] = []  # of one segment, joined when a step needs them
         self._previous_s = -np.inf  # time of the previous step of the segment
         self._frequency = StepFrequency(parameters.standstill_s)
+        self._holes: tuple[Hole, ...] = ()  # since the last step
+        self._last_s = -np.inf  # time of the last step, whatever its segment
+        self._segment: int | None = None  # of the last step
 
     @property
     def latency_s(self) -> float:
@@ -56,6 +68,8 @@ class StepSegmentation:
         steps = [self._step(event) for event in events if event.segment != item.segment]
         if self._samples and item.segment != self._samples[-1].segment:
             self._begin_segment()
+        if item.hole is not None:
+            self._holes += (item.hole,)
         self._samples.append(item)
         steps += [self._step(event) for event in events if event.segment == item.segment]
         self._forget()
@@ -77,13 +91,29 @@ class StepSegmentation:
         stop = max(int(np.searchsorted(samples.time_s, event.time_s, side="right")), 1)
         first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
         start_s = min(max(start, float(samples.time_s[0])), event.time_s)
+        holes, self._holes = self._holes, ()
+        before_s, self._last_s = self._last_s, event.time_s
+        same = event.segment == self._segment or self._segment is None
+        self._segment = event.segment
         return Step(
             event=event,
             start_s=start_s,
             frequency_hz=self._frequency_at(event),
             samples=part(samples, first, stop),
+            holes=holes,
+            sigma_turn_rad=self._turn_over(holes, before_s, start_s) if same or holes else SIGMA_UNIFORM_RAD,
             recorded_share=(event.time_s - start_s) / (event.time_s - start) if start < start_s else 1.0,
         )
+
+    def _turn_over(self, holes: tuple[Hole, ...], before_s: float, start_s: float) -> float:
+        """Compute the standard deviation of the heading change, rad, over pauses between two steps."""
+        if not holes:
+            return 0.0
+        p = self._parameters
+        stands = min(holes[0].start_s - before_s, start_s - holes[-1].end_s) > _STANDING_S
+        per_s = p.standing_hole_turn_radps if stands else p.hole_turn_radps
+        squares = [min(per_s * hole.duration_s, SIGMA_UNIFORM_RAD) ** 2 for hole in holes]
+        return float(min(np.sqrt(sum(squares)), SIGMA_UNIFORM_RAD))
 
     def _frequency_at(self, event: StepEvent) -> float:
         """Return the step frequency, Hz, with this event; 0 for the first one after a standstill."""

@@ -58,7 +58,7 @@ def test_a_biased_gyroscope_is_found_in_a_building(seed: int, rate_deg_per_s: fl
 
 
 def test_directions_are_not_told_from_headings_that_drift_too_much() -> None:
-    """By 8 degrees a second: any building would fit."""
+    """By 8 degrees within a second: any building would fit."""
     walks = [np.random.default_rng(seed) for seed in SEEDS]
     found = [found_in(unsteady(random_legs(rng, 90.0, 9), rng, 0.15))[1] for rng in walks]
     assert all(one.drift_per_sqrt_s < 0.02 for one in found)

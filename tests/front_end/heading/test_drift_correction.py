@@ -11,6 +11,7 @@ from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading import HeadingParams, WholeWalkHeading, whole_walk_stage
 from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
+from pdr_est.types.sensors import Hole
 from pdr_est.types.steps import Step
 
 PARAMETERS = DominantParams()
@@ -90,21 +91,18 @@ def test_nothing_and_few_steps(as_priors: bool) -> None:
     assert run(WholeWalkHeading(PARAMETERS, as_priors), few) == few
 
 
-def test_segments_are_looked_at_one_by_one() -> None:
-    """After a gap the zero of the headings is another one; what was found is that of the first segment."""
-    other = [
-        replace(step, event=replace(step.event, segment=1, time_s=step.event.time_s + 200.0))
-        for step in with_headings(wrap_angle(park(np.random.default_rng(1), 200)))
-    ]
-    stage = WholeWalkHeading(PARAMETERS, as_priors=True)
-    found = run(stage, [*with_headings(drifting()), *other])
-    alone = run(WholeWalkHeading(PARAMETERS, as_priors=True), with_headings(drifting()))
-    assert [step.path_heading_rad for step in found[: len(alone)]] == pytest.approx(
-        [step.path_heading_rad for step in alone], nan_ok=True
-    )
-    assert found[len(alone) :] == other
-    assert stage.directions is not None
-    assert stage.directions.used
+@pytest.mark.parametrize(("sigma_turn_rad", "goes_on"), [(0.1, True), (1.8, False)])
+def test_directions_go_on_after_a_pause_whose_turn_is_known(sigma_turn_rad: float, goes_on: bool) -> None:
+    """Of parts of a walk whose angle is not known the longest one has the priors."""
+    steps = with_headings(drifting())
+    half = len(steps) // 2 + 15
+    pause = Hole(steps[half - 1].event.time_s, steps[half].event.time_s)
+    steps[half] = replace(steps[half], holes=(pause,), sigma_turn_rad=sigma_turn_rad)
+    found = run(WholeWalkHeading(PARAMETERS, as_priors=True), steps)
+    known = np.isfinite([step.path_heading_rad for step in found])
+    assert known[:half].mean() > 0.8
+    assert (known[half:].mean() > 0.8) == goes_on
+    assert known[half:].any() == goes_on
 
 
 def test_only_the_default_method_has_hindsight() -> None:

@@ -204,13 +204,19 @@ def test_a_phone_taken_out_again_may_have_the_offset_that_it_had() -> None:
     assert sum(one.probability for one in likely) > 0.2
 
 
-def test_a_new_segment_begins_anew() -> None:
+def test_over_a_pause_the_yaw_goes_on_and_steps_are_no_neighbours() -> None:
     steps = [carried(number, 20.0) for number in range(6)]
-    steps += [carried(number, 70.0, UPRIGHT, segment=1) for number in range(8, 14)]
+    steps += [carried(number, 70.0, segment=1) for number in range(8, 14)]
     found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)
-    alone = run(PostureAwareYaw(PARAMETERS, AXIS), steps[6:])
-    assert [step.heading_rad for step in found[6:]] == [step.heading_rad for step in alone]
+    assert np.rad2deg([step.heading_rad for step in found]) == pytest.approx([20.0] * 6 + [70.0] * 6)
     assert not any(step.turn_hypotheses for step in found)
+
+
+def test_a_phone_put_elsewhere_in_a_pause_has_possible_turns() -> None:
+    steps = [carried(number, 20.0) for number in range(6)]
+    steps += [carried(number, 70.0, UPRIGHT, segment=1) for number in range(8, 20)]
+    found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)
+    assert sum(bool(step.turn_hypotheses) for step in found) == 1
 
 
 def test_a_step_waits_for_the_next_one() -> None:

@@ -1,7 +1,7 @@
 """From events to steps: frequency, beginning, and which samples belong to a step."""
 
 import pickle
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from pdr_est.front_end.signal.blocks import part
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
-from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.sensors import Hole, LevelBlock
 from pdr_est.types.steps import CarryingMode, Step, StepEvent
 
 DELAY_S = 0.1
@@ -191,3 +191,30 @@ def test_a_crest_held_back_at_a_gap_does_not_reach_the_next_segment() -> None:
     singly = run(StepSegmentation(BandpassPeakDetector(RATE_HZ, AutoStepParams()), SegmentationParams()), pieces)
     assert [found.event for found in singly] == [found.event for found in whole]
     assert [found.frequency_hz for found in singly] == [found.frequency_hz for found in whole]
+
+
+def over_a_pause(hole: Hole, *events: tuple[float, int]) -> list[Step]:
+    """Steps of events (time, segment) around a pause."""
+    first = level(np.zeros(round(hole.start_s * RATE_HZ)))
+    second = replace(level(np.zeros(300)), segment=1, time_s=hole.end_s + np.arange(300) / RATE_HZ, hole=hole)
+    return run(StepSegmentation(Script(list(events)), SegmentationParams()), [first, second])
+
+
+@pytest.mark.parametrize(
+    ("hole", "sigma_rad"),
+    [
+        (Hole(4.0, 5.0), 0.36),
+        (Hole(8.0, 9.0), 0.1),
+        (Hole(8.0, 8.7), 0.07),
+        (Hole(8.0, 108.0), np.pi / np.sqrt(3.0)),
+        (Hole(8.0, 9.0, duration_known=False), np.pi / np.sqrt(3.0)),
+    ],
+    ids=["walking", "standing", "short", "long", "unknown"],
+)
+def test_the_first_step_after_a_pause_knows_it_and_its_doubt(hole: Hole, sigma_rad: float) -> None:
+    """The walker makes the last step before it at 3.5 s."""
+    after_s = 0.5 if hole.start_s == 4.0 else 3.0
+    events = [(3.0, 0), (3.5, 0), (hole.end_s + after_s, 1), (hole.end_s + after_s + 0.5, 1)]
+    steps = over_a_pause(hole, *events)
+    assert [step.holes for step in steps] == [(), (), (hole,), ()]
+    assert [step.sigma_turn_rad for step in steps] == pytest.approx([0.0, 0.0, sigma_rad, 0.0])

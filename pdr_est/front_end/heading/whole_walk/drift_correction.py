@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import groupby
+from math import erf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ class WholeWalkHeading:
     """Stage Step -> Step that corrects the headings when the whole walk is known.
 
     The turns while the phone was put elsewhere are estimated again, from all strides in each place and from the
-    directions of the building; then the headings are corrected by these directions, if the building has some. Each
-    segment of the recording is treated by itself.
+    directions of the building; then the headings are corrected by these directions, if the building has some.
 
     Parameters
     ----------
@@ -42,7 +41,7 @@ class WholeWalkHeading:
     Attributes
     ----------
     directions : DominantDirections or None
-        Dominant directions of the first segment with straight legs.
+        Dominant directions, if the walk has straight legs.
     """
 
     latency_s = float("inf")  # the end of the recording
@@ -64,8 +63,7 @@ class WholeWalkHeading:
     def flush(self) -> list[Step]:
         """Return all steps, corrected."""
         steps, self._steps = self._steps, []
-        segments = groupby(steps, key=lambda step: step.event.segment)
-        return [step for _, segment in segments for step in self._correct(list(segment))]
+        return self._correct(steps) if steps else []
 
     def _with_turns(self, steps: list[Step]) -> list[Step]:
         """Estimate the turns while the phone was put elsewhere from all steps and the directions of the building."""
@@ -90,9 +88,7 @@ class WholeWalkHeading:
     def _correct(self, found: list[Step]) -> list[Step]:
         steps = self._with_turns(found)
         sections = straight_leg_sections(steps, self._parameters.straight)
-        directions = dominant_directions(sections, self._parameters)
-        if self.directions is None:
-            self.directions = directions
+        self.directions = directions = dominant_directions(sections, self._parameters)
         if directions is None or not directions.used:
             return steps
         steps = _without_rate(steps, directions.rate_radps)
@@ -119,12 +115,14 @@ def _with_priors(steps: Sequence[Step], sections: LegSections, directions: Domin
 
 def _decided_runs(steps: Sequence[Step], spacing_rad: float) -> NDArray[np.int64]:
     """Count at each step (n,) the turns so far that may be wrong by an angle between directions."""
-    undecided = [bool(step.turn_hypotheses) and _nearest(step, 0.5 * spacing_rad) < _DECIDED for step in steps]
+    undecided = [_nearest(step, 0.5 * spacing_rad) < _DECIDED for step in steps]
     return np.cumsum(undecided)
 
 
 def _nearest(step: Step, within_rad: float) -> float:
     """Compute the probability that the turn of a step is within an angle of its most probable one."""
+    if not step.turn_hypotheses:
+        return erf(within_rad / (sqrt(2.0) * step.sigma_turn_rad)) if step.sigma_turn_rad else 1.0
     first = step.turn_hypotheses[0].heading_change_rad
     near = [one for one in step.turn_hypotheses if abs(wrap_angle(one.heading_change_rad - first)) < within_rad]
     return sum(one.probability for one in near)

@@ -95,12 +95,12 @@ Refine = Callable[[int, TurnEstimate], TurnEstimate]
 def placed_walk(
     steps: Sequence[Step], parameters: AutoHeadingParams, refine: Refine = lambda _, turn: turn
 ) -> PlacedWalk | None:
-    """Find the places of the phone over the steps of a segment and the turns between them; None for one place only.
+    """Find the places of the phone over the steps of a walk and the turns between them; None for one place only.
 
     Parameters
     ----------
     steps : sequence of Step
-        All steps of the segment.
+        All steps of the walk.
     parameters : AutoHeadingParams
         Parameters.
     refine : callable

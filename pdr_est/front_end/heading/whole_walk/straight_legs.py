@@ -59,11 +59,11 @@ class LegSections:
 
 
 def straight_leg_sections(steps: Sequence[Step], parameters: StraightLegParams) -> LegSections:
-    """Find the sections of the straight legs of some steps, which lie in one segment of the recording."""
+    """Find the sections of the straight legs of some steps."""
     time_s = np.array([step.event.time_s for step in steps])
     heading = _stride_averages(np.unwrap([step.heading_rad for step in steps]))
     variance = np.cumsum([step.sigma_turn_rad**2 + _spread(step) ** 2 for step in steps])
-    moved = np.flatnonzero([bool(step.turn_hypotheses) for step in steps])
+    moved = np.flatnonzero([bool(step.turn_hypotheses or step.holes) for step in steps])
     rows = [
         (number, first, last)
         for number, (begin, end) in enumerate(_straight_legs(heading, moved, parameters))
@@ -102,7 +102,8 @@ def _spread(step: Step) -> float:
 def _straight_legs(heading: Array, moved: NDArray[np.int64], parameters: StraightLegParams) -> list[tuple[int, int]]:
     """Find the runs of steps, from and to (exclusive), in which the heading changes slowly.
 
-    None goes on beyond a step before which the phone was put elsewhere, whose numbers are `moved`.
+    None goes on beyond a step before which the phone was put elsewhere or the recording paused, whose numbers are
+    `moved`.
     """
     count = len(heading)
     index = np.arange(count)
