@@ -13,6 +13,7 @@ from cli_runs import PROGRAM, interrupt, refused, run
 ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 LENGTH_MODELS = ["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
 DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
+DETECTORS += ["magnitude-peaks"]
 METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
     *("error_start_m", "heading_start_error_deg", "coverage95_start"),
@@ -150,7 +151,7 @@ def test_ctrl_c_ends_all_processes(data: Path, tmp_path: Path) -> None:
             ("ilc20", "--estimator", "kalman"),
             r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', .* 'fixed-lag', 'all'",
         ),
-        (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'zero-crossing', 'all'"),
+        (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'magnitude-peaks', 'all'"),
         (
             ("ilc20", "--detector", "all", "--estimator", "all"),
             r"--estimator all and --detector all: only one setting is compared at a time: name one value",
