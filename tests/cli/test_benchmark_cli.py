@@ -117,6 +117,13 @@ def test_one_estimator_and_a_limit(data: Path, tmp_path: Path) -> None:
     assert document["skipped"] == [{"walk": "site1/F1/a", "reason": NO_NORTH}]
 
 
+def test_turned_axes_of_the_device_are_told_in_the_document(data: Path, tmp_path: Path) -> None:
+    document, _ = scored(tmp_path, "ilc20", "--data", data, "--limit", 1, "--turn-device", "z90")
+    assert document["turn-device"] == "z90"
+    assert document["summary"]["ate_rigid_m"]["mean"] < 1.5
+    assert "'up' is unknown: give x90" in refused("benchmark", "ilc20", "--data", data, "--turn-device", "up")
+
+
 def test_a_configuration_changes_the_numbers(data: Path, tmp_path: Path) -> None:
     config = tmp_path / "config.yaml"
     config.write_text("step_length: {model: static}\nestimator: {name: dead-reckoning}\n", encoding="utf-8")

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.number_table import read_table
 from pdr_est.types.ground_truth import TrueModes, TruePositions, TrueSteps, Truth
@@ -102,7 +103,7 @@ def _positions(recording: Path, described: Mapping[str, Any], described_in: str)
     return TruePositions(time_s, rows[:, 1:], sigma_m, source_name)
 
 
-def _step_ends_s(described: Mapping[str, Any], place: str) -> np.ndarray | None:
+def _step_ends_s(described: Mapping[str, Any], place: str) -> Array | None:
     ends = described.get("step_ends_s")
     if ends is None:
         return None
