@@ -1,5 +1,6 @@
 """Turned device axes: gravity and rotation move together, and the attitude still points where it did."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import up_in_device
 from pdr_est.preprocessing.turned_device import rotation_named, turn_devices
 from pdr_est.simulate import preset, simulate_walk
-from pdr_est.types.recording import Recording
+from pdr_est.types.recording import Recording, Signal
 
 
 @cache
@@ -38,9 +39,10 @@ def test_all_signals_turn_together(name: str) -> None:
 @pytest.mark.parametrize("name", ["x90", "random:3"])
 def test_up_by_the_attitude_turns_with_the_axes(name: str) -> None:
     attitude = Rotation.random(50, random_state=1).as_quat()[:, [3, 0, 1, 2]]
-    attitude[7] = np.nan
-    recording = Recording.from_arrays(np.arange(50) / 50.0, np.tile([0.0, 0.0, 9.8], (50, 1)), attitude=attitude)
-    turned = turn_devices(recording, rotation_named(name)).devices[0].attitude
+    unusable = attitude.copy()
+    unusable[7] = np.nan
+    device = replace(walked().devices[0], attitude=Signal(np.arange(50) / 50.0, unusable))
+    turned = turn_devices(replace(walked(), devices=(device,)), rotation_named(name)).devices[0].attitude
     assert turned is not None
     kept = np.arange(50) != 7
     expected = rotation_named(name).apply(up_in_device(attitude[kept]))
