@@ -1,4 +1,4 @@
-"""Run the benchmark suites with all estimators, detectors, length models or headings.
+"""Run the benchmark suites with all estimators, detectors, length models, headings or front ends.
 
 Writes experiments/results/ and the table of the README and of docs/accuracy.md.
 
@@ -23,9 +23,11 @@ PAGES = tuple(Path(__file__).parents[1] / page for page in ("README.md", "docs/a
 MARK = "<!-- benchmark -->"
 # What the suites compare, one document for each. The others compare estimators only.
 COMPARED = {
-    "ilc20": ("estimator", "heading"),
-    "oxiod": ("estimator", "heading"),
-    "phone-gps": ("estimator", "heading"),
+    "ilc20": ("estimator", "heading", "front-end"),
+    "ipin2023": ("estimator", "front-end"),
+    "oxiod": ("estimator", "heading", "front-end"),
+    "phone-gps": ("estimator", "heading", "front-end"),
+    "walks": ("front-end",),
     "oxford-steps": ("detector",),
     "weallwalk": ("estimator", "detector", "heading"),
     "known-distance": ("detector", "length-model"),
@@ -39,6 +41,10 @@ ROWS = (
     ("oxiod", "large-scale/hand", "OxIOD, office loops, hand"),
     ("oxiod", "large-scale/pocket", "OxIOD, office loops, pocket"),
     ("oxiod", "large-scale/bag", "OxIOD, office loops, bag"),
+    ("walks", "humolire", "humolire, corridors, held"),
+    ("walks", "rfbr", "rfbr, held upright"),
+    ("walks", "ridi", "RIDI, loops, hand, belt, bag and pocket"),
+    ("walks", "oxiod-vicon", "OxIOD, other users in a small room"),
 )
 
 
@@ -70,21 +76,38 @@ def record(suite: str, compared: str, data: Path, jobs: int, stem: str) -> None:
 
 
 def readme_table() -> str:
-    """Make the table of the README from the recorded results of the default estimator."""
-    lines = [
-        "| recordings | walks | ate_rigid_m median | mean | length_ratio median | error_heldout_m | coverage95 "
-        "| `pdr-est benchmark` |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for suite, group, words in ROWS:
+    """Make the table of the README from the recorded results of the default estimator.
+
+    A set stands in it, and so does the textbook chain, as soon as it is recorded.
+    """
+    recorded = [row for row in ROWS if (RESULTS / f"{row[0]}.json").is_file()]
+    with_textbook = any(textbook_mean(suite, group) for suite, group, _ in recorded)
+    headings = ["recordings", "walks", "ate_rigid_m median", "mean"]
+    headings += ["textbook chain's mean"] if with_textbook else []
+    headings += ["length_ratio median", "error_heldout_m", "coverage95", "`pdr-est benchmark`"]
+    lines = [f"| {' | '.join(headings)} |", f"|{'---|' * len(headings)}"]
+    for suite, group, words in recorded:
         result = json.loads((RESULTS / f"{suite}.json").read_text(encoding="utf-8"))
         metrics = result["summary"] if group is None else result["groups"][group]
         ate = metrics["ate_rigid_m"]
-        cells = [f"{ate['median']:.2f}", f"{ate['mean']:.2f}", f"{metrics['length_ratio']['median']:.3f}"]
+        cells = [f"{ate['median']:.2f}", f"{ate['mean']:.2f}"]
+        cells += [textbook_mean(suite, group) or "–"] if with_textbook else []
+        cells.append(f"{metrics['length_ratio']['median']:.3f}")
         for name in ("error_heldout_m", "coverage95"):
             cells.append(f"{metrics[name]['mean']:.2f}" if name in metrics else "–")
         lines.append(f"| {words} | {ate['n']} | {' | '.join(cells)} | `{suite}` |")
     return "\n".join(lines)
+
+
+def textbook_mean(suite: str, group: str | None) -> str | None:
+    """Return the mean `ate_rigid_m` of the textbook chain; None if it is not recorded."""
+    path = RESULTS / (f"{suite}.json" if COMPARED[suite][0] == "front-end" else f"{suite}-front-ends.json")
+    if not path.is_file():
+        return None
+    result = json.loads(path.read_text(encoding="utf-8"))
+    means = result["front-ends"] if group is None else result["front-end_groups"]
+    metrics = means["textbook"] if group is None else means["textbook"][group]
+    return f"{metrics['ate_rigid_m']['mean']:.2f}"
 
 
 if __name__ == "__main__":

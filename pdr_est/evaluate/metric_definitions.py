@@ -122,6 +122,13 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
             1.0,
         ),
         "step_recall": Metric("Share of the true steps that match a detected one in the same way.", 1.0),
+        "steps_missed": Metric("True steps that match no detected one, per true number, where steps are annotated."),
+        "steps_extra": Metric("Detected steps that match no true one, per true number, where steps are annotated."),
+        "speed_ratio": Metric("Length of the track per duration of the recording over the true speed.", 1.0),
+        "heading_rms_deg": Metric(
+            "Root of the mean squared difference of the directions of travel of track and truth, on legs of at least "
+            "3 m, after the best rotation of the whole track, from the sensors alone."
+        ),
         "turn_error_deg": Metric(
             "Difference of the heading change from 2 s before to 2 s after an annotated turn and its angle, median "
             "over the turns."

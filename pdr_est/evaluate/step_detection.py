@@ -11,8 +11,13 @@ import numpy as np
 from pdr_est.frames import Array
 
 STEP_METRICS = ("count_error", "step_precision", "step_recall")
+SPAN_METRICS = ("count_error", "steps_missed", "steps_extra")
 FALSE_STEPS_METRIC = "false_steps_per_min"
 TOLERANCE_S = 0.3
+ANNOTATION_PAUSE_S = 2.5
+"""Time between two annotated steps, s, from which on nothing is annotated between them: the slowest climbers take
+1.6 s for a step, and some annotations leave out where the walker stands or shuffles.
+"""
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,14 @@ class StepScore:
             "count_error": count_error(self.detected, self.true),
             "step_precision": self.matched / self.detected if self.detected else float("nan"),
             "step_recall": self.matched / self.true,
+        }
+
+    def span_values(self) -> dict[str, float]:
+        """Compute `SPAN_METRICS`: missed and extra steps are shares of the true number."""
+        return {
+            "count_error": count_error(self.detected, self.true),
+            "steps_missed": (self.true - self.matched) / self.true,
+            "steps_extra": (self.detected - self.matched) / self.true,
         }
 
 
@@ -71,6 +84,27 @@ def score_steps(detected_s: Array, true_s: Array) -> StepScore:
         matched=largest_matching(inside, true_s, TOLERANCE_S),
         offset_s=offset_s,
     )
+
+
+def score_annotated_spans(detected_s: Array, true_s: Array) -> StepScore:
+    """Count and match the steps within the annotated spans, with the tolerance at the ends of each.
+
+    A span is a sequence of true steps at most `ANNOTATION_PAUSE_S` apart.
+
+    Parameters
+    ----------
+    detected_s, true_s : ndarray
+        Times (n,) and (m,), s, in rising order, m at least 1.
+    """
+    offset_s = median_offset(detected_s, true_s)
+    shifted = detected_s - offset_s
+    pauses = np.flatnonzero(np.diff(true_s) > ANNOTATION_PAUSE_S)
+    begin_s = true_s[np.concatenate([[0], pauses + 1])] - TOLERANCE_S
+    end_s = true_s[np.concatenate([pauses, [len(true_s) - 1]])] + TOLERANCE_S
+    span = np.searchsorted(begin_s, shifted, side="right") - 1
+    inside = shifted[(span >= 0) & (shifted <= end_s[np.maximum(span, 0)])]
+    matched = largest_matching(inside, true_s, TOLERANCE_S)
+    return StepScore(true=len(true_s), detected=len(inside), matched=matched, offset_s=offset_s)
 
 
 def median_offset(detected_s: Array, true_s: Array) -> float:

@@ -15,6 +15,13 @@ from pdr_est.frames import Array
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.measurements import PositionFix
 
+POSES_APART_M = 5.0
+"""Way, m, between the poses of a dense ground truth that take the place of waypoints; every third is a fix, so that a
+track is on its own for 15 m.
+"""
+
+_DENSE_S = 1.5  # median interval; waypoints are tapped or surveyed less often
+
 
 @dataclass(frozen=True)
 class HeldOut:
@@ -30,16 +37,27 @@ class HeldOut:
         Standard deviation of the held-out points per axis, m.
     noise : Callable or None
         Draws the errors (n, 2), m, that are added to the n fixes of a ground truth without errors.
+    apart_m : float
+        Least way between two points that count when every so-many-th is given, m; of recorded poses nothing would be
+        left to hold out otherwise. All points that are not given are held out.
     """
 
     every: int = EVERY
     sigma_m: float = WAYPOINT_SIGMA_M
     truth_sigma_m: float = WAYPOINT_SIGMA_M
     noise: Callable[[int], Array] | None = None
+    apart_m: float = 0.0
 
     def given(self, pairs: Association) -> NDArray[np.bool_]:
         """Return a mask (n,) of the pairs that are given as fixes."""
-        return given_points(len(pairs), self.every)
+        waypoints = self.waypoints(pairs)
+        given = np.zeros(len(pairs), dtype=np.bool_)
+        given[waypoints[given_points(len(waypoints), self.every)]] = True
+        return given
+
+    def waypoints(self, pairs: Association) -> NDArray[np.intp]:
+        """Return the indices of the pairs among which those that are given are counted off."""
+        return spaced_along_way(pairs.truth_m, self.apart_m)
 
     def fixes(self, pairs: Association) -> tuple[PositionFix, ...]:
         """Make fixes of the pairs that are given."""
@@ -72,9 +90,28 @@ class HeldOutProtocol:
             return None
         own = self.fixes.protocol == "every"
         every, sigma_m = (self.fixes.every, self.fixes.sigma_m) if own else (HeldOut.every, HeldOut.sigma_m)
+        apart_m = 0.0 if own or not _is_dense(truth) else POSES_APART_M
         if truth.sigma_m == 0.0:
-            return HeldOut(every, sigma_m, 0.0, partial(_noise, self.seed, self.walk, sigma_m))
-        return HeldOut(every, sigma_m, truth.sigma_m if own else WAYPOINT_SIGMA_M)
+            return HeldOut(every, sigma_m, 0.0, partial(_noise, self.seed, self.walk, sigma_m), apart_m)
+        if truth.sigma_m > WAYPOINT_SIGMA_M and not own:
+            return HeldOut(every, truth.sigma_m, truth.sigma_m, apart_m=apart_m)
+        return HeldOut(every, sigma_m, truth.sigma_m if own else WAYPOINT_SIGMA_M, apart_m=apart_m)
+
+
+def spaced_along_way(points_m: Array, apart_m: float) -> NDArray[np.intp]:
+    """Return the indices of the first point, (n, 2), and of each next one apart_m of way after the last one kept."""
+    if apart_m <= 0.0 or not len(points_m):
+        return np.arange(len(points_m), dtype=np.intp)
+    way_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points_m, axis=0), axis=1))])
+    kept = [0]
+    for i in range(1, len(way_m)):
+        if way_m[i] - way_m[kept[-1]] >= apart_m:
+            kept.append(i)
+    return np.array(kept, dtype=np.intp)
+
+
+def _is_dense(truth: TruePositions) -> bool:
+    return len(truth.time_s) > 1 and float(np.median(np.diff(np.sort(truth.time_s)))) < _DENSE_S
 
 
 def _noise(seed: int, walk: str, sigma_m: float, count: int) -> Array:

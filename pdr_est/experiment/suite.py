@@ -110,6 +110,11 @@ def no_confusions(_rows: Sequence[TrackOutcome]) -> Mapping[str, ConfusionMatrix
     return {}
 
 
+def nothing_beside(_path: Path) -> Truth:
+    """Return no ground truth: `Suite.truth_beside` of a suite whose recordings have no file with it beside them."""
+    return Truth()
+
+
 def as_recorded(recording: Recording) -> Recording:
     """Return the recording unchanged: `Suite.prepare` of most suites."""
     return recording
@@ -133,6 +138,8 @@ class Suite:
         Computes the scores of a walk, one for each track.
     prepare : Callable
         Changes a recording before any stage sees it.
+    truth_beside : Callable
+        Reads the ground truth of a recording from files beside it, by the path of the recording.
     fixes : "none", "heldout" or None
         Fixes of the benchmark; None for a suite whose metrics need no true positions.
     calibrated_on : int
@@ -149,6 +156,7 @@ class Suite:
     find: Callable[[Path], list[WalkFile]]
     score: Callable[[AnalysedWalk], list[TrackScores]]
     prepare: Callable[[Recording], Recording] = as_recorded
+    truth_beside: Callable[[Path], Truth] = nothing_beside
     fixes: FixesProtocol | None = None
     calibrated_on: int = 0
     calibrated: tuple[str, ...] = ()

@@ -48,7 +48,8 @@ class Walk:
             If the recording cannot be read.
         """
         if isinstance(self.source, WalkFile):
-            return _with_stated_truth(suite.prepare(read(self.source.path)), self.source.truth)
+            recording = _with_stated_truth(suite.prepare(read(self.source.path)), self.source.truth)
+            return _with_stated_truth(recording, suite.truth_beside(self.source.path))
         return _with_sparse_truth(simulate_walk(self.source).recording, self.truth_every_s)
 
 

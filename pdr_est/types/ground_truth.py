@@ -122,6 +122,8 @@ class Truth:
         Label of the activity as the data set gives it.
     modes
         Carrying modes of the first device.
+    speed_mps
+        Constant speed of the walk, such as that of a treadmill's belt, m/s.
     """
 
     positions: TruePositions | None = None
@@ -132,3 +134,4 @@ class Truth:
     activity: str | None = None
     modes: TrueModes | None = None
     strides: TrueStrides | None = None
+    speed_mps: float | None = None

@@ -13,6 +13,7 @@ from cli_runs import PROGRAM, interrupt, refused, run
 ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
 LENGTH_MODELS = ["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
 DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
+DETECTORS += ["magnitude-peaks"]
 METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
     *("error_start_m", "heading_start_error_deg", "coverage95_start"),
@@ -116,6 +117,13 @@ def test_one_estimator_and_a_limit(data: Path, tmp_path: Path) -> None:
     assert document["skipped"] == [{"walk": "site1/F1/a", "reason": NO_NORTH}]
 
 
+def test_turned_axes_of_the_device_are_told_in_the_document(data: Path, tmp_path: Path) -> None:
+    document, _ = scored(tmp_path, "ilc20", "--data", data, "--limit", 1, "--turn-device", "z90")
+    assert document["turn-device"] == "z90"
+    assert document["summary"]["ate_rigid_m"]["mean"] < 1.5
+    assert "'up' is unknown: give x90" in refused("benchmark", "ilc20", "--data", data, "--turn-device", "up")
+
+
 def test_a_configuration_changes_the_numbers(data: Path, tmp_path: Path) -> None:
     config = tmp_path / "config.yaml"
     config.write_text("step_length: {model: static}\nestimator: {name: dead-reckoning}\n", encoding="utf-8")
@@ -150,7 +158,7 @@ def test_ctrl_c_ends_all_processes(data: Path, tmp_path: Path) -> None:
             ("ilc20", "--estimator", "kalman"),
             r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', .* 'fixed-lag', 'all'",
         ),
-        (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'zero-crossing', 'all'"),
+        (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'magnitude-peaks', 'all'"),
         (
             ("ilc20", "--detector", "all", "--estimator", "all"),
             r"--estimator all and --detector all: only one setting is compared at a time: name one value",

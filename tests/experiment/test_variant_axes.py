@@ -1,8 +1,16 @@
+from pathlib import Path
+
 import pytest
 
-from pdr_est.config import Config
+from pdr_est.config import Config, load_config
 from pdr_est.errors import ConfigError
-from pdr_est.experiment.variants.axes import AXES, comparison_from_options, comparison_on_axis, same_front_end
+from pdr_est.experiment.variants.axes import (
+    AXES,
+    axis_named,
+    comparison_from_options,
+    comparison_on_axis,
+    same_front_end,
+)
 
 
 @pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)
@@ -13,6 +21,18 @@ def test_each_value_of_an_axis_can_be_chosen_and_changes_nothing_else(axis):
         config = axis.with_value(Config(), name)
         assert axis.value_in(config) == name
         assert axis.with_value(config, default) == Config()
+
+
+def test_the_textbook_front_end_is_that_of_its_file():
+    file = Path(__file__).parents[2] / "configs/settings/textbook.yaml"
+    assert axis_named("front-end").with_value(Config(), "textbook") == load_config(file)
+
+
+def test_a_front_end_of_ones_own_has_no_name_and_stays_as_it_is():
+    config = Config().replace({"steps.detector": "mmpdr"})
+    (only,) = comparison_from_options(config, {}).variants
+    assert (only.settings()["front-end"], only.config) == ("own", config)
+    assert comparison_from_options(config, {"front-end": "default"}).main.config == Config()
 
 
 def test_without_a_choice_the_configured_variant_runs_alone():

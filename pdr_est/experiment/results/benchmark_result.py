@@ -35,6 +35,8 @@ class BenchmarkResult:
         Walks and metrics that could not be scored.
     seconds : Mapping
         (walk, variant) -> CPU time of the chain.
+    turn_device : str or None
+        Turn of the device axes of all recordings.
     """
 
     suite: Suite
@@ -43,6 +45,7 @@ class BenchmarkResult:
     rows: tuple[TrackOutcome, ...]
     failures: tuple[Failure, ...]
     seconds: Mapping[tuple[str, str], float]
+    turn_device: str | None = None
 
     @property
     def aligned(self) -> tuple[str, ...]:
@@ -80,6 +83,7 @@ class BenchmarkResult:
             "suite": self.suite.name,
             "version": __version__,
             **main.settings(),
+            **({} if self.turn_device is None else {"turn-device": self.turn_device}),
             "summary": _plain(self.summary(main.name)),
             "groups": _plain_groups(self.groups(main.name)),
         }

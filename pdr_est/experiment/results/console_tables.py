@@ -85,14 +85,17 @@ def _walks(result: BenchmarkResult) -> Table:
 
 
 def _averages(title: str, result: BenchmarkResult, averages: Mapping[str, Mapping[str, Summary]]) -> Table:
-    """Tabulate mean, median, p90 and n of each metric from variant -> group -> summary; group "" is not named."""
+    """Tabulate mean, median, p90 and n of each metric from variant -> group -> summary; group "" is not named.
+
+    A metric that no walk of a group has is left out there.
+    """
     groups = list(dict.fromkeys(group for summaries in averages.values() for group in summaries))
     group_heading = [] if groups == [""] else ["group"]
     table = _table(title, (*group_heading, "metric", result.comparison.axis), ("mean", "median", "p90", "n"))
     for group in groups:
         for metric in result.suite.metrics:
             for name, summaries in averages.items():
-                if group in summaries:
+                if group in summaries and (not group or summaries[group][metric].n):
                     found = summaries[group][metric]
                     numbers = map(_number, (found.mean, found.median, found.p90))
                     table.add_row(

@@ -1,7 +1,10 @@
 """Run of a benchmark suite."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+from scipy.spatial.transform import Rotation
 
 from pdr_est.errors import ConfigError, EstimationError, RecordingError
 from pdr_est.experiment.config import DataParams, FixesParams
@@ -16,6 +19,8 @@ from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.variants.axes import Comparison
 from pdr_est.experiment.walks import Walk, find_walks
+from pdr_est.preprocessing.turned_device import rotation_named, turn_devices
+from pdr_est.types.recording import Recording
 
 
 def run_benchmark(
@@ -25,6 +30,7 @@ def run_benchmark(
     jobs: int = 1,
     limit: int | None = None,
     on_progress: Callable[[int, int], None] | None = None,
+    turn_device: str | None = None,
 ) -> BenchmarkResult:
     """Score the walks of a suite with each variant of a comparison.
 
@@ -44,17 +50,21 @@ def run_benchmark(
         Number of walks, taken from the first one on.
     on_progress : Callable, optional
         Called with the number of finished walks and of all walks.
+    turn_device : str, optional
+        Turn of the device axes of every recording before any stage sees it, a name of `turned_device.rotation_named`.
 
     Raises
     ------
     ConfigError
-        For an unknown suite, a number out of range or settings that cannot be used.
+        For an unknown suite or turn, a number out of range or settings that cannot be used.
     RecordingError
         If the folder contains no walk.
     EstimationError
         If a process dies. What goes wrong with a single walk is in the `failures` of the result.
     """
     chosen = suite_named(suite)
+    if turn_device is not None:
+        chosen = replace(chosen, prepare=TurnedPrepare(chosen.prepare, rotation_named(turn_device)))
     if jobs < 1 or (limit is not None and limit < 1):
         raise ConfigError(f"jobs = {jobs}, limit = {limit}: each must be at least 1")
     walks = find_walks(DataParams(suite=suite, limit=limit), data, chosen)
@@ -70,7 +80,28 @@ def run_benchmark(
         finished[done.walk.name] = done.result
         if on_progress is not None:
             on_progress(len(finished), len(walks))
-    return _collected(chosen, comparison, walks, [finished[walk.name] for walk in walks])
+    result = _collected(chosen, comparison, walks, [finished[walk.name] for walk in walks])
+    return replace(result, turn_device=turn_device)
+
+
+@dataclass(frozen=True)
+class TurnedPrepare:
+    """The `prepare` of a suite, then a turn of the device axes; it can be sent to other processes.
+
+    Attributes
+    ----------
+    prepare : Callable
+        Change that the suite itself makes.
+    rotation : Rotation
+        Rotation from the old axes to the new ones.
+    """
+
+    prepare: Callable[[Recording], Recording]
+    rotation: Rotation
+
+    def __call__(self, recording: Recording) -> Recording:
+        """Return the changed recording."""
+        return turn_devices(self.prepare(recording), self.rotation)
 
 
 def _collected(

@@ -79,7 +79,7 @@ def position_parts(walk: AnalysedWalk, name: str, track: Track, truth: TruePosit
 def _held_out_part(walk: AnalysedWalk, name: str, pairs: Association, held_out: HeldOut) -> MetricPart:
     """Compute the metrics at the held-out points of the track that was given the others as fixes."""
     given = held_out.given(pairs)
-    if len(pairs) < LEAST_WAYPOINTS or given.all():
+    if len(held_out.waypoints(pairs)) < LEAST_WAYPOINTS or given.all():
         return MetricPart(missing=dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_WAYPOINTS} truth points"))
     track = walk.track_with_fixes(name, held_out.fixes(pairs))
     held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], walk.span_of(name))

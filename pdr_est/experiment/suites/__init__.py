@@ -1,4 +1,4 @@
-"""Benchmark suites on public data sets, one module each."""
+"""Benchmark suites, one module each: on public data sets, and on the surveyed walks of anybody."""
 
 from pdr_est.errors import ConfigError
 from pdr_est.experiment.suite import Suite
@@ -12,6 +12,7 @@ from pdr_est.experiment.suites import (
     oxiod,
     phone_gps,
     stride_length,
+    walks,
     weallwalk,
 )
 
@@ -26,6 +27,7 @@ SUITES: tuple[Suite, ...] = (
     phone_gps.SUITE,
     motionsense.SUITE,
     gait.SUITE,
+    walks.SUITE,
 )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pdr_est.config import Config, EstimatorParams, config_to_dict, config_with
+from pdr_est.config.front_ends import FRONT_ENDS, front_end_of, with_front_end
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import HEADINGS
@@ -47,11 +48,24 @@ class Axis:
         return config_with(config, {f"{self.section}.{self.key}": value}, f"--{self.name}")
 
 
+class FrontEndAxis(Axis):
+    """The choice among the named front ends, which stands for several settings."""
+
+    def value_in(self, config: Config) -> str:
+        """Return the name of the front end of a configuration."""
+        return front_end_of(config)
+
+    def with_value(self, config: Config, value: str) -> Config:
+        """Return the configuration with this front end."""
+        return with_front_end(config, value, f"--{self.name}")
+
+
 AXES: tuple[Axis, ...] = (
     Axis("estimator", ESTIMATORS, "estimator", "name"),
     Axis("detector", DETECTORS, "steps", "detector"),
     Axis("length-model", LENGTH_MODELS, "step_length", "model"),
     Axis("heading", HEADINGS, "heading", "method"),
+    FrontEndAxis("front-end", tuple(FRONT_ENDS), "", ""),
 )
 
 

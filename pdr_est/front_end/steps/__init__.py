@@ -5,6 +5,7 @@
 * `uptime_fsm`: the state machine of UPTIME.
 * `relative_threshold`: the alternating extremes of Robust DR.
 * `local_variance`, `zero_crossing`: the baselines of UPTIME, on a common `hysteresis_detector`.
+* `magnitude_peaks`: peaks of the magnitude, as textbooks have them; a yardstick.
 * `sample_buffer`: the samples that a detector may still need.
 * `segmentation`: from step events to steps with their samples.
 """
@@ -14,6 +15,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
+from pdr_est.front_end.steps.magnitude_peaks import MagnitudePeaks, MagnitudePeaksParams
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
 from pdr_est.front_end.steps.segmentation import SegmentationParams
@@ -23,7 +25,9 @@ from pdr_est.params import params
 from pdr_est.parts import STAGE, PartName, named_part
 from pdr_est.stage import Stage
 
-DetectorName = Literal["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
+DetectorName = Literal[
+    "auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing", "magnitude-peaks"
+]
 DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)
 
 
@@ -47,6 +51,8 @@ class StepsParams:
     """Parameters of the detector "local-variance"."""
     zero_crossing: ZeroCrossingParams = ZeroCrossingParams()
     """Parameters of the detector "zero-crossing"."""
+    magnitude_peaks: MagnitudePeaksParams = MagnitudePeaksParams()
+    """Parameters of the detector "magnitude-peaks"."""
     segmentation: SegmentationParams = SegmentationParams()
     """Parameters of the cut of the samples into steps."""
 
@@ -72,5 +78,7 @@ def step_detector(rate_hz: float, parameters: StepsParams) -> Stage:
             return LocalVariance(rate_hz, parameters.local_variance)
         case "zero-crossing":
             return ZeroCrossing(rate_hz, parameters.zero_crossing)
+        case "magnitude-peaks":
+            return MagnitudePeaks(rate_hz, parameters.magnitude_peaks)
     own: Stage = named_part(parameters.detector, parameters.parameters, STAGE, "steps.detector", {"rate_hz": rate_hz})
     return own

@@ -4,6 +4,8 @@ Compensated steps were not observed, so they and the first one after them keep t
 III-D).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pdr_est.frames import SIGMA_UNIFORM_RAD
@@ -36,6 +38,9 @@ class SegmentationParams:
 class StepSegmentation:
     """Stage LevelBlock -> Step around a step detector.
 
+    Detectors take the delay of their filters off the time of a step, so that the first one of a segment may have
+    ended before its first sample. It is no step of the recording and is left out; where it ended, the next one began.
+
     Parameters
     ----------
     detector : Stage
@@ -48,6 +53,7 @@ class StepSegmentation:
         self._detector = detector
         self._parameters = parameters
         self._samples: list[LevelBlock] = []  # of one segment, joined when a step needs them
+        self._begin_s = np.inf  # time of the first sample of the segment
         self._previous_s = -np.inf  # time of the previous step of the segment
         self._frequency = StepFrequency(parameters.standstill_s)
         self._holes: tuple[Hole, ...] = ()  # since the last step
@@ -65,19 +71,25 @@ class StepSegmentation:
             return []
         events: list[StepEvent] = self._detector.push(item)
         # The detector closes the old segment when it sees the new one; those steps need the old samples.
-        steps = [self._step(event) for event in events if event.segment != item.segment]
+        steps = self._steps([event for event in events if event.segment != item.segment])
         if self._samples and item.segment != self._samples[-1].segment:
             self._begin_segment()
         if item.hole is not None:
             self._holes += (item.hole,)
+        if not self._samples:
+            self._begin_s = float(item.time_s[0])
         self._samples.append(item)
-        steps += [self._step(event) for event in events if event.segment == item.segment]
+        steps += self._steps([event for event in events if event.segment == item.segment])
         self._forget()
         return steps
 
     def flush(self) -> list[Step]:
         """Return the steps that the detector held back."""
-        return [self._step(event) for event in self._detector.flush()]
+        return self._steps(self._detector.flush())
+
+    def _steps(self, events: Sequence[StepEvent]) -> list[Step]:
+        steps = [self._step(event) for event in events]
+        return [step for step in steps if step.time_s > self._begin_s]
 
     def _step(self, event: StepEvent) -> Step:
         if not self._samples:

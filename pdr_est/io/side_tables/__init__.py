@@ -6,5 +6,6 @@ file             content
 position_fixes   known positions of the walker (`--fixes`)
 clock_messages   messages by which devices compared their clocks (`--messages`, Robust DR section V-B)
 known_distances  length and step count of walks, measured by hand
+surveyed_walks   true positions, steps, carrying mode or speed of one walk
 ===============  =======================================================================================
 """

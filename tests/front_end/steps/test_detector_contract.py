@@ -13,6 +13,7 @@ from pdr_est.config import Config
 from pdr_est.front_end.signal.blocks import join
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
+from pdr_est.front_end.steps.magnitude_peaks import MagnitudePeaks, MagnitudePeaksParams
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
 from pdr_est.front_end.steps.uptime_fsm import UptimeFsm, UptimeFsmParams
@@ -33,6 +34,7 @@ DETECTORS: dict[str, Detector] = {
     "relative-threshold": lambda rate_hz: RelativeThreshold(rate_hz, RelativeThresholdParams()),
     "local-variance": lambda rate_hz: LocalVariance(rate_hz, LocalVarianceParams()),
     "zero-crossing": lambda rate_hz: ZeroCrossing(rate_hz, ZeroCrossingParams()),
+    "magnitude-peaks": lambda rate_hz: MagnitudePeaks(rate_hz, MagnitudePeaksParams()),
 }
 NOISY = SensorParams(accelerometer=SensorErrors(noise_std=0.15, bias_std=0.1, scale_std=0.01))
 every_detector = pytest.mark.parametrize("detector", DETECTORS.values(), ids=DETECTORS)

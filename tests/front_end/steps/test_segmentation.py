@@ -122,10 +122,20 @@ def test_the_samples_are_those_after_the_start_up_to_the_event(times_s: tuple[fl
         np.testing.assert_array_equal(step.samples.vertical_mps2, np.round(expected * RATE_HZ))
 
 
-def test_an_event_before_the_first_sample_still_has_a_sample() -> None:
-    stage = StepSegmentation(Script([(0.99, 0)]), SegmentationParams())
-    (step,) = run(stage, [level(np.zeros(50), first_index=50)])
-    assert (step.start_s, len(step.samples)) == (0.99, 1)
+@pytest.mark.parametrize("first_s", [0.98, 1.0])
+def test_a_step_that_ended_before_the_first_sample_is_none_of_the_recording(first_s: float) -> None:
+    stage = StepSegmentation(Script([(first_s, 0), (1.5, 0), (2.0, 0)]), SegmentationParams())
+    steps = run(stage, [level(np.zeros(100), first_index=round(RATE_HZ))])
+    assert [step.time_s for step in steps] == [1.5, 2.0]
+    assert [step.start_s for step in steps] == [1.0, 1.5]
+    assert steps[0].frequency_hz == pytest.approx(1.0 / (1.5 - first_s))
+    assert steps[0].recorded_share == pytest.approx(0.5 / (1.5 - first_s))
+
+
+def test_a_step_that_ended_in_the_gap_before_its_segment_is_none() -> None:
+    stage = StepSegmentation(Script([(1.0, 0), (2.4, 1), (3.0, 1)]), SegmentationParams())
+    old, new = level(np.zeros(100)), level(np.ones(100), segment=1, first_index=125)
+    assert [step.time_s for block in (old, new) for step in stage.push(block)] == [1.0, 3.0]
 
 
 def test_a_new_segment_begins_from_nothing() -> None:
