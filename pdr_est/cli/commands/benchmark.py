@@ -19,6 +19,7 @@ from pdr_est.experiment.variants.axes import AXES, EVERY, comparison_from_option
 from pdr_est.io.writers.atomic_output import staged_file
 from pdr_est.performance import LENGTHS_MIN, print_speed, run_speed
 from pdr_est.performance import NAME as SPEED
+from pdr_est.preprocessing.turned_axes import AxisTurn
 
 _REASONS = 3  # named in the error
 
@@ -38,6 +39,7 @@ def _axis_options(command: Command) -> Command:
 @click.option("--json", "json_file", type=PATH, metavar="FILE", help="Write the numbers there as well.")
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
 @click.option("--limit", type=click.IntRange(min=1), help="Only the first walks.")
+@click.option("--turn-device", metavar="TURN", help="Turn the axes of every device: x90, y-45, random:SEED, ….")
 @config_option
 @click.option("-q", "--quiet", is_flag=True, help="No progress bar.")
 def benchmark(
@@ -46,6 +48,7 @@ def benchmark(
     json_file: Path | None,
     jobs: int,
     limit: int | None,
+    turn_device: str | None,
     config_file: Path | None,
     quiet: bool,
     **options_of_axes: str | None,
@@ -54,6 +57,7 @@ def benchmark(
     if data is None and suite != SPEED:
         raise click.MissingParameter(param_type="option", param_hint="'--data'")
     config = resolve_config(config_file)
+    turn = None if turn_device is None else AxisTurn.named(turn_device)
     console = Console()
     if data is None or suite == SPEED:
         with _document(json_file, data, config_file) as document, progress_bar(SPEED, total=None, quiet=quiet) as bar:
@@ -65,7 +69,7 @@ def benchmark(
     with nullcontext() if config_file is None else prefix_errors(config_file):
         comparison = comparison_from_options(config, options)
     with _document(json_file, data, config_file) as document, progress_bar(suite, total=None, quiet=quiet) as bar:
-        result = run_benchmark(suite, data, comparison, jobs, limit, on_progress=bar.set_progress)
+        result = run_benchmark(suite, data, comparison, jobs, limit, bar.set_progress, turn)
         _refuse_empty(result, data)
         document.update(result.to_dict())
     print_benchmark(result, console)

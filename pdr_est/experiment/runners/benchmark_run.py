@@ -1,6 +1,7 @@
 """Run of a benchmark suite."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pdr_est.errors import ConfigError, EstimationError, RecordingError
@@ -16,6 +17,19 @@ from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.variants.axes import Comparison
 from pdr_est.experiment.walks import Walk, find_walks
+from pdr_est.preprocessing.turned_axes import AxisTurn, turn_axes
+from pdr_est.types.recording import Recording
+
+
+@dataclass(frozen=True)
+class _PreparedAndTurned:
+    """Function that prepares a recording as its suite does and turns the axes of its devices."""
+
+    prepare: Callable[[Recording], Recording]
+    turn: AxisTurn
+
+    def __call__(self, recording: Recording) -> Recording:
+        return turn_axes(self.prepare(recording), self.turn)
 
 
 def run_benchmark(
@@ -25,6 +39,7 @@ def run_benchmark(
     jobs: int = 1,
     limit: int | None = None,
     on_progress: Callable[[int, int], None] | None = None,
+    axis_turn: AxisTurn | None = None,
 ) -> BenchmarkResult:
     """Score the walks of a suite with each variant of a comparison.
 
@@ -44,6 +59,8 @@ def run_benchmark(
         Number of walks, taken from the first one on.
     on_progress : Callable, optional
         Called with the number of finished walks and of all walks.
+    axis_turn : AxisTurn, optional
+        Turn of the axes of every device before any stage sees its samples.
 
     Raises
     ------
@@ -61,6 +78,8 @@ def run_benchmark(
     if not walks:
         content = folder_content(chosen.folder)
         raise RecordingError(f"{data}: no walk of the suite {suite}: give the folder that holds {content}")
+    if axis_turn is not None:
+        chosen = replace(chosen, prepare=_PreparedAndTurned(chosen.prepare, axis_turn))
     protocol = HeldOutProtocol(FixesParams(protocol=chosen.fixes or "none"))
     job = scoring_job(chosen, protocol, comparison.variants, stop_on_fault=True)
     finished: dict[str, WalkResult] = {}
