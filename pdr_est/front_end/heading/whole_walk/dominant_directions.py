@@ -119,8 +119,8 @@ def _smooth(
     straight = belief[:, 0].sum(axis=1) / belief.sum(axis=(1, 2))
     spacing = fitted.grid.spacing_rad
     drift = np.unwrap(mean, period=spacing)
-    along = spacing * np.round((sections.heading_rad - drift) / spacing)
-    error = (sections.heading_rad - drift - along) / fitted.level.of_section
+    along = spacing * np.round((sections.since_first_rad - drift) / spacing)
+    error = (sections.since_first_rad - drift - along) / fitted.level.of_section
     gaussian = (
         (1.0 - OUTLIER_SHARE) * np.exp(-0.5 * error**2) * spacing / (fitted.level.of_section * np.sqrt(2.0 * np.pi))
     )
@@ -132,6 +132,6 @@ def _smooth(
         drift_per_sqrt_s=fitted.level.per_sqrt_s,
         drift_rad=drift - drift[0],
         sigma_rad=sigma,
-        path_heading_rad=along + drift[0],
+        path_heading_rad=along + drift[0] + sections.heading_rad[0],
         follows=straight * gaussian / (gaussian + OUTLIER_SHARE),
     )

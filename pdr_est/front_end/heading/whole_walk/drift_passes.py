@@ -107,7 +107,7 @@ def forward_pass(
         Level of the drift.
     """
     grid = CircularGrid(2.0 * np.pi / number)
-    along = grid.likelihood(sections.heading_rad, level.of_section, OUTLIER_SHARE)
+    along = grid.likelihood(sections.since_first_rad, level.of_section, OUTLIER_SHARE)
     walked = level.per_sqrt_s**2 * transitions.elapsed_s + (level.per_turn * transitions.quarter_turns) ** 2
     sigma = np.sqrt(walked + sections.sigma_change_rad[1:] ** 2)
     diagonal = _predictive_likelihoods(grid, along, sigma, transitions.new_leg)
