@@ -47,8 +47,8 @@ class VqfAttitude:
     """Stage ImuBlock -> LevelBlock with the filter VQF without magnetometer; a new segment restarts the filter.
 
     Where VQF looks for rest or limits what it corrects, it treats each axis by itself, so that its result depends on
-    how the axes lie in the device. Here it gets the samples in axes that are laid through those of the first sample of
-    the segment: the third along its specific force, the first along what is level of its rotation.
+    how the axes lie in the device. Here it gets the samples in axes that are laid through the first sample of the
+    segment: the third along its specific force, the first along what is level of its rotation.
 
     Parameters
     ----------

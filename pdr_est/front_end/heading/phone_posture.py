@@ -56,8 +56,8 @@ def level_axes(up: Array) -> tuple[Array, Array]:
 def yaw_between_postures(before: Array, after: Array) -> float:
     """Compute how much larger the yaw of a phone is in a posture that it reached by the shortest way.
 
-    `mean_yaw` counts from a zero that belongs to the posture. On the shortest way from one posture to another the phone
-    is tilted and does not turn about the vertical.
+    `mean_yaw` counts from a zero that belongs to the posture. On the shortest way from one posture to another the
+    phone is tilted and does not turn about the vertical.
 
     Parameters
     ----------

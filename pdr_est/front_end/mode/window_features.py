@@ -1,20 +1,20 @@
 """Features of a window of samples that tell the carrying mode, and the likelihood of each mode.
 
-* The swing of the direction of gravity in the device: 1 to 4 degrees in a hand held still or at the trunk, 3 to 5 in a
-  bag, 7 to 15 in a trouser pocket, 9 to 30 in a swinging hand.
+* The swing of the direction of gravity in the device: 1 to 4 degrees in a hand held still or at the trunk, 3 to 5 in
+  a bag, 7 to 15 in a trouser pocket, 9 to 30 in a swinging hand.
 * The radius of the swing. A phone at a distance r from the joint about which it swings is accelerated across r by the
   angular acceleration times r, whatever else shakes it: some 0.3 m for an arm that swings from the shoulder and bends
   at the elbow, 0.1 m for a thigh, for wide and for small swings.
 * The mean frequency of the vertical acceleration: arms soften each step, a thigh is jolted by it.
-* The mean frequency of the rotation about level axes: an arm and a bag swing once a stride (1 to 2 Hz), a thigh does so
-  with harmonics (2 to 3 Hz), a hand held still trembles with every step (3 to 5 Hz).
+* The mean frequency of the rotation about level axes: an arm and a bag swing once a stride (1 to 2 Hz), a thigh does
+  so with harmonics (2 to 3 Hz), a hand held still trembles with every step (3 to 5 Hz).
 * The same below 2 Hz: about the frequency of steps in a hand held still, which feels both feet alike, and that of
   strides elsewhere.
 * The horizontal acceleration over the vertical one: 2 and more in a swinging hand, less than 1 where a phone is held.
 
-They hold for any walker, and do not change when the axes of the device are turned: it does not matter where its screen
-faces. A phone that is fixed to the trunk, on a belt or in a breast pocket, moves like one in a hand held still and is
-taken for one.
+They hold for any walker, and do not change when the axes of the device are turned: it does not matter where its
+screen faces. A phone that is fixed to the trunk, on a belt or in a breast pocket, moves like one in a hand held still
+and is taken for one.
 """
 
 from collections.abc import Sequence
@@ -31,12 +31,12 @@ MODES: NDArray[np.int8] = np.array(
     [CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET, CarryingMode.OTHER], dtype=np.int8
 )
 
-# Typical features of the ways to carry a phone in each of MODES (logarithms of gravity's swing in radians, of the radius
-# in metres, of the three frequencies in hertz and of the ratio of accelerations), their spread, and the share of the
-# way among those of its mode. Shape (ways, features, 1), to broadcast over windows. Fitted to ILC20, IPIN 2023, OxIOD,
-# MotionSense, phone-gps, known-distance, stride-length, the sets of `walks` and simulated people, each set with the
-# same weight. With each set left out of the fit, 96 % of its held windows, 99 % of pockets, 98 % of swinging hands and
-# 92 % of bags are recognised, before neighbouring windows are weighed; phones fixed to the trunk are not among them.
+# Typical features of the ways to carry a phone in each of MODES (logarithms of gravity's swing in radians, of the
+# radius in metres, of the three frequencies in hertz and of the ratio of accelerations), their spread, and the share
+# of the way among those of its mode. Shape (ways, features, 1), to broadcast over windows. Fitted to ILC20, IPIN 2023,
+# OxIOD, MotionSense, phone-gps, known-distance, stride-length, the sets of `walks` and simulated people, each set with
+# the same weight. With each set left out of the fit, 96 % of its held windows, 99 % of pockets, 99 % of swinging hands
+# and 91 % of bags are recognised, before neighbouring windows are weighed; without phones fixed to the trunk.
 _WAY_OF = np.array([0, 0, 1, 2, 3])  # number of the mode of each way; a hand that moves, or is held still
 _SHARE = np.array([0.18, 0.82, 1.0, 1.0, 1.0])
 _TYPICAL = np.log(
@@ -162,7 +162,7 @@ def mode_likelihoods(early: Array, late: Array, walking_mps2: float) -> Array:
     up_length = norm(mean[:, _UP])
     deviation = (window_features(mean, up_length) - _TYPICAL) / _SPREAD
     of_way = _PEAK_DENSITY * np.exp(-0.5 * (deviation * deviation).sum(axis=1))
-    density = np.stack([of_way[_WAY_OF == mode].sum(axis=0) for mode in range(len(MODES))])
+    density = np.stack([of_way[mode == _WAY_OF].sum(axis=0) for mode in range(len(MODES))])
     density += _LEAST_DENSITY
     total = density.sum(axis=0)
     walking = np.minimum(_vertical_variance(early), _vertical_variance(late)) > walking_mps2**2
@@ -174,8 +174,8 @@ def mode_likelihoods(early: Array, late: Array, walking_mps2: float) -> Array:
 def window_features(mean: Array, up_length: Array) -> Array:
     """Compute the logarithms of the features of windows.
 
-    They are the swing (rad), the radius (m), the frequencies of the vertical acceleration, of the rotation about level
-    axes and of its slow part (Hz), and the horizontal acceleration over the vertical one.
+    They are the swing (rad), the radius (m), the frequencies of the vertical acceleration, of the rotation about
+    level axes and of its slow part (Hz), and the horizontal acceleration over the vertical one.
 
     With a = s x r, where s is the angular acceleration across r, r = -(s x a) / s^2; both are means over the window.
     Averaging over hops of length h makes the radius of a swing of frequency f too small by a factor x / tan(x) with x

@@ -60,7 +60,8 @@ class LegSections:
     @property
     def since_first_rad(self) -> Array:
         """Headings (n,) less that of the first section: the zero of the headings is arbitrary."""
-        return self.heading_rad - self.heading_rad[0]
+        since: Array = self.heading_rad - self.heading_rad[0]
+        return since
 
 
 def straight_leg_sections(steps: Sequence[Step], parameters: StraightLegParams) -> LegSections:
