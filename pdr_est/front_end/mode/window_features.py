@@ -33,10 +33,11 @@ MODES: NDArray[np.int8] = np.array(
 
 # Typical features of the ways to carry a phone in each of MODES (logarithms of gravity's swing in radians, of the
 # radius in metres, of the three frequencies in hertz and of the ratio of accelerations), their spread, and the share
-# of the way among those of its mode. Shape (ways, features, 1), to broadcast over windows. Fitted to ILC20, IPIN 2023,
-# OxIOD, MotionSense, phone-gps, known-distance, stride-length, the sets of `walks` and simulated people, each set with
-# the same weight. With each set left out of the fit, 96 % of its held windows, 99 % of pockets, 99 % of swinging hands
-# and 91 % of bags are recognised, before neighbouring windows are weighed; without phones fixed to the trunk.
+# of the way among those of its mode. Shape (ways, features, 1), to broadcast over windows. Fitted to ILC20, IPIN
+# 2023, OxIOD, MotionSense, phone-gps, known-distance, stride-length, the sets of `walks` and simulated people, each
+# set with the same weight. With each set left out of the fit, 96 % of its held windows, 99 % of pockets, 99 % of
+# swinging hands and 91 % of bags are recognised, before neighbouring windows are weighed; without phones fixed to the
+# trunk.
 _WAY_OF = np.array([0, 0, 1, 2, 3])  # number of the mode of each way; a hand that moves, or is held still
 _SHARE = np.array([0.18, 0.82, 1.0, 1.0, 1.0])
 _TYPICAL = np.log(

@@ -99,6 +99,8 @@ class NorthPriors:
 
     def _take(self, item: Step, pointing: Pointing | None) -> list[HeadingPrior]:
         self._move(item)
+        if pointing is not None and pointing.sigma_rad > _LARGEST_SIGMA_RAD:
+            pointing = None
         offset_rad = float("nan") if pointing is None else self._offset(item, pointing)
         if np.isfinite(offset_rad):
             self._first = self._first or item
