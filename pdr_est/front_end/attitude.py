@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from annotated_types import Ge, Le
+from scipy.spatial.transform import Rotation
 from vqf import VQF
 
 from pdr_est.errors import RecordingError
@@ -22,6 +23,7 @@ from pdr_est.types.steps import CarryingMode
 # cutting pauses into recorded walks.
 _BRIDGED_S = 1.5
 _LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of a zero vector finite
+_LEAST_RATE_RADPS = 1e-6  # rotation rate below which a sample has no direction of rotation
 
 
 @params
@@ -51,6 +53,10 @@ class VqfAttitude:
     The filter goes on over a short pause as if the samples changed linearly. After a longer one gravity is found
     anew, and yaw and the bias of the gyroscope are kept.
 
+    Where VQF looks for rest or limits what it corrects, it treats each axis by itself, so that its result depends on
+    how the axes lie in the device. Here it gets the samples in axes that are laid through the first sample of the
+    segment: the third along its specific force, the first along what is level of its rotation.
+
     Parameters
     ----------
     rate_hz : float
@@ -75,6 +81,7 @@ class VqfAttitude:
         self._last: tuple[Array, Array, float] | None = None  # last rate, force and yaw
         self._segment: int | None = None
         self._yaw_offset_rad = 0.0  # that keeps the yaw over long pauses
+        self._turn = _AxisTurn(np.eye(3))
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_filter": self._filter.state}
@@ -97,8 +104,8 @@ class VqfAttitude:
         rate, force = _rotation_rate(item), item.specific_force_mps2
         yaw_kept_rad = self._bridge(item, rate[0], force[0]) if item.segment != self._segment else None
         self._segment = item.segment
-        result = self._filter.updateBatch(np.ascontiguousarray(rate), np.ascontiguousarray(force))
-        level = _level(item, result["quat6D"], rate - result["bias"])
+        result = self._filter.updateBatch(self._turn.vectors(rate), self._turn.vectors(force))
+        level = _level(item, self._turn.attitudes(result["quat6D"]), rate - self._turn.vectors_back(result["bias"]))
         if yaw_kept_rad is not None:
             self._yaw_offset_rad = yaw_kept_rad - float(level.yaw_rad[0])
         if self._yaw_offset_rad:
@@ -110,23 +117,72 @@ class VqfAttitude:
         """Take the filter over the pause before a block; return the yaw to go on with, None for its own."""
         if self._last is None or item.hole is None:
             self._filter.resetState()
+            self._turn = _AxisTurn(_axes_through(first_force, first_rate))
             return None
         last_rate, last_force, last_yaw_rad = self._last
         if item.hole.duration_s <= _BRIDGED_S:
             count = round(item.hole.duration_s / self._settings["gyrTs"])
             share = np.arange(1, count)[:, None] / count
-            self._filter.updateBatch(
-                last_rate + share * (first_rate - last_rate), last_force + share * (first_force - last_force)
+            rate, force = (
+                last_rate + share * (first_rate - last_rate),
+                last_force + share * (first_force - last_force),
             )
+            self._filter.updateBatch(self._turn.vectors(rate), self._turn.vectors(force))
             return None
         bias, sigma = self._filter.getBiasEstimate()
+        bias = self._turn.vectors_back(bias[None])
         self._filter.resetState()
-        self._filter.setBiasEstimate(bias, sigma)
+        self._turn = _AxisTurn(_axes_through(first_force, first_rate))
+        self._filter.setBiasEstimate(self._turn.vectors(bias)[0], sigma)
         return last_yaw_rad
 
     def flush(self) -> list[LevelBlock]:
         """Return nothing: no sample is held back."""
         return []
+
+
+class _AxisTurn:
+    """Turn from the axes of the device into others, whose unit vectors are the rows of a matrix (3, 3)."""
+
+    def __init__(self, matrix: Array) -> None:
+        self._matrix = matrix
+        x, y, z, w = Rotation.from_matrix(matrix).as_quat().tolist()
+        self._right = np.array([[w, -x, -y, -z], [x, w, z, -y], [y, -z, w, x], [z, y, -x, w]])
+
+    def vectors(self, values: Array) -> Array:
+        """Turn vectors (n, 3) into the other axes."""
+        return _multiplied(self._matrix, values)
+
+    def vectors_back(self, values: Array) -> Array:
+        """Turn vectors (n, 3) in the other axes into those of the device."""
+        return _multiplied(self._matrix.T, values)
+
+    def attitudes(self, quaternion: Array) -> Array:
+        """Compute the attitudes (n, 4) of the device from those of the other axes."""
+        return _multiplied(self._right, quaternion)
+
+
+def _multiplied(matrix: Array, rows: Array) -> Array:
+    """Multiply each of some rows (n, k) with a matrix (k, k); the rounding does not depend on their number."""
+    product = np.multiply.outer(rows[:, 0], matrix[:, 0])
+    for k in range(1, matrix.shape[1]):
+        product += np.multiply.outer(rows[:, k], matrix[:, k])
+    return product
+
+
+def _axes_through(force: Array, rate: Array) -> Array:
+    """Make axes, the rows of (3, 3), along a specific force and what is level of a rotation rate, (3,) each.
+
+    A sample without rotation leaves the level axes to those of the device.
+    """
+    length = float(np.linalg.norm(force))
+    up = force / length if length > _LEAST_FORCE_MPS2 else np.array([0.0, 0.0, 1.0])
+    level = rate - (rate @ up) * up
+    if float(np.linalg.norm(level)) < _LEAST_RATE_RADPS:
+        axis = np.eye(3)[int(np.argmin(np.abs(up)))]
+        level = axis - (axis @ up) * up
+    first = level / np.linalg.norm(level)
+    return np.stack([first, np.cross(up, first), up])
 
 
 class DeviceAttitude:
@@ -230,6 +286,18 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         mode=np.full(len(block.time_s), CarryingMode.UNKNOWN, dtype=np.int8),
         mode_probability=np.zeros(len(block.time_s)),
         magnetic_field_ut=block.magnetic_field_ut,
-        recorded_yaw_rad=None if block.attitude is None else twist_about_vertical(block.attitude),
+        recorded_yaw_rad=None if block.attitude is None else _recorded_yaw(block.attitude, quaternion),
         hole=block.hole,
     )
+
+
+def _recorded_yaw(recorded: Array, own: Array) -> Array:
+    """Compute the yaw (n,) by the recorded attitude of a device whose own attitude has another zero of the yaw.
+
+    The turn from the one level frame to the other is about the vertical, up to the difference of the tilts. The
+    difference of the two yaws would be the same only for a device whose tilts are equal, or that lies flat.
+    """
+    a, b, c, d = recorded.T
+    w, x, y, z = own.T
+    turn = 2.0 * np.arctan2(d * w - a * z - b * y + c * x, a * w + b * x + c * y + d * z)
+    return wrap_angle(twist_about_vertical(own) + turn)

@@ -70,7 +70,7 @@ def analyse_device(
     whole_walk_odometry, directions = odometry, None
     whole_walk = whole_walk_stage(config.heading) if has_heading and parts.heading is None else None
     if whole_walk is not None:
-        whole_walk_odometry = _run(measuring(device.name, config, north), _run(whole_walk, steps))
+        whole_walk_odometry = _run(measuring(device.name, config, north, at_the_end=True), _run(whole_walk, steps))
         directions = whole_walk.directions
     return DeviceWalk(
         device=device.name,
@@ -96,13 +96,17 @@ def north_of(device: DeviceRecording, recording: Recording, config: Config) -> N
     return north_reference(device, recording.origin, recording.epoch_s, config.heading.north)
 
 
-def measuring(device: str, config: Config, north: NorthReference | None = None) -> Parallel:
-    """Make the stage Step -> StepOdometry and HeadingPrior of a device."""
+def measuring(device: str, config: Config, north: NorthReference | None = None, at_the_end: bool = False) -> Parallel:
+    """Make the stage Step -> StepOdometry and HeadingPrior of a device.
+
+    With `at_the_end` headings against north come at the end of the walk, when all its strides tell how the phone is
+    held.
+    """
     odometry = Odometry(device, config.odometry)
     if north is None:
         return Parallel([odometry])
     drift = config.odometry.sigma_heading_rad_per_sqrt_s
-    return Parallel([odometry, NorthPriors(device, north, config.heading.north, drift)])
+    return Parallel([odometry, NorthPriors(device, north, config.heading.north, drift, at_the_end)])
 
 
 def levelling(

@@ -5,6 +5,7 @@ file              content
 ================  ==================================================================================================
 merge             join the recordings of several devices of one walk
 trim              cut a time span out of a recording
+turned_device     turn the axes of the devices of a recording
 resampling        resample the channels of a device onto a uniform grid (a stage: `SensorBlock` -> `ImuBlock`)
 channel_integral  clean the samples of one channel and integrate them; used by the resampling
 sensor_ranges     largest values that the sensors of a phone can measure

@@ -10,6 +10,8 @@ from pdr_est.frames import Array
 from pdr_est.front_end.heading.level_frame import to_level
 from pdr_est.types.sensors import LevelBlock
 
+_LEAST_LENGTH = 1e-9
+
 
 def mean_up(samples: LevelBlock) -> Array:
     """Compute the mean unit vector (3,) upwards in device axes over some samples."""
@@ -49,6 +51,31 @@ def level_axes(up: Array) -> tuple[Array, Array]:
     first = axis - (axis @ up) * up
     first = first / np.linalg.norm(first)
     return first, np.cross(up, first)
+
+
+def yaw_between_postures(before: Array, after: Array) -> float:
+    """Compute how much larger the yaw of a phone is in a posture that it reached by the shortest way.
+
+    `mean_yaw` counts from a zero that belongs to the posture. On the shortest way from one posture to another the
+    phone is tilted and does not turn about the vertical.
+
+    Parameters
+    ----------
+    before, after : ndarray, shape (3,)
+        Unit vectors upwards in device axes.
+
+    Returns
+    -------
+    float
+        Yaw by the posture after less that by the posture before, rad in (-pi, pi].
+    """
+    carried = level_axes(before)[0]
+    total = before + after
+    length = float(total @ total)
+    if length > _LEAST_LENGTH:  # not upside down
+        carried = carried - 2.0 * ((total @ carried) / length) * total + 2.0 * (before @ carried) * after
+    first, second = level_axes(after)
+    return float(np.arctan2(-(carried @ second), carried @ first))
 
 
 def angle_between(a: Array, b: Array) -> float:

@@ -103,10 +103,10 @@ class StepSegmentation:
         stop = max(int(np.searchsorted(samples.time_s, event.time_s, side="right")), 1)
         first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
         start_s = min(max(start, float(samples.time_s[0])), event.time_s)
-        holes, self._holes = self._holes, ()
-        before_s, self._last_s = self._last_s, event.time_s
+        holes, before_s = self._holes, self._last_s
         same = event.segment == self._segment or self._segment is None
-        self._segment = event.segment
+        if event.time_s > self._begin_s:
+            self._holes, self._last_s, self._segment = (), event.time_s, event.segment
         return Step(
             event=event,
             start_s=start_s,

@@ -87,13 +87,13 @@ def seen(block: LevelBlock) -> Array:
 
 @pytest.mark.parametrize("shake_mps2", [0.0, 3.0])
 def test_the_radius_is_that_of_the_pendulum(shake_mps2):
-    _, radius_m, _ = seen(pendulum(0.45, shake_mps2))
+    _, radius_m, *_ = seen(pendulum(0.45, shake_mps2))
     x = np.pi * 1.0 * 0.2  # averaging over hops of 0.2 s at 1 Hz
     assert radius_m == pytest.approx(0.45 * x / np.tan(x), rel=0.02)
 
 
 def test_the_swing_is_that_of_the_pendulum():
-    swing_rad, _, _ = seen(pendulum(0.45))
+    swing_rad, *_ = seen(pendulum(0.45))
     assert swing_rad == pytest.approx(0.4 / np.sqrt(2.0), rel=0.05)
 
 
@@ -101,7 +101,7 @@ def test_the_swing_is_that_of_the_pendulum():
 @pytest.mark.parametrize("size", [0.0, 1e-12, 1e6, 1e9])
 def test_evidence_of_any_size_is_finite_and_above_zero(size):
     rng = np.random.default_rng(0)
-    means = size * rng.standard_normal((50, 16))
+    means = size * rng.standard_normal((50, COLUMNS))
     likelihood = mode_likelihoods(means, means[::-1], 0.4)
     assert np.isfinite(likelihood).all()
     assert (likelihood > 0.0).all()

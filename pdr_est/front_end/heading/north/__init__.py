@@ -3,7 +3,8 @@
 * `params`: choice of the source, and the standard deviations.
 * `declination`: the angle from true to magnetic north at a place.
 * `reference`: what is known of north for one device.
-* `walker_azimuth`: the direction that a phone in the hand points to.
+* `north_offset`: north in the level frame of the phone.
+* `pointing`: the direction that the walker goes, relative to a phone in the hand.
 * `correlated_error`: standard deviations of measurements whose errors are alike.
 * `north_priors`: the stage that makes heading priors.
 """

@@ -53,6 +53,10 @@ class CorrelatedHeadingError:
         self._covariance = np.diag([_UNKNOWN_VARIANCE, sigma_stays_rad**2, self._wander_variance])
         self._known = False
 
+    def set_stays(self, sigma_rad: float) -> None:
+        """Set the standard deviation, rad, of the error that stays; only before the first measurement."""
+        self._covariance[_STAYS, _STAYS] = sigma_rad**2
+
     def forget_heading(self) -> None:
         """Begin anew with an unknown heading; what is known of the errors stays."""
         self._covariance[_HEADING, :] = self._covariance[:, _HEADING] = 0.0

@@ -8,18 +8,16 @@ import numpy as np
 
 from pdr_est.frames import SIGMA_UNIFORM_RAD, wrap_angle
 from pdr_est.front_end.heading.north.correlated_error import CorrelatedHeadingError, IndependentSigma
+from pdr_est.front_end.heading.north.north_offset import magnetic_north_offset, recorded_north_offset
 from pdr_est.front_end.heading.north.params import NorthParams
+from pdr_est.front_end.heading.north.pointing import HoldTracker, Pointing, final_pointings
 from pdr_est.front_end.heading.north.reference import NorthReference
-from pdr_est.front_end.heading.north.walker_azimuth import (
-    forward_azimuth,
-    magnetic_north_offset,
-    recorded_north_offset,
-)
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import HeadingPrior
-from pdr_est.types.steps import CarryingMode, Step
+from pdr_est.types.steps import Step
 
 _LARGEST_SIGMA_RAD = 1.0  # a prior beyond would tell nothing: it waits until there is more to tell
+_LATEST_S = 10.0  # a prior that waited longer belongs to the latest step and not to the first one
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,8 @@ class NorthPriors:
     """Stage Step -> HeadingPrior of one device, absolute, from steps with the phone held in front of the body.
 
     In a pocket or a bag, and in a swinging hand, nothing says how the phone sits on the body, and there is no prior.
-    The first one, and the first after a gap, come after some such steps, and are of the first of these.
+    The first one, and the first after a gap, come after some such steps, and are of the first of these. What is not
+    certain of the direction in which the walker goes, relative to the phone, is part of the error that stays.
 
     Parameters
     ----------
@@ -48,6 +47,8 @@ class NorthPriors:
         Standard deviations and spacing.
     sigma_heading_rad_per_sqrt_s
         Random walk of the heading error from step to step, rad per root second.
+    at_the_end
+        True to make all priors at the end of the walk, when all strides tell how the phone is held.
 
     References
     ----------
@@ -62,14 +63,18 @@ class NorthPriors:
         reference: NorthReference,
         parameters: NorthParams,
         sigma_heading_rad_per_sqrt_s: float,
+        at_the_end: bool = False,
     ) -> None:
         self._device, self._reference, self._parameters = device, reference, parameters
         self._drift_per_sqrt_s = sigma_heading_rad_per_sqrt_s
         calibration_rad = 0.0 if reference.source == "device" else parameters.sigma_calibration_rad
-        stays_rad = hypot(parameters.sigma_hold_rad, reference.sigma_declination_rad, calibration_rad)
+        self._stays_rad = hypot(parameters.sigma_hold_rad, reference.sigma_declination_rad, calibration_rad)
         self._error = CorrelatedHeadingError(
-            stays_rad, parameters.sigma_disturbance_rad, parameters.disturbance_length_m
+            self._stays_rad, parameters.sigma_disturbance_rad, parameters.disturbance_length_m
         )
+        self._holds = HoldTracker()
+        self._waiting: list[Step] | None = [] if at_the_end else None
+        self._pointing_rad: float | None = None  # standard deviation of it that is in the error that stays
         self._previous: Step | None = None
         self._first: Step | None = None  # of the steps that told a direction since the last prior
         self._steps = 0  # number of these
@@ -86,34 +91,53 @@ class NorthPriors:
 
     def push(self, item: Step, /) -> list[HeadingPrior]:
         """Take a step; return a prior where one is due."""
+        if self._waiting is not None:
+            self._waiting.append(item)
+            return []
+        hold = self._holds.push(item)
+        return self._take(item, None if hold is None else hold.pointing())
+
+    def _take(self, item: Step, pointing: Pointing | None) -> list[HeadingPrior]:
         self._move(item)
-        offset_rad = self._offset(item)
+        if pointing is not None and pointing.sigma_rad > _LARGEST_SIGMA_RAD:
+            pointing = None
+        offset_rad = float("nan") if pointing is None else self._offset(item, pointing)
         if np.isfinite(offset_rad):
             self._first = self._first or item
             self._steps, self._offset_sum = self._steps + 1, self._offset_sum + cmath.rect(1.0, offset_rad)
             self._doubt += 1.0 - item.event.mode_probability
         elif self._steps < self._parameters.least_steps:
             self._begin_window(self._walked_m)
-        return self._prior_if_due(item)
+        return [] if pointing is None else self._prior_if_due(item, pointing.sigma_rad)
 
-    def _prior_if_due(self, step: Step) -> list[HeadingPrior]:
+    def _prior_if_due(self, step: Step, sigma_pointing_rad: float) -> list[HeadingPrior]:
         p, first = self._parameters, self._first
         if first is None or self._steps < p.least_steps or self._walked_m < p.spacing_m:
             return []
-        sigma_rad = sqrt((p.sigma_step_rad**2 + self._doubt * SIGMA_UNIFORM_RAD**2) / self._steps)
+        if self._pointing_rad is None:
+            self._error.set_stays(hypot(self._stays_rad, sigma_pointing_rad))
+        beyond = max(sigma_pointing_rad**2 - (self._pointing_rad or sigma_pointing_rad) ** 2, 0.0)
+        sigma_rad = sqrt((p.sigma_step_rad**2 + self._doubt * SIGMA_UNIFORM_RAD**2) / self._steps + beyond)
         if self._error.expected_sigma(sigma_rad) > _LARGEST_SIGMA_RAD:
             return []
+        self._pointing_rad = self._pointing_rad or sigma_pointing_rad
         offset_rad = cmath.phase(self._offset_sum)
         found = self._error.measure(float(wrap_angle(step.heading_rad + offset_rad)), sigma_rad)
         self._note_disturbance(found, first.start_s, step.event.time_s)
-        at = first if np.isinf(self._walked_m) else step  # what orients the walk belongs to its beginning
+        # What orients the walk belongs to its beginning.
+        begins = np.isinf(self._walked_m) and step.event.time_s - first.event.time_s < _LATEST_S
+        at = first if begins else step
         self._begin_window(0.0)
         heading_rad = float(wrap_angle(at.heading_rad + offset_rad))
         return [HeadingPrior(self._device, at.event.time_s, heading_rad, found.sigma_rad)]
 
     def flush(self) -> list[HeadingPrior]:
-        """Return nothing: no prior is held back."""
-        return []
+        """Return the priors that waited for the end of the walk."""
+        if self._waiting is None:
+            return []
+        steps, self._waiting = self._waiting, []
+        pairs = zip(steps, final_pointings(steps), strict=True)
+        return [prior for step, pointing in pairs for prior in self._take(step, pointing)]
 
     def _move(self, step: Step) -> None:
         previous, self._previous = self._previous, step
@@ -133,14 +157,12 @@ class NorthPriors:
         self._first, self._steps, self._doubt = None, 0, 0.0
         self._offset_sum, self._walked_m = 0j, walked_m
 
-    def _offset(self, step: Step) -> float:
+    def _offset(self, step: Step, pointing: Pointing) -> float:
         """Compute the heading in the map less that of the step, rad; NaN where the phone does not tell it."""
-        if step.event.mode is not CarryingMode.HOLDING or step.event.compensated:
-            return float("nan")
         by_device = self._reference.source == "device"
         north_rad = recorded_north_offset(step.samples) if by_device else magnetic_north_offset(step.samples)
-        forward_rad = forward_azimuth(step.samples)
-        return float(wrap_angle(forward_rad + north_rad - self._reference.declination_rad - step.heading_rad))
+        map_rad = pointing.azimuth(step) + north_rad - self._reference.declination_rad
+        return float(wrap_angle(map_rad - step.heading_rad))
 
     def _note_disturbance(self, found: IndependentSigma, begin_s: float, end_s: float) -> None:
         disturbed = found.innovation_sigmas > self._parameters.disturbed_sigmas

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.front_end.heading.phone_posture import angle_between, mean_yaw
+from pdr_est.front_end.heading.phone_posture import angle_between, mean_yaw, yaw_between_postures
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.direction_cues import direction_density, stride_cues
 from pdr_est.front_end.heading.placement_change.turn_density import (
@@ -143,8 +143,8 @@ def _as_carried_before(
         alike = np.exp(-0.5 * (angle_between(after.up, place.up) / parameters.sigma_posture_rad) ** 2)
         probability = parameters.same_place if mode is place.mode else parameters.same_in_other_mode * (number == 0)
         weight = left * probability * float(alike)
-        sigma_rad = parameters.sigma_offset_rad
-        parts.append((weight, gaussian(turned_rad - place.offset_rad, sigma_rad)))
+        offset_rad = place.offset_rad + yaw_between_postures(place.up, after.up)
+        parts.append((weight, gaussian(turned_rad - offset_rad, parameters.sigma_offset_rad)))
         left -= weight
     return mixed(*parts)
 

@@ -163,6 +163,6 @@ def _smooth(
         drift_rad=drift - drift[0],
         rate_radps=fitted.drift.rate_radps,
         sigma_rad=sigma,
-        path_heading_rad=along + drift[0],
+        path_heading_rad=along + drift[0] + sections.heading_rad[0],
         follows=straight * gaussian / (gaussian + OUTLIER_SHARE),
     )

@@ -141,7 +141,7 @@ def forward_passes(
     grid = CircularGrid(2.0 * np.pi / number)
     rate = np.array([drift.rate_radps for drift in drifts])
     of_section = np.array([drift.level.of_section for drift in drifts])
-    heading = sections.heading_rad[:, None] - rate * (sections.time_s - sections.time_s[0])[:, None]
+    heading = sections.since_first_rad[:, None] - rate * (sections.time_s - sections.time_s[0])[:, None]
     along = grid.likelihood(heading, of_section, OUTLIER_SHARE)  # (n, drifts, cells)
     sigma = np.stack([_sigma_between(sections, transitions, drift.level) for drift in drifts], axis=1)
     damping = grid.damping(sigma)

@@ -57,6 +57,12 @@ class LegSections:
     def __len__(self) -> int:
         return len(self.time_s)
 
+    @property
+    def since_first_rad(self) -> Array:
+        """Headings (n,) less that of the first section: the zero of the headings is arbitrary."""
+        since: Array = self.heading_rad - self.heading_rad[0]
+        return since
+
 
 def straight_leg_sections(steps: Sequence[Step], parameters: StraightLegParams) -> LegSections:
     """Find the sections of the straight legs of some steps."""
