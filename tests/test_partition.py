@@ -391,8 +391,4 @@ def test_cuts_of_the_chain_with_north(source: Literal["device", "magnetometer"])
 
     emitted = run_stage(chain(), items)[0]
     assert any(isinstance(one, HeadingPrior) and not one.relative for one in emitted)
-    cuttings = [
-        in_bursts([one_by_one([block]) for block in items], 1.9, rng),
-        in_bursts([cut_block(block, rng, 3000) for block in items], 1.0, rng),
-    ]
-    check_cuts(chain, items, cuttings)
+    check_cuts(chain, items, [in_bursts([cut_block(block, rng, 3000) for block in items], 1.9, rng)])
