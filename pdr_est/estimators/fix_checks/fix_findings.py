@@ -17,6 +17,8 @@ explanations be compared (our choice)."""
 
 _WRONG = 0.5  # probability from which a fix is told to be an outlier
 _MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
+_SURE = 0.95  # probability of worse steps from which it is told that it is the steps
+_ROUND_M = 3.0  # from which metres are told without decimals
 _IMPROBABLE = 0.02  # probability of a larger chi-squared below which it is told that fixes fit badly
 _MANY = 0.1  # share of repeated fixes from which it is worth a look
 
@@ -46,17 +48,11 @@ def _of_section(result: SectionResult) -> list[Finding]:
         if factor > _MUCH_WORSE:
             message = f"the fixes ({table.names[source]}) err {factor:.1f} times as much as stated: weighed down"
             found.append(Finding(FindingKind.FIX_ACCURACY, message, "", begin_s, end_s, factor))
-    if explanation.step_factor > _MUCH_WORSE:
-        message = (
-            f"the steps between {begin_s:.0f} s and {end_s:.0f} s disagree with the fixes "
-            f"{explanation.step_factor:.1f} times as much as usual: they count less"
-        )
-        found.append(Finding(FindingKind.STEPS, message, "", begin_s, end_s, explanation.step_factor))
     if explanation.heading_wrong and result.section.heading is not None:
         found.append(_start_heading(result, *result.section.heading))
     found += _start_position(result)
     told = bool(found) or np.any(result.outlier > _WRONG)
-    return [*found, *_contradiction(result, begin_s, end_s, bool(told))]
+    return [*found, *_misfit(result, begin_s, end_s, bool(told))]
 
 
 def _start_position(result: SectionResult) -> list[Finding]:
@@ -69,23 +65,30 @@ def _start_position(result: SectionResult) -> list[Finding]:
     return [Finding(FindingKind.FIXES, message, value=distance_m)]
 
 
-def _contradiction(result: SectionResult, begin_s: float, end_s: float, told: bool) -> list[Finding]:
-    """Say that fixes contradict each other or the steps, if nothing tells which is wrong."""
-    spread_m, table = result.spread_m, result.section.table
+def _misfit(result: SectionResult, begin_s: float, end_s: float, told: bool) -> list[Finding]:
+    """Say in one statement that fixes and steps do not fit, and which of them are wrong if anything tells it."""
+    spread_m, table, (squared, freedom) = result.spread_m, result.section.table, result.misfit
     if spread_m is None:
         return []
-    span = f"position fixes between {begin_s:.0f} s and {end_s:.0f} s"
+    span = f"between {begin_s:.0f} s and {end_s:.0f} s"
+    steps_too = "; the steps count less, too" if result.explained.explanation.step_factor > 1.0 else ""
     if spread_m > np.median(table.sigma_m):
         message = (
-            f"{span} contradict each other or the steps, and nothing tells which is wrong: {spread_m:.0f} m are "
-            "added to the error of each"
+            f"position fixes {span} contradict each other or the steps, and nothing tells which is wrong: "
+            f"{spread_m:.{0 if spread_m > _ROUND_M else 1}f} m are added to the error of each{steps_too}"
         )
         return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, spread_m)]
-    squared, freedom = result.explained.weighed.stated.squared, result.freedom
+    if result.steps.probability > _SURE and result.steps.factor > _MUCH_WORSE:
+        message = (
+            f"the steps {span} disagree with the fixes {result.steps.factor:.1f} times as much as usual: they count "
+            "less"
+        )
+        return [Finding(FindingKind.STEPS, message, "", begin_s, end_s, result.steps.factor)]
     if told or chdtrc(freedom, squared) > _IMPROBABLE:
         return []
     message = (
-        f"{span} fit each other and the steps badly (chi-squared {squared:.0f} for {freedom} degrees of freedom)"
+        f"position fixes {span} and the steps fit badly (chi-squared {squared:.0f} for {freedom} degrees of freedom), "
+        f"and nothing tells which are wrong: {'the steps count less' if steps_too else 'they stay as they are'}"
     )
     return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, squared)]
 
