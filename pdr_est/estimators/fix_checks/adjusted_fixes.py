@@ -12,7 +12,7 @@ from pdr_est.estimators.fix_checks.explanations import (
     spread_m2,
 )
 from pdr_est.estimators.fix_checks.outlier_weights import outliers
-from pdr_est.estimators.fix_checks.remaining_doubt import SourceDoubt, StepDoubt
+from pdr_est.estimators.fix_checks.remaining_doubt import USUAL_STEPS, SourceDoubt, StepDoubt
 from pdr_est.estimators.fix_checks.section import FixTable, Section
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StepOdometry
@@ -51,7 +51,7 @@ class SectionResult:
     left_out_m: Array
     doubts: tuple[SourceDoubt, ...] = ()
     spread_m: float | None = None
-    steps: StepDoubt = StepDoubt(0.0, 1.0)
+    steps: StepDoubt = USUAL_STEPS
     misfit: tuple[float, int] = (0.0, 0)
 
     @property

@@ -60,7 +60,8 @@ def _gains(now: Explained, block: NDArray[np.int64], sigma_m: Array) -> Array:
     rest = present - np.diag(np.repeat(weighed.more_m2[block], 2))
     apart = np.abs(fixes.time_s[block][:, None] - fixes.time_s[block]) / fixes.wander_time_s[block][:, None]
     then = rest + sigma_m[:, None, None] ** 2 * spread_m2(np.exp(-apart))
-    squared = np.linalg.solve(then, np.broadcast_to(residual[:, None], (len(sigma_m), len(rows), 1)))[:, :, 0] @ residual
+    of_each = np.broadcast_to(residual[:, None], (len(sigma_m), len(rows), 1))
+    squared = np.linalg.solve(then, of_each)[:, :, 0] @ residual
     squared_now, log_now = float(residual @ pulled), -float(np.linalg.slogdet(information)[1])
     saved = float(outlier_cost(weighed.outlier[block], fixes.outlier_prior[block]).sum())
     return np.asarray(saved - 0.5 * (squared + np.linalg.slogdet(then)[1] - squared_now - log_now))

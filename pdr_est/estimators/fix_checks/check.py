@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import chdtrc
 from threadpoolctl import ThreadpoolController
 
+from pdr_est.estimators.common.length_scale_check import UNUSUAL_SIGMAS
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, adjusted_steps, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
 from pdr_est.estimators.fix_checks.clock_shifts import far_shifts, likely_shift
@@ -28,7 +29,7 @@ from pdr_est.estimators.fix_checks.explanations import (
     with_rest_spread,
     with_worse_steps,
 )
-from pdr_est.estimators.fix_checks.fix_findings import FAR_SIGMAS, repeated_finding, section_findings
+from pdr_est.estimators.fix_checks.fix_findings import repeated_finding, section_findings
 from pdr_est.estimators.fix_checks.position_regression import Regression
 from pdr_est.estimators.fix_checks.remaining_doubt import remaining_doubt, step_doubt
 from pdr_est.estimators.fix_checks.section import Section, sections_of, table_of
@@ -138,12 +139,12 @@ def _fits(section: Section, stated: Regression, freedom: int, result: SectionRes
         return True
     if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
         return False
-    if abs(stated.log_scale) > FAR_SIGMAS * section.sigma_scale > 0.0:
+    if abs(stated.log_scale) > UNUSUAL_SIGMAS * section.sigma_scale > 0.0:
         return False
     if section.heading is None:
         return True
     off_rad = np.angle(np.exp(1j * (stated.heading_rad - section.heading[0])))
-    return bool(abs(off_rad) < FAR_SIGMAS * section.heading[1])
+    return bool(abs(off_rad) < UNUSUAL_SIGMAS * section.heading[1])
 
 
 def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:

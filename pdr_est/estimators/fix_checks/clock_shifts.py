@@ -15,7 +15,7 @@ from pdr_est.estimators.fix_checks.outlier_weights import rough_heading
 from pdr_est.estimators.fix_checks.section import Section
 from pdr_est.frames import Array
 
-_NEAR_S = SHIFT_STEP_S * np.arange(-16, 17)
+_NEAR_S: Array = SHIFT_STEP_S * np.arange(-16.0, 17.0)
 _COARSE_STEP_S, _FARTHEST_S = 1.5, 60.0  # of the search beyond; ours
 _FINE_S = SHIFT_STEP_S * np.arange(-4, 5)
 _MOST_TRIED = 3  # far corrections that are worth a closer look
@@ -31,8 +31,8 @@ def likely_shift(section: Section, now: Explained, source: int) -> Explanation:
 def far_shifts(section: Section, now: Explained, source: int) -> list[Explanation]:
     """Return explanations with a correction of the clock of a source by at most a minute.
 
-    The search goes from coarse to fine: rough distances of the fixes from the path first, for the weights of the fixes
-    under a clock that is far off mean nothing; then the evidence about the best of them.
+    The search goes from coarse to fine: rough distances of the fixes from the path first, for the weights of the
+    fixes under a clock that is far off mean nothing; then the evidence about the best of them.
     """
     coarse_s = np.arange(_COARSE_STEP_S, _FARTHEST_S + 0.1, _COARSE_STEP_S)
     coarse_s = np.concatenate([-coarse_s[::-1], coarse_s])
@@ -60,7 +60,7 @@ def shift_evidence(section: Section, now: Explained, source: int) -> tuple[Array
     the logarithms have a constant in common.
     """
     taken_s = dict(now.explanation.shift_s).get(source, 0.0)
-    shifts_s = _NEAR_S if abs(taken_s) <= _NEAR_S[-1] else taken_s + _NEAR_S
+    shifts_s: Array = _NEAR_S if abs(taken_s) <= _NEAR_S[-1] else np.asarray(taken_s + _NEAR_S)
     return shifts_s, _evidence(section, now, source, shifts_s)
 
 

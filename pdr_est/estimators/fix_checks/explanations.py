@@ -272,9 +272,7 @@ def evidence_alone(section: Section, explanation: Explanation, like: Explained) 
     """
     fixes, points, common_m2, _, _ = _assumed(section, explanation)
     solved, white_m2 = like.weighed.regression, widened(fixes.white_m2, like.weighed.more_m2)
-    return log_evidence(
-        fixes.position_m, points.position_m, common_m2, white_m2, solved.prior, solved.heading_rad
-    )
+    return log_evidence(fixes.position_m, points.position_m, common_m2, white_m2, solved.prior, solved.heading_rad)
 
 
 def _log_factor(factor: float) -> float:

@@ -1,7 +1,7 @@
 """Findings of the comparison of fixes and steps, in words."""
 
 from collections.abc import Sequence
-from math import degrees, exp, sqrt
+from math import degrees, sqrt
 
 import numpy as np
 from scipy.special import chdtrc
@@ -10,10 +10,6 @@ from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult
 from pdr_est.estimators.fix_checks.explanations import BadStretch
 from pdr_est.frames import wrap_angle
 from pdr_est.types.findings import Finding, FindingKind
-
-FAR_SIGMAS = 2.5
-"""Standard deviations of the prior from which on a length scale is told, and from which on it, or a heading, makes
-explanations be compared (our choice)."""
 
 _WRONG = 0.5  # probability from which a fix is told to be an outlier
 _MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
@@ -26,7 +22,7 @@ _MANY = 0.1  # share of repeated fixes from which it is worth a look
 def section_findings(results: Sequence[SectionResult]) -> list[Finding]:
     """Say what does not fit in the sections of a walk."""
     found = [finding for result in results for finding in _of_section(result)]
-    return [*found, *_outliers(results), *_scale(results)]
+    return [*found, *_outliers(results)]
 
 
 def repeated_finding(repeats: int, count: int) -> Finding:
@@ -87,8 +83,8 @@ def _misfit(result: SectionResult, begin_s: float, end_s: float, told: bool) -> 
     if told or chdtrc(freedom, squared) > _IMPROBABLE:
         return []
     message = (
-        f"position fixes {span} and the steps fit badly (chi-squared {squared:.0f} for {freedom} degrees of freedom), "
-        f"and nothing tells which are wrong: {'the steps count less' if steps_too else 'they stay as they are'}"
+        f"position fixes {span} and the steps fit badly (chi-squared {squared:.0f} for {freedom} degrees of "
+        f"freedom), and nothing tells which are wrong: {'the steps count less' if steps_too else 'all stay as given'}"
     )
     return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, squared)]
 
@@ -139,18 +135,3 @@ def _outliers(results: Sequence[SectionResult]) -> list[Finding]:
         f"{distance_m:.0f} m: weighed down"
     )
     return [Finding(FindingKind.FIXES, message, "", min(times_s), max(times_s), distance_m)]
-
-
-def _scale(results: Sequence[SectionResult]) -> list[Finding]:
-    """Say that the length scale is unusual."""
-    sigma = results[0].section.sigma_scale
-    solved = max((one.explained.weighed.regression for one in results), key=lambda one: abs(one.log_scale))
-    if sigma == 0.0 or abs(solved.log_scale) <= FAR_SIGMAS * sigma:
-        return []
-    scale, away = exp(solved.log_scale), abs(solved.log_scale) / sigma
-    own = scale * sqrt(float(solved.placement_covariance[1, 1]))
-    message = (
-        f"length scale {scale:.2f} is {away:.1f} sigma from usual: one of the positions, their times, or the step "
-        "lengths is wrong, or the walker is unusual"
-    )
-    return [Finding(FindingKind.LENGTH_SCALE, message, value=scale, sigma=own)]

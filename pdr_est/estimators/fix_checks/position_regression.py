@@ -133,7 +133,7 @@ class _Joint:
     @property
     def log_norm(self) -> float:
         """Logarithm of the normalisation of the density."""
-        return float(np.log(np.diag(self.lower)).sum()) + 0.5 * len(self.residual) * np.log(2.0 * np.pi)
+        return float(np.log(np.diag(self.lower)).sum() + 0.5 * len(self.residual) * np.log(2.0 * np.pi))
 
 
 def regress(
@@ -212,7 +212,8 @@ def _joint(
     four[:, 1, :, 1] += UNKNOWN_POSITION_M**2
     row = np.arange(count)
     four[row, :, row, :] += white
-    return _Joint(residual, np.linalg.cholesky(total), design, weight, toward, white)
+    lower = np.asarray(np.linalg.cholesky(total), dtype=np.float64)
+    return _Joint(residual, lower, design, np.asarray(weight, dtype=np.float64), toward, white)
 
 
 def _design(path_m: Array, toward: Array) -> Array:

@@ -53,6 +53,10 @@ class StepDoubt:
     factor: float
 
 
+USUAL_STEPS = StepDoubt(0.0, 1.0)
+"""Steps as they are stated."""
+
+
 def remaining_doubt(section: Section, now: Explained) -> tuple[SourceDoubt, ...]:
     """Average accuracy and clock of each source over the values that it may have."""
     moved_m = np.diff(now.points.position_m, axis=0)
@@ -67,7 +71,7 @@ def remaining_doubt(section: Section, now: Explained) -> tuple[SourceDoubt, ...]
 def step_doubt(section: Section, now: Explained) -> StepDoubt:
     """Compare worse steps with steps and fixes as stated, and with each source of fixes that is worse."""
     if now.explanation.step_factor == 1.0:
-        return StepDoubt(0.0, 1.0)
+        return USUAL_STEPS
     plain = replace(now.explanation, step_factor=1.0, factor=())
     steps = worse_steps(plain)
     rivals = [plain, *(one for source in checked_sources(now) for one in other_accuracies(plain, source))]
