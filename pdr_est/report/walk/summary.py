@@ -74,14 +74,13 @@ def summarise(
     errors, profile, gait_model_sha256 : optional
         Metrics against the truth by name; profile of the walker; digest of the gait model. None if there is none.
     """
-    track, frame = walk.track, _frame(walk, start)
+    track = walk.track
     summary = {
         "recording": _recording(recording),
         "inputs": [{"name": name, "sha256": digest} for name, digest in inputs.items()],
         "estimator": track.estimator,
         "kind": track.kind,
-        "frame": frame,
-        "frame_meaning": describe_frame(frame, bool(_places(walk, start))),
+        **_frame(walk, start),
         "duration_s": _duration_s(walk),
         "distance_m": track.of_device(track.devices[-1]).distance_m,  # the person's, who comes last
         "steps": _steps_of_person(walk),
@@ -183,8 +182,8 @@ def _truth(truth: Truth) -> Json:
     }
 
 
-def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
-    """Name the frame.
+def _frame(walk: SmoothedWalk, start: StartPose | None) -> Json:
+    """Name the frame, and describe it.
 
     "map" when position and direction are tied to the map; "north-up" when the direction alone is, by the phone's
     knowledge of north; else "own".
@@ -192,9 +191,8 @@ def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
     places = _places(walk, start)
     north = bool(walk.devices) and all(device.knows_north for device in walk.devices)
     directed = north or (start is not None and start.heading_rad is not None)
-    if len(places) >= (1 if directed else 2):
-        return "map"
-    return "north-up" if north else "own"
+    frame = "map" if len(places) >= (1 if directed else 2) else "north-up" if north else "own"
+    return {"frame": frame, "frame_meaning": describe_frame(frame, bool(places))}
 
 
 def _places(walk: SmoothedWalk, start: StartPose | None) -> set[tuple[float, ...]]:
