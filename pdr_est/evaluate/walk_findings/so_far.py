@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
+from pdr_est.estimators.common.length_scale_check import length_scale_finding
 from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, disagreement, fix_residual
-from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import PositionFix

@@ -101,5 +101,10 @@ def test_segments_are_looked_at_one_by_one() -> None:
 def test_only_the_default_method_has_hindsight() -> None:
     assert isinstance(whole_walk_stage(HeadingParams()), WholeWalkHeading)
     assert whole_walk_stage(HeadingParams(method="step-yaw")) is None
-    assert whole_walk_stage(HeadingParams(dominant=DominantParams(enabled=False))) is None
+    off = DominantParams(enabled=False)
+    turns_alone = whole_walk_stage(HeadingParams(dominant=off))
+    assert isinstance(turns_alone, WholeWalkHeading)
+    run(turns_alone, with_headings(drifting()))
+    assert turns_alone.directions is None
+    assert whole_walk_stage(HeadingParams(dominant=off, auto=AutoHeadingParams(whole_walk=False))) is None
     assert whole_walk_stage(HeadingParams(auto=AutoHeadingParams(moved_rad=1.0))) is not None

@@ -31,8 +31,8 @@ class WholeWalkHeading:
 
     Parameters
     ----------
-    parameters : DominantParams
-        Parameters of the search for dominant directions.
+    parameters : DominantParams or None
+        Parameters of the search for dominant directions; None for no search.
     as_priors : bool
         True to give steps along a dominant direction a `path_heading_rad` and leave their heading; False to take the
         drift off their heading.
@@ -48,7 +48,7 @@ class WholeWalkHeading:
     latency_s = float("inf")  # the end of the recording
 
     def __init__(
-        self, parameters: DominantParams, as_priors: bool, placement: AutoHeadingParams | None = None
+        self, parameters: DominantParams | None, as_priors: bool, placement: AutoHeadingParams | None = None
     ) -> None:
         self._parameters = parameters
         self._as_priors = as_priors
@@ -74,6 +74,8 @@ class WholeWalkHeading:
         walk = placed_walk(steps, self._placement)
         if walk is None:
             return steps
+        if self._parameters is None:
+            return walk.oriented(self._placement.bend_rad)
         sections = straight_leg_sections(walk.oriented(self._placement.bend_rad), self._parameters.straight)
         borders = {number: walk.places[number].first for number in walk.turns}
         evidence = offset_evidence(sections, self._parameters, list(borders.values()))
@@ -89,6 +91,8 @@ class WholeWalkHeading:
 
     def _correct(self, found: list[Step]) -> list[Step]:
         steps = self._with_turns(found)
+        if self._parameters is None:
+            return steps
         sections = straight_leg_sections(steps, self._parameters.straight)
         directions = dominant_directions(sections, self._parameters)
         if self.directions is None:
