@@ -80,17 +80,15 @@ class DelayedEstimates:
         self._smoothed.append(smoothed)
         if not smoothed:
             return []
-        joint = state.walk.joint_state()
         found = self._window.push(
-            FilteredNode(
+            FilteredNode.of_state(
+                state.walk.joint_state(),
                 device,
                 record.pending.node,
                 record.entered,
                 tuple(tethers),
-                joint.mean,
-                joint.covariance,
                 record.after.walk.present,
-                joint.sources,
+                len(state.walk.devices),
             )
         )
         if found:

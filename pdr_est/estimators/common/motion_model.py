@@ -18,6 +18,7 @@ import numpy as np
 
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
+from pdr_est.types.measurements import PositionFix
 
 STATES = 5
 """Number of states of a device."""
@@ -117,6 +118,9 @@ class GaussianState:
         What was learnt of the accuracy of the sources.
     trails
         The last nodes of each device, over which a fix may be late; empty where they are not known.
+    taken
+        The fixes of the last node as the filter took them: with errors that stand for the mixture of hypotheses, and
+        corrected for the clock.
     """
 
     mean: Array
@@ -124,6 +128,7 @@ class GaussianState:
     sources: tuple[SourceState, ...] = ()
     trusts: tuple[SourceTrust, ...] = ()
     trails: tuple[tuple[Node, ...], ...] = ()
+    taken: tuple[PositionFix, ...] = ()
 
     @property
     def length_scale(self) -> tuple[float, float]:

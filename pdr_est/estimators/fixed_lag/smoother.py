@@ -79,15 +79,14 @@ def _filtered_nodes(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterat
     for posterior in walk.posteriors:
         device, node = posterior.touched[0]
         present |= {device}
-        yield FilteredNode(
+        yield FilteredNode.of_state(
+            posterior.joint,
             device,
             timelines[device].nodes[node],
             posterior.entered,
             posterior.node_tethers,
-            posterior.joint.mean,
-            posterior.joint.covariance,
             present,
-            posterior.joint.sources,
+            len(timelines),
         )
 
 

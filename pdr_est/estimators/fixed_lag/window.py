@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import gtsam
@@ -24,6 +24,7 @@ from pdr_est.estimators.fixed_lag.window_prior import (
     pose_per_scale,
     prior_factors,
 )
+from pdr_est.estimators.kalman.fix_sources import wandering_part
 from pdr_est.frames import Array
 
 _SCALE_TOLERANCE = 0.1  # in units of the scale's sigma; a larger change of the scale needs a new window
@@ -63,6 +64,22 @@ class FilteredNode:
     covariance: Array
     present: frozenset[int]
     sources: tuple[SourceState, ...] = ()
+
+    @classmethod
+    def of_state(
+        cls,
+        state: GaussianState,
+        device: int,
+        node: Node,
+        entered: GaussianState | None,
+        tethers: tuple[NodeTether, ...] | tuple[PairTether, ...],
+        present: frozenset[int],
+        devices: int,
+    ) -> "FilteredNode":
+        """Make a result from the joint state of all devices; the fixes of the node are taken as the filter did."""
+        own = wandering_part(state, devices)
+        node = replace(node, fixes=state.taken)
+        return cls(device, node, entered, tethers, own.mean, own.covariance, present, own.sources)
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from pdr_est.estimators.kalman.source_trust import (
     log_density,
     mixture_of,
     trust_in,
+    with_mixed_error,
     with_trust,
 )
 from pdr_est.frames import Array
@@ -93,13 +94,18 @@ def updated_by_fix(
     about = hypotheses_about(fix, trust, float(np.hypot(*near.residual.T).min()))
     if place is not None:
         states = taken.with_clock_weighed(weights, states, about)
-    weights, mean, covariance, probabilities = taken.corrected(weights, states, about, correction)
+    expected = taken.expected_by(weights, states.mean, states.covariance)
+    shown = taken.as_seen(weights, expected, states)
+    weights, mean, covariance, probabilities = taken.corrected(weights, states, expected, about, correction)
     trusts = with_trust(states.trusts, trust, fix, probabilities)
     sources = states.sources
     if place is not None:
         kept = np.where(about.negligible(probabilities), 0.0, probabilities)
         sources = with_jump(sources, fix.source, float(kept @ about.jump) / float(kept.sum()))
-    return weights, replace(states, mean=mean, covariance=covariance, sources=sources, trusts=trusts)
+    all_taken = (*states.taken, with_mixed_error(shown, about, probabilities))
+    return weights, replace(
+        states, mean=mean, covariance=covariance, sources=sources, trusts=trusts, taken=all_taken
+    )
 
 
 def linear_correction(
@@ -143,6 +149,17 @@ class _FixOfDevice:
             noise = to_map @ shifted.noise_m2 @ to_map.transpose(0, 2, 1)
         return _Expected(observed_m, rows, observed_m - np.einsum("kij,kj->ki", rows, means), noise)
 
+    def as_seen(self, weights: Array, expected: _Expected, states: GaussianState) -> PositionFix:
+        """Return the fix at the place where the walker was at its stated time, with the error of the clock."""
+        if self.place is None:
+            return self.fix
+        clock = self.place + CLOCK
+        per_s = expected.rows[:, :, clock]
+        moved = expected.observed_m - per_s * (weights @ states.mean[:, clock])
+        of_clock = states.covariance[:, clock, clock][:, None, None] * per_s[:, :, None] * per_s[:, None, :]
+        position_m, spread = mixture_of(weights, moved, expected.noise + of_clock)
+        return replace(self.fix, position_m=position_m, covariance_m2=np.asarray(self.fix.covariance_m2) + spread)
+
     def with_clock_weighed(self, weights: Array, states: GaussianState, about: FixHypotheses) -> GaussianState:
         """Weigh by the fix whether the clock of its source is wrong, and give its correction the prior that follows."""
         clock = (self.place or 0) + CLOCK
@@ -157,7 +174,12 @@ class _FixOfDevice:
         return replace(states, mean=mean, covariance=covariance, sources=sources)
 
     def corrected(
-        self, weights: Array, states: GaussianState, about: FixHypotheses, correction: Correction
+        self,
+        weights: Array,
+        states: GaussianState,
+        expected: _Expected,
+        about: FixHypotheses,
+        correction: Correction,
     ) -> tuple[Array, Array, Array, Array]:
         """Correct states (k) under each hypothesis (m) about the fix.
 
@@ -168,7 +190,6 @@ class _FixOfDevice:
         probabilities
             Probabilities (m,) of all hypotheses.
         """
-        expected = self.expected_by(weights, states.mean, states.covariance)
         count, kinds, size = len(weights), len(about), states.mean.shape[1]
         prior = np.repeat(states.covariance, kinds, axis=0)
         first = STATES * self.device

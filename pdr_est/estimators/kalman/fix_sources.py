@@ -105,3 +105,15 @@ def with_jump(sources: tuple[SourceState, ...], name: str, variance: float) -> t
         replace(source, jump_variance=source.jump_variance + variance) if source.name == name else source
         for source in sources
     )
+
+
+def wandering_part(state: GaussianState, devices: int) -> GaussianState:
+    """Return a state of all devices without clocks, and with the errors of those sources only whose error wanders.
+
+    Two states are left of each of these sources. The others are marginalised.
+    """
+    kept = [i for i, source in enumerate(state.sources) if source.usual_variance > 0.0]
+    firsts = [STATES * devices + SOURCE_STATES * i for i in kept]
+    rows = [*range(STATES * devices), *(first + axis for first in firsts for axis in (0, 1))]
+    sources = tuple(state.sources[i] for i in kept)
+    return replace(state, mean=state.mean[rows], covariance=state.covariance[np.ix_(rows, rows)], sources=sources)

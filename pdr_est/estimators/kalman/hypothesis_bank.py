@@ -62,8 +62,8 @@ class HypothesisBank:
         For each hypothesis, the turns that it chose. A merged one has those of its more probable part.
     trusts
         What was learnt of the accuracy of the sources, as in `GaussianState`.
-    trail
-        Last nodes of the device.
+    trail, taken
+        Last nodes of the device, and the fixes of the last one as they were taken.
     """
 
     weights: Array
@@ -73,6 +73,7 @@ class HypothesisBank:
     lineages: tuple[Lineage, ...]
     trusts: tuple[SourceTrust, ...] = ()
     trail: tuple[Node, ...] = ()
+    taken: tuple[PositionFix, ...] = ()
 
     def __len__(self) -> int:
         return len(self.weights)
@@ -97,7 +98,7 @@ class HypothesisBank:
     def moments(self) -> GaussianState:
         """Return mean and covariance of the mixture; headings are averaged on the circle."""
         mean, covariance = mixture_of(self.weights, self._near_mean_heading(), self.covariances)
-        return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources, self.trusts, (self.trail,))
+        return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources, self.trusts, (self.trail,), self.taken)
 
     @property
     def likeliest(self) -> int:
@@ -106,7 +107,7 @@ class HypothesisBank:
 
     def state_of_hypothesis(self, number: int) -> GaussianState:
         """Return the state of one hypothesis."""
-        return GaussianState(self.means[number], self.covariances[number], self.sources, self.trusts, (self.trail,))
+        return GaussianState(self.means[number], self.covariances[number], self.sources, self.trusts, (self.trail,), self.taken)
 
     def predicted(self, node: Node, number: int) -> "HypothesisBank":
         """Predict the motion to a node, which is the device's `number`-th one, with each of its turn hypotheses."""
@@ -114,7 +115,7 @@ class HypothesisBank:
         if not node.turn_hypotheses:
             turn_rad = np.full(len(self), node.heading_change_rad)
             moved = self._moved(turn_rad, node.length_m, np.tile(node.covariance, (len(self), 1, 1)))
-            return replace(moved, trail=trail)
+            return replace(moved, trail=trail, taken=())
         turns = node.turn_hypotheses
         prior = np.array([turn.probability for turn in turns])
         likeliest = np.argsort(-np.outer(self.weights, prior).ravel(), kind="stable")[:_MOST_AT_ONCE]
@@ -161,7 +162,7 @@ class HypothesisBank:
 
     def _with_fix(self, fix: PositionFix) -> "HypothesisBank":
         """Update with a position fix, for each hypothesis by the mixture of hypotheses about the fix."""
-        states = GaussianState(self.means, self.covariances, self.sources, self.trusts, (self.trail,))
+        states = GaussianState(self.means, self.covariances, self.sources, self.trusts, (self.trail,), self.taken)
         weights, after = updated_by_fix(self.weights, states, fix, similarity_update)
         return replace(
             self,
@@ -170,6 +171,7 @@ class HypothesisBank:
             covariances=after.covariance,
             sources=after.sources,
             trusts=after.trusts,
+            taken=after.taken,
         )
 
     def _with_heading(self, prior: HeadingPrior) -> "HypothesisBank":
@@ -227,6 +229,7 @@ class HypothesisBank:
             tuple(self.lineages[i] for i in kept),
             self.trusts,
             self.trail,
+            self.taken,
         )
 
     def _merging_costs(self, first: NDArray[np.intp], second: NDArray[np.intp]) -> Array:
@@ -261,6 +264,7 @@ class HypothesisBank:
             (*(self.lineages[k] for k in others), self.lineages[likelier]),
             self.trusts,
             self.trail,
+            self.taken,
         )
 
 

@@ -43,12 +43,12 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     def load(self, state: GaussianState) -> None:
         """Set the states of all devices and sources to what `dump` returned."""
         self.x, self.P, self._sources, self._trusts = state.mean, state.covariance, state.sources, state.trusts
-        self._trails = state.trails or ((),) * self._devices
+        self._trails, self._taken = state.trails or ((),) * self._devices, state.taken
         self._I = np.eye(len(self.x))  # filterpy's unit matrix
 
     def dump(self) -> GaussianState:
         """Return the states of all devices and sources; the covariance is symmetric only up to rounding."""
-        return GaussianState(self.x, self.P, self._sources, self._trusts, self._trails)
+        return GaussianState(self.x, self.P, self._sources, self._trusts, self._trails, self._taken)
 
     def set_state(self, state: GaussianState, device: int = 0) -> None:
         """Set the state of a device, uncorrelated with the others.
@@ -116,7 +116,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         self.F[own, own], self.Q[own, own] = linearise(self.x[own], node)
         self.predict((node, own))
         trail = with_node(self._trails[device], node)
-        self._trails = (*self._trails[:device], trail, *self._trails[device + 1 :])
+        self._trails, self._taken = (*self._trails[:device], trail, *self._trails[device + 1 :]), ()
 
     def predict_x(self, u: tuple[Node, slice]) -> None:
         """Predict the mean; called by `predict` of filterpy."""

@@ -60,12 +60,6 @@ class FixHypotheses:
         """Tell which hypotheses (k,) are negligible with these weights; the most probable one never is."""
         return np.asarray(weights < min(_NEGLIGIBLE, weights.max()))
 
-    def selected(self, weights: Array) -> "FixHypotheses":
-        """Return the hypotheses with new weights, without the negligible ones."""
-        kept: NDArray[np.intp] = np.flatnonzero(~self.negligible(weights))
-        share = weights[kept] / weights[kept].sum()
-        return FixHypotheses(share, self.noise[kept], self.jump[kept], self.lost_m2[kept])
-
 
 def hypotheses_about(fix: PositionFix, trust: SourceTrust, distance_m: float) -> FixHypotheses:
     """Return the hypotheses about a fix.
@@ -96,37 +90,6 @@ def _of_closure(noise: Array, lost_m2: Array) -> FixHypotheses:
     weights = np.zeros(len(_FACTORS))
     weights[[0, _LOST]] = 1.0 - _LOST_PRIOR, _LOST_PRIOR
     return FixHypotheses(weights, noise, np.zeros(len(_FACTORS)), lost_m2)
-
-
-def weighed(
-    hypotheses: FixHypotheses, expected: Array, wander_m2: float, residual: Array
-) -> tuple[FixHypotheses, Array]:
-    """Weigh hypotheses by the innovation of the fix.
-
-    Parameters
-    ----------
-    hypotheses
-        The hypotheses before the fix is seen.
-    expected
-        Covariance (2, 2) of the position that is expected of the fix, without its independent error.
-    wander_m2
-        Variance of the wandering error that a jump of 1 adds, m².
-    residual
-        Innovation (2,).
-
-    Returns
-    -------
-    FixHypotheses
-        Those that are not negligible, with their weights.
-    Array
-        Probabilities (k,) of all of them.
-    """
-    added = hypotheses.jump * wander_m2 + hypotheses.lost_m2
-    spread = expected + hypotheses.noise + added[:, None, None] * np.eye(2)
-    log_weight = np.log(np.maximum(hypotheses.weights, 1e-300)) + log_density(spread, residual)
-    weights = np.exp(log_weight - log_weight.max())
-    weights /= weights.sum()
-    return hypotheses.selected(weights), weights
 
 
 def log_density(spread: Array, residual: Array) -> Array:
@@ -180,6 +143,30 @@ def with_trust(
     after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), neglected, (float(east), float(north)))
     others = tuple(one for one in trusts if (one.name, one.device) != (after.name, after.device))
     return (*others, after)
+
+
+def with_mixed_error(fix: PositionFix, about: FixHypotheses, probabilities: Array) -> PositionFix:
+    """Return a fix with an error of the mean entropy that it has under the hypotheses, for smoothers.
+
+    Parameters
+    ----------
+    fix
+        The fix, with what the clock of its source adds to its error.
+    about
+        Hypotheses (k) about it.
+    probabilities
+        Their probabilities (k,) after the fix.
+    """
+    factor = 1.0 + about.jump
+    own = np.asarray(fix.covariance_m2) - about.noise[0] + about.noise
+    if fix.sigma_wander_m <= 0.0:
+        own = own + about.jump[:, None, None] * about.noise[0]
+    log_ratio = 0.5 * np.linalg.slogdet(own)[1] - 0.5 * np.linalg.slogdet(np.asarray(fix.covariance_m2))[1]
+    return replace(
+        fix,
+        covariance_m2=np.asarray(fix.covariance_m2) * exp(float(probabilities @ log_ratio)),
+        sigma_wander_m=fix.sigma_wander_m * exp(0.5 * float(probabilities @ np.log(factor))),
+    )
 
 
 def mixture_of(weights: Array, means: Array, covariances: Array) -> tuple[Array, Array]:
