@@ -6,8 +6,8 @@ motion to a node changes it by x' = x + scale L (cos, sin)(heading + turn), MMPD
 frame.
 
 After the states of all devices come three for each source of fixes: the error that its fixes have in common, east and
-north, divided by its standard deviation, and the correction of its clock, s: a fix tells the position at its time plus
-this.
+north, divided by its standard deviation, and the correction of its clock, s: a fix tells the position at its time
+plus this.
 """
 
 from collections.abc import Sequence
@@ -16,6 +16,7 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
+from pdr_est.estimators.common.repeated_fixes import GivenFixes
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
@@ -90,8 +91,8 @@ class SourceTrust:
         Probabilities of the hypotheses about its accuracy (`kalman/source_trust.py`).
     lost
         Probability, after its last fix, that the track is somewhere else than the state says.
-    position_m
-        Position of its last fix, east and north, m.
+    given
+        The fixes that it gave in the last seconds.
     """
 
     name: str
@@ -99,7 +100,7 @@ class SourceTrust:
     time_s: float
     probabilities: tuple[float, ...]
     lost: float
-    position_m: tuple[float, float]
+    given: GivenFixes = ()
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from math import log, sqrt
 import numpy as np
 
 from pdr_est.estimators.common.motion_model import CLOCK, LOG_SCALE, STATES, GaussianState
+from pdr_est.estimators.common.repeated_fixes import is_repeated
 from pdr_est.estimators.kalman.fix_sources import fix_rows, place_of_source, with_jump, with_source_at
 from pdr_est.estimators.kalman.source_clock import (
     PRIOR_VARIANCES_S2,
@@ -21,19 +22,19 @@ from pdr_est.estimators.kalman.source_clock import (
 from pdr_est.estimators.kalman.source_trust import (
     FixHypotheses,
     hypotheses_about,
-    is_repeated,
     log_density,
     mixture_of,
     trust_in,
     with_mixed_error,
+    with_repeated,
     with_trust,
 )
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix
 
 Correction = Callable[[Array, Array, Array, Array, Array], tuple[Array, Array, Array]]
-"""Update of states (k, n) with covariances (k, n, n) by positions (k, 2) with Jacobians (k, 2, n) and noise (k, 2, 2):
-the new states and covariances, and the log-likelihoods (k,)."""
+"""Update of states (k, n) with covariances (k, n, n) by positions (k, 2) with Jacobians (k, 2, n) and noise
+(k, 2, 2): the new states and covariances, and the log-likelihoods (k,)."""
 
 _LEAST_VARIANCE_S2 = 1e-4  # of a clock, for the slope of the path
 
@@ -83,8 +84,8 @@ def updated_by_fix(
         States after the fix, each with the moments of the mixture of hypotheses about it.
     """
     trust = trust_in(states.trusts, fix, device)
-    if is_repeated(trust, fix):
-        return weights, states
+    if is_repeated(trust.given, fix):
+        return weights, replace(states, trusts=with_repeated(states.trusts, fix, device))
     place = None
     if fix.source != START_SOURCE:
         states = with_source_at(states, devices, fix)
@@ -103,9 +104,7 @@ def updated_by_fix(
         kept = np.where(about.negligible(probabilities), 0.0, probabilities)
         sources = with_jump(sources, fix.source, float(kept @ about.jump) / float(kept.sum()))
     all_taken = (*states.taken, with_mixed_error(shown, about, probabilities))
-    return weights, replace(
-        states, mean=mean, covariance=covariance, sources=sources, trusts=trusts, taken=all_taken
-    )
+    return weights, replace(states, mean=mean, covariance=covariance, sources=sources, trusts=trusts, taken=all_taken)
 
 
 def linear_correction(
@@ -126,7 +125,7 @@ def _path_of(states: GaussianState, device: int, fix: PositionFix) -> RecentPath
 
 @dataclass(frozen=True)
 class _FixOfDevice:
-    """A fix of a device, with its Jacobian (2, n) apart from the clock, the row of its source, and the path so far."""
+    """A fix of a device, with its Jacobian (2, n) without the clock, the row of its source, and the path so far."""
 
     fix: PositionFix
     device: int
@@ -161,7 +160,7 @@ class _FixOfDevice:
         return replace(self.fix, position_m=position_m, covariance_m2=np.asarray(self.fix.covariance_m2) + spread)
 
     def with_clock_weighed(self, weights: Array, states: GaussianState, about: FixHypotheses) -> GaussianState:
-        """Weigh by the fix whether the clock of its source is wrong, and give its correction the prior that follows."""
+        """Weigh by the fix whether the clock of its source is wrong, and set the prior of its correction."""
         clock = (self.place or 0) + CLOCK
         source = next(one for one in states.sources if one.name == self.fix.source)
         before, likelihoods = clock_variance(source.clock_wrong), []
@@ -197,8 +196,10 @@ class _FixOfDevice:
             if row is not None:
                 prior[:, [row, row + 1], [row, row + 1]] += np.tile(added, count)[:, None]
         noise = (expected.noise[:, None] + about.noise).reshape(-1, 2, 2)
-        repeated = (np.repeat(one, kinds, axis=0) for one in (expected.observed_m, expected.rows))
-        moved, spread, log_likelihood = correction(np.repeat(states.mean, kinds, axis=0), prior, *repeated, noise)
+        means, observed_m, rows = (
+            np.repeat(one, kinds, axis=0) for one in (states.mean, expected.observed_m, expected.rows)
+        )
+        moved, spread, log_likelihood = correction(means, prior, observed_m, rows, noise)
         log_weight = _log(weights)[:, None] + _log(about.weights) + log_likelihood.reshape(count, kinds)
         joint = np.exp(log_weight - log_weight.max())
         joint /= joint.sum()

@@ -98,7 +98,7 @@ class HypothesisBank:
     def moments(self) -> GaussianState:
         """Return mean and covariance of the mixture; headings are averaged on the circle."""
         mean, covariance = mixture_of(self.weights, self._near_mean_heading(), self.covariances)
-        return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources, self.trusts, (self.trail,), self.taken)
+        return self._state(mean, 0.5 * (covariance + covariance.T))
 
     @property
     def likeliest(self) -> int:
@@ -107,7 +107,7 @@ class HypothesisBank:
 
     def state_of_hypothesis(self, number: int) -> GaussianState:
         """Return the state of one hypothesis."""
-        return GaussianState(self.means[number], self.covariances[number], self.sources, self.trusts, (self.trail,), self.taken)
+        return self._state(self.means[number], self.covariances[number])
 
     def predicted(self, node: Node, number: int) -> "HypothesisBank":
         """Predict the motion to a node, which is the device's `number`-th one, with each of its turn hypotheses."""

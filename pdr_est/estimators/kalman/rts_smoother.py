@@ -94,7 +94,9 @@ def _let_errors_wander(
 ) -> None:
     """Set the part of the wandering errors, from row `first` on, in the transitions between successive states."""
     for k, (before, after) in enumerate(pairwise(states)):
-        for row, earlier, later in zip(range(first, moved.shape[1], SOURCE_STATES), before.sources, after.sources, strict=True):
+        for row, earlier, later in zip(
+            range(first, moved.shape[1], SOURCE_STATES), before.sources, after.sources, strict=True
+        ):
             decay, own = later.correlation_with(earlier), slice(row, row + 2)
             moved[k, own] *= decay
             jacobian[k, own, own] = decay * np.eye(2)

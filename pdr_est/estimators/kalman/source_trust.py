@@ -17,19 +17,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.motion_model import SourceTrust
+from pdr_est.estimators.common.repeated_fixes import with_given
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix
 
 _FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
-_PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
+_PRIOR = np.array([0.85, 0.03, 0.03, 0.03, 0.03, 0.03])  # of these factors, the last for a gross error; ours
 _GROSS, _LOST = 5, 6  # numbers of the hypotheses of a gross error and of a lost track
 _GROSS_ROBUST = 0.07  # probability that a fix is grossly wrong whose source says that some may be; ours
 _LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
 _GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
 _NEGLIGIBLE = 0.03  # weight below which a hypothesis is left out, too little for a 95 % region
-_KEPT = np.array([0.95, 0.95, 0.95, 0.95, 0.95, 0.5])  # probability of the same error at the next fix; ours
+_KEPT = np.array([0.85, 0.95, 0.95, 0.95, 0.95, 0.5])  # probability of the same error at the next fix; ours
 _MEMORY_S = 120.0  # time in which that falls to 37 %; ours
-_SAME_POSITION_S = 5.0  # a position that is repeated exactly within this time is no new one; ours
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def trust_in(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> 
     lost = (own[-1].lost if own else 0.0) + _LOST_PRIOR
     earlier = next((one for one in own if one.name == fix.source), None)
     if earlier is None:
-        earlier = SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost, (np.nan, np.nan))
+        earlier = SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost)
     kept = _KEPT * exp(-max(fix.time_s - earlier.time_s, 0.0) / _MEMORY_S) * np.array(earlier.probabilities)
     gross = _GROSS_ROBUST if fix.robust else _PRIOR[_GROSS]
     mixed = (1.0 - gross) * (kept + (1.0 - kept.sum()) * _PRIOR)
@@ -115,10 +115,10 @@ def trust_in(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> 
     return replace(earlier, probabilities=tuple(mixed), lost=lost)
 
 
-def is_repeated(trust: SourceTrust, fix: PositionFix) -> bool:
-    """Tell whether a fix repeats the last position of its source, which may be out of date and tells nothing new."""
-    near = abs(fix.time_s - trust.time_s) <= _SAME_POSITION_S
-    return near and tuple(np.asarray(fix.position_m, dtype=np.float64)) == trust.position_m
+def with_repeated(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> tuple[SourceTrust, ...]:
+    """Return what is known of all sources after a fix that repeats an earlier one."""
+    own = next(one for one in trusts if (one.name, one.device) == (fix.source, device))
+    return tuple(replace(one, given=with_given(one.given, fix)) if one is own else one for one in trusts)
 
 
 def with_trust(
@@ -139,8 +139,8 @@ def with_trust(
     """
     shares = probabilities[:_LOST] / max(1.0 - probabilities[_LOST], 1e-300)
     neglected = float(sum(one for one in probabilities[_GROSS:] if one < _NEGLIGIBLE))
-    east, north = np.asarray(fix.position_m, dtype=np.float64)
-    after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), neglected, (float(east), float(north)))
+    given = with_given(before.given, fix)
+    after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), neglected, given)
     others = tuple(one for one in trusts if (one.name, one.device) != (after.name, after.device))
     return (*others, after)
 

@@ -1,6 +1,7 @@
 """Findings that follow from a track and its measurements alone: what does not fit.
 
 * `fix_residuals`: fixes far from the track that the other measurements give.
+* `contradictions`: fixes of one moment that contradict each other.
 * `prior_checks`: an unusual length scale, and a direction that nothing tells.
 * `north_check`: headings against north that contradict the track.
 * `tether_slack`: devices that are farther apart than their tether allows.
@@ -8,8 +9,10 @@
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pdr_est.estimators.spec import EstimatorSpec
+from pdr_est.evaluate.walk_findings.contradictions import contradictions
 from pdr_est.evaluate.walk_findings.fix_residuals import fix_findings
 from pdr_est.evaluate.walk_findings.north_check import north_findings
 from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding, unknown_direction_finding
@@ -56,7 +59,10 @@ def findings_of(
     if FindingKind.LENGTH_SCALE not in known:
         found.append(length_scale_finding(track.length_scale, sigma_length_scale))
     if not known & _COMPARED:
-        found += fix_findings(track, _fixes_of(devices), spec.uses_fixes)
+        fixes = _fixes_of(devices)
+        told = contradictions(fixes)
+        found += told
+        found += fix_findings(replace(track, findings=(*track.findings, *told)), fixes, spec.uses_fixes)
     found += north_findings(track, devices)
     if spec.uses_tethers:
         found += tether_findings(track, tethers)
