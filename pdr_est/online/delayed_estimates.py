@@ -5,7 +5,8 @@ from math import inf
 
 from pdr_est.estimators.common.tethers import PairTether
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow
+from pdr_est.estimators.fixed_lag.window import LagWindow
+from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose
 from pdr_est.online.filter_history import FilterRecord, OnlineState
 
 

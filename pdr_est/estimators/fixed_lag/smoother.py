@@ -18,7 +18,8 @@ from pdr_est.estimators.common.motion_model import reckon
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow
+from pdr_est.estimators.fixed_lag.window import LagWindow
+from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, FilteredWalk, filter_walk
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose

@@ -145,6 +145,9 @@ class HypothesisBank:
             bank = bank._with_heading(prior)
         return bank._reduced()
 
+    def _state(self, mean: Array, covariance: Array) -> GaussianState:
+        return GaussianState(mean, covariance, self.sources, self.trusts, (self.trail,), self.taken)
+
     def _near_mean_heading(self) -> Array:
         """Return the means (k, n) with headings and reference directions less than half a turn from their mean."""
         means = self.means.copy()
@@ -162,7 +165,7 @@ class HypothesisBank:
 
     def _with_fix(self, fix: PositionFix) -> "HypothesisBank":
         """Update with a position fix, for each hypothesis by the mixture of hypotheses about the fix."""
-        states = GaussianState(self.means, self.covariances, self.sources, self.trusts, (self.trail,), self.taken)
+        states = self._state(self.means, self.covariances)
         weights, after = updated_by_fix(self.weights, states, fix, similarity_update)
         return replace(
             self,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import takewhile
 
 import numpy as np
@@ -23,9 +24,7 @@ def contradictions(fixes: Sequence[PositionFix]) -> list[Finding]:
         Fixes of the walk in order of time.
     """
     pairs = [
-        (one, other)
-        for i, one in enumerate(fixes)
-        for other in takewhile(lambda later, at=one: _same_moment(at, later), fixes[i + 1 :])
+        (one, other) for i, one in enumerate(fixes) for other in takewhile(partial(_same_moment, one), fixes[i + 1 :])
     ]
     limit = _chance_limit(FALSE_ALARMS / max(len(pairs), 1))
     return [contradiction_of(one, other) for one, other in pairs if squared_distance_of(one, other) > limit]
