@@ -3,7 +3,7 @@
 The clock of a source is either right or wrong by a few seconds. A state of the filter holds its correction. Which of
 the two it is, is a prior of this state, and a Gaussian can be given another prior at any later time: the distribution
 of everything else for a given correction does not depend on it. The filter therefore keeps the probability that the
-clock is wrong, and lets the state have the prior variance of the mixture.
+clock is wrong, and gives the state a prior variance between the two.
 """
 
 from collections.abc import Sequence
@@ -49,8 +49,13 @@ PRIOR_VARIANCES_S2 = (_SIGMA_RIGHT_S**2, _SIGMA_WRONG_S**2)
 
 
 def clock_variance(wrong: float) -> float:
-    """Return the prior variance of the correction of a clock that is wrong with some probability, s²."""
-    return float((1.0 - wrong) * _SIGMA_RIGHT_S**2 + wrong * _SIGMA_WRONG_S**2)
+    """Return the prior variance of the correction of a clock that is wrong with some probability, s².
+
+    It is the geometric mean of both: what is improbable lies outside of a region that holds 95 %, and the prior can
+    be widened later.
+    """
+    right, of_wrong = PRIOR_VARIANCES_S2
+    return float(right ** (1.0 - wrong) * of_wrong**wrong)
 
 
 def with_node(trail: tuple[Node, ...], node: Node) -> tuple[Node, ...]:

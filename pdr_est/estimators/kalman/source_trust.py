@@ -22,7 +22,7 @@ from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix
 
 _FACTORS = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 1.0, 1.0])  # on the stated standard deviation; ours
-_PRIOR = np.array([0.85, 0.03, 0.03, 0.03, 0.03, 0.03])  # of these factors, the last for a gross error; ours
+_PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.01, 0.01])  # of these factors, the last for a gross error; ours
 _GROSS, _LOST = 5, 6  # numbers of the hypotheses of a gross error and of a lost track
 _GROSS_ROBUST = 0.07  # probability that a fix is grossly wrong whose source says that some may be; ours
 _LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
