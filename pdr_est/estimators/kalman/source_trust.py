@@ -28,7 +28,9 @@ _GROSS_ROBUST = 0.07  # probability that a fix is grossly wrong whose source say
 _LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
 _GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
 _NEGLIGIBLE = 0.03  # weight below which a hypothesis is left out, too little for a 95 % region
-_KEPT = np.array([0.85, 0.95, 0.95, 0.95, 0.95, 0.5])  # probability of the same error at the next fix; ours
+# Probability of the same error at the next fix (ours). Good fixes do not tell that the next one is good: a stretch of
+# bad ones begins anywhere.
+_KEPT = np.array([0.0, 0.95, 0.95, 0.95, 0.95, 0.5])
 _MEMORY_S = 120.0  # time in which that falls to 37 %; ours
 
 
@@ -157,6 +159,8 @@ def with_mixed_error(fix: PositionFix, about: FixHypotheses, probabilities: Arra
     probabilities
         Their probabilities (k,) after the fix.
     """
+    probabilities = np.where(about.negligible(probabilities), 0.0, probabilities)
+    probabilities = probabilities / probabilities.sum()
     factor = 1.0 + about.jump
     own = np.asarray(fix.covariance_m2) - about.noise[0] + about.noise
     if fix.sigma_wander_m <= 0.0:
