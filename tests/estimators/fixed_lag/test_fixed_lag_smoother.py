@@ -38,7 +38,7 @@ def test_a_walk_shorter_than_the_lag_is_as_in_the_batch_graph(at: tuple[int, ...
     assert (late.kind, late.estimator) == ("delayed", "fixed-lag")
     assert late.position_m == pytest.approx(whole.position_m, abs=0.15)
     assert late.heading_rad == pytest.approx(whole.heading_rad, abs=0.02)
-    assert late.covariance_m2 == pytest.approx(whole.covariance_m2, rel=0.2, abs=0.02)
+    assert late.covariance_m2 == pytest.approx(whole.covariance_m2, rel=0.2, abs=0.03)
 
 
 def test_headings_relative_to_a_direction_that_lives_on() -> None:
