@@ -5,6 +5,7 @@ evidence: single outliers, bad stretches, a wrong accuracy or clock of a source,
 length scale. The fixes, and what else is given, are then changed as the best explanation says, and findings tell it.
 """
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -14,6 +15,7 @@ from scipy.special import chdtrc
 from threadpoolctl import ThreadpoolController
 
 from pdr_est.estimators.common.length_scale_check import UNUSUAL_SIGMAS
+from pdr_est.estimators.common.repeated_fixes import GivenFixes, given_at, is_repeated, with_given
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, adjusted_steps, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
 from pdr_est.estimators.fix_checks.clock_shifts import far_shifts, likely_shift
@@ -40,9 +42,8 @@ from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPos
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
 _MISFIT = 2.0  # standard deviations of the sum of squared residuals from which on explanations are compared; ours
 _GROSS = 1e-3  # probability of a larger one below which a clock may be wrong by more than a few seconds; ours
+_WENT_ON_M = 0.5  # from which on the walker has gone on while a source repeated itself; ours
 _LIKELY = 0.2  # probability of an outlier from which on they are compared, too; ours
-_REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself; ours
-_WENT_ON_M = 0.5  # if the walker went this far meanwhile; ours
 
 
 @dataclass(frozen=True)
@@ -148,21 +149,22 @@ def _fits(section: Section, stated: Regression, freedom: int, result: SectionRes
 
 
 def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:
-    """Leave out fixes that repeat one of their source: at once, though the walker went on, or a wandering one."""
+    """Leave out fixes that repeat an earlier one of their source; those of a walker who stands are not told."""
     ordered = sorted(given, key=lambda one: one.time_s)
     walked_m = path.at(np.array([fix.time_s for fix in ordered])).position_m
     kept: list[PositionFix] = []
+    earlier: defaultdict[str, GivenFixes] = defaultdict(tuple)
     last: dict[tuple[str, float, float], tuple[float, Array]] = {}
     stale = 0
     for fix, place_m in zip(ordered, walked_m, strict=True):
-        key = (fix.source, float(fix.position_m[0]), float(fix.position_m[1]))
+        key = (fix.source, *given_at(fix)[1:])
         before_s, there_m = last.get(key, (-np.inf, place_m))
         last[key] = fix.time_s, place_m
-        elapsed_s, went_on = fix.time_s - before_s, np.hypot(*(place_m - there_m)) > _WENT_ON_M
-        wrong = elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and went_on)
-        stale += wrong
-        if not wrong and (elapsed_s > _REPEATED_S or fix.sigma_wander_m == 0.0):
+        if is_repeated(earlier[fix.source], fix):
+            stale += fix.time_s == before_s or np.hypot(*(place_m - there_m)) > _WENT_ON_M
+        else:
             kept.append(fix)
+        earlier[fix.source] = with_given(earlier[fix.source], fix)
     return kept, [repeated_finding(stale, len(given))] if stale else []
 
 

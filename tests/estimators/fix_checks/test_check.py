@@ -142,13 +142,13 @@ def test_two_contradicting_fixes_leave_the_length_scale_alone(way_m: float) -> N
     assert all(np.sqrt(one.covariance_m2[0, 0]) > 0.3 * abs(70.0 - way_m) for one in fixes_of(found))
 
 
-def test_repeated_fixes_count_once_unless_the_walker_stands() -> None:
+def test_repeated_fixes_count_once_and_are_told_unless_the_walker_stands() -> None:
     walk = [fix(k, 0.7 * k, 0.0) for k in (0, 20, 40)]
     repeated = [replace(walk[1], time_s=walk[1].time_s + late_s) for late_s in (0.0, 1.0, 2.0)]
     standing = [replace(walk[2], time_s=walk[2].time_s + late_s) for late_s in (1.0, 2.0)]
     device = DeviceMeasurements(DEVICE, 0.0, (*straight(40), *walk, *repeated, *standing))
     found = check_fixes([device], UNKNOWN, SIGMA_SCALE)
-    assert len(fixes_of(found)) == 5
+    assert len(fixes_of(found)) == 3
     assert found.findings[0].message == "3 of 8 position fixes repeat the one before: each counts once"
 
 
