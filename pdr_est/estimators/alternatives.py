@@ -16,15 +16,13 @@ from pdr_est.estimators.common.initial_state import start_prior, starts_of
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, loses_heading, start_device, step_device
-from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank, Lineage
+from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
 from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
+from pdr_est.estimators.turns_of_hypotheses import Turns, chosen_turns, marginal_turns, widened_by_others
 from pdr_est.frames import wrap_angle
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import StartPose, TurnHypothesis
 from pdr_est.types.track import Track
-
-Turns = tuple[tuple[int, TurnHypothesis], ...]
-"""Numbers of nodes, and the turn that each of them has."""
 
 _MOST, _LEAST_PROBABILITY = 4, 0.02  # alternatives that are smoothed, and the least probability of one
 _ONE_MODE_RAD = 0.5  # headings that differ by less are one alternative, for the smoother moves them
@@ -141,18 +139,21 @@ def _courses(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
         return _certain(())
     last, number = _last_open(timeline, start, sigma_length_scale)
     if last.bank is None:
-        turns, heading_rad = _chosen(timeline, last.decided, 1.0), None
+        turns, heading_rad = chosen_turns(timeline, last.decided, 1.0), None
         if prior.heading_open and last.segment_begin == 0:
             heading_rad = _heading_at_start(timeline, turns, float(last.state.mean[2]), number)
         return _certain(turns, heading_rad)
-    together = _Course(1.0, _one_by_one(timeline, last.bank), None)
+    together = _Course(1.0, marginal_turns(timeline, last.bank), None)
+    modes = _modes(last.bank)
+    kept = [mode for mode in modes[:_MOST] if mode[1] >= _LEAST_PROBABILITY]
     apart = []
-    for hypothesis, probability in _modes(last.bank):
-        if probability >= _LEAST_PROBABILITY:
-            turns, heading_rad = _chosen(timeline, last.bank.lineages[hypothesis], _LEAST_PROBABILITY), None
-            if not last.heading_known:
-                heading_rad = _heading_at_start(timeline, turns, float(last.bank.means[hypothesis, 2]), number)
-            apart.append(_Course(probability, turns, heading_rad))
+    for hypothesis, probability in kept:
+        turns, heading_rad = chosen_turns(timeline, last.bank.lineages[hypothesis], _LEAST_PROBABILITY), None
+        if not apart:
+            turns = widened_by_others(timeline, last.bank, turns, modes, len(kept))
+        if not last.heading_known:
+            heading_rad = _heading_at_start(timeline, turns, float(last.bank.means[hypothesis, 2]), number)
+        apart.append(_Course(probability, turns, heading_rad))
     return _Courses(tuple(apart), together)
 
 
@@ -166,45 +167,6 @@ def _heading_at_start(timeline: Timeline, turns: Turns, heading_rad: float, numb
     """Return the heading at the start that leads to a heading at the node of that number."""
     turned_rad = sum(node.heading_change_rad for node in _resolved(timeline, turns).nodes[1 : number + 1])
     return float(wrap_angle(heading_rad - turned_rad))
-
-
-def _chosen(timeline: Timeline, lineage: Lineage, slight_probability: float) -> Turns:
-    """Return the turns that a hypothesis chose; the variance includes the others below a probability.
-
-    They are the ones that are no alternative: too slight, or, where the filter went on with one Gaussian, all.
-    """
-    turns = []
-    for i, chosen in lineage:
-        hypotheses = timeline.nodes[i].turn_hypotheses
-        turn = hypotheses[chosen]
-        slight = [one for one in hypotheses if one is not turn and one.probability < slight_probability]
-        rest = _moment_about(turn, slight, [one.probability for one in slight])
-        turns.append((i, replace(turn, probability=1.0, sigma_rad=float(np.sqrt(turn.sigma_rad**2 + rest)))))
-    return tuple(turns)
-
-
-def _one_by_one(timeline: Timeline, bank: HypothesisBank) -> Turns:
-    """Return the turns of the most probable hypothesis, each with its probability among all hypotheses.
-
-    The variance of each is the second moment of all its hypotheses about the chosen one.
-    """
-    turns = []
-    for i, chosen in bank.lineages[bank.likeliest]:
-        hypotheses, probability = timeline.nodes[i].turn_hypotheses, np.zeros(len(timeline.nodes[i].turn_hypotheses))
-        for weight, lineage in zip(bank.weights, bank.lineages, strict=True):
-            probability[dict(lineage)[i]] += weight
-        sigma_rad = float(np.sqrt(_moment_about(hypotheses[chosen], hypotheses, probability.tolist())))
-        turns.append((i, replace(hypotheses[chosen], probability=float(probability[chosen]), sigma_rad=sigma_rad)))
-    return tuple(turns)
-
-
-def _moment_about(
-    turn: TurnHypothesis, hypotheses: Sequence[TurnHypothesis], probabilities: Sequence[float]
-) -> float:
-    """Return the second moment of hypotheses with some probabilities about a turn, rad²."""
-    off = [float(wrap_angle(one.heading_change_rad - turn.heading_change_rad)) for one in hypotheses]
-    squares = [one.sigma_rad**2 + apart**2 for one, apart in zip(hypotheses, off, strict=True)]
-    return sum(share * square for share, square in zip(probabilities, squares, strict=True))
 
 
 def _open(turns: Turns) -> tuple[tuple[int, float], ...]:
