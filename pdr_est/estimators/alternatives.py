@@ -146,7 +146,7 @@ def _courses(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
     together = _Course(1.0, marginal_turns(timeline, last.bank), None)
     modes = _modes(last.bank)
     kept = [mode for mode in modes[:_MOST] if mode[1] >= _LEAST_PROBABILITY]
-    apart = []
+    apart: list[_Course] = []
     for hypothesis, probability in kept:
         turns, heading_rad = chosen_turns(timeline, last.bank.lineages[hypothesis], _LEAST_PROBABILITY), None
         if not apart:
