@@ -45,6 +45,42 @@ def turns_one_by_one(timeline: Timeline, bank: HypothesisBank) -> Turns:
     return tuple(turns)
 
 
+def widened_by_others(
+    timeline: Timeline, bank: HypothesisBank, turns: Turns, modes: Sequence[tuple[int, float]], kept: int
+) -> Turns:
+    """Return the turns of the most probable hypothesis with variances that cover the hypotheses that are left out.
+
+    Each of these is improbable, but there may be many of them.
+
+    Parameters
+    ----------
+    timeline
+        Measurements of the device.
+    bank
+        Hypotheses.
+    turns
+        Turns of the most probable one.
+    modes
+        Number and probability of hypotheses that differ, the most probable one first.
+    kept
+        Number of the first modes that are alternatives, and not left out.
+    """
+    chosen, moment = dict(bank.lineages[modes[0][0]]), dict.fromkeys((i for i, _ in turns), 0.0)
+    share = sum(probability for _, probability in modes[:kept]) / modes[0][1]
+    for hypothesis, probability in modes[kept:]:
+        for i, other in bank.lineages[hypothesis]:
+            if other != chosen[i]:
+                hypotheses = timeline.nodes[i].turn_hypotheses
+                moment[i] += share * probability * _moment_about(hypotheses[chosen[i]], [hypotheses[other]], [1.0])
+    widened = []
+    for i, turn in turns:
+        own_rad = timeline.nodes[i].turn_hypotheses[chosen[i]].sigma_rad
+        # The variance of the turn covers the slight hypotheses already, which may be among those left out.
+        sigma_rad = max(turn.sigma_rad, float(np.sqrt(own_rad**2 + moment[i])))
+        widened.append((i, replace(turn, sigma_rad=sigma_rad)))
+    return tuple(widened)
+
+
 def _moment_about(
     turn: TurnHypothesis, hypotheses: Sequence[TurnHypothesis], probabilities: Sequence[float]
 ) -> float:

@@ -4,7 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdr_est.estimators.alternatives.chosen_turns import Turns, chosen_turns, turns_one_by_one, with_turns
+from pdr_est.estimators.alternatives.chosen_turns import (
+    Turns,
+    chosen_turns,
+    turns_one_by_one,
+    widened_by_others,
+    with_turns,
+)
 from pdr_est.estimators.common.initial_state import start_prior
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, loses_heading, start_device, step_device
@@ -13,6 +19,7 @@ from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import StartPose
 
+MOST_ALTERNATIVES = 4  # that are smoothed
 _LEAST_PROBABILITY = 0.02  # of an alternative
 _ONE_MODE_RAD = 0.5  # headings that differ by less are one alternative, for the smoother moves them
 
@@ -46,13 +53,16 @@ def device_courses(timeline: Timeline, start: StartPose, sigma_length_scale: flo
             heading_rad = _heading_at_start(timeline, turns, float(last.state.mean[2]), number)
         return _certain(turns, heading_rad)
     together = DeviceCourse(1.0, turns_one_by_one(timeline, last.bank), None)
-    apart = []
-    for hypothesis, probability in _modes(last.bank):
-        if probability >= _LEAST_PROBABILITY:
-            turns, heading_rad = chosen_turns(timeline, last.bank.lineages[hypothesis], _LEAST_PROBABILITY), None
-            if not last.heading_known:
-                heading_rad = _heading_at_start(timeline, turns, float(last.bank.means[hypothesis, 2]), number)
-            apart.append(DeviceCourse(probability, turns, heading_rad))
+    modes = _modes(last.bank)
+    kept = [mode for mode in modes[:MOST_ALTERNATIVES] if mode[1] >= _LEAST_PROBABILITY]
+    apart: list[DeviceCourse] = []
+    for hypothesis, probability in kept:
+        turns, heading_rad = chosen_turns(timeline, last.bank.lineages[hypothesis], _LEAST_PROBABILITY), None
+        if not apart:
+            turns = widened_by_others(timeline, last.bank, turns, modes, len(kept))
+        if not last.heading_known:
+            heading_rad = _heading_at_start(timeline, turns, float(last.bank.means[hypothesis, 2]), number)
+        apart.append(DeviceCourse(probability, turns, heading_rad))
     return DeviceCourses(tuple(apart), together)
 
 

@@ -6,12 +6,11 @@ from math import prod
 
 from pdr_est.estimators.alternatives.alternative import DECIDED, Alternative
 from pdr_est.estimators.alternatives.chosen_turns import Turns, with_turns
-from pdr_est.estimators.alternatives.device_courses import DeviceCourse, device_courses
+from pdr_est.estimators.alternatives.device_courses import MOST_ALTERNATIVES, DeviceCourse, device_courses
 from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.types.measurements import StartPose
 
-_MOST = 4  # alternatives that are smoothed
 _KNOWN_SHARE = 0.9  # of the probability that few alternatives must have; otherwise each turn is open by itself
 
 
@@ -47,7 +46,7 @@ def alternatives_of(
 
 def _most_probable(courses: Sequence[Sequence[DeviceCourse]]) -> tuple[tuple[tuple[DeviceCourse, ...], ...], float]:
     """Return the most probable combinations of the courses of all devices, and their probability together."""
-    some = sorted(product(*courses), key=lambda one: -prod(course.probability for course in one))[:_MOST]
+    some = sorted(product(*courses), key=lambda one: -prod(course.probability for course in one))[:MOST_ALTERNATIVES]
     return tuple(some), sum(prod(course.probability for course in one) for one in some)
 
 
