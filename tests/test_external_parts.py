@@ -7,7 +7,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -438,8 +438,10 @@ def test_other_parts_leave_the_parameters_behind(folder: Path, user: ModuleType)
     }
 
 
-def run_cli(*arguments: str, where: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from pdr_est.cli import main; main()", *arguments]
+def run_cli(*commands: Sequence[str], where: Path) -> subprocess.CompletedProcess[str]:
+    """Run commands one after the other in a process of their own, which has not imported the user's module."""
+    calls = "".join(f"main({list(one)!r}, standalone_mode={one is commands[-1]})\n" for one in commands)
+    command = [sys.executable, "-c", f"from pdr_est.cli import main\n{calls}"]
     path = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
     return subprocess.run(
         command, capture_output=True, text=True, cwd=where, check=False, env=os.environ | {"PYTHONPATH": path}
@@ -448,11 +450,11 @@ def run_cli(*arguments: str, where: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.slow
 def test_an_experiment_of_another_folder_in_two_processes(folder: Path, tmp_path: Path) -> None:
-    done = run_cli("experiment", str(folder / "compare.yaml"), "-o", "out", "--workers", "2", where=tmp_path)
+    done = run_cli(("experiment", str(folder / "compare.yaml"), "-o", "out", "--workers", "2"), where=tmp_path)
     assert done.returncode == 0, done.stderr
     table = pl.read_parquet(next((tmp_path / "out").glob("*.parquet")))
     assert set(table["variant"]) == {"ours", "theirs"}
-    shown = run_cli("config", "show", str(folder / "compare.yaml"), where=tmp_path)
+    shown = run_cli(("config", "show", str(folder / "compare.yaml")), where=tmp_path)
     assert shown.returncode == 0, shown.stderr
     assert "user_parts:upward" in shown.stdout
 
@@ -460,12 +462,12 @@ def test_an_experiment_of_another_folder_in_two_processes(folder: Path, tmp_path
 def test_smooth_and_track_of_another_folder(folder: Path, recording: Recording, tmp_path: Path) -> None:
     write_plain_csv(recording, tmp_path / "walk.csv")
     walk, settings = str(tmp_path / "walk.csv"), str(folder / "settings.yaml")
-    done = run_cli("smooth", walk, "-o", "out", "--config", settings, where=tmp_path)
+    smoothing = ("smooth", walk, "-o", "out", "--config", settings)
+    tracking = ("track", walk, "--config", settings, "-o", "out.jsonl")
+    done = run_cli(smoothing, tracking, where=tmp_path)
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
     assert summary["estimator"] == "jumping"
-    done = run_cli("track", walk, "--config", settings, "-o", "out.jsonl", where=tmp_path)
-    assert done.returncode == 0, done.stderr
     assert len((tmp_path / "out.jsonl").read_text(encoding="utf-8").splitlines()) > 50
 
 
@@ -520,7 +522,7 @@ def test_what_is_wrong_is_said_with_its_line(folder: Path, user: ModuleType, set
 
 def test_the_command_line_says_it_in_one_line(folder: Path, tmp_path: Path) -> None:
     (folder / "wrong.yaml").write_text("steps.detector: user_parts:upwards\n", encoding="utf-8")
-    done = run_cli("config", "show", str(folder / "wrong.yaml"), where=tmp_path)
+    done = run_cli(("config", "show", str(folder / "wrong.yaml")), where=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert "Traceback" not in done.stderr
     assert "wrong.yaml: line 1: steps.detector = 'user_parts:upwards'" in done.stderr

@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
+from pdr_est.estimators.common.length_scale_check import track_scale_finding
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fix_checks.check import check_fixes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
@@ -63,7 +64,9 @@ class BuiltInEstimator:
             return self._estimate(devices, tethers, start, sigma_length_scale)
         checked = check_fixes(devices, start, sigma_length_scale)
         track = self._estimate(checked.devices, tethers, checked.start, checked.sigma_length_scale)
-        return replace(track, findings=tuple(dict.fromkeys((*checked.findings, *track.findings))))
+        scale = track_scale_finding(track, devices, start, sigma_length_scale)
+        found = (*checked.findings, *track.findings, *([] if scale is None else [scale]))
+        return replace(track, findings=tuple(dict.fromkeys(found)))
 
     def _estimate(
         self,

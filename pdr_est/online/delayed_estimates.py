@@ -5,7 +5,8 @@ from math import inf
 
 from pdr_est.estimators.common.tethers import PairTether
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow
+from pdr_est.estimators.fixed_lag.window import LagWindow
+from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose
 from pdr_est.online.filter_history import FilterRecord, OnlineState
 
 
@@ -80,17 +81,15 @@ class DelayedEstimates:
         self._smoothed.append(smoothed)
         if not smoothed:
             return []
-        joint = state.walk.joint_state()
         found = self._window.push(
-            FilteredNode(
+            FilteredNode.of_state(
+                state.walk.joint_state(),
                 device,
                 record.pending.node,
                 record.entered,
                 tuple(tethers),
-                joint.mean,
-                joint.covariance,
                 record.after.walk.present,
-                joint.sources,
+                len(state.walk.devices),
             )
         )
         if found:

@@ -25,6 +25,9 @@ class FindingKind(StrEnum):
     LENGTH_SCALE = "length-scale"
     """A length scale that is far from what is usual."""
 
+    CLOSURE = "closure"
+    """A walk that is said to end where it began, though its steps lead elsewhere."""
+
     TETHER = "tether"
     """Devices that are farther apart than their tether allows."""
 

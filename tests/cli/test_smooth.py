@@ -33,6 +33,8 @@ SUMMARY_KEYS = {
     )
 }
 
+not_drawn = pytest.mark.usefixtures("without_report")
+
 
 def table(out: Path) -> list[dict[str, str]]:
     with (out / "track.csv").open(newline="", encoding="utf-8") as stream:
@@ -142,6 +144,7 @@ def test_the_same_input_gives_the_same_track_bit_by_bit(plain: Path, good: Path,
 # --- what every option does ------------------------------------------------------------------------------------
 
 
+@not_drawn
 def test_start_and_heading_place_the_track(good: Path, plain: Path, tmp_path: Path) -> None:
     smoothed(good, tmp_path / "out", "--start", "-10", "20.5", "--heading", "90")
     first = table(tmp_path / "out")[0]
@@ -152,6 +155,7 @@ def test_start_and_heading_place_the_track(good: Path, plain: Path, tmp_path: Pa
     assert document(tmp_path / "out")["frame"] == "map"
 
 
+@not_drawn
 def test_a_start_in_utm(good: Path, plain: Path, tmp_path: Path) -> None:
     smoothed(good, tmp_path / "out", "--start", "691000", "5335000", "--heading", "0")
     np.testing.assert_allclose(column(tmp_path / "out", "x_m") - 691000.0, column(plain, "x_m"), atol=2e-3)
@@ -166,6 +170,7 @@ def test_estimator(name: str, kind: str, good: Path, tmp_path: Path) -> None:
     assert (summary["estimator"], summary["kind"], summary["config"]["estimator"]["name"]) == (name, kind, name)
 
 
+@not_drawn
 def test_height_and_gender_scale_the_models_that_use_them(good: Path, tmp_path: Path) -> None:
     config = tmp_path / "mmpdr.yaml"
     config.write_text("step_length:\n  model: mmpdr\nestimator:\n  name: dead-reckoning\n", encoding="utf-8")
@@ -178,12 +183,14 @@ def test_height_and_gender_scale_the_models_that_use_them(good: Path, tmp_path: 
     np.testing.assert_allclose(lengths["female"], lengths["usual"] * ratio, atol=2e-4)
 
 
+@not_drawn
 def test_length_model(good: Path, tmp_path: Path) -> None:
     smoothed(good, tmp_path / "out", "--length-model", "static", "--estimator", "dead-reckoning")
     assert document(tmp_path / "out")["config"]["step_length"]["model"] == "static"
     np.testing.assert_allclose(column(tmp_path / "out", "step_length_m")[1:], 0.415 * 1.73, atol=1e-4)
 
 
+@not_drawn
 def test_attitude_of_the_device(good: Path, plain: Path, tmp_path: Path) -> None:
     smoothed(good, tmp_path / "out", "--attitude", "device")
     assert document(tmp_path / "out")["config"]["attitude"]["source"] == "device"
@@ -191,6 +198,7 @@ def test_attitude_of_the_device(good: Path, plain: Path, tmp_path: Path) -> None
     assert column(tmp_path / "out", "x_m")[-1] == pytest.approx(12.0, abs=1.8)
 
 
+@not_drawn
 def test_fixes_of_a_file_draw_the_track(good: Path, tmp_path: Path, walk: Walk) -> None:
     end_s = float(walk.time_s[-1])
     fixes = save(tmp_path / "fixes.csv", ["time_s,x_m,y_m,sigma_m", "0,100,50,0.1", f"{end_s},100,61,0.1"])
@@ -202,6 +210,7 @@ def test_fixes_of_a_file_draw_the_track(good: Path, tmp_path: Path, walk: Walk) 
     assert [feature["properties"]["feature"] for feature in features] == ["track", "fix", "fix"]
 
 
+@not_drawn
 def test_fixes_that_only_align_are_told(good: Path, tmp_path: Path) -> None:
     fixes = save(tmp_path / "fixes.csv", ["time_s,x_m,y_m", "1,100,50", "8,100,55"])
     result = smoothed(good, tmp_path / "out", "--fixes", fixes, "--estimator", "dead-reckoning")
@@ -210,11 +219,13 @@ def test_fixes_that_only_align_are_told(good: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("method", ["gyro", "hde", "psp"])
+@not_drawn
 def test_a_heading_method_for_pockets_warns_of_a_held_phone(method: str, good: Path, tmp_path: Path) -> None:
     stderr = smoothed(good, tmp_path / "out", "--heading-method", method).stderr
     assert f"the heading method {method} is for a phone upright in a trouser pocket, but it was HOLDING for" in stderr
 
 
+@not_drawn
 def test_fixes_of_the_recording_place_the_track_on_the_globe(export_zip: Path, tmp_path: Path) -> None:
     smoothed(export_zip, tmp_path / "out", "--fixes", "recording")
     summary = document(tmp_path / "out")
@@ -227,6 +238,7 @@ def test_fixes_of_the_recording_place_the_track_on_the_globe(export_zip: Path, t
     assert document(tmp_path / "without")["fixes"]["used"] == 0
 
 
+@not_drawn
 def test_the_options_go_before_the_file(good: Path, tmp_path: Path) -> None:
     config = tmp_path / "config.yaml"
     config.write_text("estimator: {name: ekf}\nwalker: {height_m: 1.6}\n", encoding="utf-8")
@@ -257,6 +269,7 @@ def test_it_says_the_distance_and_where_the_report_is(good: Path, tmp_path: Path
     )
 
 
+@not_drawn
 def test_quiet_is_silent_but_for_warnings(good: Path, walk: Walk, tmp_path: Path) -> None:
     result = smoothed(good, tmp_path / "out", "--quiet")
     assert (result.stdout, result.stderr) == ("", "")
@@ -280,6 +293,7 @@ def test_no_step_gives_a_track_of_one_point_and_a_warning(walk: Walk, tmp_path: 
     assert document(tmp_path / "out")["counts"]["steps"] == {"device": 0}
 
 
+@not_drawn
 def test_an_earlier_result_is_replaced_on_demand_only(good: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     smoothed(good, out, "--estimator", "ekf")
@@ -293,6 +307,7 @@ def test_an_earlier_result_is_replaced_on_demand_only(good: Path, tmp_path: Path
     assert document(out)["estimator"] == "dead-reckoning"
 
 
+@not_drawn
 def test_a_refused_run_keeps_the_earlier_result(good: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     smoothed(good, out)
@@ -302,6 +317,7 @@ def test_a_refused_run_keeps_the_earlier_result(good: Path, tmp_path: Path) -> N
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+@not_drawn
 def test_a_name_that_is_no_text(tmp_path: Path, lines: list[str]) -> None:
     folder = tmp_path / os.fsdecode(b"caf\xe9")
     try:
@@ -314,6 +330,7 @@ def test_a_name_that_is_no_text(tmp_path: Path, lines: list[str]) -> None:
     assert "caf\\udce9" in refused("inspect", folder / "nowhere.csv")
 
 
+@not_drawn
 def test_the_output_may_lie_in_the_folder_of_the_recording(lines: list[str], tmp_path: Path) -> None:
     save(tmp_path / "walk.csv", lines)
     smoothed(tmp_path, tmp_path / "out")

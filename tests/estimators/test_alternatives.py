@@ -111,6 +111,20 @@ def test_a_turn_that_is_too_slight_to_be_an_alternative_is_covered() -> None:
     assert run("factor-graph", steps, KNOWN).findings == ()
 
 
+def test_many_improbable_courses_are_covered_together() -> None:
+    """Two changes with three unlikely turns each: 16 courses, of which four are smoothed."""
+    turns = tuple(
+        TurnHypothesis(probability, turn_rad, 0.02, "turn")
+        for probability, turn_rad in ((0.91, 0.0), (0.03, 1.0), (0.03, -1.0), (0.03, 2.0))
+    )
+    steps = straight(30, 0.7, QUIET)
+    for number in (10, 20):
+        steps[number] = replace(steps[number], turn_hypotheses=turns, covariance=np.diag([0.005, 0.005, 0.2]))
+    second_moment = 2.0 * 0.03 * (1.0 + 1.0 + 4.0)
+    track = smoothed(steps, KNOWN, 0.1)
+    assert track.sigma_heading_rad[-1] == pytest.approx(np.sqrt(second_moment), rel=0.12)
+
+
 def test_each_of_two_open_turns_is_told() -> None:
     steps = with_corner(with_corner(straight(30, 0.7, QUIET), 10), 20)
     alternatives = alternatives_of([timeline(steps)], KNOWN, 0.1)

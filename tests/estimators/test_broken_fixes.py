@@ -1,6 +1,7 @@
 """Fixes that contradict each other, are repeated, late, gross, biased or of a wrong accuracy cannot ruin a walk."""
 
 from collections import defaultdict
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,10 +13,17 @@ from pdr_est.evaluate.consistency import coverage95
 from pdr_est.types.track import Track
 
 CASES = 500
-SAMPLE = 60
+SAMPLE = 36
 
 
-def estimated(name: EstimatorName, case: BrokenWalk) -> Track:
+@cache
+def case_of(number: int) -> BrokenWalk:
+    return broken_walk(number)
+
+
+@cache
+def estimated(name: EstimatorName, number: int) -> Track:
+    case = case_of(number)
     track = run(name, case.walk.measurements, case.start)
     values = (track.position_m, track.heading_rad, track.covariance_m2, track.sigma_heading_rad, track.step_length_m)
     assert all(np.isfinite(value).all() for value in values)
@@ -34,8 +42,7 @@ def covered(track: Track, case: BrokenWalk) -> float:
 def test_no_number_is_negative_or_infinite_and_wrong_fixes_are_told(cases: int) -> None:
     warned = []
     for number in range(cases):
-        case = broken_walk(number)
-        track = estimated("factor-graph", case)
+        case, track = case_of(number), estimated("factor-graph", number)
         if case.wrong_share > 0.1:
             warned.append(any(finding.doubtful for finding in track.findings))
     assert len(warned) > cases / 3
@@ -49,10 +56,10 @@ def test_no_number_is_negative_or_infinite_and_wrong_fixes_are_told(cases: int) 
 def test_the_truth_is_covered_whatever_the_fault(name: EstimatorName, cases: int, least: float) -> None:
     shares = defaultdict(list)
     for number in range(cases):
-        case = broken_walk(number)
-        shares[case.fault].append(covered(estimated(name, case), case))
-    # A filter learns of a fault only when it is there, and of a shifted clock only where the walker turns.
-    least_of = dict.fromkeys(shares, least - 0.1) | {"shifted": least - 0.2} if name == "ekf" else {}
+        case = case_of(number)
+        shares[case.fault].append(covered(estimated(name, number), case))
+    # A filter learns of a stretch when it is there, and of a shifted clock where the walker turns.
+    least_of = {"shifted": least - 0.1, "stretch": least - 0.06} if name == "ekf" else {}
     found = {fault: float(np.mean(own)) for fault, own in shares.items()}
     assert {fault: share for fault, share in found.items() if share < least_of.get(fault, least)} == {}
-    assert np.mean(list(found.values())) >= (0.85 if name == "ekf" else 0.9)
+    assert np.mean(list(found.values())) >= 0.9

@@ -143,7 +143,7 @@ def test_a_lag_longer_than_the_walk_gives_the_batch_graph() -> None:
 CORNERS = st.tuples(st.floats(-60.0, 60.0), st.floats(-60.0, 60.0))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.lists(st.tuples(st.floats(0.0, 30.0), CORNERS), min_size=2, max_size=12), st.sampled_from([0.0, 4.0, 15.0]))
 def test_contradicting_fixes_leave_a_positive_finite_scale(
     given_fixes: list[tuple[float, tuple[float, float]]], sigma_wander_m: float
@@ -170,12 +170,15 @@ def wandering_walk(
     return walk, sigma_m * np.array(errors)
 
 
-def test_covariances_are_true_where_fixes_wander() -> None:
+@pytest.mark.parametrize(
+    ("walks", "steps"), [(4, 120), pytest.param(8, 300, marks=pytest.mark.slow)], ids=["sample", "all"]
+)
+def test_covariances_are_true_where_fixes_wander(walks: int, steps: int) -> None:
     """And far too small if the errors are taken for independent ones."""
     rng = np.random.default_rng(8)
     squared: dict[float, list[float]] = {4.0: [], 0.0: []}
-    for _ in range(8):
-        walk, errors = wandering_walk(rng, 300, 4.0, 30.0)
+    for _ in range(walks):
+        walk, errors = wandering_walk(rng, steps, 4.0, 30.0)
         places = [walk.truth[2 * i, :2] + off for i, off in enumerate(errors + rng.standard_normal(errors.shape))]
         for sigma_m, found in squared.items():
             fixes = [

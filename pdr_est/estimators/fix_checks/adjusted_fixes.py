@@ -9,12 +9,10 @@ from pdr_est.estimators.fix_checks.explanations import (
     BadStretch,
     Explained,
     Explanation,
-    degrees_of_freedom,
-    first_pose,
     spread_m2,
 )
 from pdr_est.estimators.fix_checks.outlier_weights import outliers
-from pdr_est.estimators.fix_checks.remaining_doubt import SourceDoubt
+from pdr_est.estimators.fix_checks.remaining_doubt import USUAL_STEPS, SourceDoubt, StepDoubt
 from pdr_est.estimators.fix_checks.section import FixTable, Section
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StepOdometry
@@ -40,6 +38,10 @@ class SectionResult:
         What the explanation leaves open.
     spread_m
         Standard deviation that the fixes have more because nothing tells which of them is wrong, m.
+    steps
+        How probable worse steps are.
+    misfit
+        Sum of the squared normalised residuals if every error is as stated, and its degrees of freedom.
     """
 
     section: Section
@@ -49,16 +51,13 @@ class SectionResult:
     left_out_m: Array
     doubts: tuple[SourceDoubt, ...] = ()
     spread_m: float | None = None
+    steps: StepDoubt = USUAL_STEPS
+    misfit: tuple[float, int] = (0.0, 0)
 
     @property
     def examined(self) -> bool:
         """Tell whether explanations were compared."""
         return self.spread_m is not None
-
-    @property
-    def freedom(self) -> int:
-        """Degrees of freedom of the comparison."""
-        return degrees_of_freedom(self.section, self.explained)
 
     @property
     def start_more_m2(self) -> float:
@@ -91,7 +90,7 @@ def _predicted(section: Section, explained: Explained, fixes: FixTable) -> tuple
     """Predict fixes from those that were compared."""
     explanation, known = explained.explanation, explained.fixes
     points = section.path.at(fixes.time_s + explanation.shifts(fixes))
-    begin = min(first_pose(explained.points), first_pose(points))
+    begin = min(explained.points.first_pose, points.first_pose)
     worse = explanation.step_factor**2
     with_known = worse * section.path.covariance(points, explained.points, begin)
     own = worse * section.path.variance(points, begin) + _own_common_m2(explained, fixes)[:, None, None] * np.eye(2)

@@ -5,27 +5,35 @@ evidence: single outliers, bad stretches, a wrong accuracy or clock of a source,
 length scale. The fixes, and what else is given, are then changed as the best explanation says, and findings tell it.
 """
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
+from scipy.special import chdtrc
 from threadpoolctl import ThreadpoolController
 
+from pdr_est.estimators.common.length_scale_check import UNUSUAL_SIGMAS
+from pdr_est.estimators.common.repeated_fixes import GivenFixes, given_at, is_repeated, with_given
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, adjusted_steps, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
+from pdr_est.estimators.fix_checks.clock_shifts import far_shifts, likely_shift
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
 from pdr_est.estimators.fix_checks.explanations import (
     Explained,
     Explanation,
+    as_stated,
+    checked_sources,
     degrees_of_freedom,
     further_explanations,
     weigh_under,
     with_rest_spread,
     with_worse_steps,
 )
-from pdr_est.estimators.fix_checks.fix_findings import FAR_SIGMAS, repeated_finding, section_findings
-from pdr_est.estimators.fix_checks.remaining_doubt import remaining_doubt
+from pdr_est.estimators.fix_checks.fix_findings import repeated_finding, section_findings
+from pdr_est.estimators.fix_checks.position_regression import Regression
+from pdr_est.estimators.fix_checks.remaining_doubt import remaining_doubt, step_doubt
 from pdr_est.estimators.fix_checks.section import Section, sections_of, table_of
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
@@ -33,9 +41,9 @@ from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPos
 
 _MOST_ROUNDS = 5  # differences from what is stated, one after another
 _MISFIT = 2.0  # standard deviations of the sum of squared residuals from which on explanations are compared; ours
+_GROSS = 1e-3  # probability of a larger one below which a clock may be wrong by more than a few seconds; ours
+_WENT_ON_M = 0.5  # from which on the walker has gone on while a source repeated itself; ours
 _LIKELY = 0.2  # probability of an outlier from which on they are compared, too; ours
-_REPEATED_S = 5.0  # within which a source that gives exactly the same position again repeats itself; ours
-_WENT_ON_M = 0.5  # if the walker went this far meanwhile; ours
 
 
 @dataclass(frozen=True)
@@ -98,52 +106,65 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
 def _examined(section: Section) -> SectionResult:
     """Find the best explanation of a section; a section that fits costs one comparison."""
     now = weigh_under(section, Explanation())
-    result = weigh_all(section, now)
-    if _fits(section, now, result):
+    result, stated, freedom = weigh_all(section, now), as_stated(section, now), degrees_of_freedom(section, now)
+    if _fits(section, stated, freedom, result):
         return result
-    for _ in range(_MOST_ROUNDS):
-        tried = [weigh_under(section, one) for one in (*further_explanations(section, now), *likely_stretches(now))]
+    gross = bool(chdtrc(freedom, stated.squared) < _GROSS)
+    for number in range(_MOST_ROUNDS):
+        tried = [weigh_under(section, one) for one in _one_more(section, now, far=gross and number == 0)]
         better = max(tried, key=lambda one: one.score, default=now)
         if better.score <= now.score:
             break
         now = better
+    steps = step_doubt(section, now)
     now = with_worse_steps(section, now)
     doubts = remaining_doubt(section, now)
     now, spread_m = with_rest_spread(section, now)
-    return replace(weigh_all(section, now), doubts=doubts, spread_m=spread_m)
+    misfit = (stated.squared, freedom)
+    return replace(weigh_all(section, now), doubts=doubts, spread_m=spread_m, steps=steps, misfit=misfit)
 
 
-def _fits(section: Section, now: Explained, result: SectionResult) -> bool:
+def _one_more(section: Section, now: Explained, far: bool) -> list[Explanation]:
+    """Return explanations with one more difference from what is stated. far: search the clocks up to a minute."""
+    clocks = []
+    for source in checked_sources(now):
+        if source not in dict(now.explanation.shift_s):
+            clocks.append(likely_shift(section, now, source))
+            clocks += far_shifts(section, now, source) if far else []
+    return [*further_explanations(section, now), *clocks, *likely_stretches(now)]
+
+
+def _fits(section: Section, stated: Regression, freedom: int, result: SectionResult) -> bool:
     """Tell whether nothing about a section needs an explanation."""
-    stated, freedom = now.weighed.stated, degrees_of_freedom(section, now)
     if freedom <= 0:
         return True
     if stated.squared > freedom + _MISFIT * np.sqrt(2.0 * freedom) or np.any(result.outlier > _LIKELY):
         return False
-    if abs(stated.log_scale) > FAR_SIGMAS * section.sigma_scale > 0.0:
+    if abs(stated.log_scale) > UNUSUAL_SIGMAS * section.sigma_scale > 0.0:
         return False
     if section.heading is None:
         return True
     off_rad = np.angle(np.exp(1j * (stated.heading_rad - section.heading[0])))
-    return bool(abs(off_rad) < FAR_SIGMAS * section.heading[1])
+    return bool(abs(off_rad) < UNUSUAL_SIGMAS * section.heading[1])
 
 
 def _without_repeats(given: Sequence[PositionFix], path: DeadReckonedPath) -> tuple[list[PositionFix], list[Finding]]:
-    """Leave out fixes that repeat one of their source: at once, though the walker went on, or a wandering one."""
+    """Leave out fixes that repeat an earlier one of their source; those of a walker who stands are not told."""
     ordered = sorted(given, key=lambda one: one.time_s)
     walked_m = path.at(np.array([fix.time_s for fix in ordered])).position_m
     kept: list[PositionFix] = []
+    earlier: defaultdict[str, GivenFixes] = defaultdict(tuple)
     last: dict[tuple[str, float, float], tuple[float, Array]] = {}
     stale = 0
     for fix, place_m in zip(ordered, walked_m, strict=True):
-        key = (fix.source, float(fix.position_m[0]), float(fix.position_m[1]))
+        key = (fix.source, *given_at(fix)[1:])
         before_s, there_m = last.get(key, (-np.inf, place_m))
         last[key] = fix.time_s, place_m
-        elapsed_s, went_on = fix.time_s - before_s, np.hypot(*(place_m - there_m)) > _WENT_ON_M
-        wrong = elapsed_s == 0.0 or (elapsed_s <= _REPEATED_S and went_on)
-        stale += wrong
-        if not wrong and (elapsed_s > _REPEATED_S or fix.sigma_wander_m == 0.0):
+        if is_repeated(earlier[fix.source], fix):
+            stale += fix.time_s == before_s or np.hypot(*(place_m - there_m)) > _WENT_ON_M
+        else:
             kept.append(fix)
+        earlier[fix.source] = with_given(earlier[fix.source], fix)
     return kept, [repeated_finding(stale, len(given))] if stale else []
 
 

@@ -35,6 +35,11 @@ class ReckonedPoints:
     def __len__(self) -> int:
         return len(self.pose)
 
+    @property
+    def first_pose(self) -> int:
+        """Number of the earliest pose, from which the errors of a section's path count."""
+        return int(self.pose.min())
+
     def rows(self, chosen: NDArray[np.int64]) -> "ReckonedPoints":
         """Return some of the points."""
         return ReckonedPoints(self.position_m[chosen], self.pose[chosen])

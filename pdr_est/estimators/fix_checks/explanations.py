@@ -1,15 +1,18 @@
-"""Explanations of a section's fixes: what may be otherwise than stated, and how probable that is beforehand."""
+"""Explanations of a section's fixes: what may be otherwise than stated, and how probable that is beforehand.
+
+The clocks of the sources are searched in `clock_shifts`, bad stretches in `bad_stretches`.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import log
+from math import log, log1p, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.fix_checks.dead_reckoned_path import ReckonedPoints
 from pdr_est.estimators.fix_checks.outlier_weights import WeighedFixes, weigh, widened
-from pdr_est.estimators.fix_checks.position_regression import regress
+from pdr_est.estimators.fix_checks.position_regression import Regression, log_evidence, regress
 from pdr_est.estimators.fix_checks.section import FixTable, Section
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE
@@ -19,9 +22,11 @@ LEAST_FIXES = 4
 
 _LOG_WRONG_HEADING, _LOG_UNUSUAL = log(0.02), log(0.01)  # of a given start heading, and of a length scale (ours)
 _SIGMA_UNUSUAL_SCALE = 0.2  # ours
-_LOG_SHIFTED = log(0.05)  # of the clock of a source (our choice), whose error is then a few seconds
-_SIGMA_SHIFT_S, _SHIFT_STEP_S = 3.0, 0.5
-_SHIFTS_S = tuple(_SHIFT_STEP_S * k for k in range(-16, 17))
+_LOG_SHIFTED = log(0.05)  # of the clock of a source (our choice), whose error is then a few seconds, seldom more
+_SCALE_SHIFT_S = 3.0  # half of the clocks that are wrong; their errors have a Cauchy distribution
+SHIFT_STEP_S = 0.5
+"""Resolution of clock corrections, s."""
+
 _GROWTH, _MOST_SPREAD_M = 1.25, 1e4  # of the added standard deviation
 _FACTORS = (1.5, 2.2, 3.3, 5.0, 8.0)
 _LOG_OTHER_ACCURACY, _SIGMA_LOG_FACTOR = log(0.1), 0.8  # also phones that state a wrong accuracy state one
@@ -41,12 +46,15 @@ class BadStretch:
         Stretch, s.
     sigma_m
         Standard deviation of the error in each coordinate, m.
+    log_prior
+        Logarithm of its probability before the measurements.
     """
 
     source: int
     begin_s: float
     end_s: float
     sigma_m: float
+    log_prior: float
 
     def has(self, fixes: FixTable) -> NDArray[np.bool_]:
         """Find the fixes (n,) in the stretch."""
@@ -60,8 +68,6 @@ class Explanation:
 
     Attributes
     ----------
-    log_prior
-        Logarithm of its probability before the measurements.
     heading_wrong
         True if the given start heading is wrong.
     unusual_scale
@@ -76,13 +82,23 @@ class Explanation:
         Factor on the standard deviations of the steps.
     """
 
-    log_prior: float = 0.0
     heading_wrong: bool = False
     unusual_scale: bool = False
     shift_s: tuple[tuple[int, float], ...] = ()
     factor: tuple[tuple[int, float], ...] = ()
     stretches: tuple[BadStretch, ...] = ()
     step_factor: float = 1.0
+
+    @property
+    def log_prior(self) -> float:
+        """Logarithm of its probability before the measurements."""
+        logarithm = self.heading_wrong * _LOG_WRONG_HEADING + self.unusual_scale * _LOG_UNUSUAL
+        logarithm += sum(_LOG_OTHER_ACCURACY + _log_factor(factor) for _, factor in self.factor)
+        logarithm += sum(_log_shift(shift_s) for _, shift_s in self.shift_s)
+        logarithm += sum(stretch.log_prior for stretch in self.stretches)
+        if self.step_factor != 1.0:
+            logarithm += _LOG_WORSE_STEPS + _log_factor(self.step_factor)
+        return logarithm
 
     def shifts(self, fixes: FixTable) -> Array:
         """Return the clock correction (n,) of each fix, s."""
@@ -147,6 +163,13 @@ def degrees_of_freedom(section: Section, now: Explained) -> int:
     return 2 * len(now.fixes) - (3 if unknown else 2)
 
 
+def as_stated(section: Section, now: Explained) -> Regression:
+    """Compare the fixes of a section with every error as an explanation states it, outliers or not."""
+    fixes, points, common_m2, _, _ = _assumed(section, now.explanation)
+    solved = now.weighed.regression
+    return regress(fixes.position_m, points.position_m, common_m2, fixes.white_m2, solved.prior, solved.heading_rad)
+
+
 def with_rest_spread(section: Section, now: Explained) -> tuple[Explained, float]:
     """Spread what an explanation leaves unexplained over all fixes, so that the residuals are as large as expected.
 
@@ -194,24 +217,22 @@ def with_worse_steps(section: Section, now: Explained) -> Explained:
 
 def spread_m2(common_m2: Array) -> Array:
     """Return the covariance (2 n, 2 k) of two coordinates, each of which has the covariance (n, k)."""
-    return np.asarray(np.kron(common_m2, np.eye(2)))
-
-
-def first_pose(points: ReckonedPoints) -> int:
-    """Return the number of the pose from which the errors of a section's path count."""
-    return int(points.pose.min())
+    count, others = common_m2.shape
+    both = np.zeros((count, 2, others, 2))
+    both[:, 0, :, 0] = both[:, 1, :, 1] = common_m2
+    return both.reshape(2 * count, 2 * others)
 
 
 def _assumed(
     section: Section, explanation: Explanation
 ) -> tuple[FixTable, ReckonedPoints, Array, tuple[float, float] | None, float]:
     """Return fixes, points, their common covariance, heading and sigma of the scale under an explanation."""
-    fixes = explanation.apply(section.table.rows(section.chosen))
-    points = section.path.at(fixes.time_s + explanation.shifts(fixes))
-    of_path = explanation.step_factor**2 * section.path.covariance(points, points, first_pose(points))
+    fixes = explanation.apply(section.compared)
+    points, of_path = section.path_under(explanation.shifts(fixes))
     heading = None if explanation.heading_wrong else section.heading
     sigma_scale = max(section.sigma_scale, _SIGMA_UNUSUAL_SCALE) if explanation.unusual_scale else section.sigma_scale
-    return fixes, points, of_path + spread_m2(explanation.common_m2(fixes, fixes)), heading, sigma_scale
+    common_m2 = explanation.step_factor**2 * of_path + spread_m2(explanation.common_m2(fixes, fixes))
+    return fixes, points, common_m2, heading, sigma_scale
 
 
 def checked_sources(now: Explained) -> list[int]:
@@ -221,65 +242,49 @@ def checked_sources(now: Explained) -> list[int]:
 
 
 def further_explanations(section: Section, now: Explained) -> Iterator[Explanation]:
-    """Yield explanations with one more difference from what is stated."""
+    """Yield explanations with one more difference from what is stated, apart from clocks and stretches."""
     known = now.explanation
     if section.heading is not None and not known.heading_wrong:
-        yield replace(known, heading_wrong=True, log_prior=known.log_prior + _LOG_WRONG_HEADING)
+        yield replace(known, heading_wrong=True)
     if not known.unusual_scale and 0.0 < section.sigma_scale < _SIGMA_UNUSUAL_SCALE:
-        yield replace(known, unusual_scale=True, log_prior=known.log_prior + _LOG_UNUSUAL)
+        yield replace(known, unusual_scale=True)
     if known.step_factor == 1.0:
-        yield from _worse_steps(known)
+        yield from worse_steps(known)
     for source in checked_sources(now):
         if source not in dict(known.factor):
             yield from other_accuracies(known, source)
-        if source not in dict(known.shift_s):
-            shifts_s, evidence = shift_evidence(section, now, source)
-            yield _shifted(known, source, float(shifts_s[np.argmax(np.where(shifts_s == 0.0, -np.inf, evidence))]))
 
 
 def other_accuracies(known: Explanation, source: int) -> list[Explanation]:
     """Return the explanations by other accuracies of a source."""
-    costs = [(one, _LOG_OTHER_ACCURACY - 0.5 * (log(one) / _SIGMA_LOG_FACTOR) ** 2) for one in _FACTORS]
-    return [
-        replace(known, factor=(*known.factor, (source, factor)), log_prior=known.log_prior + cost)
-        for factor, cost in costs
-    ]
+    return [replace(known, factor=(*known.factor, (source, factor))) for factor in _FACTORS]
 
 
-def _worse_steps(known: Explanation) -> list[Explanation]:
+def worse_steps(known: Explanation) -> list[Explanation]:
     """Return the explanations by steps that are worse than usual."""
-    costs = [(one, _LOG_WORSE_STEPS - 0.5 * (log(one) / _SIGMA_LOG_FACTOR) ** 2) for one in _FACTORS]
-    return [replace(known, step_factor=factor, log_prior=known.log_prior + cost) for factor, cost in costs]
+    return [replace(known, step_factor=factor) for factor in _FACTORS]
 
 
-def shift_evidence(section: Section, now: Explained, source: int) -> tuple[Array, Array]:
-    """Return clock corrections of a source (k,), s, and the logarithm (k,) of their probabilities.
+def evidence_alone(section: Section, explanation: Explanation, like: Explained) -> float:
+    """Return the logarithm of the evidence of an explanation, with the weights of the fixes under another one.
 
-    The weights of the fixes are those of the present explanation; the logarithms have a constant in common.
+    It is a fraction of the work of weighing the fixes again.
     """
-    found = [_log_shift(section, now, source, shift_s) for shift_s in _SHIFTS_S]
-    return np.array(_SHIFTS_S), np.array(found)
+    fixes, points, common_m2, _, _ = _assumed(section, explanation)
+    solved, white_m2 = like.weighed.regression, widened(fixes.white_m2, like.weighed.more_m2)
+    return log_evidence(fixes.position_m, points.position_m, common_m2, white_m2, solved.prior, solved.heading_rad)
 
 
-def _log_shift(section: Section, now: Explained, source: int, shift_s: float) -> float:
-    weighed, rest = now.weighed, tuple(one for one in now.explanation.shift_s if one[0] != source)
-    tried = _shifted(replace(now.explanation, shift_s=rest, log_prior=0.0), source, shift_s)
-    fixes, points, common_m2, _, _ = _assumed(section, tried)
-    white_m2 = widened(fixes.white_m2, weighed.more_m2)
-    solved = weighed.regression
-    evidence = regress(
-        fixes.position_m, points.position_m, common_m2, white_m2, solved.prior, solved.heading_rad
-    ).log_evidence
-    return evidence + tried.log_prior
+def _log_factor(factor: float) -> float:
+    """Return the logarithm of the probability of a factor on stated errors, among those that are not 1."""
+    return -0.5 * (log(factor) / _SIGMA_LOG_FACTOR) ** 2
 
 
-def _shifted(known: Explanation, source: int, shift_s: float) -> Explanation:
-    """Return an explanation with one more clock correction."""
-    cost = 0.0
-    if shift_s != 0.0:
-        density = -0.5 * (shift_s / _SIGMA_SHIFT_S) ** 2 - log(_SIGMA_SHIFT_S * np.sqrt(2.0 * np.pi))
-        cost = _LOG_SHIFTED + log(_SHIFT_STEP_S) + density
-    return replace(known, shift_s=(*known.shift_s, (source, shift_s)), log_prior=known.log_prior + cost)
+def _log_shift(shift_s: float) -> float:
+    """Return the logarithm of the probability of a clock correction."""
+    if shift_s == 0.0:
+        return 0.0
+    return _LOG_SHIFTED + log(SHIFT_STEP_S / (pi * _SCALE_SHIFT_S)) - log1p((shift_s / _SCALE_SHIFT_S) ** 2)
 
 
 def _by_source(fixes: FixTable, values: tuple[tuple[int, float], ...], default: float) -> Array:

@@ -1,7 +1,7 @@
 """Findings of the comparison of fixes and steps, in words."""
 
 from collections.abc import Sequence
-from math import degrees, exp, sqrt
+from math import degrees, sqrt
 
 import numpy as np
 from scipy.special import chdtrc
@@ -11,20 +11,20 @@ from pdr_est.estimators.fix_checks.explanations import BadStretch
 from pdr_est.frames import wrap_angle
 from pdr_est.types.findings import Finding, FindingKind
 
-FAR_SIGMAS = 2.5
-"""Standard deviations of the prior from which on a length scale is told, and from which on it, or a heading, makes
-explanations be compared (our choice)."""
-
 _WRONG = 0.5  # probability from which a fix is told to be an outlier
 _MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
-_IMPROBABLE = 0.02  # probability of a larger chi-squared below which it is told that fixes fit badly
+_SURE = 0.95  # probability of worse steps from which it is told that it is the steps
+_ROUND_M = 3.0  # from which metres are told without decimals
+_IMPROBABLE = (
+    0.0228  # probability of a larger chi-squared below which a misfit is told: two standard deviations, one side
+)
 _MANY = 0.1  # share of repeated fixes from which it is worth a look
 
 
 def section_findings(results: Sequence[SectionResult]) -> list[Finding]:
     """Say what does not fit in the sections of a walk."""
     found = [finding for result in results for finding in _of_section(result)]
-    return [*found, *_outliers(results), *_scale(results)]
+    return [*found, *_outliers(results)]
 
 
 def repeated_finding(repeats: int, count: int) -> Finding:
@@ -46,17 +46,11 @@ def _of_section(result: SectionResult) -> list[Finding]:
         if factor > _MUCH_WORSE:
             message = f"the fixes ({table.names[source]}) err {factor:.1f} times as much as stated: weighed down"
             found.append(Finding(FindingKind.FIX_ACCURACY, message, "", begin_s, end_s, factor))
-    if explanation.step_factor > _MUCH_WORSE:
-        message = (
-            f"the steps between {begin_s:.0f} s and {end_s:.0f} s disagree with the fixes "
-            f"{explanation.step_factor:.1f} times as much as usual: they count less"
-        )
-        found.append(Finding(FindingKind.STEPS, message, "", begin_s, end_s, explanation.step_factor))
     if explanation.heading_wrong and result.section.heading is not None:
         found.append(_start_heading(result, *result.section.heading))
     found += _start_position(result)
     told = bool(found) or np.any(result.outlier > _WRONG)
-    return [*found, *_contradiction(result, begin_s, end_s, bool(told))]
+    return [*found, *_misfit(result, begin_s, end_s, bool(told))]
 
 
 def _start_position(result: SectionResult) -> list[Finding]:
@@ -69,23 +63,30 @@ def _start_position(result: SectionResult) -> list[Finding]:
     return [Finding(FindingKind.FIXES, message, value=distance_m)]
 
 
-def _contradiction(result: SectionResult, begin_s: float, end_s: float, told: bool) -> list[Finding]:
-    """Say that fixes contradict each other or the steps, if nothing tells which is wrong."""
-    spread_m, table = result.spread_m, result.section.table
+def _misfit(result: SectionResult, begin_s: float, end_s: float, told: bool) -> list[Finding]:
+    """Say in one statement that fixes and steps do not fit, and which of them are wrong if anything tells it."""
+    spread_m, table, (squared, freedom) = result.spread_m, result.section.table, result.misfit
     if spread_m is None:
         return []
-    span = f"position fixes between {begin_s:.0f} s and {end_s:.0f} s"
+    span = f"between {begin_s:.0f} s and {end_s:.0f} s"
+    steps_too = "; the steps count less, too" if result.explained.explanation.step_factor > 1.0 else ""
     if spread_m > np.median(table.sigma_m):
         message = (
-            f"{span} contradict each other or the steps, and nothing tells which is wrong: {spread_m:.0f} m are "
-            "added to the error of each"
+            f"position fixes {span} contradict each other or the steps, and nothing tells which is wrong: "
+            f"{spread_m:.{0 if spread_m > _ROUND_M else 1}f} m are added to the error of each{steps_too}"
         )
         return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, spread_m)]
-    squared, freedom = result.explained.weighed.stated.squared, result.freedom
+    if result.steps.probability > _SURE and result.steps.factor > _MUCH_WORSE:
+        message = (
+            f"the steps {span} disagree with the fixes {result.steps.factor:.1f} times as much as usual: they count "
+            "less"
+        )
+        return [Finding(FindingKind.STEPS, message, "", begin_s, end_s, result.steps.factor)]
     if told or chdtrc(freedom, squared) > _IMPROBABLE:
         return []
     message = (
-        f"{span} fit each other and the steps badly (chi-squared {squared:.0f} for {freedom} degrees of freedom)"
+        f"position fixes {span} and the steps fit badly (chi-squared {squared:.0f} for {freedom} degrees of "
+        f"freedom), and nothing tells which are wrong: {'the steps count less' if steps_too else 'all stay as given'}"
     )
     return [Finding(FindingKind.FIXES, message, "", begin_s, end_s, squared)]
 
@@ -136,18 +137,3 @@ def _outliers(results: Sequence[SectionResult]) -> list[Finding]:
         f"{distance_m:.0f} m: weighed down"
     )
     return [Finding(FindingKind.FIXES, message, "", min(times_s), max(times_s), distance_m)]
-
-
-def _scale(results: Sequence[SectionResult]) -> list[Finding]:
-    """Say that the length scale is unusual."""
-    sigma = results[0].section.sigma_scale
-    solved = max((one.explained.weighed.regression for one in results), key=lambda one: abs(one.log_scale))
-    if sigma == 0.0 or abs(solved.log_scale) <= FAR_SIGMAS * sigma:
-        return []
-    scale, away = exp(solved.log_scale), abs(solved.log_scale) / sigma
-    own = scale * sqrt(float(solved.placement_covariance[1, 1]))
-    message = (
-        f"length scale {scale:.2f} is {away:.1f} sigma from usual: one of the positions, their times, or the step "
-        "lengths is wrong, or the walker is unusual"
-    )
-    return [Finding(FindingKind.LENGTH_SCALE, message, value=scale, sigma=own)]

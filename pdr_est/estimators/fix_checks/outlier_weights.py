@@ -11,11 +11,12 @@ import numpy as np
 
 from pdr_est.estimators.fix_checks.position_regression import PlacementPrior, Regression, regress
 from pdr_est.estimators.fix_checks.section import FixTable
-from pdr_est.frames import SIGMA_UNIFORM_RAD, Array
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 
 _OUTLIER_SIGMAS = np.array([3.0, 10.0, 40.0, 200.0])  # of the stated error; with their shares among the outliers
 _OUTLIER_SHARES = np.array([0.45, 0.3, 0.2, 0.05])
 _ROUNDS = 12
+_SAME_RAD = 0.01  # change of the heading that is not worth another linearisation
 _HEADINGS = 48  # first guesses round the circle, and scales
 _FIRST_SCALES = (0.85, 1.0, 1.15)
 _ROUGH_M = 4.0  # error of a rough guess beside those of the fixes
@@ -35,15 +36,12 @@ class WeighedFixes:
         (n,) variance that its error has more than stated in each coordinate, m².
     regression
         Solution with these variances.
-    stated
-        Solution with the fixes as they are stated.
     """
 
     score: float
     outlier: Array
     more_m2: Array
     regression: Regression
-    stated: Regression
 
 
 def weigh(
@@ -68,7 +66,7 @@ def weigh(
     sigma_scale
         Standard deviation of the length scale.
     """
-    guess_rad, distance_m = _rough_heading(fixes, path_m, None if heading is None else heading[0])
+    guess_rad, distance_m, _ = rough_heading(fixes, path_m, None if heading is None else heading[0])
     sigma_m = fixes.sigma_m
     expected = (guess_rad, SIGMA_UNIFORM_RAD) if heading is None else heading
     prior = PlacementPrior(*expected, sigma_scale)
@@ -94,10 +92,10 @@ def _converged(
             break
         share = 2.0 / (2.0 + number)  # where two fixes contradict each other, either wants to be the outlier
         more_m2 = more_m2 + share * (wanted_m2 - more_m2)
-    solved = regress(fixes.position_m, path_m, common_m2, widened(fixes.white_m2, more_m2), prior, about_rad)
-    stated = regress(fixes.position_m, path_m, common_m2, fixes.white_m2, prior, about_rad)
+    if not settled or abs(wrap_angle(about_rad - solved.about_rad)) > _SAME_RAD:
+        solved = regress(fixes.position_m, path_m, common_m2, widened(fixes.white_m2, more_m2), prior, about_rad)
     score = solved.log_evidence - float(outlier_cost(outlier, fixes.outlier_prior).sum())
-    return WeighedFixes(score, outlier, more_m2, solved, stated)
+    return WeighedFixes(score, outlier, more_m2, solved)
 
 
 def outliers(fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> tuple[Array, Array]:
@@ -134,8 +132,25 @@ def widened(white_m2: Array, more_m2: Array) -> Array:
     return np.asarray(white_m2 + more_m2[:, None, None] * np.eye(2))
 
 
-def _rough_heading(fixes: FixTable, path_m: Array, known_rad: float | None) -> tuple[float, Array]:
-    """Return the heading at which most fixes lie near the path, rad, and their distances (n,) from it there, m."""
+def rough_heading(fixes: FixTable, path_m: Array, known_rad: float | None) -> tuple[float, Array, float]:
+    """Find the heading at which most of n fixes lie near the path.
+
+    Parameters
+    ----------
+    fixes, path_m
+        Fixes, and points (n, 2) of the path at their times, m.
+    known_rad
+        Heading of the path, rad; None if unknown.
+
+    Returns
+    -------
+    float
+        The heading, rad.
+    Array
+        (n,) distance of each fix from the path there, m.
+    float
+        How far they are from the path all together, without a unit: the logarithms of outliers grow slowly.
+    """
     headings_rad = np.arange(_HEADINGS) * 2.0 * np.pi / _HEADINGS if known_rad is None else np.array([known_rad])
     turns = np.outer(_FIRST_SCALES, np.exp(1j * headings_rad)).ravel()
     offsets = (fixes.position_m @ [1.0, 1j])[None, :] - turns[:, None] * (path_m @ [1.0, 1j])
@@ -143,4 +158,4 @@ def _rough_heading(fixes: FixTable, path_m: Array, known_rad: float | None) -> t
     distance_m = np.abs(offsets - middle[:, None])
     cost = np.log1p(np.square(distance_m / (2.0 * fixes.sigma_m + _ROUGH_M))).sum(axis=1)
     best = int(np.argmin(cost))
-    return float(np.angle(turns[best])), distance_m[best]
+    return float(np.angle(turns[best])), distance_m[best], float(cost[best])

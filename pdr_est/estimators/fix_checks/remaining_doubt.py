@@ -1,16 +1,18 @@
-"""Doubt that the best explanation of a section leaves: other accuracies and clocks explain it nearly as well."""
+"""Doubt that the best explanation of a section leaves: others explain it nearly as well."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdr_est.estimators.fix_checks.clock_shifts import shift_evidence
 from pdr_est.estimators.fix_checks.explanations import (
     Explained,
     Explanation,
     checked_sources,
     other_accuracies,
-    shift_evidence,
     weigh_under,
+    worse_steps,
 )
 from pdr_est.estimators.fix_checks.section import Section
 from pdr_est.frames import Array
@@ -35,6 +37,26 @@ class SourceDoubt:
     sigma_m: float
 
 
+@dataclass(frozen=True)
+class StepDoubt:
+    """Doubt about the steps under an explanation.
+
+    Attributes
+    ----------
+    probability
+        Probability that the steps are worse than usual, against what is stated and against worse fixes.
+    factor
+        Root mean square of the factor on their standard deviations, if they are.
+    """
+
+    probability: float
+    factor: float
+
+
+USUAL_STEPS = StepDoubt(0.0, 1.0)
+"""Steps as they are stated."""
+
+
 def remaining_doubt(section: Section, now: Explained) -> tuple[SourceDoubt, ...]:
     """Average accuracy and clock of each source over the values that it may have."""
     moved_m = np.diff(now.points.position_m, axis=0)
@@ -46,22 +68,26 @@ def remaining_doubt(section: Section, now: Explained) -> tuple[SourceDoubt, ...]
     )
 
 
+def step_doubt(section: Section, now: Explained) -> StepDoubt:
+    """Compare worse steps with steps and fixes as stated, and with each source of fixes that is worse."""
+    if now.explanation.step_factor == 1.0:
+        return USUAL_STEPS
+    plain = replace(now.explanation, step_factor=1.0, factor=())
+    steps = worse_steps(plain)
+    rivals = [plain, *(one for source in checked_sources(now) for one in other_accuracies(plain, source))]
+    weight = _weights(_scores(section, [*steps, *rivals]))[: len(steps)]
+    probability = float(weight.sum())
+    factors = np.array([one.step_factor for one in steps])
+    return StepDoubt(probability, float(np.sqrt(weight @ factors**2 / max(probability, 1e-300))))
+
+
 def _factor(section: Section, now: Explained, source: int) -> float:
     """Return the root mean square of the factor on the errors of a source."""
-    without = _without_factor(now.explanation, source)
-    tried = [weigh_under(section, one) for one in (without, *other_accuracies(without, source))]
-    weight = _weights(np.array([one.score for one in tried]))
-    factors = np.array([dict(one.explanation.factor).get(source, 1.0) for one in tried])
-    return float(np.sqrt(weight @ factors**2))
-
-
-def _without_factor(known: Explanation, source: int) -> Explanation:
-    chosen = dict(known.factor).get(source)
-    if chosen is None:
-        return known
-    rest = replace(known, factor=tuple(one for one in known.factor if one[0] != source))
-    cost = next(one.log_prior for one in other_accuracies(rest, source) if dict(one.factor)[source] == chosen)
-    return replace(rest, log_prior=known.log_prior - (cost - rest.log_prior))
+    others = tuple(one for one in now.explanation.factor if one[0] != source)
+    without = replace(now.explanation, factor=others)
+    tried = [without, *other_accuracies(without, source)]
+    factors = np.array([dict(one.factor).get(source, 1.0) for one in tried])
+    return float(np.sqrt(_weights(_scores(section, tried)) @ factors**2))
 
 
 def _sigma_shift_s(section: Section, now: Explained, source: int) -> float:
@@ -69,6 +95,10 @@ def _sigma_shift_s(section: Section, now: Explained, source: int) -> float:
     shifts_s, evidence = shift_evidence(section, now, source)
     taken_s = dict(now.explanation.shift_s).get(source, 0.0)
     return float(np.sqrt(_weights(evidence) @ (shifts_s - taken_s) ** 2))
+
+
+def _scores(section: Section, explanations: Sequence[Explanation]) -> Array:
+    return np.array([weigh_under(section, one).score for one in explanations])
 
 
 def _weights(logarithms: Array) -> Array:

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.wandering_error import wander_chain
-from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
+from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath, ReckonedPoints
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix, StartPose
 
@@ -136,6 +137,39 @@ class Section:
     chosen: NDArray[np.int64]
     heading: tuple[float, float] | None
     sigma_scale: float
+
+    @cached_property
+    def compared(self) -> FixTable:
+        """The fixes that are compared with each other."""
+        return self.table.rows(self.chosen)
+
+    def path_under(self, shifts_s: Array) -> tuple[ReckonedPoints, Array]:
+        """Return the path at the n compared fixes if their clocks are corrected.
+
+        Explanations differ little in this and much else, so that it is kept.
+
+        Parameters
+        ----------
+        shifts_s
+            Correction (n,) of the time of each fix, s.
+
+        Returns
+        -------
+        ReckonedPoints
+            Points of the path at their times.
+        Array
+            (2 n, 2 n) covariance of their errors, m².
+        """
+        key = shifts_s.tobytes()
+        if key not in self._paths:
+            points = self.path.at(self.compared.time_s + shifts_s)
+            self._paths[key] = points, self.path.covariance(points, points, points.first_pose)
+        return self._paths[key]
+
+    @cached_property
+    def _paths(self) -> dict[bytes, tuple[ReckonedPoints, Array]]:
+        """Paths so far by the clock corrections."""
+        return {}
 
 
 def sections_of(

@@ -18,7 +18,8 @@ from pdr_est.estimators.common.motion_model import reckon
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.fixed_lag.window import FilteredNode, LaggedPose, LagWindow
+from pdr_est.estimators.fixed_lag.window import LagWindow
+from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, FilteredWalk, filter_walk
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
@@ -79,15 +80,14 @@ def _filtered_nodes(timelines: Sequence[Timeline], walk: FilteredWalk) -> Iterat
     for posterior in walk.posteriors:
         device, node = posterior.touched[0]
         present |= {device}
-        yield FilteredNode(
+        yield FilteredNode.of_state(
+            posterior.joint,
             device,
             timelines[device].nodes[node],
             posterior.entered,
             posterior.node_tethers,
-            posterior.joint.mean,
-            posterior.joint.covariance,
             present,
-            posterior.joint.sources,
+            len(timelines),
         )
 
 

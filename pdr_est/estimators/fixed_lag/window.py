@@ -2,19 +2,18 @@
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState, SourceState
+from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
-from pdr_est.estimators.common.timeline import Node
 from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, add_measurements, displacement, motion_noise
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose
 from pdr_est.estimators.fixed_lag.window_errors import WindowErrors
 from pdr_est.estimators.fixed_lag.window_prior import (
     ConditionalPrior,
@@ -24,70 +23,10 @@ from pdr_est.estimators.fixed_lag.window_prior import (
     pose_per_scale,
     prior_factors,
 )
-from pdr_est.frames import Array
 
 _SCALE_TOLERANCE = 0.1  # in units of the scale's sigma; a larger change of the scale needs a new window
 _RELINEARISE = 1e-3  # m and rad
 _ITERATIONS = 3  # additional ones after adding a tether, and at the end
-
-
-@dataclass(frozen=True)
-class FilteredNode:
-    """Result of the joint EKF at a node.
-
-    Attributes
-    ----------
-    device : int
-        Index of the device.
-    node : Node
-        Node of this device.
-    entered : GaussianState or None
-        State with which the device entered the filter here; None if it moved on from its previous node.
-    tethers : tuple of NodeTether or of PairTether
-        Tethers to be applied at this time.
-    mean : Array
-        Posterior mean of all d devices and s sources of fixes with a wandering error, (5 d + 2 s,).
-    covariance : Array
-        Posterior covariance, (5 d + 2 s, 5 d + 2 s).
-    present : frozenset[int]
-        Indices of the devices that have entered.
-    sources : tuple of SourceState
-        The sources, in the order of their states.
-    """
-
-    device: int
-    node: Node
-    entered: GaussianState | None
-    tethers: tuple[NodeTether, ...] | tuple[PairTether, ...]
-    mean: Array
-    covariance: Array
-    present: frozenset[int]
-    sources: tuple[SourceState, ...] = ()
-
-
-@dataclass(frozen=True)
-class LaggedPose:
-    """Smoothed pose of a device at a node.
-
-    Attributes
-    ----------
-    device : int
-        Index of the device.
-    node : Node
-        Node of this device.
-    pose : Array
-        East, north (m) and heading (rad) in the map frame, (3,).
-    covariance : Array
-        Covariance, (3, 3). NaN at a node that is no step and appears in no track, because it is slow to compute.
-    scale : tuple[float, float]
-        Length scale and its standard deviation.
-    """
-
-    device: int
-    node: Node
-    pose: Array
-    covariance: Array
-    scale: tuple[float, float]
 
 
 class LagWindow:

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState, SourceTrust, linearise_motions
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
-from pdr_est.estimators.kalman.fix_sources import fix_rows, with_source_at
-from pdr_est.estimators.kalman.similarity_update import squared_distance, updated_by_fix
-from pdr_est.estimators.kalman.source_trust import hypotheses_about, is_repeated, mixture_of, trust_in, with_trust
+from pdr_est.estimators.kalman.fix_mixture import updated_by_fix
+from pdr_est.estimators.kalman.similarity_update import similarity_update, squared_distance
+from pdr_est.estimators.kalman.source_clock import with_node
+from pdr_est.estimators.kalman.source_trust import mixture_of
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
@@ -61,6 +62,8 @@ class HypothesisBank:
         For each hypothesis, the turns that it chose. A merged one has those of its more probable part.
     trusts
         What was learnt of the accuracy of the sources, as in `GaussianState`.
+    trail, taken
+        Last nodes of the device, and the fixes of the last one as they were taken.
     """
 
     weights: Array
@@ -69,6 +72,8 @@ class HypothesisBank:
     sources: tuple[SourceState, ...]
     lineages: tuple[Lineage, ...]
     trusts: tuple[SourceTrust, ...] = ()
+    trail: tuple[Node, ...] = ()
+    taken: tuple[PositionFix, ...] = ()
 
     def __len__(self) -> int:
         return len(self.weights)
@@ -76,7 +81,8 @@ class HypothesisBank:
     @classmethod
     def of_state(cls, state: GaussianState, lineage: Lineage = ()) -> "HypothesisBank":
         """Return the bank of a single hypothesis."""
-        return cls(np.ones(1), state.mean[None], state.covariance[None], state.sources, (lineage,), state.trusts)
+        mean, covariance = state.mean[None], state.covariance[None]
+        return cls(np.ones(1), mean, covariance, state.sources, (lineage,), state.trusts, _trail_of(state))
 
     @classmethod
     def of_unknown_heading(cls, state: GaussianState, lineage: Lineage = ()) -> "HypothesisBank":
@@ -86,12 +92,13 @@ class HypothesisBank:
         means[:, 2] = wrap_angle(spacing * np.arange(count))
         covariances[:, 2, :], covariances[:, :, 2] = 0.0, 0.0
         covariances[:, 2, 2] = (_SIGMA_OVER_SPACING * spacing) ** 2
-        return cls(np.full(count, 1.0 / count), means, covariances, state.sources, (lineage,) * count, state.trusts)
+        weights, lineages = np.full(count, 1.0 / count), (lineage,) * count
+        return cls(weights, means, covariances, state.sources, lineages, state.trusts, _trail_of(state))
 
     def moments(self) -> GaussianState:
         """Return mean and covariance of the mixture; headings are averaged on the circle."""
         mean, covariance = mixture_of(self.weights, self._near_mean_heading(), self.covariances)
-        return GaussianState(mean, 0.5 * (covariance + covariance.T), self.sources, self.trusts)
+        return self._state(mean, 0.5 * (covariance + covariance.T))
 
     @property
     def likeliest(self) -> int:
@@ -100,13 +107,15 @@ class HypothesisBank:
 
     def state_of_hypothesis(self, number: int) -> GaussianState:
         """Return the state of one hypothesis."""
-        return GaussianState(self.means[number], self.covariances[number], self.sources, self.trusts)
+        return self._state(self.means[number], self.covariances[number])
 
     def predicted(self, node: Node, number: int) -> "HypothesisBank":
         """Predict the motion to a node, which is the device's `number`-th one, with each of its turn hypotheses."""
+        trail = with_node(self.trail, node)
         if not node.turn_hypotheses:
             turn_rad = np.full(len(self), node.heading_change_rad)
-            return self._moved(turn_rad, node.length_m, np.tile(node.covariance, (len(self), 1, 1)))
+            moved = self._moved(turn_rad, node.length_m, np.tile(node.covariance, (len(self), 1, 1)))
+            return replace(moved, trail=trail, taken=())
         turns = node.turn_hypotheses
         prior = np.array([turn.probability for turn in turns])
         likeliest = np.argsort(-np.outer(self.weights, prior).ravel(), kind="stable")[:_MOST_AT_ONCE]
@@ -121,6 +130,7 @@ class HypothesisBank:
             self.sources,
             lineages,
             self.trusts,
+            trail,
         )
         return split._moved(turn_rad[chosen], node.length_m, covariance[chosen])._reduced()
 
@@ -134,6 +144,9 @@ class HypothesisBank:
         for prior in node.priors:
             bank = bank._with_heading(prior)
         return bank._reduced()
+
+    def _state(self, mean: Array, covariance: Array) -> GaussianState:
+        return GaussianState(mean, covariance, self.sources, self.trusts, (self.trail,), self.taken)
 
     def _near_mean_heading(self) -> Array:
         """Return the means (k, n) with headings and reference directions less than half a turn from their mean."""
@@ -151,33 +164,18 @@ class HypothesisBank:
         )
 
     def _with_fix(self, fix: PositionFix) -> "HypothesisBank":
-        """Update with a position fix, unless it repeats the last position of its source."""
-        trust, bank = trust_in(self.trusts, fix, 0), self
-        if is_repeated(trust, fix):
-            return self
-        if fix.sigma_wander_m > 0.0:
-            states = [
-                with_source_at(GaussianState(mean, covariance, self.sources), 1, fix)
-                for mean, covariance in zip(self.means, self.covariances, strict=True)
-            ]
-            bank = replace(
-                self,
-                means=np.array([one.mean for one in states]),
-                covariances=np.array([one.covariance for one in states]),
-                sources=states[0].sources,
-            )
-        return bank._at_position(fix, trust)
-
-    def _at_position(self, fix: PositionFix, trust: SourceTrust) -> "HypothesisBank":
-        """Update with a position fix, for each hypothesis by the mixture of hypotheses about the error of the fix."""
-        rows = fix_rows(self.state_of_hypothesis(0), 1, fix)
-        nearest_m = float(np.hypot(*(np.asarray(fix.position_m) - self.means @ rows.T).T).min())
-        about = hypotheses_about(fix, trust, nearest_m)
-        weights, means, covariances, probabilities = updated_by_fix(
-            self.weights, self.means, self.covariances, fix, rows, about
+        """Update with a position fix, for each hypothesis by the mixture of hypotheses about the fix."""
+        states = self._state(self.means, self.covariances)
+        weights, after = updated_by_fix(self.weights, states, fix, similarity_update)
+        return replace(
+            self,
+            weights=weights,
+            means=after.mean,
+            covariances=after.covariance,
+            sources=after.sources,
+            trusts=after.trusts,
+            taken=after.taken,
         )
-        trusts = with_trust(self.trusts, trust, fix, probabilities)
-        return replace(self, weights=weights, means=means, covariances=covariances, trusts=trusts)
 
     def _with_heading(self, prior: HeadingPrior) -> "HypothesisBank":
         """Update with a heading prior."""
@@ -233,6 +231,8 @@ class HypothesisBank:
             self.sources,
             tuple(self.lineages[i] for i in kept),
             self.trusts,
+            self.trail,
+            self.taken,
         )
 
     def _merging_costs(self, first: NDArray[np.intp], second: NDArray[np.intp]) -> Array:
@@ -266,4 +266,10 @@ class HypothesisBank:
             self.sources,
             (*(self.lineages[k] for k in others), self.lineages[likelier]),
             self.trusts,
+            self.trail,
+            self.taken,
         )
+
+
+def _trail_of(state: GaussianState) -> tuple[Node, ...]:
+    return state.trails[0] if state.trails else ()

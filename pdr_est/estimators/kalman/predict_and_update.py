@@ -8,24 +8,17 @@ from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
-from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState, linearise, move
+from pdr_est.estimators.common.motion_model import LOG_SCALE, SOURCE_STATES, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.kalman.fix_sources import fix_rows, place_of_source, with_jump, with_source_at
-from pdr_est.estimators.kalman.source_trust import (
-    FixHypotheses,
-    hypotheses_about,
-    is_repeated,
-    mixture_of,
-    trust_in,
-    weighed,
-    with_trust,
-)
+from pdr_est.estimators.kalman.fix_mixture import linear_correction, updated_by_fix
+from pdr_est.estimators.kalman.source_clock import with_node
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
 _HEADING = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]])
 _RELATIVE_HEADING = np.array([[0.0, 0.0, 1.0, 0.0, -1.0]])
 _SIGMA_WITHIN_STEP_M = 0.5  # ours; the donor's pose is that of its last step
+_ALONE = np.ones(1)  # weight of a single state
 _TETHER_ITERATIONS = 3  # a distance is not linear in the positions
 
 
@@ -50,11 +43,12 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     def load(self, state: GaussianState) -> None:
         """Set the states of all devices and sources to what `dump` returned."""
         self.x, self.P, self._sources, self._trusts = state.mean, state.covariance, state.sources, state.trusts
+        self._trails, self._taken = state.trails or ((),) * self._devices, state.taken
         self._I = np.eye(len(self.x))  # filterpy's unit matrix
 
     def dump(self) -> GaussianState:
         """Return the states of all devices and sources; the covariance is symmetric only up to rounding."""
-        return GaussianState(self.x, self.P, self._sources, self._trusts)
+        return GaussianState(self.x, self.P, self._sources, self._trusts, self._trails, self._taken)
 
     def set_state(self, state: GaussianState, device: int = 0) -> None:
         """Set the state of a device, uncorrelated with the others.
@@ -64,14 +58,17 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         joint = _without_device(self.dump(), device, self._devices)
         names, first = {source.name for source in joint.sources}, len(joint.mean)
         new = [i for i, source in enumerate(state.sources) if source.name not in names]
-        rows = [*range(STATES), *(STATES + 2 * i + axis for i in new for axis in (0, 1))]
-        own = [*range(STATES * device, STATES * (device + 1)), *range(first, first + 2 * len(new))]
-        mean, covariance = np.zeros(first + 2 * len(new)), np.zeros((first + 2 * len(new),) * 2)
+        size = first + SOURCE_STATES * len(new)
+        rows = [*range(STATES), *(STATES + SOURCE_STATES * i + k for i in new for k in range(SOURCE_STATES))]
+        own = [*range(STATES * device, STATES * (device + 1)), *range(first, size)]
+        mean, covariance = np.zeros(size), np.zeros((size, size))
         mean[:first], covariance[:first, :first] = joint.mean, joint.covariance
         mean[own] = state.mean[rows]
         covariance[np.ix_(own, own)] = state.covariance[np.ix_(rows, rows)]
         trusts = (*joint.trusts, *(replace(trust, device=device) for trust in state.trusts))
-        self.load(GaussianState(mean, covariance, (*joint.sources, *(state.sources[i] for i in new)), trusts))
+        trails = (*joint.trails[:device], *(state.trails or ((),)), *joint.trails[device + 1 :])
+        sources = (*joint.sources, *(state.sources[i] for i in new))
+        self.load(GaussianState(mean, covariance, sources, trusts, trails))
 
     def add_device(self, state: GaussianState, node: Node, device: int, donor: int | None) -> GaussianState:
         """Let a device take part from a node on.
@@ -118,6 +115,8 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         self.F, self.Q = np.eye(len(self.x)), np.zeros_like(self.P)
         self.F[own, own], self.Q[own, own] = linearise(self.x[own], node)
         self.predict((node, own))
+        trail = with_node(self._trails[device], node)
+        self._trails, self._taken = (*self._trails[:device], trail, *self._trails[device + 1 :]), ()
 
     def predict_x(self, u: tuple[Node, slice]) -> None:
         """Predict the mean; called by `predict` of filterpy."""
@@ -133,43 +132,11 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
             self.update_heading(prior, device)
 
     def update_position(self, fix: PositionFix, device: int = 0) -> None:
-        """Update with a position fix by the mixture of hypotheses about its error (`source_trust`).
-
-        A fix that repeats the last position of its source is left out.
-        """
-        trust = trust_in(self._trusts, fix, device)
-        if is_repeated(trust, fix):
-            return
-        if fix.sigma_wander_m > 0.0:
-            self.load(with_source_at(self.dump(), self._devices, fix))
-        jacobian = fix_rows(self.dump(), self._devices, fix, device)
-        residual = np.asarray(fix.position_m, dtype=np.float64) - jacobian @ self.x
-        about = hypotheses_about(fix, trust, float(np.hypot(*residual)))
-        wander = place_of_source(self._sources, self._devices, fix)
-        wander_m2 = 0.0 if wander is None else float(jacobian[0, wander]) ** 2
-        likely, probabilities = weighed(about, jacobian @ self.P @ jacobian.T, wander_m2, residual)
-        self._trusts = with_trust(self._trusts, trust, fix, probabilities)
-        if wander is not None:
-            self._sources = with_jump(self._sources, fix.source, float(likely.weights @ likely.jump))
-        self._correct_each(likely, jacobian, residual, rows_of(device).start, wander)
-
-    def _correct_each(
-        self, about: FixHypotheses, jacobian: Array, residual: Array, position: int, wander: int | None
-    ) -> None:
-        """Update with a fix under each hypothesis about it, and take the moments of the results.
-
-        The rows of the position and of the wandering error are the given one and the next.
-        """
-        prior = np.tile(self.P, (len(about), 1, 1))
-        for first, added in ((position, about.lost_m2), (wander, about.jump)):
-            if first is not None:
-                prior[:, first, first] += added
-                prior[:, first + 1, first + 1] += added
-        across = prior @ jacobian.T
-        gain = np.linalg.solve(jacobian @ across + about.noise, across.transpose(0, 2, 1)).transpose(0, 2, 1)
-        covariances = prior - gain @ across.transpose(0, 2, 1)
-        self.x, covariance = mixture_of(about.weights, self.x + gain @ residual, covariances)
-        self.P = 0.5 * (covariance + covariance.T)
+        """Update with a position fix by the mixture of hypotheses about it (`fix_mixture`)."""
+        state = self.dump()
+        stacked = replace(state, mean=state.mean[None], covariance=state.covariance[None])
+        _, after = updated_by_fix(_ALONE, stacked, fix, linear_correction, device, self._devices)
+        self.load(replace(after, mean=after.mean[0], covariance=after.covariance[0]))
 
     def update_heading(self, prior: HeadingPrior, device: int = 0) -> None:
         """Update with a heading prior, absolute or relative, Huber-weighted if it is robust."""
@@ -235,12 +202,11 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
 def marginal_of(state: GaussianState, device: int, devices: int) -> GaussianState:
     """Return the state of one of several devices, with a symmetric covariance; of a single one all that is known."""
     if devices == 1:
-        return GaussianState(
-            state.mean.copy(), 0.5 * (state.covariance + state.covariance.T), state.sources, state.trusts
-        )
+        return replace(state, mean=state.mean.copy(), covariance=0.5 * (state.covariance + state.covariance.T))
     own = rows_of(device)
     covariance = state.covariance[own, own]
-    return GaussianState(state.mean[own].copy(), 0.5 * (covariance + covariance.T))
+    trails = state.trails[device : device + 1]
+    return GaussianState(state.mean[own].copy(), 0.5 * (covariance + covariance.T), trails=trails)
 
 
 def _without_device(state: GaussianState, device: int, devices: int) -> GaussianState:
@@ -251,7 +217,7 @@ def _without_device(state: GaussianState, device: int, devices: int) -> Gaussian
     if covariance[:poses, :poses].any():
         trusts = tuple(one for one in state.trusts if one.device != device)
         return replace(state, mean=mean, covariance=covariance, trusts=trusts)
-    return GaussianState(mean[:poses], covariance[:poses, :poses])
+    return GaussianState(mean[:poses], covariance[:poses, :poses], trails=state.trails)
 
 
 def rows_of(device: int) -> slice:

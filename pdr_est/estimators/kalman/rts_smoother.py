@@ -8,6 +8,7 @@ import numpy as np
 
 from pdr_est.estimators.common.motion_model import (
     JITTER_VARIANCE,
+    SOURCE_STATES,
     STATES,
     GaussianState,
     linearise,
@@ -18,6 +19,7 @@ from pdr_est.estimators.common.motion_model import (
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.kalman.fix_sources import source_prior
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, JointPosterior, filter_walk
 from pdr_est.estimators.kalman.predict_and_update import rows_of
 from pdr_est.frames import Array
@@ -75,10 +77,13 @@ def with_all_sources(states: Sequence[GaussianState]) -> list[GaussianState]:
     for state in states:
         missing = [replace(source, jump_variance=0.0) for source in last[len(state.sources) :]]
         if missing:
-            known, size = len(state.mean), len(state.mean) + 2 * len(missing)
-            covariance = np.eye(size)
+            known, size = len(state.mean), len(state.mean) + SOURCE_STATES * len(missing)
+            covariance = np.zeros((size, size))
+            for i, source in enumerate(missing):
+                own = slice(known + SOURCE_STATES * i, known + SOURCE_STATES * (i + 1))
+                covariance[own, own] = source_prior(source)
             covariance[:known, :known] = state.covariance
-            mean = np.concatenate([state.mean, np.zeros(2 * len(missing))])
+            mean = np.concatenate([state.mean, np.zeros(SOURCE_STATES * len(missing))])
             state = GaussianState(mean, covariance, (*state.sources, *missing), state.trusts)
         padded.append(state)
     return padded
@@ -89,11 +94,14 @@ def _let_errors_wander(
 ) -> None:
     """Set the part of the wandering errors, from row `first` on, in the transitions between successive states."""
     for k, (before, after) in enumerate(pairwise(states)):
-        for row, earlier, later in zip(range(first, moved.shape[1], 2), before.sources, after.sources, strict=True):
+        for row, earlier, later in zip(
+            range(first, moved.shape[1], SOURCE_STATES), before.sources, after.sources, strict=True
+        ):
             decay, own = later.correlation_with(earlier), slice(row, row + 2)
             moved[k, own] *= decay
             jacobian[k, own, own] = decay * np.eye(2)
-            noise[k, own, own] = (1.0 - decay**2 + later.jump_variance - earlier.jump_variance) * np.eye(2)
+            usual = (1.0 - decay**2) * later.usual_variance
+            noise[k, own, own] = (usual + later.jump_variance - earlier.jump_variance) * np.eye(2)
 
 
 def smooth_walk(

@@ -16,68 +16,14 @@ A. Barrau, S. Bonnabel, "The invariant extended Kalman filter as a stable observ
 import numpy as np
 
 from pdr_est.estimators.common.motion_model import JITTER_VARIANCE, LOG_SCALE, STATES
-from pdr_est.estimators.kalman.source_trust import FixHypotheses, mixture_of
 from pdr_est.frames import Array
-from pdr_est.types.measurements import PositionFix
 
 _ITERATIONS = 4
 _MOST_CHANGE = 0.5  # of heading (rad) and logarithmic scale in one iteration, within which the linearisation helps
 
 
-def updated_by_fix(
-    weights: Array, means: Array, covariances: Array, fix: PositionFix, of_fix: Array, about: FixHypotheses
-) -> tuple[Array, Array, Array, Array]:
-    """Update k weighted states with a position fix about which there are hypotheses.
-
-    Parameters
-    ----------
-    weights, means, covariances
-        Weights (k,), states (k, n) and their covariances (k, n, n).
-    fix
-        The fix.
-    of_fix
-        Jacobian (2, n) of the fix with respect to the states, of position and wandering errors.
-    about
-        Hypotheses (m) about the fix.
-
-    Returns
-    -------
-    weights, means, covariances
-        The updated ones, the moments over the hypotheses about the fix.
-    probabilities
-        Probabilities (m,) of the hypotheses about the fix after it.
-    """
-    states, kinds, size = len(weights), len(about), means.shape[1]
-    prior = np.repeat(covariances, kinds, axis=0)
-    lost_m2, jump = np.tile(about.lost_m2, states), np.tile(about.jump, states)
-    wander = np.flatnonzero(of_fix[:, STATES:].any(axis=0)) + STATES
-    prior[:, [0, 1], [0, 1]] += lost_m2[:, None]
-    prior[:, wander, wander] += jump[:, None]
-    noise = np.tile(about.noise, (states, 1, 1))
-    moved, spread, log_likelihood = similarity_update(np.repeat(means, kinds, axis=0), prior, fix, of_fix, noise)
-    log_weight = np.log(np.maximum(weights, 1e-300))[:, None] + np.log(np.maximum(about.weights, 1e-300))
-    log_weight = log_weight + log_likelihood.reshape(states, kinds)
-    joint = np.exp(log_weight - log_weight.max())
-    joint /= joint.sum()
-    probabilities = joint.sum(axis=0)
-    kept = np.flatnonzero(~about.negligible(probabilities))
-    log_weight = log_weight[:, kept] - log_weight[:, kept].max(axis=1, keepdims=True)
-    share = np.exp(log_weight)
-    share /= share.sum(axis=1, keepdims=True)
-    moved = moved.reshape(states, kinds, size)[:, kept]
-    spread = spread.reshape(states, kinds, size, size)[:, kept]
-    mixed = [mixture_of(*one) for one in zip(share, moved, spread, strict=True)]
-    after = joint[:, kept].sum(axis=1)
-    return (
-        after / after.sum(),
-        np.array([one[0] for one in mixed]),
-        np.array([one[1] for one in mixed]),
-        probabilities,
-    )
-
-
 def similarity_update(
-    means: Array, covariances: Array, fix: PositionFix, of_fix: Array, noise: Array | None = None
+    means: Array, covariances: Array, observed_m: Array, of_fix: Array, noise: Array
 ) -> tuple[Array, Array, Array]:
     """Update states with a position fix by Gauss-Newton iterations.
 
@@ -87,12 +33,12 @@ def similarity_update(
         States (k, n).
     covariances
         Their covariances (k, n, n).
-    fix
-        The fix.
+    observed_m
+        Positions (k, 2) that the fix gives.
     of_fix
-        Jacobian (2, n) of the fix with respect to the states, of position and wandering errors.
+        Jacobians (k, 2, n) of the fix with respect to the states, of position and source.
     noise
-        Covariances (k, 2, 2) of the independent error of the fix; by default that of the fix itself.
+        Covariances (k, 2, 2) of the independent error of the fix.
 
     Returns
     -------
@@ -101,7 +47,6 @@ def similarity_update(
     log_likelihood
         Logarithm (k,) of the probability density of the fix, up to a constant.
     """
-    noise = np.asarray(fix.covariance_m2) if noise is None else noise
     centre_m = _centres(means, covariances)
     before_m, size = means[:, :2] - centre_m, means.shape[1]
     to_similarity = _from_similarity(-before_m, size)
@@ -111,10 +56,10 @@ def similarity_update(
         at = at + _limited(change - at)
         turned_m = _turned(before_m, at)
         jacobian = _from_similarity(turned_m, size)[:, :2]
-        jacobian[:, :, STATES:] = of_fix[:, STATES:]
-        wandered_m = (means + at)[:, STATES:] @ of_fix[:, STATES:].T
+        jacobian[:, :, STATES:] = of_fix[:, :, STATES:]
+        wandered_m = np.einsum("kij,kj->ki", of_fix[:, :, STATES:], (means + at)[:, STATES:])
         expected_m = centre_m + turned_m + at[:, :2] + wandered_m
-        residual = np.asarray(fix.position_m) - expected_m + np.einsum("kij,kj->ki", jacobian, at)
+        residual = observed_m - expected_m + np.einsum("kij,kj->ki", jacobian, at)
         turned = _turned_errors(prior, at)
         across = turned @ jacobian.transpose(0, 2, 1)
         spread = jacobian @ across + noise

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.motion_model import SourceTrust
+from pdr_est.estimators.common.repeated_fixes import with_given
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix
 
@@ -27,9 +28,10 @@ _GROSS_ROBUST = 0.07  # probability that a fix is grossly wrong whose source say
 _LOST_PRIOR = 0.002  # probability that the track was lost since the fix before; ours
 _GROSS_M = 30.0  # least standard deviation of a gross error, m; ours
 _NEGLIGIBLE = 0.03  # weight below which a hypothesis is left out, too little for a 95 % region
-_KEPT = np.array([0.95, 0.95, 0.95, 0.95, 0.95, 0.5])  # probability of the same error at the next fix; ours
+# Probability of the same error at the next fix (ours). Good fixes do not tell that the next one is good: a stretch of
+# bad ones begins anywhere.
+_KEPT = np.array([0.0, 0.95, 0.95, 0.95, 0.95, 0.5])
 _MEMORY_S = 120.0  # time in which that falls to 37 %; ours
-_SAME_POSITION_S = 5.0  # a position that is repeated exactly within this time is no new one; ours
 
 
 @dataclass(frozen=True)
@@ -59,12 +61,6 @@ class FixHypotheses:
     def negligible(self, weights: Array) -> NDArray[np.bool_]:
         """Tell which hypotheses (k,) are negligible with these weights; the most probable one never is."""
         return np.asarray(weights < min(_NEGLIGIBLE, weights.max()))
-
-    def selected(self, weights: Array) -> "FixHypotheses":
-        """Return the hypotheses with new weights, without the negligible ones."""
-        kept: NDArray[np.intp] = np.flatnonzero(~self.negligible(weights))
-        share = weights[kept] / weights[kept].sum()
-        return FixHypotheses(share, self.noise[kept], self.jump[kept], self.lost_m2[kept])
 
 
 def hypotheses_about(fix: PositionFix, trust: SourceTrust, distance_m: float) -> FixHypotheses:
@@ -98,37 +94,6 @@ def _of_closure(noise: Array, lost_m2: Array) -> FixHypotheses:
     return FixHypotheses(weights, noise, np.zeros(len(_FACTORS)), lost_m2)
 
 
-def weighed(
-    hypotheses: FixHypotheses, expected: Array, wander_m2: float, residual: Array
-) -> tuple[FixHypotheses, Array]:
-    """Weigh hypotheses by the innovation of the fix.
-
-    Parameters
-    ----------
-    hypotheses
-        The hypotheses before the fix is seen.
-    expected
-        Covariance (2, 2) of the position that is expected of the fix, without its independent error.
-    wander_m2
-        Variance of the wandering error that a jump of 1 adds, m².
-    residual
-        Innovation (2,).
-
-    Returns
-    -------
-    FixHypotheses
-        Those that are not negligible, with their weights.
-    Array
-        Probabilities (k,) of all of them.
-    """
-    added = hypotheses.jump * wander_m2 + hypotheses.lost_m2
-    spread = expected + hypotheses.noise + added[:, None, None] * np.eye(2)
-    log_weight = np.log(np.maximum(hypotheses.weights, 1e-300)) + log_density(spread, residual)
-    weights = np.exp(log_weight - log_weight.max())
-    weights /= weights.sum()
-    return hypotheses.selected(weights), weights
-
-
 def log_density(spread: Array, residual: Array) -> Array:
     """Return the logarithms (k,) of Gaussian densities (k, 2, 2) at residuals (2,) or (k, 2), up to a constant."""
     (a, b), (c, d) = spread[:, 0].T, spread[:, 1].T
@@ -144,7 +109,7 @@ def trust_in(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> 
     lost = (own[-1].lost if own else 0.0) + _LOST_PRIOR
     earlier = next((one for one in own if one.name == fix.source), None)
     if earlier is None:
-        earlier = SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost, (np.nan, np.nan))
+        earlier = SourceTrust(fix.source, device, fix.time_s, tuple(_PRIOR), lost)
     kept = _KEPT * exp(-max(fix.time_s - earlier.time_s, 0.0) / _MEMORY_S) * np.array(earlier.probabilities)
     gross = _GROSS_ROBUST if fix.robust else _PRIOR[_GROSS]
     mixed = (1.0 - gross) * (kept + (1.0 - kept.sum()) * _PRIOR)
@@ -152,10 +117,10 @@ def trust_in(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> 
     return replace(earlier, probabilities=tuple(mixed), lost=lost)
 
 
-def is_repeated(trust: SourceTrust, fix: PositionFix) -> bool:
-    """Tell whether a fix repeats the last position of its source, which may be out of date and tells nothing new."""
-    near = abs(fix.time_s - trust.time_s) <= _SAME_POSITION_S
-    return near and tuple(np.asarray(fix.position_m, dtype=np.float64)) == trust.position_m
+def with_repeated(trusts: tuple[SourceTrust, ...], fix: PositionFix, device: int) -> tuple[SourceTrust, ...]:
+    """Return what is known of all sources after a fix that repeats an earlier one."""
+    own = next(one for one in trusts if (one.name, one.device) == (fix.source, device))
+    return tuple(replace(one, given=with_given(one.given, fix)) if one is own else one for one in trusts)
 
 
 def with_trust(
@@ -176,10 +141,36 @@ def with_trust(
     """
     shares = probabilities[:_LOST] / max(1.0 - probabilities[_LOST], 1e-300)
     neglected = float(sum(one for one in probabilities[_GROSS:] if one < _NEGLIGIBLE))
-    east, north = np.asarray(fix.position_m, dtype=np.float64)
-    after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), neglected, (float(east), float(north)))
+    given = with_given(before.given, fix)
+    after = SourceTrust(fix.source, before.device, fix.time_s, tuple(shares), neglected, given)
     others = tuple(one for one in trusts if (one.name, one.device) != (after.name, after.device))
     return (*others, after)
+
+
+def with_mixed_error(fix: PositionFix, about: FixHypotheses, probabilities: Array) -> PositionFix:
+    """Return a fix with an error of the mean entropy that it has under the hypotheses, for smoothers.
+
+    Parameters
+    ----------
+    fix
+        The fix, with what the clock of its source adds to its error.
+    about
+        Hypotheses (k) about it.
+    probabilities
+        Their probabilities (k,) after the fix.
+    """
+    probabilities = np.where(about.negligible(probabilities), 0.0, probabilities)
+    probabilities = probabilities / probabilities.sum()
+    factor = 1.0 + about.jump
+    own = np.asarray(fix.covariance_m2) - about.noise[0] + about.noise
+    if fix.sigma_wander_m <= 0.0:
+        own = own + about.jump[:, None, None] * about.noise[0]
+    log_ratio = 0.5 * np.linalg.slogdet(own)[1] - 0.5 * np.linalg.slogdet(np.asarray(fix.covariance_m2))[1]
+    return replace(
+        fix,
+        covariance_m2=np.asarray(fix.covariance_m2) * exp(float(probabilities @ log_ratio)),
+        sigma_wander_m=fix.sigma_wander_m * exp(0.5 * float(probabilities @ np.log(factor))),
+    )
 
 
 def mixture_of(weights: Array, means: Array, covariances: Array) -> tuple[Array, Array]:

@@ -1,18 +1,24 @@
 """Findings that follow from a track and its measurements alone: what does not fit.
 
 * `fix_residuals`: fixes far from the track that the other measurements give.
-* `prior_checks`: an unusual length scale, and a direction that nothing tells.
+* `prior_checks`: a direction that nothing tells.
+* `closure_check`: a walk that does not end where it is said to.
+* `contradictions`: fixes of one moment that contradict each other.
 * `north_check`: headings against north that contradict the track.
 * `tether_slack`: devices that are farther apart than their tether allows.
-* `so_far`: the first two while a walk goes on.
+* `so_far`: fixes, and an unusual length scale, while a walk goes on.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+from pdr_est.estimators.common.length_scale_check import track_scale_finding
 from pdr_est.estimators.spec import EstimatorSpec
+from pdr_est.evaluate.walk_findings.closure_check import closure_findings
+from pdr_est.evaluate.walk_findings.contradictions import contradictions
 from pdr_est.evaluate.walk_findings.fix_residuals import fix_findings
 from pdr_est.evaluate.walk_findings.north_check import north_findings
-from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding, unknown_direction_finding
+from pdr_est.evaluate.walk_findings.prior_checks import unknown_direction_finding
 from pdr_est.evaluate.walk_findings.so_far import FindingsSoFar
 from pdr_est.evaluate.walk_findings.tether_slack import tether_findings
 from pdr_est.types.findings import Finding, FindingKind
@@ -54,10 +60,15 @@ def findings_of(
     if FindingKind.START_HEADING not in known:
         found.append(unknown_direction_finding(devices, start))
     if FindingKind.LENGTH_SCALE not in known:
-        found.append(length_scale_finding(track.length_scale, sigma_length_scale))
+        found.append(track_scale_finding(track, devices, start, sigma_length_scale))
     if not known & _COMPARED:
-        found += fix_findings(track, _fixes_of(devices), spec.uses_fixes)
+        fixes = _fixes_of(devices)
+        told = contradictions(fixes)
+        found += told
+        found += fix_findings(replace(track, findings=(*track.findings, *told)), fixes, spec.uses_fixes)
     found += north_findings(track, devices)
+    if spec.uses_closure:
+        found += closure_findings(devices, sigma_length_scale)
     if spec.uses_tethers:
         found += tether_findings(track, tethers)
     return tuple(finding for finding in found if finding is not None)

@@ -6,8 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
+from pdr_est.estimators.common.length_scale_check import length_scale_finding
+from pdr_est.evaluate.walk_findings.contradictions import ContradictionsSoFar
 from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, disagreement, fix_residual
-from pdr_est.evaluate.walk_findings.prior_checks import length_scale_finding
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import PositionFix
@@ -64,12 +65,18 @@ class FindingsSoFar:
         self._sigma_length_scale = sigma_length_scale
         self._rows: dict[str, dict[float, PoseRow]] = {}
         self._waiting: list[PositionFix] = []  # for a pose after them
+        self._contradictions = ContradictionsSoFar()
+        self._untold: list[Finding] = []  # contradictions that were not told yet
         self._compared = 0
         self._told_s: dict[str, float] = {}  # by source
         self._scale_told = False
 
     def add_fix(self, fix: PositionFix) -> None:
         """Add a fix, which is compared as soon as there is a pose after it."""
+        found = self._contradictions.add(fix)
+        if found is not None and fix.time_s > self._told_s.get(fix.source, -math.inf) + QUIET_S:
+            self._told_s[fix.source] = fix.time_s
+            self._untold.append(found)
         self._waiting = [*self._waiting[-_REMEMBERED:], fix]
 
     def add(self, rows: Sequence[PoseRow], length_scale: float) -> list[Finding]:
@@ -87,7 +94,8 @@ class FindingsSoFar:
             own[row.time_s] = row
             if len(own) > 2 * _REMEMBERED:
                 self._rows[row.device] = {time_s: own[time_s] for time_s in sorted(own)[-_REMEMBERED:]}
-        found = self._about_fixes() if self._waiting else []
+        found, self._untold = self._untold, []
+        found += self._about_fixes() if self._waiting else []
         if not self._scale_told and rows:
             scale = length_scale_finding(length_scale, self._sigma_length_scale)
             self._scale_told = scale is not None

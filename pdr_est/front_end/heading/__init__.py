@@ -125,7 +125,12 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
 
 
 def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:
-    """Make the stage Step -> Step that corrects headings at the end of the walk; None for a method that has none."""
-    if parameters.method != "auto" or not parameters.dominant.enabled:
+    """Make the stage Step -> Step that corrects headings at the end of the walk; None if there is nothing to correct.
+
+    The method "auto" has both corrections, each with a switch of its own.
+    """
+    dominant = parameters.dominant if parameters.dominant.enabled else None
+    placement = parameters.auto if parameters.auto.whole_walk else None
+    if parameters.method != "auto" or (dominant is None and placement is None):
         return None
-    return WholeWalkHeading(parameters.dominant, as_priors=parameters.use == "priors", placement=parameters.auto)
+    return WholeWalkHeading(dominant, as_priors=parameters.use == "priors", placement=placement)

@@ -120,7 +120,7 @@ class PostureAwareYaw:
     def _settle(self, step: Step) -> Step:
         """Learn the new offset from the steps in the new place, and use it from now on."""
         after = PlacedSteps(tuple(self._tracker.training), self._tracker.up)
-        straight_rad = first_heading(after.yaws_rad(), self._parameters.bend_rad) - self._heading_rad
+        straight_rad = first_heading(after.yaws_rad, self._parameters.bend_rad) - self._heading_rad
         hypotheses: tuple[TurnHypothesis, ...] = ()
         turn_rad = 0.0
         if self._before is not None:

@@ -1,4 +1,4 @@
-"""Short descriptions, in words, of dominant directions and of the walker's length scale."""
+"""Short descriptions, in words, of dominant directions, of the walker's length scale and of the frame of a track."""
 
 import math
 
@@ -56,3 +56,22 @@ def describe_length_scale(track: Track, with_fixes: bool, with_profile: bool) ->
     percent = 100.0 * (track.length_scale - 1.0)
     longer = "longer" if percent >= 0.0 else "shorter"
     return f"estimated from the fixes: steps {abs(percent):.1f} % {longer} than those of {reference}, {sigma}"
+
+
+def describe_frame(frame: str, with_place: bool) -> str:
+    """Describe where a track lies and which way is up.
+
+    Parameters
+    ----------
+    frame : str
+        "map", "north-up" or "own", as the summary has it.
+    with_place : bool
+        True if a position on the map was given.
+    """
+    if frame == "map":
+        return "map: x east, y north"
+    if frame == "north-up":
+        return "local position, north-up: x east, y north, origin at the start of the walk"
+    if with_place:
+        return "own: through the given position on the map, but turned arbitrarily about it"
+    return "own: origin at the start of the walk"

@@ -104,8 +104,7 @@ def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool, no
         sentences.append(
             "North is up, as the phone knows it; the origin is the start of the walk."
             if north_up
-            else "Without a complete start pose or fixes the track lies in a frame of its own, "
-            "rotated and shifted against the map."
+            else "Without a complete start pose or fixes the track lies in a frame of its own."
         )
         if shows_truth:
             sentences.append("For this plot the truth was rotated and shifted to fit the track best.")

@@ -17,7 +17,7 @@ from pdr_est.calibration.profile import Profile
 from pdr_est.clock_sync import ClockEstimate
 from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
-from pdr_est.report.walk.descriptions import describe_directions, describe_length_scale
+from pdr_est.report.walk.descriptions import describe_directions, describe_frame, describe_length_scale
 from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix, StartPose
@@ -80,7 +80,7 @@ def summarise(
         "inputs": [{"name": name, "sha256": digest} for name, digest in inputs.items()],
         "estimator": track.estimator,
         "kind": track.kind,
-        "frame": _frame(walk, start),
+        **_frame(walk, start),
         "duration_s": _duration_s(walk),
         "distance_m": track.of_device(track.devices[-1]).distance_m,  # the person's, who comes last
         "steps": _steps_of_person(walk),
@@ -182,20 +182,23 @@ def _truth(truth: Truth) -> Json:
     }
 
 
-def _frame(walk: SmoothedWalk, start: StartPose | None) -> str:
-    """Name the frame.
+def _frame(walk: SmoothedWalk, start: StartPose | None) -> Json:
+    """Name the frame, and describe it.
 
     "map" when position and direction are tied to the map; "north-up" when the direction alone is, by the phone's
-    knowledge of north; else "own". The last two have their origin at the start.
+    knowledge of north; else "own".
     """
-    places = {tuple(fix.position_m) for fix in walk.fixes}
-    if start is not None and start.position_m is not None:
-        places.add(start.position_m)
+    places = _places(walk, start)
     north = bool(walk.devices) and all(device.knows_north for device in walk.devices)
     directed = north or (start is not None and start.heading_rad is not None)
-    if len(places) >= (1 if directed else 2):
-        return "map"
-    return "north-up" if north else "own"
+    frame = "map" if len(places) >= (1 if directed else 2) else "north-up" if north else "own"
+    return {"frame": frame, "frame_meaning": describe_frame(frame, bool(places))}
+
+
+def _places(walk: SmoothedWalk, start: StartPose | None) -> set[tuple[float, ...]]:
+    """Collect the different positions on the map that were given."""
+    places = {tuple(fix.position_m.tolist()) for fix in walk.fixes}
+    return places if start is None or start.position_m is None else {*places, start.position_m}
 
 
 def _duration_s(walk: SmoothedWalk) -> float | None:

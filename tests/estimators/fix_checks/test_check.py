@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from broken_fixes import corridor_turns, gps_fixes, surveyed_points
-from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, simulate, straight
+from estimator_walks import DEVICE, SIGMA_SCALE, SimulatedWalk, fix, run, simulate, straight, usual_covariance
 
 from pdr_est.estimators.fix_checks.check import CheckedWalk, check_fixes
 from pdr_est.types.findings import FindingKind
@@ -80,7 +80,7 @@ def test_a_stretch_of_bad_gps_gets_an_error_of_its_own() -> None:
     assert min(of_stretch) > max(15.0, 2.0 * np.median(of_good))
 
 
-@pytest.mark.parametrize("shift_s", [-4.0, 3.0])
+@pytest.mark.parametrize("shift_s", [-4.0, 3.0, -15.0, 11.0])
 def test_a_shifted_clock_is_found(shift_s: float) -> None:
     rng = np.random.default_rng(6)
     walk = simulate(rng, corridor_turns(rng))
@@ -117,10 +117,13 @@ def test_a_walker_of_unusual_steps_is_believed_and_told() -> None:
     rng = np.random.default_rng(8)
     walk = simulate(rng, corridor_turns(rng), scale=1.5)
     found = checked(walk, surveyed_points(rng, walk.truth), StartPose((0.0, 0.0), 0.0, 0.1, 0.05))
-    (finding,) = [one for one in found.findings if one.kind is FindingKind.LENGTH_SCALE]
-    assert finding.value == pytest.approx(1.5, abs=0.15)
-    assert "sigma from usual" in finding.message
     assert found.sigma_length_scale > SIGMA_SCALE
+    fixes = fixes_of(found)
+    track = run("factor-graph", [*walk.odometry, *fixes], StartPose((0.0, 0.0), 0.0, 0.1, 0.05))
+    (finding,) = [one for one in track.findings if one.kind is FindingKind.LENGTH_SCALE]
+    assert finding.value == track.length_scale == pytest.approx(1.5, abs=0.15)
+    assert finding.sigma == track.sigma_length_scale
+    assert "sigma from usual" in finding.message
 
 
 def test_a_start_position_that_contradicts_the_fixes_is_weighed_down() -> None:
@@ -139,13 +142,13 @@ def test_two_contradicting_fixes_leave_the_length_scale_alone(way_m: float) -> N
     assert all(np.sqrt(one.covariance_m2[0, 0]) > 0.3 * abs(70.0 - way_m) for one in fixes_of(found))
 
 
-def test_repeated_fixes_count_once_unless_the_walker_stands() -> None:
+def test_repeated_fixes_count_once_and_are_told_unless_the_walker_stands() -> None:
     walk = [fix(k, 0.7 * k, 0.0) for k in (0, 20, 40)]
     repeated = [replace(walk[1], time_s=walk[1].time_s + late_s) for late_s in (0.0, 1.0, 2.0)]
     standing = [replace(walk[2], time_s=walk[2].time_s + late_s) for late_s in (1.0, 2.0)]
     device = DeviceMeasurements(DEVICE, 0.0, (*straight(40), *walk, *repeated, *standing))
     found = check_fixes([device], UNKNOWN, SIGMA_SCALE)
-    assert len(fixes_of(found)) == 5
+    assert len(fixes_of(found)) == 3
     assert found.findings[0].message == "3 of 8 position fixes repeat the one before: each counts once"
 
 
@@ -167,3 +170,29 @@ def test_nothing_to_compare() -> None:
     assert check_fixes([], UNKNOWN, SIGMA_SCALE).devices == ()
     standing = DeviceMeasurements(DEVICE, 0.0, (fix(0, 0.0, 0.0), fix(2, 9.0, 0.0)))
     assert check_fixes([standing], UNKNOWN, SIGMA_SCALE).devices == (standing,)
+
+
+def test_a_misfit_of_which_nothing_tells_the_cause_is_one_statement() -> None:
+    """Every other fix lies 1.5 m to the left, the rest 1.5 m to the right: neither outliers nor steps explain it."""
+    walk = straight(60)
+    fixes = [fix(k, 0.7 * k, 1.5 * (-1.0) ** number, 0.7) for number, k in enumerate(range(0, 61, 6))]
+    found = check_fixes([DeviceMeasurements(DEVICE, 0.0, (*walk, *fixes))], UNKNOWN, SIGMA_SCALE).findings
+    (finding,) = found
+    assert finding.kind in (FindingKind.FIXES, FindingKind.FIX_ACCURACY)
+
+
+def test_steps_are_blamed_only_where_the_evidence_tells_it() -> None:
+    """With steps as they are stated hardly a walk is told that its steps disagree; with far worse ones most are."""
+    blamed = {1.0: 0, 6.0: 0}
+    for factor in blamed:
+        for number in range(12):
+            rng = np.random.default_rng([number, 9])
+            walk = simulate(rng, corridor_turns(rng), covariance=factor**2 * usual_covariance(0.7))
+            steps = [replace(one, covariance=usual_covariance(0.7)) for one in walk.odometry]
+            near = [(k, *walk.truth[k, :2] + rng.normal(0.0, 0.3, 2)) for k in range(0, len(walk.truth), 4)]
+            device = DeviceMeasurements(DEVICE, 0.0, (*steps, *(fix(k, x_m, y_m, 0.3) for k, x_m, y_m in near)))
+            found = check_fixes([device], UNKNOWN, SIGMA_SCALE).findings
+            assert len([one for one in found if one.kind in (FindingKind.STEPS, FindingKind.FIXES)]) <= 2
+            blamed[factor] += any(one.kind is FindingKind.STEPS for one in found)
+    assert blamed[1.0] <= 1
+    assert blamed[6.0] >= 5

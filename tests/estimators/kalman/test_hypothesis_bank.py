@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal, norm
 
-from pdr_est.estimators.common.motion_model import STATES, GaussianState
+from pdr_est.estimators.common.motion_model import SOURCE_STATES, STATES, GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.kalman.hypothesis_bank import MOST_HYPOTHESES, HypothesisBank
@@ -324,7 +324,7 @@ def test_whatever_comes_a_bank_stays_a_bounded_mixture(unknown: bool, events: li
             assert np.linalg.eigvalsh(covariance)[0] > -1e-9 * np.trace(covariance)
         assert np.isfinite(bank.moments().mean).all()
         assert np.exp(bank.means[:, 3]).max() < 10.0
-        assert len(bank.means[0]) == STATES + 2 * len(bank.sources)
+        assert len(bank.means[0]) == STATES + SOURCE_STATES * len(bank.sources)
 
 
 def test_a_bank_is_pickled_whole() -> None:

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 from estimator_walks import DEVICE, fix, heading_prior, simulate, winding
 
-from pdr_est.estimators.common.motion_model import GaussianState, advance, linearise, move, reckon, retreat
+from pdr_est.estimators.common.motion_model import (
+    SOURCE_STATES,
+    STATES,
+    GaussianState,
+    advance,
+    linearise,
+    move,
+    reckon,
+    retreat,
+)
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.kalman import ekf, rts_smoother
 from pdr_est.estimators.kalman.offline_filter import run_filter
@@ -24,8 +33,8 @@ def test_states_stay_one_dimensional_and_covariances_symmetric(start: StartPose)
     assert filtered.pose.shape == (len(walk.nodes), 3)
     assert filtered.covariance.shape == (len(walk.nodes), 3, 3)
     for state in filtered.states:
-        assert state.mean.shape == (5,)
-        assert state.covariance.shape == (5, 5)
+        assert state.mean.shape == (STATES + SOURCE_STATES * len(state.sources),)
+        assert state.covariance.shape == (len(state.mean),) * 2
         assert np.array_equal(state.covariance, state.covariance.T)
         assert np.linalg.eigvalsh(state.covariance)[0] > 0.0
 

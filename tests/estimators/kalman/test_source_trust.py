@@ -11,14 +11,12 @@ from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
 from pdr_est.estimators.common.motion_model import STATES, GaussianState
+from pdr_est.estimators.common.repeated_fixes import is_repeated
 from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.estimators.kalman.source_trust import (
-    FixHypotheses,
     hypotheses_about,
-    is_repeated,
     mixture_of,
     trust_in,
-    weighed,
     with_trust,
 )
 from pdr_est.frames import Array
@@ -48,21 +46,23 @@ def accuracy(state: GaussianState) -> Array:
     return np.array(trust.probabilities)
 
 
-def about(count: int) -> FixHypotheses:
-    rng = np.random.default_rng(count)
-    root = rng.normal(0.0, 2.0, (count, 2, 2))
-    noise = root @ root.transpose(0, 2, 1) + np.eye(2)
-    return FixHypotheses(np.full(count, 1.0 / count), noise, rng.uniform(0, 9, count), rng.uniform(0, 400, count))
-
-
-def test_weights_are_those_of_bayes_rule() -> None:
-    some, expected, residual = about(4), np.array([[2.0, 0.5], [0.5, 1.0]]), np.array([3.0, -2.0])
-    kept, probabilities = weighed(some, expected, 2.5, residual)
-    added = (2.5 * some.jump + some.lost_m2)[:, None, None] * np.eye(2)
-    density = [multivariate_normal.pdf(residual, np.zeros(2), one) for one in expected + some.noise + added]
+def test_the_probabilities_of_an_accuracy_are_those_of_bayes_rule() -> None:
+    """Of the first fix of a source: as good as stated, worse, grossly wrong, or the track is lost."""
+    at = fix(4, 2.5, -1.0, 0.6)
+    some = hypotheses_about(at, trust_in((), at, 0), float(np.hypot(2.5, 1.0)))
+    known = standing().covariance[:2, :2]
+    added = (0.36 * some.jump + some.lost_m2)[:, None, None] * np.eye(2)
+    density = [multivariate_normal.pdf(at.position_m, np.zeros(2), one) for one in known + some.noise + added]
     exact = some.weights * density / (some.weights @ density)
-    assert probabilities == pytest.approx(exact, rel=1e-9)
-    assert kept.weights == pytest.approx(exact[exact >= 0.03] / exact[exact >= 0.03].sum(), rel=1e-9)
+    assert accuracy(filtered([at])) == pytest.approx(exact[:-1] / exact[:-1].sum(), abs=1e-6)
+
+
+def test_a_smoother_gets_the_error_that_the_filter_believed() -> None:
+    usual = filtered([fix(4, 0.2, 0.0, 0.6)]).taken[0]
+    gross = filtered([fix(4, 50.0, 0.0, 0.6)]).taken[0]
+    assert np.sqrt(usual.covariance_m2[0, 0]) < 0.75
+    assert np.sqrt(gross.covariance_m2[0, 0]) > 10.0
+    assert gross.position_m == pytest.approx([50.0, 0.0])
 
 
 def test_the_mixture_has_the_moments_of_its_samples() -> None:
@@ -132,8 +132,8 @@ def test_each_device_has_its_own_view_of_a_fix() -> None:
     at = fix(4, 0.3, 0.1, 0.6)
     first = trust_in((), at, 0)
     trusts = with_trust((), first, at, np.array([0.9, 0.0, 0.0, 0.0, 0.0, 0.08, 0.02]))
-    assert is_repeated(trust_in(trusts, at, 0), at)
-    assert not is_repeated(trust_in(trusts, at, 1), at)
+    assert is_repeated(trust_in(trusts, at, 0).given, at)
+    assert not is_repeated(trust_in(trusts, at, 1).given, at)
 
 
 def test_the_end_of_a_closed_walk_is_not_doubted() -> None:

@@ -218,12 +218,12 @@ def test_the_start_may_be_found_by_fixes(estimate: Estimate) -> None:
 
 
 @cache
-def errors(estimate: Estimate, feedback: bool, sigmas: tuple[float, ...]) -> tuple[Array, Array]:
+def errors(estimate: Estimate, feedback: bool, sigmas: tuple[float, ...], trials: int) -> tuple[Array, Array]:
     """Errors (trials, steps, 2) and covariances of the first device; the walker's scale is common to all."""
     rng, headings = np.random.default_rng(6), winding(40)
     names = [f"phone{i}" for i in range(len(sigmas))]
     error, covariance = [], []
-    for _ in range(60):
+    for _ in range(trials):
         scale = 1.0 + 0.1 * rng.standard_normal()
         lines = [
             build_timeline(name, 0.0, odometry(name, headings, rng, sigma, scale))
@@ -238,16 +238,17 @@ def errors(estimate: Estimate, feedback: bool, sigmas: tuple[float, ...]) -> tup
 @both
 @variants
 @pytest.mark.parametrize(
-    "sigmas",
+    ("sigmas", "trials"),
     [
-        (0.03, 0.03),
-        pytest.param((0.02, 0.06), marks=pytest.mark.slow),
-        (0.06, 0.02),
-        pytest.param((0.03, 0.03, 0.06), marks=pytest.mark.slow),
+        ((0.06, 0.02), 30),
+        pytest.param((0.03, 0.03), 60, marks=pytest.mark.slow),
+        pytest.param((0.02, 0.06), 60, marks=pytest.mark.slow),
+        pytest.param((0.06, 0.02), 60, marks=pytest.mark.slow),
+        pytest.param((0.03, 0.03, 0.06), 60, marks=pytest.mark.slow),
     ],
 )
-def test_covariances_are_honest(estimate: Estimate, feedback: bool, sigmas: tuple[float, ...]) -> None:
-    error, covariance = errors(estimate, feedback, sigmas)
+def test_covariances_are_honest(estimate: Estimate, feedback: bool, sigmas: tuple[float, ...], trials: int) -> None:
+    error, covariance = errors(estimate, feedback, sigmas, trials)
     assert coverage95(error[:, 10:].reshape(-1, 2), covariance[:, 10:].reshape(-1, 2, 2), 0.0) >= 0.91
     for step in (20, 40):  # neither too small nor far too large: two degrees of freedom
         assert 1.2 < nees_mean(error[:, step], covariance[:, step], 0.0) < 2.8

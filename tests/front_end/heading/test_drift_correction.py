@@ -12,7 +12,7 @@ from pdr_est.front_end.heading import HeadingParams, WholeWalkHeading, whole_wal
 from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.types.sensors import Hole
-from pdr_est.types.steps import Step
+from pdr_est.types.steps import Step, TurnHypothesis
 
 PARAMETERS = DominantParams()
 OFFICE = of_legs([(17.0 + 90.0 * k, 22) for k in (0, 1, 2, 1, 0, -1, 0, 1)])
@@ -62,6 +62,23 @@ def test_as_priors_only_a_constant_rate_is_taken_off_and_straight_steps_get_thei
     assert (sigma[known] < 0.15).all()
 
 
+@pytest.mark.parametrize("probability", [0.05, 0.001])
+@pytest.mark.parametrize("wrong_by_deg", [-90.0, -40.0, 10.0])
+def test_priors_lie_on_one_side_of_a_turn_that_is_not_decided(probability: float, wrong_by_deg: float) -> None:
+    """Also where the other turn leads between two directions; an error of 10 degrees is no other direction."""
+    steps, number = with_headings(drifting()), 88
+    turn_rad = float(wrap_angle(steps[number].heading_rad - steps[number - 1].heading_rad))
+    turns = (
+        TurnHypothesis(1.0 - probability, turn_rad, 0.03, "straight on"),
+        TurnHypothesis(probability, turn_rad + np.deg2rad(wrong_by_deg), 0.03, "corner"),
+    )
+    steps[number] = replace(steps[number], turn_hypotheses=turns)
+    found = run(WholeWalkHeading(PARAMETERS, as_priors=True), steps)
+    known = np.isfinite([step.path_heading_rad for step in found])
+    on_both_sides = bool(known[:number].any() and known[number:].any())
+    assert on_both_sides == (probability < 0.01 or wrong_by_deg > 0.0)
+
+
 def test_as_increments_the_drift_is_taken_off() -> None:
     steps = with_headings(drifting())
     found = run(WholeWalkHeading(PARAMETERS, as_priors=False), steps)
@@ -108,5 +125,10 @@ def test_directions_go_on_after_a_pause_whose_turn_is_known(sigma_turn_rad: floa
 def test_only_the_default_method_has_hindsight() -> None:
     assert isinstance(whole_walk_stage(HeadingParams()), WholeWalkHeading)
     assert whole_walk_stage(HeadingParams(method="step-yaw")) is None
-    assert whole_walk_stage(HeadingParams(dominant=DominantParams(enabled=False))) is None
+    off = DominantParams(enabled=False)
+    turns_alone = whole_walk_stage(HeadingParams(dominant=off))
+    assert isinstance(turns_alone, WholeWalkHeading)
+    run(turns_alone, with_headings(drifting()))
+    assert turns_alone.directions is None
+    assert whole_walk_stage(HeadingParams(dominant=off, auto=AutoHeadingParams(whole_walk=False))) is None
     assert whole_walk_stage(HeadingParams(auto=AutoHeadingParams(moved_rad=1.0))) is not None

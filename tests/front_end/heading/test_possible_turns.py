@@ -68,8 +68,20 @@ def true_turns(walk: SimulatedWalk, steps: list[Step], at: int, since: int) -> f
 ORDERS = [(HOLDING, POCKET), (HOLDING, SWING), (SWING, POCKET), (POCKET, HOLDING), (SWING, HOLDING), (POCKET, SWING)]
 
 
-@pytest.mark.parametrize("order", ORDERS, ids=lambda order: "-".join(mode.name for mode in order))
-@pytest.mark.parametrize("late_s", [-0.6, 6.0], ids=["in the corner", "on the leg"])
+@pytest.mark.parametrize(
+    ("order", "late_s"),
+    [
+        pytest.param(
+            order,
+            late_s,
+            id="-".join(mode.name for mode in order) + where,
+            # Each order and each place in the fast tests, too, but not both of everything.
+            marks=[] if (number + (late_s > 0.0)) % 2 == 0 else pytest.mark.slow,
+        )
+        for late_s, where in ((-0.6, " in the corner"), (6.0, " on the leg"))
+        for number, order in enumerate(ORDERS)
+    ],
+)
 def test_the_possible_turns_contain_the_true_one(order: tuple[CarryingMode, ...], late_s: float) -> None:
     """Over some walkers the true turn has a probability that is not small, and the mean errs as the sigma says."""
     weights, errors = [], []
@@ -115,7 +127,7 @@ def test_without_a_change_of_place_the_end_of_the_walk_changes_no_heading() -> N
     assert [step.heading_rad for step in at_the_end(steps)] == [step.heading_rad for step in steps]
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_possible_turns_do_not_depend_on_how_the_recording_is_cut(seed: int) -> None:
     walk = walk_with_changes(seed, [HOLDING, POCKET, HOLDING], -0.4)
     _, to_level = levelling(walk.recording.devices[0], "phone", Config())

@@ -18,6 +18,10 @@ class AutoHeadingParams:
     for what is not simulated.
     """
 
+    whole_walk: bool = True
+    """True to estimate the turns while the phone was put elsewhere once more at the end of the walk, from all steps
+    before and after. False leaves them as they are online.
+    """
     moved_rad: _Angle = 0.7
     """Change of the direction of gravity in the phone, rad, mean over a step, beyond which it was put elsewhere."""
     moved_in_mode_rad: _Angle = 0.35

@@ -11,6 +11,7 @@ Each is a density with a uniform part, so that none can be certain, and their pr
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -52,8 +53,9 @@ class PlacedSteps:
     steps: Sequence[Step]
     up: Array
 
+    @cached_property
     def yaws_rad(self) -> Array:
-        """Compute the yaw (n,) of the phone at each step, continuous."""
+        """Yaw (n,) of the phone at each step, rad, continuous."""
         return np.unwrap([mean_yaw(step.samples, self.up) for step in self.steps])
 
     def known(self, offset_rad: float) -> KnownPlace:
@@ -113,7 +115,7 @@ def estimate_turn(
     parameters : AutoHeadingParams
         Probabilities and standard deviations.
     """
-    yaw_before, yaw_after = before.yaws_rad(), after.yaws_rad()
+    yaw_before, yaw_after = before.yaws_rad, after.yaws_rad
     going_on = _habit(yaw_before[-_EDGE_STEPS:], yaw_after[:_EDGE_STEPS], between, parameters)
     directions = [
         direction_density(stride_cues(place.steps, place.up), parameters.sigma_axis_rad) for place in (before, after)

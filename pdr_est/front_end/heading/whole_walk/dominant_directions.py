@@ -46,9 +46,7 @@ class DominantParams:
     """Parameters of the search for dominant directions."""
 
     enabled: bool = True
-    """True to look for dominant directions, and to estimate the turns while the phone was put elsewhere once more at
-    the end of the walk.
-    """
+    """True to look for dominant directions."""
     number: Annotated[int, Ge(1), Le(16)] | None = None
     """Given number of directions at equal angles; null estimates it, and whether there are any."""
     direction_rad: Annotated[float, Ge(-6.3), Le(6.3)] | None = None

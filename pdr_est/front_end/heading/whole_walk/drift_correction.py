@@ -30,8 +30,8 @@ class WholeWalkHeading:
 
     Parameters
     ----------
-    parameters : DominantParams
-        Parameters of the search for dominant directions.
+    parameters : DominantParams or None
+        Parameters of the search for dominant directions; None for no search.
     as_priors : bool
         True to give steps along a dominant direction a `path_heading_rad`, and to take only the drift at a constant
         rate off their heading; False to take off all drift.
@@ -47,7 +47,7 @@ class WholeWalkHeading:
     latency_s = float("inf")  # the end of the recording
 
     def __init__(
-        self, parameters: DominantParams, as_priors: bool, placement: AutoHeadingParams | None = None
+        self, parameters: DominantParams | None, as_priors: bool, placement: AutoHeadingParams | None = None
     ) -> None:
         self._parameters = parameters
         self._as_priors = as_priors
@@ -72,6 +72,8 @@ class WholeWalkHeading:
         walk = placed_walk(steps, self._placement)
         if walk is None:
             return steps
+        if self._parameters is None:
+            return walk.oriented(self._placement.bend_rad)
         sections = straight_leg_sections(walk.oriented(self._placement.bend_rad), self._parameters.straight)
         borders = {number: walk.places[number].first for number in walk.turns}
         evidence = offset_evidence(sections, self._parameters, list(borders.values()))
@@ -87,6 +89,8 @@ class WholeWalkHeading:
 
     def _correct(self, found: list[Step]) -> list[Step]:
         steps = self._with_turns(found)
+        if self._parameters is None:
+            return steps
         sections = straight_leg_sections(steps, self._parameters.straight)
         self.directions = directions = dominant_directions(sections, self._parameters)
         if directions is None or not directions.used:
@@ -114,8 +118,13 @@ def _with_priors(steps: Sequence[Step], sections: LegSections, directions: Domin
 
 
 def _decided_runs(steps: Sequence[Step], spacing_rad: float) -> NDArray[np.int64]:
-    """Count at each step (n,) the turns so far that may be wrong by an angle between directions."""
-    undecided = [_nearest(step, 0.5 * spacing_rad) < _DECIDED for step in steps]
+    """Count at each step (n,) the turns so far that may be wrong by an angle between directions.
+
+    A leg between two directions is possible, too, so that a turn may be wrong by half of that angle where
+    the phone was put elsewhere. Priors on both
+    sides of such a turn would follow from its most probable angle, and make this one certain.
+    """
+    undecided = [_nearest(step, (0.25 if step.turn_hypotheses else 0.5) * spacing_rad) < _DECIDED for step in steps]
     return np.cumsum(undecided)
 
 

@@ -113,14 +113,12 @@ def placed_walk(
     known: list[KnownPlace] = []
     at, headings = [], []
     offset_rad = end_rad = 0.0
-    for number, place in enumerate(places):
-        here = PlacedSteps(steps[place.first : place.last], place.up)
-        yaw = here.yaws_rad()
+    placed = [PlacedSteps(steps[place.first : place.last], place.up) for place in places]
+    for number, (place, here) in enumerate(zip(places, placed, strict=True)):
+        yaw = here.yaws_rad
         if number and not place.returned:
-            last = places[number - 1]
-            before = PlacedSteps(steps[last.first : last.last], last.up)
-            between = place.first - last.last
-            turn = estimate_turn(before, here, between, known, end_rad, parameters)
+            between = place.first - places[number - 1].last
+            turn = estimate_turn(placed[number - 1], here, between, known, end_rad, parameters)
             turns[number] = refine(number, turn)
             turn_rad = turns[number].hypotheses()[0].heading_change_rad
             offset_rad = first_heading(yaw, parameters.bend_rad) - end_rad - turn_rad
