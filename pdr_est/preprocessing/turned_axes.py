@@ -81,6 +81,8 @@ class AxisTurn:
 def turn_axes(recording: Recording, turn: AxisTurn) -> Recording:
     """Return a recording whose devices have turned axes; where they were and how they moved is the same.
 
+    It says that the axes are not those that phones have (`DeviceRecording.usual_axes`).
+
     Parameters
     ----------
     recording
@@ -104,4 +106,5 @@ def _turned(device: DeviceRecording, turn: AxisTurn) -> DeviceRecording:
         rotation_rate=turned(device.rotation_rate),
         magnetic_field=turned(device.magnetic_field),
         attitude=None if attitude is None else Signal(attitude.time_s, turn.attitudes(attitude.values)),
+        usual_axes=False,
     )

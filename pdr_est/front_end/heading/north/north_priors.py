@@ -72,7 +72,7 @@ class NorthPriors:
         self._error = CorrelatedHeadingError(
             self._stays_rad, parameters.sigma_disturbance_rad, parameters.disturbance_length_m
         )
-        self._holds = HoldTracker()
+        self._holds = HoldTracker(reference.usual_axes)
         self._waiting: list[Step] | None = [] if at_the_end else None
         self._pointing_rad: float | None = None  # standard deviation of it that is in the error that stays
         self._previous: Step | None = None
@@ -99,7 +99,7 @@ class NorthPriors:
 
     def _take(self, item: Step, pointing: Pointing | None) -> list[HeadingPrior]:
         self._move(item)
-        if pointing is not None and pointing.sigma_rad > _LARGEST_SIGMA_RAD:
+        if pointing is not None and not pointing.decided:
             pointing = None
         offset_rad = float("nan") if pointing is None else self._offset(item, pointing)
         if np.isfinite(offset_rad):
@@ -136,7 +136,7 @@ class NorthPriors:
         if self._waiting is None:
             return []
         steps, self._waiting = self._waiting, []
-        pairs = zip(steps, final_pointings(steps), strict=True)
+        pairs = zip(steps, final_pointings(steps, self._reference.usual_axes), strict=True)
         return [prior for step, pointing in pairs for prior in self._take(step, pointing)]
 
     def _move(self, step: Step) -> None:
