@@ -1,11 +1,11 @@
 """The direction that the walker goes, relative to a phone in the hand.
 
-Three things tell it. Phones are held along an edge, so that the walker goes along one of four directions in the phone:
-that of the axis that is the most level one, the opposite, and those at right angles. The acceleration of some strides
-tells it by its line and its phase, as the principal axis does, but without an edge less exactly. And where the axes are
-those that phones have, the top of the screen or the camera is usually ahead. On 89 held walks of thirteen sets the
-strides are sure of another direction in 3: two phones in landscape format that point aside or at the walker, and one
-on stairs. Where other axes were laid through the device, the strides decide by themselves.
+Three things tell it. Phones are held along an edge, so that the walker goes along one of four directions in the
+phone: that of the axis that is the most level one, the opposite, and those at right angles. The acceleration of some
+strides tells it by its line and its phase, as the principal axis does, but without an edge less exactly. And where
+the axes are those that phones have, the top of the screen or the camera is usually ahead. On 89 held walks of
+thirteen sets the strides are sure of another direction in 3: two phones in landscape format that point aside or at
+the walker, and one on stairs. Where other axes were laid through the device, the strides decide by themselves.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ _LEAD_RAD, _SIGMA_LEAD_RAD = 0.5 * np.pi, 0.7
 _NO_AXIS = 0.02  # least probability that the strides tell nothing
 _NO_AXIS_COHERENCE = 0.085  # that probability falls by e over so much coherence
 _EDGE_SHARE = 0.9  # probability that a phone is held along an edge
-_USUAL_SHARE = 0.85  # probability that this is the usual one
+_USUAL_SHARE = 0.95  # probability that this is the usual one
 _DECIDED = 0.9  # least probability of the directions near one, for a heading
 _MOST_STRIDES = 24  # in one posture, that tell the direction: more of them are not independent
 _OTHER_POSTURE_RAD = 0.4
