@@ -72,6 +72,16 @@ def test_json_document(data: Path, tmp_path: Path) -> None:
     assert "skipped site1/F1/d: " in text
 
 
+def test_turned_devices_score_as_those_that_are_not(data: Path, tmp_path: Path) -> None:
+    plain, _ = scored(tmp_path, "ilc20", "--data", data)
+    for turn in ("x90", "random:3"):
+        turned, _ = scored(tmp_path, "ilc20", "--data", data, "--turn-device", turn)
+        for before, after in zip(plain["walks"], turned["walks"], strict=True):
+            assert after["mode"] == before["mode"]
+            assert after["ate_rigid_m"] == pytest.approx(before["ate_rigid_m"], rel=1e-6)
+    assert "write an axis and degrees" in refused("benchmark", "ilc20", "--data", data, "--turn-device", "w90")
+
+
 def test_every_estimator_in_one_document(data: Path, tmp_path: Path) -> None:
     document, text = scored(tmp_path, "ilc20", "--data", data, "--estimator", "all", "--limit", 1)
     assert document["estimator"] == "all"
