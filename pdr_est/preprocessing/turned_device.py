@@ -43,7 +43,8 @@ def rotation_named(name: str) -> Rotation:
 def turn_devices(recording: Recording, rotation: Rotation) -> Recording:
     """Return the recording with the axes of every device turned.
 
-    Specific force, rotation rate, magnetic field and attitude are written in the new axes.
+    Specific force, rotation rate, magnetic field and attitude are written in the new axes, which are not those that
+    phones have (`DeviceRecording.usual_axes`).
     """
     return replace(recording, devices=tuple(_turned(device, rotation) for device in recording.devices))
 
@@ -58,6 +59,7 @@ def _turned(device: DeviceRecording, rotation: Rotation) -> DeviceRecording:
         rotation_rate=_turned_vectors(device.rotation_rate, rotation),
         magnetic_field=_turned_vectors(device.magnetic_field, rotation),
         attitude=attitude,
+        usual_axes=False,
     )
 
 

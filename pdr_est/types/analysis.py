@@ -103,8 +103,8 @@ class DeviceWalk:
 
     @property
     def knows_north(self) -> bool:
-        """Tell whether any heading is known against north."""
-        return any(isinstance(one, HeadingPrior) and not one.relative for one in self.odometry)
+        """Tell whether any heading is known against north, at the latest at the end of the walk."""
+        return any(isinstance(one, HeadingPrior) and not one.relative for one in self.whole_walk_odometry)
 
     @property
     def span_s(self) -> tuple[float, float]:

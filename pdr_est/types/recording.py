@@ -64,6 +64,8 @@ class DeviceRecording:
         Suspicious properties of the data, in words.
     clock_shift_s
         Constant added to the recorder's own time stamps so that they count from the time zero of the recording, s.
+    usual_axes
+        True if the axes are those that phones have: x to the right, y to the top of the screen, z out of it.
     """
 
     name: str = "device"
@@ -78,6 +80,7 @@ class DeviceRecording:
     decisions: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     clock_shift_s: float = 0.0
+    usual_axes: bool = True
 
     @property
     def span_s(self) -> tuple[float, float] | None:

@@ -139,7 +139,7 @@ def test_the_mode_is_found_from_the_first_step_through_turns_and_standing(mode, 
     assert level.mode_probability[walking].mean() > 0.9
 
 
-@pytest.mark.parametrize("mode", [SWING, POCKET])
+@pytest.mark.parametrize("mode", [HOLDING, SWING, POCKET])
 def test_it_does_not_matter_how_the_phone_lies_in_hand_or_pocket(mode):
     walk = simulate_walk(mmpdr_indoor(mode, seed=1))
     device = walk.recording.devices[0]

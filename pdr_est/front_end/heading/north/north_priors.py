@@ -72,9 +72,10 @@ class NorthPriors:
         self._error = CorrelatedHeadingError(
             self._stays_rad, parameters.sigma_disturbance_rad, parameters.disturbance_length_m
         )
-        self._holds = HoldTracker()
+        self._holds = HoldTracker(reference.usual_axes)
         self._waiting: list[Step] | None = [] if at_the_end else None
-        self._pointing_rad: float | None = None  # standard deviation of it that is in the error that stays
+        self._pointing_rad = 0.0  # standard deviation of the latest direction in which the phone points
+        self._measured = False
         self._previous: Step | None = None
         self._first: Step | None = None  # of the steps that told a direction since the last prior
         self._steps = 0  # number of these
@@ -99,28 +100,30 @@ class NorthPriors:
 
     def _take(self, item: Step, pointing: Pointing | None) -> list[HeadingPrior]:
         self._move(item)
-        if pointing is not None and pointing.sigma_rad > _LARGEST_SIGMA_RAD:
-            pointing = None
-        offset_rad = float("nan") if pointing is None else self._offset(item, pointing)
+        offset_rad = float("nan")
+        if pointing is not None and pointing.decided:
+            offset_rad, self._pointing_rad = self._offset(item, pointing), pointing.sigma_rad
         if np.isfinite(offset_rad):
             self._first = self._first or item
             self._steps, self._offset_sum = self._steps + 1, self._offset_sum + cmath.rect(1.0, offset_rad)
             self._doubt += 1.0 - item.event.mode_probability
         elif self._steps < self._parameters.least_steps:
+            first = self._first or item
             self._begin_window(self._walked_m)
-        return [] if pointing is None else self._prior_if_due(item, pointing.sigma_rad)
+            if pointing is not None:  # in the hand, and its direction may soon be known
+                self._first = first
+        return self._prior_if_due(item)
 
-    def _prior_if_due(self, step: Step, sigma_pointing_rad: float) -> list[HeadingPrior]:
+    def _prior_if_due(self, step: Step) -> list[HeadingPrior]:
         p, first = self._parameters, self._first
         if first is None or self._steps < p.least_steps or self._walked_m < p.spacing_m:
             return []
-        if self._pointing_rad is None:
-            self._error.set_stays(hypot(self._stays_rad, sigma_pointing_rad))
-        beyond = max(sigma_pointing_rad**2 - (self._pointing_rad or sigma_pointing_rad) ** 2, 0.0)
-        sigma_rad = sqrt((p.sigma_step_rad**2 + self._doubt * SIGMA_UNIFORM_RAD**2) / self._steps + beyond)
+        if not self._measured:
+            self._error.set_stays(hypot(self._stays_rad, self._pointing_rad))
+        sigma_rad = sqrt((p.sigma_step_rad**2 + self._doubt * SIGMA_UNIFORM_RAD**2) / self._steps)
         if self._error.expected_sigma(sigma_rad) > _LARGEST_SIGMA_RAD:
             return []
-        self._pointing_rad = self._pointing_rad or sigma_pointing_rad
+        self._measured = True
         offset_rad = cmath.phase(self._offset_sum)
         found = self._error.measure(float(wrap_angle(step.heading_rad + offset_rad)), sigma_rad)
         self._note_disturbance(found, first.start_s, step.event.time_s)
@@ -136,7 +139,7 @@ class NorthPriors:
         if self._waiting is None:
             return []
         steps, self._waiting = self._waiting, []
-        pairs = zip(steps, final_pointings(steps), strict=True)
+        pairs = zip(steps, final_pointings(steps, self._reference.usual_axes), strict=True)
         return [prior for step, pointing in pairs for prior in self._take(step, pointing)]
 
     def _move(self, step: Step) -> None:

@@ -1,10 +1,11 @@
-"""The direction that the walker goes, relative to a phone in the hand, whatever axes the manufacturer gave it.
+"""The direction that the walker goes, relative to a phone in the hand.
 
-Two things tell it. Phones are held along an edge, so that the walker goes along one of four directions in the phone:
-that of the axis that is the most level one, the opposite, and those at right angles. Which of them, the acceleration
-of some strides says (`principal_axis`), and without any edge it tells the direction itself, less exactly. Neither the
-top of the screen nor the camera decides. On 89 held walks of thirteen sets the strides are sure of another direction
-in 3: two phones in landscape format that point aside or at the walker, and one on stairs.
+Three things tell it. Phones are held along an edge, so that the walker goes along one of four directions in the
+phone: that of the axis that is the most level one, the opposite, and those at right angles. The acceleration of some
+strides tells it by its line and its phase, as the principal axis does, but without an edge less exactly. And where
+the axes are those that phones have, the top of the screen or the camera is usually ahead. On 89 held walks of
+thirteen sets the strides are sure of another direction in 3: two phones in landscape format that point aside or at
+the walker, and one on stairs. Where other axes were laid through the device, the strides decide by themselves.
 """
 
 from collections.abc import Sequence
@@ -13,13 +14,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.north.usual_azimuth import usual_azimuth
 from pdr_est.front_end.heading.phone_posture import angle_between, mean_up, mean_yaw, yaw_between_postures
-from pdr_est.front_end.heading.placement_change.direction_cues import StrideCue, direction_density, stride_cues
-from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD, CELLS, normalised
+from pdr_est.front_end.heading.placement_change.direction_cues import StrideCue, stride_cues
+from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD, CELLS, gaussian, mixed, normalised
 from pdr_est.types.steps import CarryingMode, Step, begins_walk
 
-_SIGMA_AXIS_RAD = 0.2  # of the principal axis of a hand, to one side; ILC20's walker differs by 0.25 on average
+_SIGMA_AXIS_RAD = 0.2  # of the principal axis of a hand, to one side; ILC20's walkers differ by 0.25 on average
+# Phase lead of the forward acceleration of a phone in the hand over the vertical one: 90 degrees as that of the
+# trunk, 67 to 142 on twelve sets, but 0 to 75 on ILC20, whose phones are pitched with each step.
+_LEAD_RAD, _SIGMA_LEAD_RAD = 0.5 * np.pi, 0.7
+_NO_AXIS = 0.02  # least probability that the strides tell nothing
+_NO_AXIS_COHERENCE = 0.085  # that probability falls by e over so much coherence
 _EDGE_SHARE = 0.9  # probability that a phone is held along an edge
+_USUAL_SHARE = 0.95  # probability that this is the usual one
+_DECIDED = 0.9  # least probability of the directions near one, for a heading
 _MOST_STRIDES = 24  # in one posture, that tell the direction: more of them are not independent
 _OTHER_POSTURE_RAD = 0.4
 _KEPT = 0.8  # probability that a phone which was tilted, or put away and taken out again, points as before
@@ -27,11 +36,15 @@ _KEPT = 0.8  # probability that a phone which was tilted, or put away and taken 
 
 @dataclass(frozen=True)
 class Pointing:
-    """Direction of the walker less the yaw of the phone in the posture `up` (3,), rad, and its standard deviation."""
+    """Direction of the walker less the yaw of the phone in the posture `up` (3,), rad, and its standard deviation.
+
+    It is `decided` if no direction further away is probable; then the standard deviation is that of the near ones.
+    """
 
     up: Array
     offset_rad: float
     sigma_rad: float
+    decided: bool
 
     def azimuth(self, step: Step) -> float:
         """Return the direction, rad, in the level frame of the phone's yaw."""
@@ -43,14 +56,17 @@ class Hold:
 
     Parameters
     ----------
-    up : ndarray, shape (3,)
-        Unit vector upwards in device axes.
+    first : Step
+        First step.
+    usual_axes : bool
+        True if the axes of the device are those that phones have.
     before : ndarray, shape (360,)
         Density of the direction less the yaw from earlier postures.
     """
 
-    def __init__(self, up: Array, before: Array) -> None:
-        self.up = up
+    def __init__(self, first: Step, usual_axes: bool, before: Array) -> None:
+        self.up = mean_up(first.samples)
+        self._edges = _edge_shares(first, self.up) if usual_axes else np.full(4, 0.25)
         self._before = before
         self._previous: Step | None = None
         self._cues: list[StrideCue] = []
@@ -65,22 +81,71 @@ class Hold:
         if found:
             self._previous = None
             self._cues += found
-            self.density = normalised(self._before * direction_density(self._cues, _SIGMA_AXIS_RAD))
+            self.density = normalised(self._before * _direction_density(self._cues))
 
     def pointing(self) -> Pointing:
         """Return the direction and its uncertainty by the strides so far."""
-        edges = np.interp(np.arange(4) * 0.5 * np.pi, ANGLES_RAD, self.density, period=2.0 * np.pi)
-        weight = np.concatenate([_EDGE_SHARE * edges / 4.0, (1.0 - _EDGE_SHARE) * self.density / CELLS])
-        angle = np.concatenate([np.arange(4) * 0.5 * np.pi, ANGLES_RAD])
-        mean = float(np.angle(np.sum(weight * np.exp(1j * angle))))
-        variance = np.sum(weight * wrap_angle(angle - mean) ** 2) / weight.sum()
-        return Pointing(self.up, mean, float(np.sqrt(variance)))
+        edge_rad = np.arange(4) * 0.5 * np.pi
+        at_edges = np.interp(edge_rad, ANGLES_RAD, self.density, period=2.0 * np.pi)
+        weight = np.concatenate([_EDGE_SHARE * self._edges * at_edges, (1.0 - _EDGE_SHARE) * self.density / CELLS])
+        angle = np.concatenate([edge_rad, ANGLES_RAD])
+        best = angle[int(np.argmax(weight))]
+        near = np.abs(wrap_angle(angle - best)) < 0.25 * np.pi
+        share = float(weight[near].sum() / weight.sum())
+        mean = float(best + np.average(wrap_angle(angle[near] - best), weights=weight[near]))
+        variance = np.average(wrap_angle(angle[near] - mean) ** 2, weights=weight[near])
+        return Pointing(self.up, mean, float(np.sqrt(variance)), share >= _DECIDED)
+
+
+def _edge_shares(step: Step, up: Array) -> Array:
+    """Compute the probability (4,) of each edge by the usual axes of phones."""
+    usual_rad = usual_azimuth(step.samples)
+    if np.isnan(usual_rad):
+        return np.full(4, 0.25)
+    shares = np.full(4, (1.0 - _USUAL_SHARE) / 3.0)
+    shares[round((usual_rad - mean_yaw(step.samples, up)) / (0.5 * np.pi)) % 4] = _USUAL_SHARE
+    return shares
+
+
+def _direction_density(cues: Sequence[StrideCue]) -> Array:
+    """Compute the density (360,) of the walking direction less the yaw, for a phone in the hand, from some strides.
+
+    The acceleration at the frequency of the steps lies along one line. Its phase against the vertical acceleration
+    tells which end is ahead.
+    """
+    horizontal = np.array([cue.motion.horizontal_mps2 for cue in cues])
+    vertical = np.array([cue.motion.vertical_mps2 for cue in cues])
+    along, across = np.abs(horizontal.T) ** 2
+    total = float(np.sum(along + across))
+    double = complex(np.sum(along - across), 2.0 * np.sum((horizontal[:, 0] * horizontal[:, 1].conj()).real))
+    line_rad = 0.5 * float(np.angle(double))
+    ahead = horizontal @ np.array([np.cos(line_rad), np.sin(line_rad)])
+    product = complex(np.sum(ahead * vertical.conj()))
+    power = float(np.sum(np.abs(ahead) ** 2) * np.sum(np.abs(vertical) ** 2))
+    if power == 0.0:
+        return np.ones(CELLS)
+    coherence = min(abs(product) / np.sqrt(power), 1.0)
+    noise = (1.0 - coherence**2) / max(2.0 * len(cues) * coherence**2, 1e-9)
+    off_rad = wrap_angle(np.angle(product) - np.array([_LEAD_RAD, _LEAD_RAD + np.pi]))
+    ends = np.exp(-0.5 * off_rad**2 / (_SIGMA_LEAD_RAD**2 + noise))
+    width = np.sqrt(max(total - abs(double), 0.0) / (total + abs(double)))
+    sigma_rad = float(np.hypot(_SIGMA_AXIS_RAD, width / np.sqrt(len(cues))))
+    seen = (1.0 - _NO_AXIS) * (1.0 - float(np.exp(-coherence / _NO_AXIS_COHERENCE)))
+    shares = (seen * ends / ends.sum()).tolist()
+    return mixed((shares[0], gaussian(line_rad, sigma_rad)), (shares[1], gaussian(line_rad + np.pi, sigma_rad)))
 
 
 class HoldTracker:
-    """Find the hold that each step belongs to, if the phone is in the hand."""
+    """Find the hold that each step belongs to, if the phone is in the hand.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    usual_axes : bool
+        True if the axes of the device are those that phones have.
+    """
+
+    def __init__(self, usual_axes: bool) -> None:
+        self._usual_axes = usual_axes
         self._hold: Hold | None = None
         self._held = False
 
@@ -91,9 +156,9 @@ class HoldTracker:
             return None
         up, hold = mean_up(step.samples), self._hold
         if hold is None:
-            hold = Hold(up, np.ones(CELLS))
+            hold = Hold(step, self._usual_axes, np.ones(CELLS))
         elif not self._held or angle_between(up, hold.up) > _OTHER_POSTURE_RAD:
-            hold = Hold(up, _as_before(hold, up))
+            hold = Hold(step, self._usual_axes, _as_before(hold, up))
         hold.push(step)
         self._hold, self._held = hold, True
         return hold
@@ -105,9 +170,9 @@ def _as_before(hold: Hold, up: Array) -> Array:
     return np.asarray(_KEPT * normalised(turned) + (1.0 - _KEPT))
 
 
-def final_pointings(steps: Sequence[Step]) -> list[Pointing | None]:
+def final_pointings(steps: Sequence[Step], usual_axes: bool) -> list[Pointing | None]:
     """Return for each step what all strides of its hold tell; None for a phone that is not in the hand."""
-    tracker = HoldTracker()
+    tracker = HoldTracker(usual_axes)
     holds = [tracker.push(step) for step in steps]
     found = {id(hold): hold.pointing() for hold in holds if hold is not None}
     return [None if hold is None else found[id(hold)] for hold in holds]

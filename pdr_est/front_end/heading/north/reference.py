@@ -21,11 +21,15 @@ class NorthReference:
         Angle from true north to the north of the source, rad, clockwise.
     sigma_declination_rad
         Its standard deviation, rad.
+    usual_axes
+        True if the axes of the device are those that phones have: the second to the top of the screen, the third out
+        of it.
     """
 
     source: Literal["device", "magnetometer"]
     declination_rad: float = 0.0
     sigma_declination_rad: float = 0.0
+    usual_axes: bool = True
 
     @property
     def channel(self) -> Channel:
@@ -57,10 +61,10 @@ def north_reference(
     by_device = device.attitude is not None and device.attitude_reference.is_north
     if by_device and parameters.source in ("auto", "device"):
         if device.attitude_reference is AttitudeReference.TRUE_NORTH:
-            return NorthReference("device", 0.0, SIGMA_MODEL_RAD)
-        return NorthReference("device", *_declination(origin, epoch_s, parameters))
+            return NorthReference("device", 0.0, SIGMA_MODEL_RAD, device.usual_axes)
+        return NorthReference("device", *_declination(origin, epoch_s, parameters), device.usual_axes)
     if device.magnetic_field is not None and parameters.source in ("auto", "magnetometer"):
-        return NorthReference("magnetometer", *_declination(origin, epoch_s, parameters))
+        return NorthReference("magnetometer", *_declination(origin, epoch_s, parameters), device.usual_axes)
     return None
 
 

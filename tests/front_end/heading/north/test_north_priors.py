@@ -138,14 +138,20 @@ def test_a_field_that_cannot_be_the_earths_tells_nothing() -> None:
 
 
 def held_steps(recorded_yaw_deg: Array, mode: CarryingMode = CarryingMode.HOLDING) -> list[Step]:
-    """Steps straight on, of a phone that lies flat, top ahead, with the yaw by its own attitude."""
+    """Steps straight on, of a phone that lies flat, top ahead, with the yaw by its own attitude.
+
+    The acceleration forward is a quarter of a step ahead of the vertical one.
+    """
     steps = []
+    phase = 2.0 * np.pi * (np.arange(30) + 0.5) / 30
     for number, yaw_deg in enumerate(recorded_yaw_deg):
-        made = step(0.5 * (number + 1), 0.5 * number, heading_rad=0.4)
+        made = step(0.5 * (number + 1), 0.5 * number, heading_rad=0.4, frequency_hz=2.0)
         level = np.zeros(len(made.samples))
         samples = replace(
             made.samples,
             up=np.tile([0.0, 0.0, 1.0], (len(level), 1)),
+            acceleration_mps2=np.stack([level, -np.sin(phase), 2.0 * np.cos(phase)], axis=1),
+            vertical_mps2=2.0 * np.cos(phase),
             yaw_rad=level,
             recorded_yaw_rad=level + np.deg2rad(yaw_deg),
         )
@@ -199,7 +205,7 @@ def test_all_priors_together_know_no_more_than_the_part_that_stays_allows() -> N
     priors = run(stage, held_steps(np.zeros(3000)))
     information = sum(1.0 / prior.sigma_rad**2 for prior in priors)
     assert information < 1.0 / PARAMETERS.sigma_hold_rad**2
-    assert information > 0.75 / PARAMETERS.sigma_hold_rad**2
+    assert information > 0.7 / PARAMETERS.sigma_hold_rad**2
 
 
 def test_independent_sigmas_give_the_variance_of_the_correlated_errors() -> None:
