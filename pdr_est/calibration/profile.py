@@ -1,7 +1,7 @@
 """A walker's profile: the personal constants that a calibration found, as a small YAML file."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from datetime import date as Date
 from pathlib import Path
 from typing import Annotated, Any
@@ -143,8 +143,16 @@ def _settings(profile: Profile) -> dict[str, dict[str, Any]]:
 
 def _note(data: Any, path: str | Path) -> ProfileNote:
     try:
-        return _NOTE.validate_python(data)
+        note: ProfileNote = _NOTE.validate_python(data)
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in ("profile", *first["loc"]))
         raise ConfigError(f"{path}: {key}: {first['msg']}: correct it, or calibrate again") from error
+    # What "auto" means may have changed since: a profile is only of use with the constants that it was made for.
+    missing = sorted(field.name for field in fields(StepLengthParams) if field.name not in data["step_length"])
+    if missing:
+        raise ConfigError(
+            f"{path}: profile.step_length: without {', '.join(missing)}: made by another version, whose step lengths "
+            "differ: calibrate again"
+        )
+    return note

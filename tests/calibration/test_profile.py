@@ -111,3 +111,13 @@ def test_other_files_are_no_profiles(text: str, tmp_path: Path) -> None:
         load_profile(saved(tmp_path, text))
     with pytest.raises(ConfigError, match="cannot be read"):
         load_profile(tmp_path / "missing.yaml")
+
+
+def test_a_profile_of_a_version_with_other_lengths_is_refused(tmp_path: Path) -> None:
+    """`auto` meant another model when the constants of `harmonic` were not yet there."""
+    lines = profile_to_yaml(PROFILE).splitlines()
+    first = next(number for number, line in enumerate(lines) if line == "    harmonic:")
+    last = next(number for number, line in enumerate(lines) if number > first and not line.startswith("      "))
+    path = saved(tmp_path, "\n".join(lines[:first] + lines[last:]))
+    with pytest.raises(ConfigError, match=r"profile\.step_length: without harmonic: .*calibrate again"):
+        load_profile(path)

@@ -120,8 +120,8 @@ def _with_priors(steps: Sequence[Step], sections: LegSections, directions: Domin
 def _decided_runs(steps: Sequence[Step], spacing_rad: float) -> NDArray[np.int64]:
     """Count at each step (n,) the turns so far that may be wrong by an angle between directions.
 
-    Where the phone was put elsewhere, a turn may be wrong by half of that angle, too, for a leg between two directions
-    is possible. Priors on both sides of such a turn would follow from its most probable angle, and make this one
+    Where the phone was put elsewhere, a turn may be wrong by half of that angle, too, for a leg may lie between two
+    directions. Priors on both sides of such a turn would follow from its most probable angle, and make this one
     certain.
     """
     undecided = [_nearest(step, (0.25 if step.turn_hypotheses else 0.5) * spacing_rad) < _DECIDED for step in steps]
