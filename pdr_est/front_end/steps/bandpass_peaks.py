@@ -83,6 +83,7 @@ class AutoStepParams:
 
 
 _SIGNAL, _SUMS = 0, slice(1, 1 + MOVEMENT_COLUMNS)  # columns of the buffered samples
+_ON_TIME = 0.9  # times the recent interval: too late for a peak between two steps
 _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between two steps
 
 
@@ -226,7 +227,7 @@ class BandpassPeakDetector:
         longest_s = 0.5 * p.pocket_interval_share * p.stride.longest_s
         if (
             int(self._samples.mode[i]) != CarryingMode.POCKET
-            or elapsed >= longest_s
+            or elapsed >= min(longest_s, _ON_TIME * self._intervals.interval_s)
             or height > _HIGH_RATIO * self._recent_height
         ):
             return False

@@ -18,7 +18,7 @@ from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode
 
 _SWING = np.int8(CarryingMode.SWING)
-_CHOICE_S = 1.0  # time between two choices of the signal of a swinging phone
+_CHOICE_S = 2.0  # time between two choices of the signal of a swinging phone
 _MEMORY_S = 3.0  # length of the signals that are compared
 _SHORTEST_S, _LONGEST_S = 0.36, 0.8  # time between steps at which a signal should repeat itself
 _ADVANTAGE = 0.1  # correlation by which the vertical acceleration must repeat itself better; ours

@@ -23,7 +23,7 @@ _SMOOTHING_S = 0.1  # averages out what engines and wheels shake above the frequ
 # up (geotec), shake the phone to calibrate it (ipin2023 before the first surveyed point), and ride in made-up vehicles
 # (vertical vibration of 1 to 3 Hz with 0.3 and 0.4 m/s^2). The constant is 1.5 above the fitted one: the loss of a
 # weak walker's steps weighs more than a false step.
-_CONSTANT, _STRENGTH, _TILTING, _TURNING = 1.7, 3.19, -7.34, -13.19
+_CONSTANT, _STRENGTH, _TILTING, _TURNING = 1.6, 3.19, -7.34, -13.19
 _LEAST_MPS2, _HIGHEST_MPS2 = 0.2, 2.0  # of the acceleration; what is beyond tells no more
 _USUAL_TILTING = 0.4  # as far as a swinging arm tilts the phone
 _MOST_TURNING = 0.5
