@@ -21,7 +21,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.signal.event_detection import has_elapsed, local_maxima
 from pdr_est.front_end.steps.sample_buffer import SampleBuffer
 from pdr_est.front_end.steps.step_evidence.step_intervals import StepIntervals
-from pdr_est.front_end.steps.step_evidence.step_probability import peak_log_odds, probability
+from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
 from pdr_est.front_end.steps.step_evidence.step_signal import StepSignal
 from pdr_est.front_end.steps.step_evidence.walking_belief import (
     MOVEMENT_COLUMNS,
@@ -29,6 +29,7 @@ from pdr_est.front_end.steps.step_evidence.walking_belief import (
     MovementSums,
     WalkingBelief,
     movement_between,
+    strength_between,
 )
 from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.params import Fraction, NonNegative, Positive, params
@@ -83,6 +84,7 @@ class AutoStepParams:
 
 
 _SIGNAL, _SUMS = 0, slice(1, 1 + MOVEMENT_COLUMNS)  # columns of the buffered samples
+_IMPACT_S = 0.4  # length of the movement before a peak that tells whether the phone still moves
 _ON_TIME = 0.9  # times the recent interval: too late for a peak between two steps
 _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between two steps
 
@@ -109,6 +111,7 @@ class BandpassPeakDetector:
         self._samples = SampleBuffer(rate_hz, delay_s, columns=1 + MOVEMENT_COLUMNS)
         self._stride = StridePeriod(rate_hz, p.stride)
         self._rate_hz = rate_hz
+        self._impact = max(round(_IMPACT_S * rate_hz), 1)
         self._half_window = max(round(0.5 * p.walking_window_s * rate_hz), 1)
         self._kept = max(2 * self._half_window, math.ceil(p.standstill_s * rate_hz)) + 1
         self._walking = WalkingBelief()
@@ -140,8 +143,8 @@ class BandpassPeakDetector:
         self._walking.reset()
         self._decided = 0  # position of the first buffered sample that is not decided about
         self._last_peak_s = -np.inf
-        self._recent_height = self._recent_rise = 0.0  # of the present walk; 0 before its second step
-        self._first: tuple[StepEvent, float, float] | None = None  # with the height and the rise of its peak
+        self._usual: PeakShape | None = None  # of the present walk; None before its second step
+        self._first: tuple[StepEvent, PeakShape] | None = None
         self._waiting: list[StepEvent] = []
         self._intervals = StepIntervals(self._parameters.memory, self._parameters.standstill_s)
 
@@ -179,42 +182,44 @@ class BandpassPeakDetector:
         if not has_elapsed(elapsed, self._min_interval_s()):
             return []
         if elapsed > p.standstill_s:
-            self._recent_height, self._first = 0.0, None
+            self._usual = self._first = None
             self._walking.stand()
             self._waiting = []
-        walks = self._recent_height > 0.0
-        rise = height - self._lowest_since(elapsed, i)
-        log_odds = self._log_odds(rise, elapsed) if walks else peak_log_odds(rise, rise, 1.0)
-        if log_odds < 0.0 or (not walks and height < p.threshold_mps2):
+        usual = self._usual
+        if usual is None and height < p.threshold_mps2:
             return []
-        if self._is_intermediate_peak(i, elapsed, height):
+        peak = self._shape_of(i, elapsed, height)
+        log_odds = peak_log_odds(peak, usual or peak, self._interval_ratio(elapsed) if usual else 1.0)
+        if log_odds < 0.0 or self._is_intermediate_peak(i, elapsed, height):
             return []
         self._last_peak_s = time_s
         event = self._samples.event(i, confidence=probability(log_odds))
-        if walks:
-            self._recent_height = p.memory * self._recent_height + (1.0 - p.memory) * height
-            self._recent_rise = p.memory * self._recent_rise + (1.0 - p.memory) * rise
-            return [event]
-        return self._begin_walk(event, height, rise)
+        if usual is None:
+            return self._begin_walk(event, peak)
+        self._usual = usual.blended(peak, p.memory)
+        return [event]
 
-    def _begin_walk(self, event: StepEvent, height: float, rise: float) -> list[StepEvent]:
+    def _begin_walk(self, event: StepEvent, peak: PeakShape) -> list[StepEvent]:
         """Return the steps of the first two peaks of a walk at the second one."""
         p = self._parameters
-        first, self._first = self._first, (event, height, rise)
+        first, self._first = self._first, (event, peak)
         if first is None or event.time_s - first[0].time_s > p.first_interval_s:
             return []
-        self._recent_height, self._recent_rise = 0.5 * (first[1] + height), 0.5 * (first[2] + rise)
-        self._first = None
-        return [first[0], event] if first[1] >= p.first_share * height else [event]
+        self._usual, self._first = first[1].blended(peak, 0.5), None
+        return [first[0], event] if first[1].height >= p.first_share * peak.height else [event]
 
-    def _log_odds(self, rise: float, elapsed: float) -> float:
+    def _interval_ratio(self, elapsed: float) -> float:
         interval_s = self._intervals.interval_s
-        return peak_log_odds(rise, self._recent_rise, elapsed / interval_s if interval_s < np.inf else 1.0)
+        return elapsed / interval_s if interval_s < np.inf else 1.0
 
-    def _lowest_since(self, elapsed: float, i: int) -> float:
-        """Return the lowest value of the signal since the last step, or in the time of a standstill before peak i."""
+    def _shape_of(self, i: int, elapsed: float, height: float) -> PeakShape:
+        """Measure peak i; its rise is that since the last step, or in the time of a standstill."""
+        signal = self._samples.signal
         count = int(min(elapsed, self._parameters.standstill_s) * self._rate_hz)
-        return float(self._samples.signal[max(i - count, 0) : i + 1, _SIGNAL].min())
+        lowest = float(signal[max(i - count, 0) : i + 1, _SIGNAL].min())
+        samples = min(self._impact, i)
+        strength = strength_between(signal[i - samples, _SUMS], signal[i, _SUMS], max(samples, 1))
+        return PeakShape(height, height - lowest, strength)
 
     def _movement_before(self, i: int) -> Movement:
         sums: Array = self._samples.signal[:, _SUMS]
@@ -228,7 +233,7 @@ class BandpassPeakDetector:
         if (
             int(self._samples.mode[i]) != CarryingMode.POCKET
             or elapsed >= min(longest_s, _ON_TIME * self._intervals.interval_s)
-            or height > _HIGH_RATIO * self._recent_height
+            or height > _HIGH_RATIO * (self._usual.height if self._usual else 0.0)
         ):
             return False
         stride_s = self._stride.ending_at(len(self._samples.signal) - 1 - i)

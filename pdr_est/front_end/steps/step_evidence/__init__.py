@@ -1,4 +1,4 @@
-"""What tells the default step detector that a peak is a step, and that somebody walks at all.
+"""Find out for the default step detector whether a peak is a step, and whether somebody walks at all.
 
 * `step_signal`: the signal that has one peak per step.
 * `step_probability`: the probability that a peak is a step, from its rise and from the rhythm.

@@ -1,33 +1,54 @@
-"""Weigh the rise of a peak against its time: how probable is it that the peak is a step?
+"""Weigh the rise of a peak against its time, to tell how probable it is that the peak is a step.
 
 A weak peak when the next step is due is a step on soft ground, on stairs or in a turn; the same peak halfway between
-two steps is a ripple. No threshold of height separates them, but the odds do. They are those of a logistic
-regression on the logarithms of three numbers, with other weights for early and for late peaks.
+two steps is a ripple, and one in a phone that has come to rest is the last echo of a step. No threshold of height
+separates them, but the odds do. They are those of a logistic regression on the logarithms of four numbers, with other
+weights for early and for late peaks.
 """
 
 import math
+from typing import NamedTuple
 
-# Fitted to the 17,000 peaks of the walks with annotated steps (oxford-steps, weallwalk) and of further walks of the
+# Fitted to the 30,000 peaks of the walks with annotated steps (oxford-steps, weallwalk) and of further walks of the
 # tuned sets (known-distance, stride-length, phone-gps, oxiod, motionsense, ipin2023), whose steps were those of the
 # detector before this one. No walk of awinda or of another set of `walks` took part.
-_CONSTANT = 2.68
-_RISE, _RISE_RATIO = 2.3, 1.78
-_EARLY, _LATE = 5.17, -1.71
-# A peak beyond these limits of the ratios and of the rise tells no more than one at the limit.
-_LEAST_RATIO, _HIGHEST_RATIO = math.exp(-3.0), math.exp(0.5)
-_LEAST_RISE_MPS2, _HIGHEST_RISE_MPS2 = math.exp(-3.0), math.exp(1.5)
-_LEAST_INTERVAL_RATIO, _LONGEST_INTERVAL_RATIO = 0.2, 4.0
+_CONSTANT = 3.04
+_RISE, _RISE_RATIO, _STRENGTH_RATIO = 2.02, 1.94, 0.97
+_EARLY, _LATE = 4.11, -1.56
+# Peaks beyond these limits tell no more than those at the limits.
+_RISE_LIMITS = math.exp(-3.0), math.exp(1.5)
+_RISE_RATIO_LIMITS = math.exp(-3.0), math.exp(0.5)
+_STRENGTH_RATIO_LIMITS = math.exp(-2.0), math.exp(0.3)
+_INTERVAL_RATIO_LIMITS = 0.2, 4.0
 
 
-def peak_log_odds(rise_mps2: float, usual_rise_mps2: float, interval_ratio: float) -> float:
+class PeakShape(NamedTuple):
+    """Shape of a peak, all in m/s^2."""
+
+    height: float
+    """Height of the signal at the peak."""
+    rise: float
+    """Rise of the signal from its lowest value since the last step to the peak."""
+    strength: float
+    """Standard deviation of the acceleration just before the peak is found, all directions together."""
+
+    def blended(self, other: "PeakShape", weight: float) -> "PeakShape":
+        """Return the mean of this shape, with a weight from 0 to 1, and of another one."""
+        rest = 1.0 - weight
+        return PeakShape(
+            weight * self.height + rest * other.height,
+            weight * self.rise + rest * other.rise,
+            weight * self.strength + rest * other.strength,
+        )
+
+
+def peak_log_odds(peak: PeakShape, usual: PeakShape, interval_ratio: float) -> float:
     """Compute the logarithm of the odds that a peak is a step of somebody who walks.
 
     Parameters
     ----------
-    rise_mps2 : float
-        Rise of the signal from its lowest value since the last step to the peak, m/s^2.
-    usual_rise_mps2 : float
-        Mean rise of the recent steps, m/s^2.
+    peak, usual : PeakShape
+        The peak, and the mean of the recent steps.
     interval_ratio : float
         Time since the last step as a multiple of the recent intervals between steps; 1 where there are none.
 
@@ -36,16 +57,18 @@ def peak_log_odds(rise_mps2: float, usual_rise_mps2: float, interval_ratio: floa
     float
         Above 0 for a peak that is rather a step than not.
     """
-    ratio = min(max(rise_mps2 / usual_rise_mps2, _LEAST_RATIO), _HIGHEST_RATIO)
-    rise = min(max(rise_mps2, _LEAST_RISE_MPS2), _HIGHEST_RISE_MPS2)
-    timing = math.log(min(max(interval_ratio, _LEAST_INTERVAL_RATIO), _LONGEST_INTERVAL_RATIO))
+    timing = _log_within(interval_ratio, _INTERVAL_RATIO_LIMITS)
     return (
         _CONSTANT
-        + _RISE * math.log(rise)
-        + _RISE_RATIO * math.log(ratio)
-        + _EARLY * min(timing, 0.0)
-        + _LATE * max(timing, 0.0)
+        + _RISE * _log_within(peak.rise, _RISE_LIMITS)
+        + _RISE_RATIO * _log_within(peak.rise / usual.rise, _RISE_RATIO_LIMITS)
+        + _STRENGTH_RATIO * _log_within(peak.strength / usual.strength, _STRENGTH_RATIO_LIMITS)
+        + (_EARLY if timing < 0.0 else _LATE) * timing
     )
+
+
+def _log_within(value: float, limits: tuple[float, float]) -> float:
+    return math.log(min(max(value, limits[0]), limits[1]))
 
 
 def probability(log_odds: float) -> float:

@@ -2,8 +2,8 @@
 
 Peaks at the rhythm of steps are also felt in a bus, in a train, and while a phone is handled. A walker differs from a
 passenger by how strongly the phone is accelerated in all directions, and from somebody who handles a phone by how far
-it turns over: about half a right angle at most for a swinging arm, which turns it back. Each peak adds its evidence to
-the logarithm of the odds, which forgets slowly, because people start and stop.
+it turns over: a swinging arm tilts it by half a right angle at most, and back. Each peak adds its evidence to the
+logarithm of the odds, which forgets slowly, because people start and stop.
 """
 
 import math
@@ -16,13 +16,14 @@ from pdr_est.types.sensors import LevelBlock
 
 MOVEMENT_COLUMNS = 7
 _ACCELERATION, _SQUARE, _UP = slice(0, 3), 3, slice(4, 7)
+_LEAST_STRENGTH_MPS2 = 0.02  # below the noise of phones
 _SMOOTHING_S = 0.1  # averages out what engines and wheels shake above the frequencies of gait
 
 # Logistic regression on the peaks of walkers (oxford-steps, weallwalk, known-distance, stride-length, oxiod,
 # phone-gps, motionsense, ipin2023, ilc20, sisfall) against those of people who stand (motionsense), sit down or stand
-# up (geotec), shake the phone to calibrate it (ipin2023 before the first surveyed point), and ride in made-up vehicles
-# (vertical vibration of 1 to 3 Hz with 0.3 and 0.4 m/s^2). The constant is 1.5 above the fitted one: the loss of a
-# weak walker's steps weighs more than a false step.
+# up (geotec), shake the phone to calibrate it (ipin2023 before the first surveyed point), and ride in made-up
+# vehicles (vertical vibration of 1 to 3 Hz with 0.3 and 0.4 m/s^2, sideways half of it, slow accelerations). The
+# constant is 1.64 above the fitted one: the loss of a weak walker's steps weighs more than a false step.
 _CONSTANT, _STRENGTH, _TILTING, _TURNING = 1.6, 3.19, -7.34, -13.19
 _LEAST_MPS2, _HIGHEST_MPS2 = 0.2, 2.0  # of the acceleration; what is beyond tells no more
 _USUAL_TILTING = 0.4  # as far as a swinging arm tilts the phone
@@ -132,6 +133,20 @@ def movement_between(before: Array, middle: Array, end: Array, samples: int) -> 
         tilting=math.sqrt(max(1.0 - 0.5 * math.sqrt(first + second + 2.0 * both), 0.0)),
         turning=1.0 - both / max(math.sqrt(first * second), 1e-12),
     )
+
+
+def strength_between(before: Array, end: Array, samples: int) -> float:
+    """Compute the standard deviation of the acceleration in a span, all directions together, m/s^2.
+
+    Parameters
+    ----------
+    before, end : ndarray, shape (MOVEMENT_COLUMNS,)
+        Rows that `MovementSums` returned.
+    samples : int
+        Number of samples of the span, at least 1.
+    """
+    x, y, z, square, *_ = ((end - before) / samples).tolist()
+    return math.sqrt(max(square - x * x - y * y - z * z, _LEAST_STRENGTH_MPS2**2))
 
 
 class WalkingBelief:
