@@ -1,4 +1,4 @@
-"""Rules of the default step detector by hand: rhythm, swinging hands, runners, vehicles, and steps that a mode hides."""
+"""Rules of the default step detector by hand: rhythm, swinging hands, runners, vehicles, and hidden steps."""
 
 from dataclasses import replace
 

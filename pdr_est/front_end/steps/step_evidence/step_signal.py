@@ -11,6 +11,7 @@ from step to step is taken.
 import numpy as np
 
 from pdr_est.frames import Array
+from pdr_est.front_end.signal.event_detection import Flags
 from pdr_est.front_end.signal.filters import CausalBandPass
 from pdr_est.front_end.signal.vectors import dot
 from pdr_est.front_end.steps.stride_period import autocorrelation
@@ -71,7 +72,7 @@ class StepSignal:
         signal: Array = np.where(rotates, filtered[:, 1], filtered[:, 0])
         return signal
 
-    def _vertical_chosen(self, signals: Array, is_swing: Array) -> Array:
+    def _vertical_chosen(self, signals: Array, is_swing: Flags) -> Flags:
         """Mark the samples (n,) of a swinging phone whose vertical acceleration is the better signal."""
         known = np.concatenate([self._recent, signals])
         first = len(self._recent)
