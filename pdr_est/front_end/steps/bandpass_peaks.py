@@ -113,7 +113,7 @@ class BandpassPeakDetector:
         self._rate_hz = rate_hz
         self._impact = max(round(_IMPACT_S * rate_hz), 1)
         self._half_window = max(round(0.5 * p.walking_window_s * rate_hz), 1)
-        self._kept = max(2 * self._half_window, math.ceil(p.standstill_s * rate_hz)) + 1
+        self._kept = max(2 * self._half_window, self._impact, math.ceil(p.standstill_s * rate_hz)) + 1
         self._walking = WalkingBelief()
         self._begin_segment()
         # The first step of a walk waits for the second one, a hidden step for the next one.
@@ -167,13 +167,12 @@ class BandpassPeakDetector:
         if not accepted:
             return []
         self._walking.add(self._movement_before(i))
-        self._waiting += [step for event in accepted for step in self._intervals.fill_hidden_step(event)]
-        if self._walking.log_odds <= 0.0:
-            return []
+        waiting = self._waiting + [step for event in accepted for step in self._intervals.fill_hidden_step(event)]
         latest_s, patience_s = accepted[-1].time_s, self._parameters.patience_s
-        confirmed = [event for event in self._waiting if has_elapsed(patience_s, latest_s - event.time_s)]
-        self._waiting = []
-        return confirmed
+        waiting = [event for event in waiting if has_elapsed(patience_s, latest_s - event.time_s)]
+        is_walk = self._walking.log_odds > 0.0
+        self._waiting = [] if is_walk else waiting
+        return waiting if is_walk else []
 
     def _accept_peak(self, i: int) -> list[StepEvent]:
         """Return the steps if somebody walks: that of peak i, and with the second peak of a walk also the first."""
