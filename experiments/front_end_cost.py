@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pdr_est.config import Config, ModeParams
+from pdr_est.config import Config
 from pdr_est.frames import Array
-from pdr_est.front_end.mode import mode_stage
+from pdr_est.front_end.mode import ModeParams, mode_stage
 from pdr_est.front_end.signal.blocks import join, part
 from pdr_est.front_end.steps import step_detector
 from pdr_est.pipeline.front_end_chain import levelling

@@ -1,31 +1,36 @@
-"""Detect steps by the peaks of the vertical acceleration in the band of walking cadences.
+"""Detect steps by the peaks of a signal in the band of walking cadences.
 
 Not from a paper. A steep low-pass below the second harmonic of slow walking leaves one peak per step whatever the
-shape of the raw signal, so that counting peaks needs no shape rules; a threshold relative to the recent peaks refuses
-the small ones between steps and while standing. It serves every position of the phone but one.
+shape of the raw signal (`StepSignal`), so that counting peaks needs no shape rules. Two probabilities decide:
 
-A swinging hand rises at both ends of its arc, when a foot strikes and the trunk is lowest: the two cancel, in some
-people altogether, and only strides are left in the vertical acceleration. While the phone swings, its rotation rate
-takes the place of the acceleration. It is smallest at the ends of the arc, near the strikes, whatever the arm's
-strength or the phone's orientation.
+1. Is the peak a step, if somebody walks? A high peak is one, and so is a low one that comes when the rhythm of the
+   steps before it lets one expect it (`peak_log_odds`).
+2. Does somebody walk? All movement of the phone since a little before tells it (`WalkingBelief`). Until it is more
+   probable than not, steps wait; those that have waited for too long are none.
 
 In a pocket, a slow leg adds a third peak to the two of a stride: its swing has the third and fourth harmonics of the
 stride, which lie in the band of cadences of a slow walker. Peaks that follow too soon for a step of the strides that
 the signal shows are refused, unless they are much higher, as a runner's.
-
-Where the mode changes, arm and trunk may hide a step from each other. A pause of two steps between two steps in
-different known modes is filled with the one in between, unless it is long enough for a standstill.
 """
 
-from dataclasses import replace
+import math
 
 import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.event_detection import has_elapsed, local_maxima
-from pdr_est.front_end.signal.filters import CausalBandPass
-from pdr_est.front_end.signal.vectors import dot
 from pdr_est.front_end.steps.sample_buffer import SampleBuffer
+from pdr_est.front_end.steps.step_evidence.step_intervals import StepIntervals
+from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
+from pdr_est.front_end.steps.step_evidence.step_signal import StepSignal
+from pdr_est.front_end.steps.step_evidence.walking_belief import (
+    MOVEMENT_COLUMNS,
+    Movement,
+    MovementSums,
+    WalkingBelief,
+    movement_between,
+    strength_between,
+)
 from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.types.sensors import LevelBlock
@@ -41,11 +46,9 @@ class AutoStepParams:
     high_hz: Positive = 2.0
     """Upper cutoff of the band of cadences, Hz."""
     threshold_mps2: NonNegative = 0.3
-    """Least height of a peak in the band, m/s^2."""
-    relative_threshold: Fraction = 0.25
-    """Least height of a peak as a share of the recent peaks' height."""
-    relative_threshold_holding: Fraction = 0.45
-    """The same for a phone held in front of the body, which feels both feet alike."""
+    """Least height in the band, m/s^2, of the peaks with which a walk begins."""
+    least_height_mps2: NonNegative = 0.05
+    """Least height in the band, m/s^2, of a later peak."""
     min_interval_s: NonNegative = 0.3
     """Least time between steps, s."""
     interval_share: Fraction = 0.55
@@ -55,13 +58,17 @@ class AutoStepParams:
     running_interval_s: NonNegative = 0.24
     """Least time between steps, s, however short the recent intervals."""
     memory: Fraction = 0.8
-    """Weight of the past in the recent height and interval of the peaks."""
+    """Weight of the past in the recent rise and interval of the peaks."""
     standstill_s: Positive = 2.0
     """Time without a step, s, after which the walk is over."""
     first_interval_s: Positive = 1.3
     """Longest time, s, between the two peaks with which a walk begins, so that a single jolt is no step."""
     first_share: Fraction = 0.4
     """Least height of the first of them as a share of the second one's height, to be a step itself."""
+    walking_window_s: Positive = 2.0
+    """Length of the movement before a peak, s, that tells whether somebody walks."""
+    patience_s: NonNegative = 1.8
+    """Longest time, s, that a step waits until it is certain enough that somebody walks."""
     strike_lead_s: NonNegative = 0.08
     """Time, s, from the foot's strike on the ground to the peak of the trunk's acceleration; a step's time is that of
     the strike.
@@ -76,15 +83,17 @@ class AutoStepParams:
     """Parameters of the search for the period of the strides."""
 
 
-_SWING = np.int8(CarryingMode.SWING)
+_SIGNAL, _SUMS = 0, slice(1, 1 + MOVEMENT_COLUMNS)  # columns of the buffered samples
+_IMPACT_S = 0.4  # length of the movement before a peak that tells whether the phone still moves
+_ON_TIME = 0.9  # times the recent interval: too late for a peak between two steps
 _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between two steps
 
 
 class BandpassPeakDetector:
     """Stage LevelBlock -> StepEvent by peaks in the band of cadences.
 
-    The confidence of a step grows from 0 for a peak as high as the threshold to 1 for one far above it. It is 0 for a
-    step that a change of the mode hid.
+    The confidence of a step is the probability that its peak is one of somebody who walks. It is 0 for a step that a
+    change of the mode hid.
 
     Parameters
     ----------
@@ -95,86 +104,126 @@ class BandpassPeakDetector:
     """
 
     def __init__(self, rate_hz: float, parameters: AutoStepParams) -> None:
-        self._parameters = parameters
-        self._filter = CausalBandPass(parameters.low_hz, parameters.high_hz, rate_hz)
-        delay_s = self._filter.delay_s + parameters.strike_lead_s
-        self._samples = SampleBuffer(rate_hz, delay_s)
-        self._stride = StridePeriod(rate_hz, parameters.stride)
-        self._begin_walk()
+        p = self._parameters = parameters
+        self._signal = StepSignal(p.low_hz, p.high_hz, p.swing_gain_mps, rate_hz)
+        self._sums = MovementSums(rate_hz)
+        delay_s = self._signal.delay_s + p.strike_lead_s
+        self._samples = SampleBuffer(rate_hz, delay_s, columns=1 + MOVEMENT_COLUMNS)
+        self._stride = StridePeriod(rate_hz, p.stride)
+        self._rate_hz = rate_hz
+        self._impact = max(round(_IMPACT_S * rate_hz), 1)
+        self._half_window = max(round(0.5 * p.walking_window_s * rate_hz), 1)
+        self._kept = max(2 * self._half_window, self._impact, math.ceil(p.standstill_s * rate_hz)) + 1
+        self._walking = WalkingBelief()
+        self._begin_segment()
         # The first step of a walk waits for the second one, a hidden step for the next one.
-        self.latency_s = delay_s + max(parameters.first_interval_s, 0.5 * parameters.standstill_s) + 1.0 / rate_hz
+        held_s = max(p.first_interval_s, 0.5 * p.standstill_s, p.patience_s)
+        self.latency_s = delay_s + held_s + 1.0 / rate_hz
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
         """Take level samples and return the steps that are now certain."""
         if item.segment != self._samples.segment:
             self._samples.begin(item)
-            self._filter.reset()
-            self._stride.clear()
-            self._begin_walk()
-        step_signal = self._step_signal(item)
-        self._samples.append(item, step_signal)
-        self._stride.append(step_signal, len(self._samples.signal))
+            self._begin_segment()
+        rows = np.empty((len(item), 1 + MOVEMENT_COLUMNS))
+        rows[:, _SIGNAL] = self._signal.push(item)
+        rows[:, _SUMS] = self._sums.push(item)
+        self._samples.append(item, rows)
+        self._stride.append(rows[:, _SIGNAL], len(self._samples.signal) - self._decided)
         return self._decide()
 
     def flush(self) -> list[StepEvent]:
         """Return nothing: a peak that waits for a second one is no step."""
         return []
 
-    def _begin_walk(self) -> None:
+    def _begin_segment(self) -> None:
+        self._signal.reset()
+        self._sums.reset()
+        self._stride.clear()
+        self._walking.reset()
+        self._decided = 0  # position of the first buffered sample that is not decided about
         self._last_peak_s = -np.inf
-        self._recent_height = 0.0  # of the present walk; 0 before its second step
-        self._first: tuple[StepEvent, float] | None = None
+        self._usual: PeakShape | None = None  # of the present walk; None before its second step
+        self._first: tuple[StepEvent, PeakShape] | None = None
+        self._waiting: list[StepEvent] = []
         self._intervals = StepIntervals(self._parameters.memory, self._parameters.standstill_s)
 
-    def _step_signal(self, block: LevelBlock) -> Array:
-        """Compute the signal (n,) that has one peak per step."""
-        columns = np.empty((len(block), 2))
-        columns[:, 0] = block.vertical_mps2
-        columns[:, 1] = horizontal_rotation_rate(block)
-        vertical, rotation = self._filter.push(columns).T
-        # The mode may be given as SWING for a device without gyroscope, whose rotation is NaN.
-        is_swing = (block.mode == _SWING) & np.isfinite(rotation)
-        step_signal: Array = np.where(is_swing, -self._parameters.swing_gain_mps * rotation, vertical)
-        return step_signal
-
     def _decide(self) -> list[StepEvent]:
-        """Decide about all samples that have both neighbours, then forget them."""
-        signal = self._samples.signal
-        if len(signal) < 3:
+        """Decide about all samples that have both neighbours, then forget those that nothing needs any more."""
+        start = max(self._decided - 1, 0)
+        recent = self._samples.signal[start:, _SIGNAL]
+        if len(recent) < 3:
             return []
-        peaks = np.flatnonzero(local_maxima(signal) & (signal > self._parameters.threshold_mps2))
-        events = [
-            step
-            for i in peaks
-            for event in self._accept_peak(int(i))
-            for step in self._intervals.fill_hidden_step(event)
-        ]
-        self._samples.drop(len(signal) - 2)
+        peaks = np.flatnonzero(local_maxima(recent) & (recent > self._parameters.least_height_mps2))
+        events = [event for i in peaks for event in self._confirmed(start + int(i))]
+        excess = max(len(self._samples.signal) - 1 - self._kept, 0)
+        self._decided = len(self._samples.signal) - 1 - excess
+        self._samples.drop(excess)
         return events
 
+    def _confirmed(self, i: int) -> list[StepEvent]:
+        """Return the steps that peak i makes certain."""
+        accepted = self._accept_peak(i)
+        if not accepted:
+            return []
+        self._walking.add(self._movement_before(i))
+        waiting = self._waiting + [step for event in accepted for step in self._intervals.fill_hidden_step(event)]
+        latest_s, patience_s = accepted[-1].time_s, self._parameters.patience_s
+        waiting = [event for event in waiting if has_elapsed(patience_s, latest_s - event.time_s)]
+        is_walk = self._walking.log_odds > 0.0
+        self._waiting = [] if is_walk else waiting
+        return waiting if is_walk else []
+
     def _accept_peak(self, i: int) -> list[StepEvent]:
-        """Return the steps that peak i makes certain: its own, and with the second peak of a walk also the first."""
-        p, time_s, height = self._parameters, self._samples.time_s(i), float(self._samples.signal[i])
+        """Return the steps if somebody walks: that of peak i, and with the second peak of a walk also the first."""
+        p, time_s, height = self._parameters, self._samples.time_s(i), float(self._samples.signal[i, _SIGNAL])
         elapsed = time_s - self._last_peak_s
         if not has_elapsed(elapsed, self._min_interval_s()):
             return []
         if elapsed > p.standstill_s:
-            self._recent_height, self._first = 0.0, None
-        is_held = int(self._samples.mode[i]) == CarryingMode.HOLDING
-        relative_threshold = p.relative_threshold_holding if is_held else p.relative_threshold
-        threshold = max(p.threshold_mps2, relative_threshold * self._recent_height)
-        if height < threshold or self._is_intermediate_peak(i, elapsed, height):
+            self._usual = self._first = None
+            self._walking.stand()
+            self._waiting = []
+        usual = self._usual
+        if usual is None and height < p.threshold_mps2:
+            return []
+        peak = self._shape_of(i, elapsed, height)
+        log_odds = peak_log_odds(peak, usual or peak, self._interval_ratio(elapsed) if usual else 1.0)
+        if log_odds < 0.0 or self._is_intermediate_peak(i, elapsed, height):
             return []
         self._last_peak_s = time_s
-        event = self._samples.event(i, confidence=1.0 - (threshold / height) ** 2)
-        if self._recent_height > 0.0:
-            self._recent_height = p.memory * self._recent_height + (1.0 - p.memory) * height
-            return [event]
-        first, self._first = self._first, (event, height)
-        if first is None or time_s - first[0].time_s > p.first_interval_s:
+        event = self._samples.event(i, confidence=probability(log_odds))
+        if usual is None:
+            return self._begin_walk(event, peak)
+        self._usual = usual.blended(peak, p.memory)
+        return [event]
+
+    def _begin_walk(self, event: StepEvent, peak: PeakShape) -> list[StepEvent]:
+        """Return the steps of the first two peaks of a walk at the second one."""
+        p = self._parameters
+        first, self._first = self._first, (event, peak)
+        if first is None or event.time_s - first[0].time_s > p.first_interval_s:
             return []
-        self._recent_height, self._first = 0.5 * (first[1] + height), None
-        return [first[0], event] if first[1] >= p.first_share * height else [event]
+        self._usual, self._first = first[1].blended(peak, 0.5), None
+        return [first[0], event] if first[1].height >= p.first_share * peak.height else [event]
+
+    def _interval_ratio(self, elapsed: float) -> float:
+        interval_s = self._intervals.interval_s
+        return elapsed / interval_s if interval_s < np.inf else 1.0
+
+    def _shape_of(self, i: int, elapsed: float, height: float) -> PeakShape:
+        """Measure peak i; its rise is that since the last step, or in the time of a standstill."""
+        signal = self._samples.signal
+        count = int(min(elapsed, self._parameters.standstill_s) * self._rate_hz)
+        lowest = float(signal[max(i - count, 0) : i + 1, _SIGNAL].min())
+        samples = min(self._impact, i)
+        strength = strength_between(signal[i - samples, _SUMS], signal[i, _SUMS], max(samples, 1))
+        return PeakShape(height, height - lowest, strength)
+
+    def _movement_before(self, i: int) -> Movement:
+        sums: Array = self._samples.signal[:, _SUMS]
+        half = min(self._half_window, i // 2)
+        return movement_between(sums[i - 2 * half], sums[i - half], sums[i], max(2 * half, 1))
 
     def _is_intermediate_peak(self, i: int, elapsed: float, height: float) -> bool:
         """Return True for a peak in a pocket that comes too soon to be a step of the strides before it."""
@@ -182,8 +231,8 @@ class BandpassPeakDetector:
         longest_s = 0.5 * p.pocket_interval_share * p.stride.longest_s
         if (
             int(self._samples.mode[i]) != CarryingMode.POCKET
-            or elapsed >= longest_s
-            or height > _HIGH_RATIO * self._recent_height
+            or elapsed >= min(longest_s, _ON_TIME * self._intervals.interval_s)
+            or height > _HIGH_RATIO * (self._usual.height if self._usual else 0.0)
         ):
             return False
         stride_s = self._stride.ending_at(len(self._samples.signal) - 1 - i)
@@ -192,42 +241,3 @@ class BandpassPeakDetector:
     def _min_interval_s(self) -> float:
         p = self._parameters
         return max(p.running_interval_s, min(p.min_interval_s, p.interval_share * self._intervals.interval_s))
-
-
-class StepIntervals:
-    """Recent time between steps, by which a step hidden by a change of the mode is found.
-
-    `interval_s` is a mean with weights that fall off into the past; it is infinite for a walker who has just set off.
-    """
-
-    def __init__(self, memory: float, standstill_s: float) -> None:
-        self._memory = memory
-        self._standstill_s = standstill_s
-        self._previous: StepEvent | None = None
-        self.interval_s = np.inf
-
-    def fill_hidden_step(self, event: StepEvent) -> list[StepEvent]:
-        """Return the next step, and before it the hidden one if two intervals passed while the mode changed."""
-        previous, self._previous = self._previous, event
-        if previous is None:
-            return [event]
-        elapsed_s = event.time_s - previous.time_s
-        if elapsed_s > self._standstill_s:
-            self.interval_s = np.inf
-            return [event]
-        changed = event.mode is not previous.mode and CarryingMode.UNKNOWN not in (event.mode, previous.mode)
-        if changed and 1.5 < elapsed_s / self.interval_s < 2.5:
-            middle = previous.index + (event.index - previous.index) // 2
-            return [replace(event, index=middle, time_s=event.time_s - 0.5 * elapsed_s, confidence=0.0), event]
-        if self.interval_s == np.inf:
-            self.interval_s = elapsed_s
-        else:
-            self.interval_s = self._memory * self.interval_s + (1.0 - self._memory) * elapsed_s
-        return [event]
-
-
-def horizontal_rotation_rate(block: LevelBlock) -> Array:
-    """Compute the rotation rate about horizontal axes, (n,) rad/s: the swing of a limb without the walker's turns."""
-    rotation, turning = block.rotation_rate_radps, block.turn_rate_radps
-    rate: Array = np.sqrt(np.maximum(dot(rotation, rotation) - turning * turning, 0.0))
-    return rate

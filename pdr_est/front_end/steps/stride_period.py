@@ -5,6 +5,7 @@ stride, two steps, and only roughly after one. Not from a paper; all values are 
 """
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
@@ -87,8 +88,8 @@ class StridePeriod:
         recent = self._signal[max(end - round(p.memory_s * self._rate_hz), 0) : end]
         if len(recent) < p.least_s * self._rate_hz:
             return np.inf
-        correlation = _autocorrelation(recent)
         longest = min(round(p.longest_s * self._rate_hz), len(recent) - 1)
+        correlation = autocorrelation(recent, longest)
         lags = np.arange(round(p.shortest_s * self._rate_hz), longest)
         at_lags = correlation[lags]
         peaks = lags[(at_lags > correlation[lags - 1]) & (at_lags >= correlation[lags + 1])]
@@ -98,10 +99,12 @@ class StridePeriod:
         return float(first) / self._rate_hz
 
 
-def _autocorrelation(signal: Array) -> Array:
-    """Compute the unbiased autocorrelation (n,) of a signal (n,) at lags 0 to n - 1; 1 at lag 0."""
+def autocorrelation(signal: Array, longest: int) -> Array:
+    """Compute the unbiased autocorrelation of a signal (n,) at lags 0 to `longest`, which is below n; 1 at lag 0."""
     centred = signal - signal.mean()
-    spectrum = np.fft.rfft(centred, 2 * len(centred))
-    products = np.fft.irfft(spectrum * np.conj(spectrum))[: len(centred)]
-    correlation: Array = products / (max(float(products[0]), 1e-12) * (1.0 - np.arange(len(centred)) / len(centred)))
+    count = next_fast_len(len(centred) + longest, real=True)
+    spectrum = np.fft.rfft(centred, count)
+    products = np.fft.irfft(spectrum * np.conj(spectrum), count)[: longest + 1]
+    overlap = 1.0 - np.arange(longest + 1) / len(centred)
+    correlation: Array = products / (max(float(products[0]), 1e-12) * overlap)
     return correlation
