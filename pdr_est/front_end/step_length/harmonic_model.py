@@ -106,7 +106,12 @@ def first_harmonic_mps2(vertical_mps2: Array) -> float:
 
 def upper_values_mps2(vertical_mps2: Array) -> float:
     """Compute the 90 % quantile of the samples (n,) of a step about their mean."""
-    return float(np.quantile(vertical_mps2, _UPPER) - np.mean(vertical_mps2))
+    ordered = np.sort(vertical_mps2)  # quicker than np.quantile, and the same
+    place = _UPPER * (len(ordered) - 1)
+    below = int(place)
+    above = min(below + 1, len(ordered) - 1)
+    quantile = ordered[below] + (place - below) * (ordered[above] - ordered[below])
+    return float(quantile - np.mean(vertical_mps2))
 
 
 class TurnMeter:
@@ -122,13 +127,11 @@ class TurnMeter:
 
     def at(self, step: Step) -> float:
         """Take in the next step and return the heading change per step, rad, not negative."""
-        yaw_rad = np.unwrap(step.samples.yaw_rad)
+        yaw_rad = step.samples.yaw_rad
         if begins_walk(step, self._previous):
             self._changes_rad.clear()
             self._yaw_rad = float(yaw_rad[0])
-        change_rad = (
-            float(np.unwrap([self._yaw_rad, yaw_rad[0]])[1]) - self._yaw_rad + float(yaw_rad[-1] - yaw_rad[0])
-        )
-        self._previous, self._yaw_rad = step, float(step.samples.yaw_rad[-1])
+        change_rad = math.remainder(float(yaw_rad[-1]) - self._yaw_rad, math.tau)
+        self._previous, self._yaw_rad = step, float(yaw_rad[-1])
         self._changes_rad.append(change_rad if math.isfinite(change_rad) else 0.0)
         return min(abs(math.fsum(self._changes_rad)) / len(self._changes_rad), _MOST_TURN_RAD)

@@ -38,6 +38,8 @@ def test_the_first_harmonic_is_that_of_the_step_alone() -> None:
 
 def test_the_upper_values_are_exceeded_by_a_tenth_about_the_mean() -> None:
     assert upper_values_mps2(np.arange(11.0) + 7.0) == pytest.approx(9.0 - 5.0)
+    signal = np.random.default_rng(1).normal(size=33)
+    assert upper_values_mps2(signal) == pytest.approx(np.quantile(signal, 0.9) - signal.mean())
     assert upper_values_mps2(sine(2.0, 1000)) == pytest.approx(2.0 * np.cos(0.1 * np.pi), rel=1e-3)
 
 
