@@ -47,13 +47,13 @@ class HarmonicParams:
     The constants are those of `experiments/step_length_fit.py`.
     """
 
-    length_m: Positive = 0.763
+    length_m: Positive = 0.761
     """Length, m, of a step of 1 s by someone 1.73 m tall with a first harmonic and upper values of 1 m/s^2; ours."""
-    harmonic_exponent: Annotated[float, Gt(0.0), Le(1.0)] = 0.58
+    harmonic_exponent: Annotated[float, Gt(0.0), Le(1.0)] = 0.59
     """Power of the amplitude of the first harmonic; ours."""
-    push_exponent: Annotated[float, Ge(-1.0), Le(0.0)] = -0.38
+    push_exponent: Annotated[float, Ge(-1.0), Le(0.0)] = -0.4
     """Power of the upper values; ours."""
-    duration_exponent: Annotated[float, Ge(0.0), Le(1.0)] = 0.41
+    duration_exponent: Annotated[float, Ge(0.0), Le(1.0)] = 0.4
     """Power of the duration of the step; ours."""
     turn_per_rad: Annotated[float, Ge(0.0), Le(2.0)] = 0.25
     """Decrease of the logarithm of the length per radian of heading change per step; ours, from the differences
