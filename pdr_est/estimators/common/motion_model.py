@@ -57,7 +57,7 @@ class SourceState:
         Variance of the error, in units of that standard deviation, while the fixes are as good as stated: 1, or 0 for
         a source whose errors are then independent.
     clock_wrong
-        Probability that the clock of the source is wrong.
+        Probability that the clock of the source is wrong; 0 for one that is certainly right.
     """
 
     name: str

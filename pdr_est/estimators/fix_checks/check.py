@@ -128,7 +128,7 @@ def _one_more(section: Section, now: Explained, far: bool) -> list[Explanation]:
     """Return explanations with one more difference from what is stated. far: search the clocks up to a minute."""
     clocks = []
     for source in checked_sources(now):
-        if source not in dict(now.explanation.shift_s):
+        if source not in dict(now.explanation.shift_s) and source not in now.fixes.known_clocks:
             clocks.append(likely_shift(section, now, source))
             clocks += far_shifts(section, now, source) if far else []
     return [*further_explanations(section, now), *clocks, *likely_stretches(now)]

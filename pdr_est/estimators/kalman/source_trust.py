@@ -161,6 +161,8 @@ def with_mixed_error(fix: PositionFix, about: FixHypotheses, probabilities: Arra
     """
     probabilities = np.where(about.negligible(probabilities), 0.0, probabilities)
     probabilities = probabilities / probabilities.sum()
+    if probabilities[0] == 1.0:
+        return fix
     factor = 1.0 + about.jump
     own = np.asarray(fix.covariance_m2) - about.noise[0] + about.noise
     if fix.sigma_wander_m <= 0.0:
