@@ -47,10 +47,7 @@ def walk_east(seed: int = 4) -> SimulatedWalk:
 
 
 def many_fixes(walk: SimulatedWalk) -> list[PositionFix]:
-    """Two wandering sources and surveyed points, before the walk, within steps, at the same time and after it.
-
-    Their clocks are certainly right: neither the graph nor the least squares know other ones.
-    """
+    """Two wandering sources and surveyed points, before the walk, within steps, at the same time and after it."""
     places = np.concatenate([np.arange(-3.0, 0.0), np.arange(0.35, STEPS, 1.7), [STEPS, STEPS + 2.0, STEPS + 2.0]])
     near = [walk.truth[int(np.clip(k, 0, STEPS)), :2] for k in places]
     gps = [
@@ -59,8 +56,7 @@ def many_fixes(walk: SimulatedWalk) -> list[PositionFix]:
     ]
     gps[7] = replace(gps[7], covariance_m2=ANISOTROPIC)
     beacon = [wandering(k, 3.0 + 0.75 * k, -1.0, "beacon", 1.0, 30.0) for k in (4.0, 9.5, 30.0)]
-    fixes = [*gps, *beacon, fix(20.2, 17.0, -3.0, 0.4), fix(31.0, 25.0, -2.0, 0.5)]
-    return [replace(one, clock_known=True) for one in fixes]
+    return [*gps, *beacon, fix(20.2, 17.0, -3.0, 0.4), fix(31.0, 25.0, -2.0, 0.5)]
 
 
 def alone(measurements: Sequence[Measurement]) -> list[DeviceMeasurements]:

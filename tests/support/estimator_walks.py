@@ -51,8 +51,8 @@ def straight(count: int, length_m: float = 0.7, covariance: Array | None = None)
 
 
 def fix(k: float, x_m: float, y_m: float, sigma_m: float = 0.5, robust: bool = False) -> PositionFix:
-    """A fix at the end of step k; broken k for a moment within a step."""
-    return PositionFix(STEP_S * k, np.array([x_m, y_m]), sigma_m**2 * np.eye(2), robust=robust)
+    """A fix at the end of step k; broken k for a moment within a step. Its clock is certainly right."""
+    return PositionFix(STEP_S * k, np.array([x_m, y_m]), sigma_m**2 * np.eye(2), robust=robust, clock_known=True)
 
 
 def heading_prior(k: float, heading_rad: float, sigma_rad: float = 0.05, robust: bool = False) -> HeadingPrior:

@@ -33,7 +33,7 @@ def test_a_walk_shorter_than_the_lag_is_as_in_the_batch_graph(at: tuple[int, ...
     """With fixes that give no reason to doubt them, and whose clock is certainly right: the graph knows no others."""
     rng = np.random.default_rng(4)
     walk = simulate(rng, winding(40, rng))
-    fixes = [replace(fix(k, *(walk.truth[k, :2] + (0.1, -0.2))), clock_known=True) for k in range(0, 41, 10)]
+    fixes = [fix(k, *(walk.truth[k, :2] + (0.1, -0.2))) for k in range(0, 41, 10)]
     given = [*walk.odometry, *fixes, *(heading_prior(k, float(walk.truth[k, 2]) + 0.03) for k in at)]
     late, whole = lagged(given, ORIGIN, 60.0), batch(given, ORIGIN)
     assert (late.kind, late.estimator) == ("delayed", "fixed-lag")

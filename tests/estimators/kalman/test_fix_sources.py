@@ -104,13 +104,11 @@ def test_rows_of_sources() -> None:
 
 
 def many_fixes(truth: Array) -> list[PositionFix]:
-    """Fixes of three sources whose clocks are certainly right, as the least squares take them."""
     places = np.arange(1.3, 40.0, 2.6)
     near = [truth[round(k), :2] for k in places]
     gps = [wandering(k, at[0] + 1.5, at[1] - 1.0, sigma_m=3.0 + 0.1 * k) for k, at in zip(places, near, strict=True)]
     beacon = [wandering(k, *truth[int(k), :2], "beacon", 1.0, 30.0) for k in (9.5, 30.0)]
-    fixes = [*gps, *beacon, fix(20.2, *(truth[20, :2] + 0.1), 0.4)]
-    return [replace(one, clock_known=True) for one in fixes]
+    return [*gps, *beacon, fix(20.2, *(truth[20, :2] + 0.1), 0.4)]
 
 
 def linear_walk() -> Timeline:

@@ -261,8 +261,7 @@ def beside_a_grid(seed: int) -> tuple[float, Array]:
         for k in np.sort(rng.choice(np.arange(3, 31), rng.integers(1, 4), replace=False))
     ]
     start = StartPose((1.0, 2.0), None, sigma_position_m=0.5)
-    certain = [replace(one, clock_known=True) for one in fixes]  # the grid knows no other clocks
-    timeline = build_timeline(DEVICE, 0.0, [*walk.odometry, *certain])
+    timeline = build_timeline(DEVICE, 0.0, [*walk.odometry, *fixes])
     exact, found = posterior_of(timeline, start, 0.1), run_filter(timeline, start, 0.1)[-1].end
     half = np.linalg.cholesky(exact.covariance_m2)
     off = float(np.linalg.norm(np.linalg.solve(half, found.mean[:2] - exact.mean_m)))
