@@ -16,7 +16,7 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
-from pdr_est.estimators.common.repeated_fixes import GivenFixes
+from pdr_est.estimators.common.measurement_checks import GivenFixes
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix

@@ -15,7 +15,7 @@ from scipy.special import chdtrc
 from threadpoolctl import ThreadpoolController
 
 from pdr_est.estimators.common.length_scale_check import UNUSUAL_SIGMAS
-from pdr_est.estimators.common.repeated_fixes import GivenFixes, given_at, is_repeated, with_given
+from pdr_est.estimators.common.measurement_checks import GivenFixes, given_at, is_repeated, with_given
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, adjusted_steps, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
 from pdr_est.estimators.fix_checks.clock_shifts import far_shifts, likely_shift

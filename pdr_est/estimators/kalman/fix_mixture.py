@@ -10,8 +10,8 @@ from math import log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.common.measurement_checks import is_repeated
 from pdr_est.estimators.common.motion_model import CLOCK, LOG_SCALE, STATES, GaussianState
-from pdr_est.estimators.common.repeated_fixes import is_repeated
 from pdr_est.estimators.kalman.fix_sources import fix_rows, place_of_source, with_jump, with_source_at
 from pdr_est.estimators.kalman.source_clock import (
     PRIOR_VARIANCES_S2,
@@ -43,7 +43,7 @@ _LEAST_VARIANCE_S2 = 1e-4  # of a clock, for the slope of the path
 
 @dataclass(frozen=True)
 class _Expected:
-    """What each of k states expects of a fix.
+    """Expectation of each of k states about a fix.
 
     observed_m: (k, 2) position of the fix less what the Jacobian does not describe. rows: (k, 2, n) Jacobians.
     residual: (k, 2) innovations. noise: (k, 2, 2) covariance of the fix without its independent error.
@@ -91,15 +91,14 @@ def updated_by_fix(
     if fix.source != START_SOURCE:
         states = with_source_at(states, devices, fix)
     taken = _FixOfDevice.of_states(states, fix, device, devices)
-    place, rows = taken.place, taken.rows
-    about = hypotheses_about(fix, trust, float(np.hypot(*(fix.position_m - states.mean @ rows.T).T).min()))
+    about = hypotheses_about(fix, trust, float(np.hypot(*(fix.position_m - states.mean @ taken.rows.T).T).min()))
     states = taken.with_clock_weighed(weights, states, about)
     expected = taken.expected_by(weights, states.mean, states.covariance)
     shown = taken.as_seen(weights, expected, states)
     weights, mean, covariance, probabilities = taken.corrected(weights, states, expected, about, correction)
     trusts = with_trust(states.trusts, trust, fix, probabilities)
     sources = states.sources
-    if place is not None:
+    if taken.place is not None:
         kept = np.where(about.negligible(probabilities), 0.0, probabilities)
         sources = with_jump(sources, fix.source, float(kept @ about.jump) / float(kept.sum()))
     all_taken = (*states.taken, with_mixed_error(shown, about, probabilities))
@@ -148,8 +147,7 @@ class _FixOfDevice:
         rows = np.tile(self.rows, (len(means), 1, 1))
         observed_m = np.tile(np.asarray(self.fix.position_m, dtype=np.float64), (len(means), 1))
         noise = np.zeros((len(means), 2, 2))
-        if self.clock is not None:
-            clock = self.clock
+        if (clock := self.clock) is not None:
             correction_s = float(weights @ means[:, clock])
             sigma_s = sqrt(max(float(weights @ covariances[:, clock, clock]), _LEAST_VARIANCE_S2))
             shifted, to_map = self.path.shifted(correction_s, sigma_s), self._to_map(means)
@@ -160,12 +158,11 @@ class _FixOfDevice:
 
     def as_seen(self, weights: Array, expected: _Expected, states: GaussianState) -> PositionFix:
         """Return the fix at the place where the walker was at its stated time, with the error of the clock."""
-        if self.clock is None:
+        if (clock := self.clock) is None:
             return self.fix
-        clock = self.clock
         per_s = expected.rows[:, :, clock]
         moved = expected.observed_m - per_s * (weights @ states.mean[:, clock])
-        of_clock = states.covariance[:, clock, clock][:, None, None] * per_s[:, :, None] * per_s[:, None, :]
+        of_clock = states.covariance[:, clock, clock][:, None, None] * _outer(per_s)
         position_m, spread = mixture_of(weights, moved, expected.noise + of_clock)
         return replace(self.fix, position_m=position_m, covariance_m2=np.asarray(self.fix.covariance_m2) + spread)
 
@@ -242,8 +239,8 @@ class _FixOfDevice:
             np.repeat(one, kinds, axis=0) for one in (states.mean, expected.observed_m, expected.rows)
         )
         moved, spread, log_likelihood = correction(means, prior, observed_m, rows, noise)
-        moved, spread = moved.reshape(count, kinds, size), spread.reshape(count, kinds, size, size)
-        return moved, spread, log_likelihood.reshape(count, kinds)
+        spread = spread.reshape(count, kinds, size, size)
+        return moved.reshape(count, kinds, size), spread, log_likelihood.reshape(count, kinds)
 
     def _log_densities(self, residual: Array, spread: Array, about: FixHypotheses) -> Array:
         """Return the log-likelihoods (k, m) of residuals (k, 2) with covariances (k, 2, 2) under all hypotheses."""
@@ -299,4 +296,4 @@ def _shares(log_weight: Array) -> Array:
 
 
 def _outer(vectors: Array) -> Array:
-    return np.asarray(vectors[:, :, None] * vectors[:, None, :])
+    return np.asarray(np.einsum("ki,kj->kij", vectors, vectors))

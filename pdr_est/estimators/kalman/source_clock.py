@@ -29,7 +29,7 @@ _TURN_SHARE = 0.5  # error of a position that is foreseen, over its distance: wa
 
 @dataclass(frozen=True)
 class Shifted:
-    """Where the walker is at the corrected time of a fix, seen from the pose at the time that it states.
+    """Place of the walker at the corrected time of a fix, seen from the pose at the time that it states.
 
     Attributes
     ----------

@@ -16,8 +16,8 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.common.measurement_checks import with_given
 from pdr_est.estimators.common.motion_model import SourceTrust
-from pdr_est.estimators.common.repeated_fixes import with_given
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix
 
