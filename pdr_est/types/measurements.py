@@ -114,6 +114,9 @@ class PositionFix:
         Standard deviation of the wandering part at this fix in each coordinate, m; 0 for a source without one.
     wander_time_s
         Correlation time of the wandering part, s.
+    clock_known
+        True if the time is certainly right, as for points that are marked on the device itself. Estimators suspect
+        the clock of any other source to be wrong by some seconds. What the first fix of a source says counts.
     """
 
     time_s: float
@@ -123,6 +126,7 @@ class PositionFix:
     robust: bool = False
     sigma_wander_m: float = 0.0
     wander_time_s: float = 60.0
+    clock_known: bool = False
 
     @property
     def total_covariance_m2(self) -> Array:

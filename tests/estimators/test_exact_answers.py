@@ -11,6 +11,7 @@ from estimator_walks import (
     simulate,
     smooth_as_given,
     winding,
+    with_near_fixes,
 )
 from least_squares import solve, solve_linear
 
@@ -117,6 +118,7 @@ def test_on_a_gently_turning_walk_the_graph_is_the_smoothed_filter() -> None:
     start = StartPose((3.0, -2.0), 0.5, sigma_position_m=0.1, sigma_heading_rad=0.02)
     turns = 0.05 * np.sin(np.arange(80) / 9.0)
     walk = simulate(rng, turns, (3.0, -2.0, 0.5), 1.02, fix_every=10, sigma_fix_m=0.2, covariance=covariance)
+    walk = with_near_fixes(walk)
     timeline = timeline_of(walk)
     smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, start, 0.03)[0].states)
     track = smooth_as_given(walk.measurements, start, 0.03)

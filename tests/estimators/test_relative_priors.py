@@ -15,6 +15,7 @@ from estimator_walks import (
     smooth_as_given,
     straight,
     winding,
+    with_near_fixes,
 )
 from least_squares import solve
 
@@ -63,6 +64,7 @@ def test_on_a_gently_turning_walk_the_graph_is_the_smoothed_filter() -> None:
     turns = 0.05 * np.sin(np.arange(80) / 9.0)
     rng = np.random.default_rng(6)
     walk = simulate(rng, turns, (3.0, -2.0, 0.5), 1.02, fix_every=10, sigma_fix_m=0.2, covariance=covariance)
+    walk = with_near_fixes(walk)
     measurements = [*walk.measurements, *(relative(k, walk.truth[k, 2] + 0.7, 0.01) for k in range(0, 81, 8))]
     timeline = build_timeline(DEVICE, 0.0, measurements)
     smoothed = rts_smoother.smooth(timeline.nodes, run_filter(timeline, start, 0.03)[0].states)

@@ -51,7 +51,8 @@ def many_fixes(walk: SimulatedWalk) -> list[PositionFix]:
     places = np.concatenate([np.arange(-3.0, 0.0), np.arange(0.35, STEPS, 1.7), [STEPS, STEPS + 2.0, STEPS + 2.0]])
     near = [walk.truth[int(np.clip(k, 0, STEPS)), :2] for k in places]
     gps = [
-        wandering(k, *(at + np.array([2.0, 1.0])), sigma_m=3.0 + 0.1 * k) for k, at in zip(places, near, strict=True)
+        wandering(k, *(at + np.array([2.0, 1.0 + 1e-3 * i])), sigma_m=3.0 + 0.1 * k)  # no position comes twice
+        for i, (k, at) in enumerate(zip(places, near, strict=True))
     ]
     gps[7] = replace(gps[7], covariance_m2=ANISOTROPIC)
     beacon = [wandering(k, 3.0 + 0.75 * k, -1.0, "beacon", 1.0, 30.0) for k in (4.0, 9.5, 30.0)]

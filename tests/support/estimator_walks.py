@@ -1,7 +1,7 @@
 """Simulated walks whose noise follows the model of the odometry exactly, and shorthands for measurements."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,8 +51,8 @@ def straight(count: int, length_m: float = 0.7, covariance: Array | None = None)
 
 
 def fix(k: float, x_m: float, y_m: float, sigma_m: float = 0.5, robust: bool = False) -> PositionFix:
-    """A fix at the end of step k; broken k for a moment within a step."""
-    return PositionFix(STEP_S * k, np.array([x_m, y_m]), sigma_m**2 * np.eye(2), robust=robust)
+    """A fix at the end of step k; broken k for a moment within a step. Its clock is certainly right."""
+    return PositionFix(STEP_S * k, np.array([x_m, y_m]), sigma_m**2 * np.eye(2), robust=robust, clock_known=True)
 
 
 def heading_prior(k: float, heading_rad: float, sigma_rad: float = 0.05, robust: bool = False) -> HeadingPrior:
@@ -107,6 +107,15 @@ def simulate(
         for k in range(first_fix, len(truth), fix_every):
             fixes.append(fix(k, *(truth[k][:2] + sigma_fix_m * rng.standard_normal(2)), sigma_fix_m))
     return SimulatedWalk(np.array(truth), odometry, fixes)
+
+
+def with_near_fixes(walk: SimulatedWalk) -> SimulatedWalk:
+    """The walk with half the errors of its fixes, at the ends of steps: no error larger than stated is probable."""
+    fixes = [
+        replace(one, position_m=0.5 * (one.position_m + walk.truth[round(one.time_s / STEP_S), :2]))
+        for one in walk.fixes
+    ]
+    return replace(walk, fixes=fixes)
 
 
 def winding(count: int, rng: np.random.Generator) -> Array:

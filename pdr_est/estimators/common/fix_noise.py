@@ -40,6 +40,10 @@ class FixNoise:
     wander_time_s: Positive = 60.0
     """Correlation time of the wandering error, s."""
 
+    clock_known: bool = False
+    """Whether the times of the source are certainly right, such as those of points that are marked on the recording
+    device itself. Estimators suspect the clock of any other source to be wrong by some seconds."""
+
     def __post_init__(self) -> None:
         if not self.white_share and not self.least_white_m:
             raise contradiction("white_share and least_white_m are both 0: give one of them, no fix is exact")
@@ -55,6 +59,7 @@ class FixNoise:
             covariance_m2=self.white_share**2 * stated_m2 + beyond,
             sigma_wander_m=float(np.sqrt(wander)),
             wander_time_s=self.wander_time_s,
+            clock_known=fix.clock_known or self.clock_known,
         )
 
 

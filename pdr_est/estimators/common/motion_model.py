@@ -16,7 +16,7 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
-from pdr_est.estimators.common.repeated_fixes import GivenFixes
+from pdr_est.estimators.common.measurement_checks import GivenFixes
 from pdr_est.estimators.common.timeline import Node
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
@@ -57,7 +57,7 @@ class SourceState:
         Variance of the error, in units of that standard deviation, while the fixes are as good as stated: 1, or 0 for
         a source whose errors are then independent.
     clock_wrong
-        Probability that the clock of the source is wrong.
+        Probability that the clock of the source is wrong; 0 for one that is certainly right.
     """
 
     name: str

@@ -15,7 +15,7 @@ from scipy.special import chdtrc
 from threadpoolctl import ThreadpoolController
 
 from pdr_est.estimators.common.length_scale_check import UNUSUAL_SIGMAS
-from pdr_est.estimators.common.repeated_fixes import GivenFixes, given_at, is_repeated, with_given
+from pdr_est.estimators.common.measurement_checks import GivenFixes, given_at, is_repeated, with_given
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, adjusted_steps, weigh_all
 from pdr_est.estimators.fix_checks.bad_stretches import likely_stretches
 from pdr_est.estimators.fix_checks.clock_shifts import far_shifts, likely_shift
@@ -128,7 +128,7 @@ def _one_more(section: Section, now: Explained, far: bool) -> list[Explanation]:
     """Return explanations with one more difference from what is stated. far: search the clocks up to a minute."""
     clocks = []
     for source in checked_sources(now):
-        if source not in dict(now.explanation.shift_s):
+        if source not in dict(now.explanation.shift_s) and source not in now.fixes.known_clocks:
             clocks.append(likely_shift(section, now, source))
             clocks += far_shifts(section, now, source) if far else []
     return [*further_explanations(section, now), *clocks, *likely_stretches(now)]

@@ -92,6 +92,8 @@ def _factor(section: Section, now: Explained, source: int) -> float:
 
 def _sigma_shift_s(section: Section, now: Explained, source: int) -> float:
     """Return the root mean square deviation of the clock of a source from the one that is taken, s."""
+    if source in now.fixes.known_clocks:
+        return 0.0
     shifts_s, evidence = shift_evidence(section, now, source)
     taken_s = dict(now.explanation.shift_s).get(source, 0.0)
     return float(np.sqrt(_weights(evidence) @ (shifts_s - taken_s) ** 2))

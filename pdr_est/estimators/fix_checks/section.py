@@ -39,6 +39,8 @@ class FixTable:
         (n,) numbers of the sources.
     names
         Names of the sources.
+    known_clocks
+        Numbers of the sources whose clocks are certainly right.
     outlier_prior
         (n,) probability that a fix is an outlier, before it is compared with anything.
     index
@@ -52,6 +54,7 @@ class FixTable:
     wander_time_s: Array
     source: NDArray[np.int64]
     names: tuple[str, ...]
+    known_clocks: frozenset[int]
     outlier_prior: Array
     index: NDArray[np.int64]
 
@@ -68,6 +71,7 @@ class FixTable:
             wander_time_s=self.wander_time_s[chosen],
             source=self.source[chosen],
             names=self.names,
+            known_clocks=self.known_clocks,
             outlier_prior=self.outlier_prior[chosen],
             index=self.index[chosen],
         )
@@ -96,6 +100,7 @@ def table_of(fixes: Sequence[PositionFix], start: StartPose, begin_s: float) -> 
         known.insert(0, PositionFix(begin_s, np.array(start.position_m), sigma**2 * np.eye(2), START_SOURCE))
         index.insert(0, -1)
     names = tuple(dict.fromkeys(fix.source for fix in known))
+    first = [next(fix for fix in known if fix.source == name) for name in names]
     sigma_wander_m = np.zeros(len(known))
     for name in names:
         own = sorted((i for i, fix in enumerate(known) if fix.source == name), key=lambda i: known[i].time_s)
@@ -108,6 +113,7 @@ def table_of(fixes: Sequence[PositionFix], start: StartPose, begin_s: float) -> 
         wander_time_s=np.array([fix.wander_time_s for fix in known]),
         source=np.array([names.index(fix.source) for fix in known]),
         names=names,
+        known_clocks=frozenset(i for i, fix in enumerate(first) if fix.clock_known),
         outlier_prior=np.array([_OUTLIER_PRIOR[fix.robust] for fix in known]),
         index=np.array(index),
     )

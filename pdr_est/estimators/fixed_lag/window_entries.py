@@ -1,4 +1,4 @@
-"""What enters the window of the fixed-lag smoother, and what leaves it."""
+"""Entries of the window of the fixed-lag smoother, and the poses that leave it."""
 
 from dataclasses import dataclass, replace
 

@@ -63,9 +63,8 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
     sigma_m = fix.sigma_wander_m if usual else sqrt(float(np.trace(fix.covariance_m2)) / 2.0)
     if number is None:
         size = state.mean.shape[-1]
-        added = SourceState(
-            fix.source, fix.time_s, sigma_m, time_s, usual_variance=usual, clock_wrong=CLOCK_WRONG_PRIOR
-        )
+        wrong = 0.0 if fix.clock_known else CLOCK_WRONG_PRIOR
+        added = SourceState(fix.source, fix.time_s, sigma_m, time_s, usual_variance=usual, clock_wrong=wrong)
         mean = np.zeros((*state.mean.shape[:-1], size + SOURCE_STATES))
         covariance = np.zeros((*mean.shape, size + SOURCE_STATES))
         mean[..., :size], covariance[..., :size, :size] = state.mean, state.covariance

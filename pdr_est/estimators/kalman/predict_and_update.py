@@ -10,7 +10,7 @@ from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.estimators.common.motion_model import LOG_SCALE, SOURCE_STATES, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.kalman.fix_mixture import linear_correction, updated_by_fix
+from pdr_est.estimators.kalman.fix_mixture import updated_by_fix
 from pdr_est.estimators.kalman.source_clock import with_node
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
@@ -135,7 +135,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         """Update with a position fix by the mixture of hypotheses about it (`fix_mixture`)."""
         state = self.dump()
         stacked = replace(state, mean=state.mean[None], covariance=state.covariance[None])
-        _, after = updated_by_fix(_ALONE, stacked, fix, linear_correction, device, self._devices)
+        _, after = updated_by_fix(_ALONE, stacked, fix, None, device, self._devices)
         self.load(replace(after, mean=after.mean[0], covariance=after.covariance[0]))
 
     def update_heading(self, prior: HeadingPrior, device: int = 0) -> None:

@@ -3,7 +3,9 @@
 The clock of a source is either right or wrong by a few seconds. A state of the filter holds its correction. Which of
 the two it is, is a prior of this state, and a Gaussian can be given another prior at any later time: the distribution
 of everything else for a given correction does not depend on it. The filter therefore keeps the probability that the
-clock is wrong, and gives the state a prior variance between the two.
+clock is wrong, and gives the state a prior with the variance of the mixture of both.
+
+A source whose clock is certainly right has no such doubt: its correction is zero.
 """
 
 from collections.abc import Sequence
@@ -27,7 +29,7 @@ _TURN_SHARE = 0.5  # error of a position that is foreseen, over its distance: wa
 
 @dataclass(frozen=True)
 class Shifted:
-    """Where the walker is at the corrected time of a fix, seen from the pose at the time that it states.
+    """Place of the walker at the corrected time of a fix, seen from the pose at the time that it states.
 
     Attributes
     ----------
@@ -51,11 +53,10 @@ PRIOR_VARIANCES_S2 = (_SIGMA_RIGHT_S**2, _SIGMA_WRONG_S**2)
 def clock_variance(wrong: float) -> float:
     """Return the prior variance of the correction of a clock that is wrong with some probability, s².
 
-    It is the geometric mean of both: what is improbable lies outside of a region that holds 95 %, and the prior can
-    be widened later.
+    It is that of the mixture of a right and a wrong clock; 0 for a clock that is certainly right.
     """
     right, of_wrong = PRIOR_VARIANCES_S2
-    return float(right ** (1.0 - wrong) * of_wrong**wrong)
+    return (1.0 - wrong) * right + wrong * of_wrong if wrong > 0.0 else 0.0
 
 
 def with_node(trail: tuple[Node, ...], node: Node) -> tuple[Node, ...]:
@@ -107,6 +108,12 @@ class RecentPath:
         return Shifted(here, (after - before) / (2.0 * sigma_s), np.outer(bent, bent) + unforeseen_m2 * np.eye(2))
 
 
+def variance_after(variance: Array, before: float, after: float) -> Array:
+    """Return the variances (k,) of the correction of a clock with another variance of its prior, s²."""
+    learnt = np.maximum(1.0 / variance - 1.0 / before, 0.0)
+    return np.asarray(1.0 / (learnt + 1.0 / after))
+
+
 def repriored(mean: Array, covariance: Array, row: int, before: float, after: float) -> tuple[Array, Array]:
     """Give a state another prior of the correction of a clock.
 
@@ -120,7 +127,7 @@ def repriored(mean: Array, covariance: Array, row: int, before: float, after: fl
         Variances of the prior so far, and of the new one, both about zero, s².
     """
     variance = covariance[:, row, row]
-    new = _variance_after(variance, before, after)
+    new = variance_after(variance, before, after)
     per_s = covariance[:, :, row] / variance[:, None]
     moved = mean + per_s * (mean[:, row] * (new / variance - 1.0))[:, None]
     spread = covariance + (new - variance)[:, None, None] * per_s[:, :, None] * per_s[:, None, :]
@@ -132,9 +139,3 @@ def wrong_after(wrong: float, log_likelihood: Array) -> float:
     odds = np.log([1.0 - wrong, wrong]) + log_likelihood
     odds = np.exp(odds - odds.max())
     return float(np.clip(odds[1] / odds.sum(), _LEAST_WRONG, 1.0 - _LEAST_WRONG))
-
-
-def _variance_after(variance: Array, before: float, after: float) -> Array:
-    """Return the variances (k,) of the correction with another variance of its prior."""
-    learnt = np.maximum(1.0 / variance - 1.0 / before, 0.0)
-    return np.asarray(1.0 / (learnt + 1.0 / after))

@@ -16,8 +16,8 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.common.measurement_checks import with_given
 from pdr_est.estimators.common.motion_model import SourceTrust
-from pdr_est.estimators.common.repeated_fixes import with_given
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix
 
@@ -161,6 +161,8 @@ def with_mixed_error(fix: PositionFix, about: FixHypotheses, probabilities: Arra
     """
     probabilities = np.where(about.negligible(probabilities), 0.0, probabilities)
     probabilities = probabilities / probabilities.sum()
+    if probabilities[0] == 1.0:
+        return fix
     factor = 1.0 + about.jump
     own = np.asarray(fix.covariance_m2) - about.noise[0] + about.noise
     if fix.sigma_wander_m <= 0.0:

@@ -1,5 +1,7 @@
 """Starts that are known, known in part, or to be found; and that the map's origin and north do not matter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from estimator_walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, step, straight, turned, winding
@@ -176,9 +178,7 @@ def moved(measurements: list[Measurement], pose: tuple[float, float, float]) -> 
     """The same measurements in a map that is turned and shifted."""
     turn = rotation_matrix(pose[2])
     return [
-        PositionFix(
-            m.time_s, turned(pose, m.position_m[None])[0], turn @ m.covariance_m2 @ turn.T, m.source, m.robust
-        )
+        replace(m, position_m=turned(pose, m.position_m[None])[0], covariance_m2=turn @ m.covariance_m2 @ turn.T)
         if isinstance(m, PositionFix)
         else m
         for m in measurements

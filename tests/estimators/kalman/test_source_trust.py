@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
+from pdr_est.estimators.common.measurement_checks import is_repeated
 from pdr_est.estimators.common.motion_model import STATES, GaussianState
-from pdr_est.estimators.common.repeated_fixes import is_repeated
 from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.estimators.kalman.source_trust import (
     hypotheses_about,
