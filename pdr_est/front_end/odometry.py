@@ -120,7 +120,7 @@ class Odometry:
             covariance=step_covariance(
                 length_m=step.length_m,
                 sigma_length_m=float(np.hypot(step.sigma_length_m, p.sigma_length_drift * step.length_m)),
-                sigma_direction_rad=p.sigma_direction_rad,
+                sigma_direction_rad=float(np.hypot(p.sigma_direction_rad, step.sigma_course_rad)),
                 sigma_heading_rad=sigma_heading_rad,
             ),
             mode=step.event.mode,
