@@ -125,8 +125,7 @@ class Step:
         Direction in which the walker moves less the direction ahead of the body, rad; contained in `heading_rad`, and
         not 0 for sideways and backward walking only.
     sigma_course_rad
-        Standard deviation of `course_offset_rad`, rad, as independent from step to step as `sigma_direction_rad` of
-        the odometry.
+        Standard deviation of `course_offset_rad`, rad; the error is common to the steps of a stretch.
     path_heading_rad, sigma_path_heading_rad
         Heading of the straight path that the step lies on, with the same zero, and its standard deviation, rad; NaN
         where no such path is known.

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, tells_direction
-from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, MEAN_STEPS, sideways_chain
+from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
 from pdr_est.types.steps import Step
 
 # Probability per step that the body begins to turn alone, and of each such rate: few people ever do, some often.
@@ -28,7 +28,7 @@ _WITHIN = 24  # steps over which the phone may have turned alone
 _MARGIN_BEFORE, _MARGIN_AFTER = 6, 20  # steps around it that are searched
 _WILD, _WILDER = 0.1, 3.0  # share of steps with larger errors, and how much larger
 _LEAST_VARIANCE = 1e-4  # (m/s^2)^2
-_LEAST_SIGMA_RAD = 1e-3  # below, the direction of a step is as good as any
+_LEAST_RAD = 1e-3  # angle and doubt together, below which the walker moves ahead
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,14 @@ class _Run:
     heading_rad: Array
     counts: NDArray[np.bool_]
     is_last: bool
+
+
+@dataclass(frozen=True)
+class _Moments:
+    """Mean (r,) and variance in one direction (r,) of the acceleration of a walker who moves ahead, for each rate."""
+
+    mean: NDArray[np.complex128]
+    variance: Array
 
 
 def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
@@ -71,7 +79,7 @@ def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
             _stride_averages(acceleration[first:last]), heading[first:last], counts[first:last], last == len(steps)
         )
         mean_rad, sigma_rad = _offsets(run, parameters)
-        for k in np.flatnonzero(sigma_rad > _LEAST_SIGMA_RAD).tolist():
+        for k in np.flatnonzero(np.hypot(mean_rad, sigma_rad) > _LEAST_RAD).tolist():
             turned = float(wrap_angle(steps[first + k].heading_rad + mean_rad[k]))
             done[first + k] = replace(
                 steps[first + k],
@@ -104,15 +112,13 @@ def _offsets(run: _Run, parameters: CourseParams) -> tuple[Array, Array]:
     """Compute mean and standard deviation, rad, of the angle between motion and body at each step (n,)."""
     count = len(run.heading_rad)
     nothing = np.zeros(count), np.zeros(count)
-    seen = run.acceleration[run.counts]
-    if len(seen) < _LEAST_STEPS:
+    if np.count_nonzero(run.counts) < _LEAST_STEPS:
         return nothing
-    mean = complex(np.median(seen.real), np.median(seen.imag))
-    variance = max(float(np.median(np.abs(seen - mean) ** 2)) / (2.0 * np.log(2.0)), _LEAST_VARIANCE)
-    if abs(mean) < parameters.least_clearness * np.sqrt(variance):
+    moments = _robust_moments(run)
+    if abs(moments.mean[0]) < parameters.least_clearness * np.sqrt(moments.variance[0]):
         return nothing
-    regions = _regions(run, mean, variance, parameters)
-    return _search(run, regions, parameters) if regions else nothing
+    regions = _regions(run, moments, parameters)
+    return _search(run, moments, regions, parameters) if regions else nothing
 
 
 def _log_likelihood(distance2: Array, variance: Array | float, parameters: CourseParams) -> Array:
@@ -123,9 +129,10 @@ def _log_likelihood(distance2: Array, variance: Array | float, parameters: Cours
     return density / parameters.correlated_steps
 
 
-def _regions(run: _Run, mean: complex, variance: float, parameters: CourseParams) -> list[tuple[int, int]]:
+def _regions(run: _Run, moments: _Moments, parameters: CourseParams) -> list[tuple[int, int]]:
     """Find the runs of steps, from and to (exclusive), around turns that the phone may have made alone."""
     count = len(run.heading_rad)
+    mean, variance = moments.mean[0], moments.variance[0]
     index = np.arange(count)[:, None] + np.arange(1, _WITHIN + 1)
     counted = run.counts[np.minimum(index, count - 1)] & (index < count)
     index = np.minimum(index, count - 1)
@@ -140,15 +147,18 @@ def _regions(run: _Run, mean: complex, variance: float, parameters: CourseParams
     return list(zip(borders[::2], borders[1::2], strict=True))
 
 
-def _search(run: _Run, regions: Sequence[tuple[int, int]], parameters: CourseParams) -> tuple[Array, Array]:
+def _search(
+    run: _Run, moments: _Moments, regions: Sequence[tuple[int, int]], parameters: CourseParams
+) -> tuple[Array, Array]:
     """Compute mean and standard deviation of the angle from the regions of the run that are searched."""
     count = len(run.heading_rad)
     turn_rad = np.diff(run.heading_rad, prepend=run.heading_rad[0])
     probability = np.zeros((count, len(_RATES), ANGLES))
     probability[:, :, 0] = 1.0
     log_evidence = np.zeros(len(_RATES))
-    for _ in range(_ROUNDS):
-        mean, variance = _moments(run, probability)
+    for number in range(_ROUNDS):
+        moments = _moments(run, probability) if number else moments
+        mean, variance = moments.mean, moments.variance
         ahead = _log_likelihood(np.abs(run.acceleration[:, None] - mean) ** 2, variance, parameters)
         log_evidence = np.where(run.counts[:, None], ahead, 0.0).sum(axis=0) + count * np.log1p(-_RATES)
         for first, last in regions:
@@ -162,15 +172,22 @@ def _search(run: _Run, regions: Sequence[tuple[int, int]], parameters: CoursePar
             log_evidence += found.log_evidence - (last - first) * np.log1p(-_RATES)
     weight = _RATE_PROBABILITY * np.exp(log_evidence - log_evidence.max())
     angle = np.einsum("r,nrj,j->n", weight / weight.sum(), probability, np.exp(1j * ANGLES_RAD))
-    # The error of a stretch is common to its steps, while those of steps count as independent.
-    spread = np.sqrt(-2.0 * np.log(np.clip(np.abs(angle), 1e-3, 1.0)) * MEAN_STEPS)
-    return np.angle(angle), np.minimum(spread, np.pi)
+    spread = np.sqrt(-2.0 * np.log(np.clip(np.abs(angle), 1e-3, 1.0)))
+    return np.angle(angle), np.minimum(spread, SIGMA_UNIFORM_RAD)
 
 
-def _moments(run: _Run, probability: Array) -> tuple[NDArray[np.complex128], Array]:
-    """Compute mean (r,) and variance in one direction (r,) of the acceleration of a walker who moves ahead."""
+def _robust_moments(run: _Run) -> _Moments:
+    """Compute mean and variance, the same for each rate, from medians: most steps lead ahead."""
+    seen = run.acceleration[run.counts]
+    mean = complex(np.median(seen.real), np.median(seen.imag))
+    variance = max(float(np.median(np.abs(seen - mean) ** 2)) / (2.0 * np.log(2.0)), _LEAST_VARIANCE)
+    return _Moments(np.full(len(_RATES), mean), np.full(len(_RATES), variance))
+
+
+def _moments(run: _Run, probability: Array) -> _Moments:
+    """Compute mean and variance for each rate from the angles that it gives, with the probabilities (n, r, 72)."""
     seen = run.acceleration[run.counts]
     turned_back = seen[:, None] * (probability[run.counts] @ np.exp(-1j * ANGLES_RAD))
     mean = turned_back.mean(axis=0)
     total = np.mean(np.abs(seen) ** 2) - np.abs(mean) ** 2
-    return mean, np.maximum(0.5 * total, _LEAST_VARIANCE)
+    return _Moments(mean, np.maximum(0.5 * total, _LEAST_VARIANCE))

@@ -24,8 +24,6 @@ _TURNS_BACK = 0.1  # probability per step that the body begins to turn again in 
 _WALKS_AHEAD = 0.05  # probability per step that the walker turns into the direction of the body
 _TURN_ENDS = 0.3  # probability per step that a turn of the body alone ends
 _STAYS = 1.0 - _TURNS_BACK - _WALKS_AHEAD  # probability per step in a stretch that the angle stays
-MEAN_STEPS = 1.0 / (_TURNS_BACK + _WALKS_AHEAD)
-"""Mean number of steps of a stretch."""
 
 
 @dataclass(frozen=True)
