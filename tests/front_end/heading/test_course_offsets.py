@@ -137,7 +137,7 @@ def test_a_simulated_walker_who_goes_on_sideways_or_backwards_is_followed(angle_
     without_m, _ = walked(angle_deg, enabled=False)
     with_m, found = walked(angle_deg, enabled=True)
     assert without_m > of_lengths_m + 1.0
-    assert with_m < of_lengths_m + 0.1 * (without_m - of_lengths_m)
+    assert with_m < of_lengths_m + 0.4 * (without_m - of_lengths_m)
     causal = sum(one.heading_change_rad for one in found.devices[0].odometry)
     whole = sum(one.heading_change_rad for one in found.devices[0].whole_walk_odometry)
     assert wrap_angle(causal - whole) == pytest.approx(0.0, abs=0.06)

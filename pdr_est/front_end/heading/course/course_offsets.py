@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.front_end.heading.course.course_params import CourseParams
-from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, tells_direction
+from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
 from pdr_est.types.steps import Step
 
@@ -73,7 +73,7 @@ def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
         return done
     heading = np.unwrap([step.heading_rad for step in steps])
     acceleration = leading_acceleration(steps) * np.exp(-1j * heading)
-    counts = np.array([tells_direction(step) for step in steps])
+    counts = np.array([shows_course(step) for step in steps])
     for first, last in _places(steps):
         run = _Run(
             _stride_averages(acceleration[first:last]), heading[first:last], counts[first:last], last == len(steps)

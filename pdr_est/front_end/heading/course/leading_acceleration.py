@@ -53,7 +53,7 @@ def leading_acceleration(steps: Sequence[Step]) -> NDArray[np.complex128]:
     return found
 
 
-def tells_direction(step: Step) -> bool:
+def shows_course(step: Step) -> bool:
     """Return True for a detected and fully recorded step of a phone that is not in a swinging hand."""
     whole = step.recorded_share >= 1.0 and len(step.samples) >= _LEAST_SAMPLES
     return whole and not step.event.compensated and step.event.mode is not CarryingMode.SWING
