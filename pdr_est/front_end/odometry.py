@@ -27,6 +27,10 @@ class OdometryParams:
     """
     sigma_direction_rad: Positive = 0.18
     """Standard deviation of the direction of a single step around the heading, rad; it does not accumulate."""
+    sideways_steps: NonNegative = 7.0
+    """Number of steps of a stretch in which a walker moves sideways or backwards, by which the variance of their
+    direction is multiplied: the error is common to them, but estimators take those of steps for independent.
+    """
     sigma_heading_rad_per_sqrt_s: NonNegative = 0.02
     """Random walk of the heading error, rad per root second, for gyroscope drift and for the phone turning in the
     hand.
@@ -125,7 +129,8 @@ class Odometry:
                 sigma_length_m=float(np.hypot(step.sigma_length_m, p.sigma_length_drift * step.length_m)),
                 sigma_direction_rad=p.sigma_direction_rad,
                 sigma_heading_rad=sigma_heading_rad,
-            ),
+            )
+            + p.sideways_steps * course_covariance(step.length_m, step.sigma_course_rad),
             mode=step.event.mode,
         )
 
@@ -202,3 +207,21 @@ def step_covariance(
             [0.0, length_m * turn, turn + least**2],
         ]
     )
+
+
+def course_covariance(length_m: float, sigma_course_rad: float) -> Array:
+    """Compute the covariance (3, 3) that a doubtful direction of motion adds to forward (m), left (m), heading (rad).
+
+    It is that of the end of a step whose direction has a normal distribution on the circle, so that a step which
+    leads anywhere has the variance length^2 / 2 in both axes. The heading of the next step does not depend on it.
+
+    Parameters
+    ----------
+    length_m : float
+        Length of the step.
+    sigma_course_rad : float
+        Standard deviation of the direction, rad.
+    """
+    variance = sigma_course_rad**2
+    along, across = 0.5 * (1.0 - np.exp(-variance)) ** 2, 0.5 * (1.0 - np.exp(-2.0 * variance))
+    return length_m**2 * np.diag([along, across, 0.0])

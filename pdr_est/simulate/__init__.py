@@ -25,7 +25,7 @@ from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole, 
 from pdr_est.simulate.sensors.sensor_errors import NO_SENSOR_ERRORS, PHONE_MAGNETOMETER, SensorErrors, SensorParams
 from pdr_est.simulate.walk import SimulatedDevice, SimulatedWalk, simulate_walk
 from pdr_est.simulate.walker.step_schedule import Pause, StepSchedule, WalkerGaitParams
-from pdr_est.simulate.walker.walking_body import BodyParams
+from pdr_est.simulate.walker.walking_body import BodyParams, BodyTurn
 from pdr_est.simulate.walker.walking_path import PathParams, WalkingPath
 
 __all__ = [
@@ -35,6 +35,7 @@ __all__ = [
     "PSP_TESTS",
     "ROBUST_DR_TRIALS",
     "BodyParams",
+    "BodyTurn",
     "DeviceParams",
     "EarthField",
     "HeldPhone",

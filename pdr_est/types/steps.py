@@ -121,6 +121,11 @@ class Step:
     placement_tracked
         True when the heading stage itself accounts for rotations of the phone against the body; otherwise a change
         of the carrying mode adds to the uncertainty of the heading.
+    course_offset_rad
+        Direction in which the walker moves less the direction ahead of the body, rad; contained in `heading_rad`, and
+        not 0 for sideways and backward walking only.
+    sigma_course_rad
+        Standard deviation of `course_offset_rad`, rad; the error is common to the steps of a stretch.
     path_heading_rad, sigma_path_heading_rad
         Heading of the straight path that the step lies on, with the same zero, and its standard deviation, rad; NaN
         where no such path is known.
@@ -143,6 +148,8 @@ class Step:
     sigma_turn_rad: float = 0.0
     turn_hypotheses: tuple[TurnHypothesis, ...] = ()
     placement_tracked: bool = False
+    course_offset_rad: float = 0.0
+    sigma_course_rad: float = 0.0
     path_heading_rad: float = float("nan")
     sigma_path_heading_rad: float = float("nan")
     gait: Gait = Gait.UNKNOWN

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from signals import run, step
 
-from pdr_est.front_end.odometry import Odometry, OdometryParams, step_covariance
+from pdr_est.front_end.odometry import Odometry, OdometryParams, course_covariance, step_covariance
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.sensors import Hole
 from pdr_est.types.steps import CarryingMode, Step, TurnHypothesis
@@ -206,3 +206,16 @@ def test_the_first_step_of_a_segment_has_no_possible_turns() -> None:
     turns = (TurnHypothesis(1.0, 0.1, 0.05, "straight on"),)
     (first,) = odometry_of(replace(TURNED, turn_hypotheses=turns))
     assert first.turn_hypotheses == ()
+
+
+def test_a_doubtful_direction_of_motion_widens_the_step_and_not_its_heading() -> None:
+    sure = step(1.0, 0.6, length_m=0.5)
+    doubtful = replace(sure, sigma_course_rad=0.3)
+    more = odometry_of(doubtful)[0].covariance - odometry_of(sure)[0].covariance
+    directions = 0.3 * np.random.default_rng(1).standard_normal(400_000)
+    by_sampling = [7.0 * 0.25 * np.var(np.cos(directions)), 7.0 * 0.25 * np.var(np.sin(directions)), 0.0]
+    np.testing.assert_allclose(more, np.diag(by_sampling), rtol=0.02, atol=1e-12)
+
+
+def test_a_step_that_may_lead_anywhere_has_half_its_squared_length_in_both_axes() -> None:
+    np.testing.assert_allclose(course_covariance(0.8, 10.0), np.diag([0.32, 0.32, 0.0]))

@@ -10,6 +10,8 @@ from pdr_est.errors import ConfigError
 from pdr_est.simulate import (
     NO_SENSOR_ERRORS,
     PRESETS,
+    BodyParams,
+    BodyTurn,
     DeviceParams,
     HeldPhone,
     PathParams,
@@ -171,3 +173,24 @@ def test_a_walk_of_one_short_step_without_standing() -> None:
     walk = simulate_walk(scenario)
     assert walk.step_count == 1
     np.testing.assert_allclose(walk.position_at(np.array([walk.steps.end_s]))[0], [0.0, 0.4], atol=1e-12)
+
+
+def test_a_body_that_turns_alone_stays_on_its_path() -> None:
+    straight = preset("straight")
+    turn = BodyTurn(start_s=10.0, end_s=14.0, angle_rad=2.0)
+    ahead, aside = (
+        simulate_walk(replace(straight, body=replace(straight.body, turns=turns))) for turns in ((), (turn,))
+    )
+    time_s = np.array([9.0, 12.0, 16.0])
+    np.testing.assert_array_equal(ahead.position_at(time_s), aside.position_at(time_s))
+    np.testing.assert_array_equal(ahead.heading_at(time_s), aside.heading_at(time_s))
+    turned = aside.body.at(time_s).heading.value - ahead.body.at(time_s).heading.value
+    np.testing.assert_allclose(turned, [0.0, 2.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(aside.body.at(time_s).east.value, ahead.body.at(time_s).east.value)
+
+
+@pytest.mark.parametrize("times_s", [((10.0, 10.5),), ((10.0, 14.0), (14.5, 18.0))])
+def test_turns_of_the_body_that_overlap_are_refused(times_s: tuple[tuple[float, float], ...]) -> None:
+    turns = tuple(BodyTurn(start_s=start, end_s=end, angle_rad=1.0) for start, end in times_s)
+    with pytest.raises(ConfigError, match="body turn at"):
+        simulate_walk(replace(preset("straight"), body=BodyParams(turns=turns)))

@@ -10,6 +10,7 @@
 * `magnetometer`: the compass.
 * `level_frame`, `stride_pairing`: geometry and pairing of steps that several methods share.
 * `north/`: headings against north, for the method "auto".
+* `course/`: stretches in which the walker moves sideways or backwards.
 * `whole_walk/`: corrections that need the whole walk: the turns while the phone was put elsewhere, from all strides,
   and the dominant directions of the building.
 """
@@ -18,6 +19,7 @@ from dataclasses import field
 from typing import Annotated, Any, Literal, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
@@ -64,6 +66,8 @@ class HeadingParams:
     """Parameters of the method "auto"."""
     dominant: DominantParams = DominantParams()
     """Parameters of the dominant directions, for the method "auto"."""
+    course: CourseParams = CourseParams()
+    """Parameters of the search for sideways and backward walking, for the method "auto"."""
     north: NorthParams = NorthParams()
     """Headings against north, for the method "auto"."""
     mmpdr: MmpdrHeadingParams = MmpdrHeadingParams()
@@ -127,10 +131,11 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
 def whole_walk_stage(parameters: HeadingParams) -> WholeWalkHeading | None:
     """Make the stage Step -> Step that corrects headings at the end of the walk; None if there is nothing to correct.
 
-    The method "auto" has both corrections, each with a switch of its own.
+    The method "auto" has three corrections, each with a switch of its own.
     """
     dominant = parameters.dominant if parameters.dominant.enabled else None
     placement = parameters.auto if parameters.auto.whole_walk else None
-    if parameters.method != "auto" or (dominant is None and placement is None):
+    course = parameters.course if parameters.course.enabled else None
+    if parameters.method != "auto" or (dominant is None and placement is None and course is None):
         return None
-    return WholeWalkHeading(dominant, as_priors=parameters.use == "priors", placement=placement)
+    return WholeWalkHeading(dominant, as_priors=parameters.use == "priors", placement=placement, course=course)

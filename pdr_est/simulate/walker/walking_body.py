@@ -7,8 +7,9 @@ import numpy as np
 from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
+from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
-from pdr_est.params import Fraction, NonNegative, params
+from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal, evaluate_curve, quintic_curve
 from pdr_est.simulate.walker.step_schedule import SETTLE_S, StepSchedule
 from pdr_est.simulate.walker.walking_path import WalkingPath
@@ -16,6 +17,20 @@ from pdr_est.simulate.walker.walking_path import WalkingPath
 Side = Literal["left", "right"]
 
 _LEG_SHARE = 0.53  # leg length over body height
+
+
+@params
+class BodyTurn:
+    """A stretch in which the body faces another direction than that of the path: sideways or backward walking."""
+
+    start_s: NonNegative
+    """Time at which the body begins to turn, s."""
+    end_s: Positive
+    """Time at which the body begins to turn back, s; at least `duration_s` later."""
+    angle_rad: float
+    """Direction that the body faces less the direction of the path, rad, counter-clockwise."""
+    duration_s: Positive = 1.0
+    """Duration of each of the two turns, s."""
 
 
 @params
@@ -41,6 +56,8 @@ class BodyParams:
     """Relative amplitude of the forward speed, which is highest at the heel strike."""
     sway_m: NonNegative = 0.018
     """Amplitude of the sideways motion towards the standing leg, m."""
+    turns: tuple[BodyTurn, ...] = ()
+    """Stretches of sideways or backward walking, in order of time."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +75,7 @@ class BodyMotion:
     up : DifferentiableSignal
         Height of the trunk's centre above its height when standing, m.
     heading : DifferentiableSignal
-        Walking direction, rad, continuous.
+        Direction that the trunk faces, rad, continuous; the direction of the path but for turns of the body.
     phase : DifferentiableSignal
         Count of steps, a whole number at each heel strike; without meaning while activity is 0.
     activity : DifferentiableSignal
@@ -105,6 +122,7 @@ class WalkingBody:
         self._bounce = _envelope(steps, _softer_at_ends(steps, 0.5 * rise_m, parameters.boundary_bounce))
         ripple_m = parameters.speed_ripple / (2.0 * np.pi) * steps.length_m
         self._ripple = _envelope(steps, ripple_m, to_rest=True)
+        self._turned = _body_turns(parameters.turns, steps.end_s) if parameters.turns else None
 
     def at(self, time_s: Array) -> BodyMotion:
         """Compute the motion at times (n,), s; the body stands still before the first step and after the last."""
@@ -122,7 +140,7 @@ class WalkingBody:
             east=east - sway * heading.sin(),
             north=north + sway * heading.cos(),
             up=evaluate_curve(self._bounce, time_s) * self._rise(angle),
-            heading=heading,
+            heading=heading if self._turned is None else heading + evaluate_curve(self._turned, time_s),
             phase=phase,
             activity=activity,
             left_foot_odd=self._left_foot_odd,
@@ -153,6 +171,22 @@ class WalkingBody:
         second, third = self._parameters.impact
         lowest = angle - 2.0 * np.pi * self._parameters.peak_phase
         return -(lowest.cos() + (lowest * 2.0).cos() * (second / 4.0) + (lowest * 3.0).cos() * (third / 9.0))
+
+
+def _body_turns(turns: tuple[BodyTurn, ...], end_s: float) -> PPoly:
+    """Compute the direction that the body faces less that of the path over time."""
+    nodes = _Nodes()
+    last_s = -np.inf
+    for turn in turns:
+        if turn.start_s < last_s or turn.end_s < turn.start_s + turn.duration_s:
+            raise ConfigError(
+                f"body turn at {turn.start_s} s: turns follow each other, and each ends at least its duration "
+                f"({turn.duration_s} s) after its start: move its times"
+            )
+        last_s = turn.end_s + turn.duration_s
+        edge_s = np.array([turn.start_s, turn.start_s + turn.duration_s, turn.end_s, last_s])
+        nodes.add(edge_s, np.array([0.0, turn.angle_rad, turn.angle_rad, 0.0]), np.zeros(4))
+    return nodes.curve(end_s)
 
 
 def _progress(steps: StepSchedule) -> PPoly:

@@ -9,6 +9,7 @@ from signals import run
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading import HeadingParams, WholeWalkHeading, whole_walk_stage
+from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.posture_aware_yaw import AutoHeadingParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.types.sensors import Hole
@@ -130,5 +131,6 @@ def test_only_the_default_method_has_hindsight() -> None:
     assert isinstance(turns_alone, WholeWalkHeading)
     run(turns_alone, with_headings(drifting()))
     assert turns_alone.directions is None
-    assert whole_walk_stage(HeadingParams(dominant=off, auto=AutoHeadingParams(whole_walk=False))) is None
+    none = HeadingParams(dominant=off, auto=AutoHeadingParams(whole_walk=False), course=CourseParams(enabled=False))
+    assert whole_walk_stage(none) is None
     assert whole_walk_stage(HeadingParams(auto=AutoHeadingParams(moved_rad=1.0))) is not None

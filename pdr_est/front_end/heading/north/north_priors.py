@@ -165,7 +165,7 @@ class NorthPriors:
         by_device = self._reference.source == "device"
         north_rad = recorded_north_offset(step.samples) if by_device else magnetic_north_offset(step.samples)
         map_rad = pointing.azimuth(step) + north_rad - self._reference.declination_rad
-        return float(wrap_angle(map_rad - step.heading_rad))
+        return float(wrap_angle(map_rad + step.course_offset_rad - step.heading_rad))
 
     def _note_disturbance(self, found: IndependentSigma, begin_s: float, end_s: float) -> None:
         disturbed = found.innovation_sigmas > self._parameters.disturbed_sigmas

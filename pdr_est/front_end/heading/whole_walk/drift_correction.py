@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import wrap_angle
+from pdr_est.front_end.heading.course.course_offsets import with_courses
+from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
 from pdr_est.front_end.heading.placement_change.turn_estimate import TurnEstimate
@@ -26,7 +28,8 @@ class WholeWalkHeading:
     """Stage Step -> Step that corrects the headings when the whole walk is known.
 
     The turns while the phone was put elsewhere are estimated again, from all strides in each place and from the
-    directions of the building; then the headings are corrected by these directions, if the building has some.
+    directions of the building. Steps of sideways and backward walking get the direction of motion. Then the headings
+    are corrected by the directions of the building, if it has some.
 
     Parameters
     ----------
@@ -37,6 +40,8 @@ class WholeWalkHeading:
         rate off their heading; False to take off all drift.
     placement : AutoHeadingParams or None
         How to estimate the turns while the phone was put elsewhere again, from the whole walk; None leaves them.
+    course : CourseParams or None
+        How to search for sideways and backward walking; None for no search.
 
     Attributes
     ----------
@@ -47,11 +52,16 @@ class WholeWalkHeading:
     latency_s = float("inf")  # the end of the recording
 
     def __init__(
-        self, parameters: DominantParams | None, as_priors: bool, placement: AutoHeadingParams | None = None
+        self,
+        parameters: DominantParams | None,
+        as_priors: bool,
+        placement: AutoHeadingParams | None = None,
+        course: CourseParams | None = None,
     ) -> None:
         self._parameters = parameters
         self._as_priors = as_priors
         self._placement = placement
+        self._course = course
         self._steps: list[Step] = []
         self.directions: DominantDirections | None = None
 
@@ -89,6 +99,8 @@ class WholeWalkHeading:
 
     def _correct(self, found: list[Step]) -> list[Step]:
         steps = self._with_turns(found)
+        if self._course is not None:
+            steps = with_courses(steps, self._course)
         if self._parameters is None:
             return steps
         sections = straight_leg_sections(steps, self._parameters.straight)
