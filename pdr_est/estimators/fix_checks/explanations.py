@@ -18,7 +18,8 @@ LEAST_FIXES = 4
 """Fewer fixes of a source tell nothing about it as a whole."""
 
 _LOG_WRONG_HEADING, _LOG_UNUSUAL = log(0.02), log(0.01)  # of a given start heading, and of a length scale (ours)
-_SIGMA_UNUSUAL_SCALE = 0.2  # ours
+SIGMA_UNUSUAL_SCALE = 0.2
+"""Standard deviation of the length scale of a walk that shows an unusual one; ours."""
 _LOG_SHIFTED = log(0.05)  # of the clock of a source (our choice), whose error is then a few seconds
 _SIGMA_SHIFT_S, _SHIFT_STEP_S = 3.0, 0.5
 _SHIFTS_S = tuple(_SHIFT_STEP_S * k for k in range(-16, 17))
@@ -210,7 +211,7 @@ def _assumed(
     points = section.path.at(fixes.time_s + explanation.shifts(fixes))
     of_path = explanation.step_factor**2 * section.path.covariance(points, points, first_pose(points))
     heading = None if explanation.heading_wrong else section.heading
-    sigma_scale = max(section.sigma_scale, _SIGMA_UNUSUAL_SCALE) if explanation.unusual_scale else section.sigma_scale
+    sigma_scale = max(section.sigma_scale, SIGMA_UNUSUAL_SCALE) if explanation.unusual_scale else section.sigma_scale
     return fixes, points, of_path + spread_m2(explanation.common_m2(fixes, fixes)), heading, sigma_scale
 
 
@@ -225,7 +226,7 @@ def further_explanations(section: Section, now: Explained) -> Iterator[Explanati
     known = now.explanation
     if section.heading is not None and not known.heading_wrong:
         yield replace(known, heading_wrong=True, log_prior=known.log_prior + _LOG_WRONG_HEADING)
-    if not known.unusual_scale and 0.0 < section.sigma_scale < _SIGMA_UNUSUAL_SCALE:
+    if not known.unusual_scale and 0.0 < section.sigma_scale < SIGMA_UNUSUAL_SCALE:
         yield replace(known, unusual_scale=True, log_prior=known.log_prior + _LOG_UNUSUAL)
     if known.step_factor == 1.0:
         yield from _worse_steps(known)
