@@ -29,7 +29,7 @@ Digest = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
 
 @params
 class LearntWalk:
-    """What one walk shows of the length of its walker's steps."""
+    """Observation of the length of a walker's steps on one walk."""
 
     sha256: Digest
     """Checksum of the samples (`learning.recording_digest`), by which the walk is recognised."""
@@ -57,7 +57,7 @@ class LearntWalk:
 
 @params
 class ProfileNote:
-    """What a profile was made with."""
+    """Model, detector and body that a profile was made with."""
 
     step_length: StepLengthParams
     """Step-length model whose lengths the constants correct."""
@@ -83,7 +83,7 @@ class Profile:
     """A walker's own step length, as learnt from walks; without walks, what is expected of people in general."""
 
     note: ProfileNote
-    """What it was made with."""
+    """Settings that it was made with."""
 
     walks: tuple[LearntWalk, ...] = ()
     """The walks, in order of their checksums."""

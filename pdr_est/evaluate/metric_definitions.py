@@ -153,7 +153,7 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
         "ate_rigid_profile_m": Metric(f"ate_rigid_m {_PROFILE}."),
         "length_ratio_profile": Metric(f"length_ratio {_PROFILE}.", 1.0),
         "scale_coverage68_profile": Metric(
-            f"Whether length_ratio_profile is right within the standard deviation that the profile states, {_PROFILE}.",
+            f"Whether length_ratio_profile is right within the profile's own standard deviation, {_PROFILE}.",
             0.68,
         ),
         "scale_coverage68_calibrated": Metric(f"scale_coverage68 {_CALIBRATED}.", 0.68),

@@ -59,7 +59,7 @@ def calibrated_metrics(case: CalibrationCase, others: Sequence[CalibrationCase],
     A calibration sees nothing of the walk itself, and no choice is preferred.
     """
     errors = [
-        case.errors(fit_calibration([other.observation for other in chosen if other.observation is not None]))
+        case.errors(fit_calibration([seen for other in chosen if (seen := other.observation) is not None]))
         for chosen in combinations(others, number)
     ]
     return {name: float(np.mean([found[name] for found in errors])) for name in errors[0]}

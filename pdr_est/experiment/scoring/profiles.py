@@ -79,6 +79,8 @@ def profile_part(
 ) -> MetricPart:
     """Make the part of a track that other walks can learn from, and that is scored after learning from them.
 
+    It is empty for an estimator that makes no use of fixes, and so learns nothing, and for a walk without steps.
+
     Parameters
     ----------
     walk : AnalysedWalk
@@ -92,13 +94,15 @@ def profile_part(
     length_ratio : float
         Length of the track over that of the true way.
     """
+    if not walk.config.estimator.make().spec.uses_fixes:
+        return MetricPart()
     devices = [device for device in walk.devices if device.device == name] or list(walk.devices)
     steps = [CalibrationSteps.from_steps(device.steps) for device in devices]
     if not any(len(device.length_m) for device in steps):
-        return MetricPart(missing=dict.fromkeys(PROFILE_METRICS, "no step found"))
+        return MetricPart()
     try:
         seen = observe_any_fixes(devices, walk.config, held_out.fixes(pairs), walk.recording.name)
-    except PdrError:  # the estimator uses no fixes, or they do not fit: nothing for others to learn
+    except PdrError:  # the fixes do not fit: nothing for others to learn
         seen = None
     log_cadence = observe_scale(steps, 1.0).log_cadence
     case = PositionCase(seen, log_cadence, pairs.track_m, pairs.truth_m, length_ratio)
