@@ -78,10 +78,10 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 @pytest.mark.parametrize(
     ("config", "golden"),
     [
-        (DEAD_RECKONING, (69, 47.057814, 28.158082, 19.075353, 1.615178)),
+        (DEAD_RECKONING, (69, 48.329517, 29.063409, 19.423521, 1.615178)),
         (
             replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
-            (70, 45.731009, 27.350423, 18.465016, 1.580192),
+            (70, 48.897300, 29.379203, 19.585969, 1.580192),
         ),
     ],
     ids=["defaults", "mmpdr"],

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from pdr_est.calibration.profile import LearntWalk, Profile, ProfileNote
 from pdr_est.config.yaml_lines import load_yaml
 from pdr_est.errors import ConfigError
+from pdr_est.front_end.step_length import StepLengthParams
 from pdr_est.io.writers.atomic_output import staged_file
 
 FORMAT = 2
@@ -66,6 +68,14 @@ def load_profile(path: str | Path) -> Profile:
             "nothing else: correct it, or calibrate again"
         )
     note = _validated(_NOTE, data["profile"], "profile", path)
+    # A constant that an earlier version did not have would silently get the default of this one.
+    written = data["profile"]["step_length"]
+    missing = sorted(field.name for field in fields(StepLengthParams) if field.name not in written)
+    if missing:
+        raise ConfigError(
+            f"{path}: profile.step_length: without {', '.join(missing)}: made by another version, whose step lengths "
+            "may differ: calibrate again"
+        )
     walks = _validated(_WALKS, data["walks"], "walks", path)
     try:
         profile = Profile(note=note, walks=tuple(sorted(walks, key=lambda walk: walk.sha256)))

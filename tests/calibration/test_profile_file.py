@@ -61,6 +61,7 @@ def test_a_place_that_cannot_be_written(tmp_path: Path) -> None:
         ("format: 2", "format: 2\nother: 1", "other: a profile must hold"),
         ("walks:\n", "wolks:\n", "walks: a profile must hold|wolks: a profile must hold"),
         ("model: weinberg", "model: telepathy", "profile.step_length.model: Input should be 'auto'"),
+        ("    kim_k:", "    # kim_k:", "profile.step_length: without kim_k: made by another version"),
         ("date: 2024-02-29", "date: yesterday", "profile.date: "),
         ("height_m: 1.6", "height_m: 160", "profile.height_m: Input should be less than or equal to 2.6"),
         ("distance_m: 31.91", "distance_m: -1.0", "walks.0.distance_m: Input should be greater than 0"),

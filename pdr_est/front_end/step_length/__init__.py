@@ -2,11 +2,13 @@
 
 * `step_length_stage`: the stage, and the choice of the model.
 * `equations`: published equations as pure functions (MMPDR, UPTIME, Kim et al.).
-* `walk_run_model`: the default, our own model of walking and running.
+* `harmonic_model`: the default, our own law for walking and running.
+* `walk_run_model`: our earlier model, with a law for walking and one for running.
 * `cadence`: cadence and intensity of the last steps.
 * `walker`: height, gender and the personal constants of a calibration.
 """
 
+from pdr_est.front_end.step_length.harmonic_model import HarmonicParams
 from pdr_est.front_end.step_length.step_length_stage import LENGTH_MODELS, LengthModel, StepLength, StepLengthParams
 from pdr_est.front_end.step_length.walk_run_model import RunningParams
 from pdr_est.front_end.step_length.walker import Gender, WalkerParams
@@ -17,6 +19,7 @@ __all__ = [
     "LAW_OF_AUTO",
     "LENGTH_MODELS",
     "Gender",
+    "HarmonicParams",
     "LengthModel",
     "RunningParams",
     "StepLength",
@@ -39,7 +42,7 @@ def step_length_stage(rate_hz: float, walker: WalkerParams, parameters: StepLeng
     return StepLength(rate_hz, walker, parameters)
 
 
-LAW_OF_AUTO = "walk-run"
+LAW_OF_AUTO = "harmonic"
 """Name of the law of step length that the model "auto" stands for. What was learnt with one law fits no other."""
 
 

@@ -12,6 +12,12 @@ from annotated_types import Gt, Le
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import equations
 from pdr_est.front_end.step_length.cadence import Pace, PaceMeter
+from pdr_est.front_end.step_length.harmonic_model import (
+    LEAST_SAMPLES,
+    HarmonicParams,
+    TurnMeter,
+    harmonic_length_m,
+)
 from pdr_est.front_end.step_length.walk_run_model import (
     RunningParams,
     running_length_m,
@@ -23,7 +29,9 @@ from pdr_est.params import Positive, params
 from pdr_est.parts import PartName
 from pdr_est.types.steps import Step
 
-LengthModel = Literal["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
+LengthModel = Literal[
+    "auto", "harmonic", "walk-run", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"
+]
 LENGTH_MODELS: tuple[LengthModel, ...] = get_args(LengthModel)
 
 _LEAST_MEANS = 4  # least number of running means within a step for a range
@@ -34,7 +42,7 @@ class StepLengthParams:
     """Choose the step-length model; with its constants and standard deviations."""
 
     model: Annotated[str, PartName(LENGTH_MODELS)] = "auto"
-    """Name of the model."""
+    """Name of the model; "auto" is "harmonic", the best one on people and phones that it was not fitted on."""
     parameters: dict[str, Any] = field(default_factory=dict, hash=False)
     """Arguments of a step-length stage of your own, which `model` names as module:attribute."""
     weinberg_k2: Positive = 0.48
@@ -43,14 +51,16 @@ class StepLengthParams:
     """Constant of MMPDR's eq. 4, m / (m/s^2)^(1/3); tuned, as the paper gives no value."""
     kim_k: Positive = equations.KIM_K
     """Constant of Kim et al. (2004), m / (m/s^2)^(1/3)."""
+    harmonic: HarmonicParams = HarmonicParams()
+    """Constants of "harmonic"."""
     range_power_k: Positive = 0.55
-    """Constant of "range-power", and of walking in "auto", m / (m/s^2)^exponent; ours."""
+    """Constant of "range-power", and of walking in "walk-run", m / (m/s^2)^exponent; ours."""
     range_power_exponent: Annotated[float, Gt(0.0), Le(1.0)] = 0.15
-    """Exponent of "range-power", and of walking in "auto"; ours."""
+    """Exponent of "range-power", and of walking in "walk-run"; ours."""
     smoothing_s: Positive = 0.24
     """Window of the running mean, s, before the extremes and the mean are taken; ours."""
     running: RunningParams = RunningParams()
-    """Parameters of running steps in "auto"."""
+    """Parameters of running steps in "walk-run"."""
     sigma_walking: Positive = 0.07
     """Standard deviation of a walking step over its length, taken for independent from step to step; ours."""
     sigma_running: Positive = 0.20
@@ -61,13 +71,13 @@ class StepLength:
     """Stage Step -> Step that fills in the length and its standard deviation.
 
     Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier, as far
-    as the cadence allows for running (`share_of_running`). In all models but `auto` the two have the same length.
+    as the cadence allows for running (`share_of_running`). In all models but `walk-run` the two have the same length.
 
     The standard deviation is that of one step by itself, and users take the steps of a walk for independent. It is
     too small for an error that all of them share: constants that do not fit the walker, or somebody who is in doubt
     between walking and running all along. `odometry.sigma_length_scale` stands for that, as found on walkers. A
-    runner's scale is less certain than it says, by an unknown amount: there is no recording of a runner with known
-    distance.
+    runner's scale is less certain than it says, by an unknown amount: only two runners at one speed, and one in a
+    small room, are known with their distance.
 
     A step that had begun before the recording, or its segment, counts for the part that was recorded, with the
     standard deviation of a whole one.
@@ -89,11 +99,13 @@ class StepLength:
         self._parameters = parameters
         self._window = max(round(parameters.smoothing_s * rate_hz), 1)
         self._pace = PaceMeter()
+        self._turn = TurnMeter()
 
     def push(self, item: Step, /) -> list[Step]:
         """Give a step its length."""
         pace = self._pace.at(item)
-        walking_m, running_m = self._lengths_m(item, pace)
+        turn_rad = self._turn.at(item)
+        walking_m, running_m = self._lengths_m(item, pace, turn_rad)
         mean_m, sigma_m = mixture_mean_and_sigma(
             share_of_running(item, pace),
             (walking_m, self._parameters.sigma_walking * walking_m),
@@ -107,11 +119,12 @@ class StepLength:
         """Return nothing: no step is held back."""
         return []
 
-    def _lengths_m(self, step: Step, pace: Pace) -> tuple[float, float]:
+    def _lengths_m(self, step: Step, pace: Pace, turn_rad: float) -> tuple[float, float]:
         """Compute the lengths of this step if it is a walking one and if it is a running one."""
         p, height_m = self._parameters, self._walker.height_m
-        if p.model != "auto":
-            length_m = self._published_length_m(step)
+        if p.model != "walk-run":
+            of_any = self._harmonic_length_m if p.model in ("auto", "harmonic") else self._published_length_m
+            length_m = of_any(step, turn_rad)
             return length_m, length_m
         walking_m = self._length_from_acceleration(
             step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
@@ -119,7 +132,16 @@ class StepLength:
         # Doubt about the gait must not shorten a gentle walk: a running step is never shorter than a walking one.
         return walking_m, max(walking_m, running_length_m(p.running, height_m, pace))
 
-    def _published_length_m(self, step: Step) -> float:
+    def _harmonic_length_m(self, step: Step, turn_rad: float) -> float:
+        """Apply our law; a step too short to show its shape takes eq. 2."""
+        if len(step.samples) < LEAST_SAMPLES:
+            return self._static_length_m()
+        duration_s, vertical_mps2 = step.event.time_s - step.start_s, step.samples.vertical_mps2
+        return harmonic_length_m(
+            self._parameters.harmonic, self._walker.height_m, duration_s, turn_rad, vertical_mps2
+        )
+
+    def _published_length_m(self, step: Step, _turn_rad: float) -> float:
         p, walker = self._parameters, self._walker
         match p.model:
             case "mmpdr":

@@ -90,7 +90,7 @@ PLATEAUS = np.repeat([-6.0, 10.0, 3.0], 20)  # each longer than the running mean
         ("weinberg", 0.48 * 2.0),
         ("mmpdr", 0.3139 * 1.80 * 1.4),
         ("range-power", 0.55 * 16.0**0.15),
-        ("auto", 0.55 * 16.0**0.15 * 1.80 / 1.73),
+        ("walk-run", 0.55 * 16.0**0.15 * 1.80 / 1.73),
         ("gait-table", 0.74),
         ("kim", 0.98 * (19.0 / 3.0) ** (1.0 / 3.0)),
     ],
@@ -168,10 +168,11 @@ def test_a_step_without_movement_has_a_finite_length(model: str) -> None:
     assert np.isfinite(found.sigma_length_m)
 
 
+@pytest.mark.parametrize("model", ["auto", "walk-run"])
 @pytest.mark.parametrize("probability", [WALKING, RUNNING])
-def test_auto_is_proportional_to_the_height(probability: tuple[float, float, float]) -> None:
+def test_our_models_are_proportional_to_the_height(model: str, probability: tuple[float, float, float]) -> None:
     a_step = in_gait(with_vertical(PLATEAUS), probability)
-    (short,), (tall,) = (pushed(a_step, walker=WalkerParams(height_m=height)) for height in (1.5, 1.8))
+    (short,), (tall,) = (pushed(a_step, walker=WalkerParams(height_m=height), model=model) for height in (1.5, 1.8))
     assert tall.length_m == pytest.approx(1.2 * short.length_m)
 
 
@@ -191,7 +192,8 @@ def run_step(range_mps2: float, period_s: float, number: int) -> Step:
 def test_running_by_hand() -> None:
     """1 m at 2.6 steps a second and 27 m/s^2; square root of the cadence, power 0.6 of the range."""
     steps = [run_step(54.0, 1.0 / 3.0, number) for number in range(4)]
-    lengths = [found.length_m for found in pushed(*steps, walker=WalkerParams(height_m=1.73))]
+    walker = WalkerParams(height_m=1.73)
+    lengths = [found.length_m for found in pushed(*steps, walker=walker, model="walk-run")]
     assert lengths == pytest.approx([(3.0 / 2.6) ** 0.5 * 2.0**0.6] * 4)
 
 
@@ -201,20 +203,22 @@ def test_running_goes_by_three_steps_since_the_last_standstill() -> None:
     intensity = 27.0 * 2.0 ** np.array([0.0, 0.0, 1.0 / 3.0, 0.0])
     expected = np.sqrt(cadence_hz / 2.6) * (intensity / 27.0) ** 0.6
     walker = WalkerParams(height_m=1.73)
-    found = pushed(*steps, steps[0], walker=walker)
+    found = pushed(*steps, steps[0], walker=walker, model="walk-run")
     assert [item.length_m for item in found] == pytest.approx([*expected, expected[0]])
 
 
 def test_doubts_about_a_gentle_walk_do_not_shorten_it() -> None:
     a_step = with_vertical(0.2 * PLATEAUS, start_s=0.6)
-    (sure,), (doubted,) = (pushed(in_gait(a_step, probability)) for probability in (WALKING, (0.7, 0.2, 0.1)))
+    (sure,), (doubted,) = (
+        pushed(in_gait(a_step, probability), model="walk-run") for probability in (WALKING, (0.7, 0.2, 0.1))
+    )
     assert doubted.length_m == pytest.approx(sure.length_m)
     assert doubted.sigma_length_m > sure.sigma_length_m
 
 
 def test_speed_of_running_grows_with_intensity_and_is_bounded_for_knocks() -> None:
     speeds = [
-        pushed(*(run_step(range_mps2, 0.36, number) for number in range(3)))[-1].length_m / 0.36
+        pushed(*(run_step(range_mps2, 0.36, number) for number in range(3)), model="walk-run")[-1].length_m / 0.36
         for range_mps2 in (18.0, 27.0, 40.0, 60.0, 300.0)
     ]
     assert all(np.diff(speeds[:4]) > 0.2)
@@ -226,9 +230,11 @@ def test_speed_of_running_grows_with_intensity_and_is_bounded_for_knocks() -> No
 def test_length_and_sigma_are_continuous_in_the_gait_probability() -> None:
     a_step = with_vertical(3.0 * PLATEAUS, start_s=0.6)
     shares = np.linspace(0.0, 1.0, 201)
-    found = [pushed(in_gait(a_step, (1.0 - share, share / 2.0, share / 2.0)))[0] for share in shares]
+    found = [
+        pushed(in_gait(a_step, (1.0 - share, share / 2.0, share / 2.0)), model="walk-run")[0] for share in shares
+    ]
     length, sigma = (np.array([getattr(item, name) for item in found]) for name in ("length_m", "sigma_length_m"))
-    (unknown,) = pushed(in_gait(a_step, UNKNOWN))
+    (unknown,) = pushed(in_gait(a_step, UNKNOWN), model="walk-run")
     assert (length[0], sigma[0]) == (unknown.length_m, unknown.sigma_length_m)
     np.testing.assert_allclose(np.diff(length), (length[-1] - length[0]) / 200)
     assert np.abs(np.diff(sigma)).max() < 0.03
