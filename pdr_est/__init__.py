@@ -33,6 +33,8 @@ Types
 - Finding: something about a walk that does not fit, such as a position fix that disagrees with the steps; its
   `FindingKind` is what it is about.
 - Config: all settings; frozen, validated, with a default for each.
+- Profile: the own step length of a walker, which `learn` finds in walks with fixes or of known length.
+  `apply_profile` puts it into a Config, `save_profile` and `load_profile` keep it in a file.
 - Parts: stages and an estimator of your own, in place of those of the library. `Estimator` is the contract of an
   estimator and `EstimatorSpec` states its abilities.
 - WalkGraph: the GTSAM factor graph of a walk, made by `build_graph`, to which you can add factors of your own.
@@ -71,6 +73,9 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pdr_est.calibration.learning import learn
+    from pdr_est.calibration.profile import Profile, apply_profile
+    from pdr_est.calibration.profile_file import load_profile, save_profile
     from pdr_est.config import Config, load_config
     from pdr_est.errors import ConfigError, EstimationError, OutputError, PdrError, RecordingError
     from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph
@@ -121,6 +126,7 @@ __all__ = [
     "Parts",
     "PdrError",
     "PositionFix",
+    "Profile",
     "Recording",
     "RecordingError",
     "SensorBlock",
@@ -133,16 +139,23 @@ __all__ = [
     "WalkGraph",
     "__version__",
     "analyse",
+    "apply_profile",
     "build_graph",
     "detect_steps",
     "estimate",
+    "learn",
     "load_config",
+    "load_profile",
     "merge_recordings",
     "read",
+    "save_profile",
     "smooth",
 ]
 
 _MODULES = {
+    "pdr_est.calibration.learning": ("learn",),
+    "pdr_est.calibration.profile": ("Profile", "apply_profile"),
+    "pdr_est.calibration.profile_file": ("load_profile", "save_profile"),
     "pdr_est.config": ("Config", "load_config"),
     "pdr_est.estimators.factor_graph.build": ("WalkGraph", "build_graph"),
     "pdr_est.estimators.spec": ("Estimator", "EstimatorSpec"),

@@ -1,106 +1,174 @@
-"""A walker's profile: the personal constants that a calibration found, as a small YAML file."""
+"""A walker's profile: what walks have shown of the walker's own step length, and the constants that follow from it.
 
-from collections.abc import Mapping
-from dataclasses import asdict, fields, replace
+A profile keeps the observation of each walk, and computes the posterior from all of them
+(`step_length_fit.fit_calibration`). It therefore does not depend on the order in which walks are learnt, a walk that
+is learnt again replaces itself, and a walk can be left out again.
+"""
+
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
 from datetime import date as Date
-from pathlib import Path
+from functools import cached_property
 from typing import Annotated, Any
 
-import yaml
-from annotated_types import Ge
-from pydantic import TypeAdapter, ValidationError
+from annotated_types import Ge, Le
+from pydantic import StringConstraints
 
-from pdr_est.config import Config, config_from_dict, config_to_dict
-from pdr_est.config.yaml_lines import load_yaml
-from pdr_est.errors import ConfigError
-from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
+from pdr_est.calibration.step_length_fit import Calibration, ScaleObservation, fit_calibration
+from pdr_est.config import Config, config_to_dict
+from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.front_end.step_length import Gender, StepLengthParams, WalkerParams, length_law
+from pdr_est.front_end.step_length.walker import Height
 from pdr_est.front_end.steps import DETECTORS
-from pdr_est.params import Positive, params
+from pdr_est.params import NonNegative, Positive, params
+from pdr_est.params.validation_messages import contradiction
 from pdr_est.parts import PartName
 
-_HEADER = "# A walker's own step length, made by `pdr-est calibrate`. To use it: pdr-est smooth --profile FILE\n"
-_SECTIONS = ("profile", "walker", "odometry")
+Digest = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
+
+
+@params
+class LearntWalk:
+    """Observation of the length of a walker's steps on one walk."""
+
+    sha256: Digest
+    """Checksum of the samples (`learning.recording_digest`), by which the walk is recognised."""
+
+    name: str = ""
+    """Name of the recording."""
+
+    log_ratio: Annotated[float, Ge(-10.0), Le(10.0)]
+    """Natural logarithm of the true length over the model's."""
+
+    sigma: NonNegative
+    """Standard deviation of log_ratio; 0 for a known distance."""
+
+    log_cadence: Annotated[float, Ge(-1.0), Le(2.0)]
+    """Mean logarithm of the steps per second, weighted by step length."""
+
+    distance_m: Positive | None = None
+    """True length of the walk, m; None where fixes told the scale."""
+
+    @property
+    def observation(self) -> ScaleObservation:
+        """Return the observation for the fit."""
+        return ScaleObservation(self.log_ratio, self.sigma, self.log_cadence)
 
 
 @params
 class ProfileNote:
-    """Origin of a profile."""
+    """Model, detector and body that a profile was made with."""
 
     step_length: StepLengthParams
     """Step-length model whose lengths the constants correct."""
 
+    law: str
+    """Law of step length that the model stood for (`length_law`)."""
+
     detector: Annotated[str, PartName(DETECTORS)]
     """Step detector whose steps the constants correct."""
 
-    recordings: Annotated[int, Ge(1)]
-    """Number of walks of the calibration."""
+    height_m: Height
+    """Height of the walker, m."""
+
+    gender: Gender
+    """Gender of the walker."""
 
     date: Date
-    """Date of the calibration."""
-
-    distances_m: tuple[Positive, ...] = ()
-    """True lengths of the walks, m; empty when the scale comes from fixes."""
+    """Date of the last change."""
 
 
 @params
 class Profile:
-    """Personal constants of a walker."""
+    """A walker's own step length, as learnt from walks; without walks, what is expected of people in general."""
 
     note: ProfileNote
-    """Origin of the constants."""
+    """Settings that it was made with."""
 
-    walker: WalkerParams
-    """Height, gender and personal constants."""
+    walks: tuple[LearntWalk, ...] = ()
+    """The walks, in order of their checksums."""
 
-    sigma_length_scale: Positive
-    """Standard deviation of the length scale that remains for the next walk, over the scale."""
+    def __post_init__(self) -> None:
+        digests = [walk.sha256 for walk in self.walks]
+        if digests != sorted(set(digests)):
+            raise contradiction("walks: must be in order of sha256, each walk once: use with_walk to add one")
+
+    @cached_property
+    def posterior(self) -> Calibration | None:
+        """Posterior of the walker's constants; None without walks."""
+        return fit_calibration([walk.observation for walk in self.walks]) if self.walks else None
+
+    @property
+    def walker(self) -> WalkerParams:
+        """Height, gender and personal constants of the walker."""
+        body = WalkerParams(height_m=self.note.height_m, gender=self.note.gender)
+        return body if self.posterior is None else self.posterior.walker(body)
+
+    @property
+    def sigma_length_scale(self) -> float:
+        """Standard deviation of the length scale that remains for the next walk, over the scale."""
+        return Config().odometry.sigma_length_scale if self.posterior is None else self.posterior.sigma_next
+
+    def knows(self, sha256: str) -> bool:
+        """Tell whether the walk with that checksum is among those learnt."""
+        return any(walk.sha256 == sha256 for walk in self.walks)
+
+    def with_walk(self, walk: LearntWalk) -> "Profile":
+        """Return the profile with a walk more, or with a new observation of one that it knows.
+
+        Raises
+        ------
+        RecordingError
+            If no walker can have the constants that would follow.
+        """
+        if walk in self.walks:
+            return self
+        others = self.without(walk.sha256).walks
+        walks = tuple(sorted((*others, walk), key=lambda one: one.sha256))
+        learnt = replace(self, walks=walks, note=replace(self.note, date=datetime.now(UTC).date()))
+        try:
+            _ = learnt.walker
+        except ConfigError as error:
+            raise RecordingError(
+                f"{walk.name}: with this walk the profile would get constants that nobody has ({error}): correct its "
+                "fixes or its distance, or leave it out"
+            ) from error
+        return learnt
+
+    def without(self, sha256: str) -> "Profile":
+        """Return the profile without a walk, as the prior of that walk itself: its fixes must not count twice."""
+        return replace(self, walks=tuple(walk for walk in self.walks if walk.sha256 != sha256))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what the profile holds and what follows from it, as numbers and texts by name."""
+        learnt: dict[str, Any] = {"walks": len(self.walks), "sigma_next_walk": self.sigma_length_scale}
+        if self.posterior is not None:
+            learnt |= {
+                "log_scale": float(self.posterior.mean[0]),
+                "sigma_log_scale": float(self.posterior.covariance[0, 0] ** 0.5),
+                "length_scale": self.walker.length_scale,
+                "cadence_exponent": self.walker.cadence_exponent,
+                "reference_cadence_hz": self.walker.reference_cadence_hz,
+            }
+        walks = [{key: value for key, value in asdict(walk).items() if value is not None} for walk in self.walks]
+        return {"profile": asdict(self.note), "walks": walks, "learnt": learnt}
 
 
-_NOTE = TypeAdapter(ProfileNote)
-
-
-def profile_to_yaml(profile: Profile) -> str:
-    """Write a profile as YAML text, which `load_profile` reads back to the same record.
-
-    It is a fragment of a configuration with the sections `walker` and `odometry`, and its origin under `profile`.
-    """
-    note = asdict(profile.note)
-    document = {
-        "profile": note | {"distances_m": list(note["distances_m"])},
-        **_settings(profile),
-    }
-    return _HEADER + str(yaml.safe_dump(document, sort_keys=False))
-
-
-def load_profile(path: str | Path) -> Profile:
-    """Read a profile from its file.
-
-    Raises
-    ------
-    ConfigError
-        If the file is no valid profile; the message names the file and the key.
-    """
-    data = load_yaml(path)
-    if not isinstance(data, Mapping) or set(data) != set(_SECTIONS):
-        raise ConfigError(
-            f"{path}: is no profile: it must hold {', '.join(_SECTIONS)} and nothing else; make one with "
-            "`pdr-est calibrate`"
-        )
-    settings = config_from_dict({"walker": data["walker"], "odometry": data["odometry"]}, str(path))
-    foreign = set(data["odometry"]) - {"sigma_length_scale"}
-    if foreign or "sigma_length_scale" not in data["odometry"]:
-        raise ConfigError(f"{path}: odometry must hold sigma_length_scale and nothing else: set the rest by --config")
-    if settings.odometry.sigma_length_scale == 0.0:
-        raise ConfigError(f"{path}: odometry.sigma_length_scale = 0: no scale is known so well; calibrate again")
-    return Profile(
-        note=_note(data["profile"], path),
-        walker=settings.walker,
-        sigma_length_scale=settings.odometry.sigma_length_scale,
+def new_profile(config: Config) -> Profile:
+    """Make the profile of a walker of whom nothing is known but what the configuration says of body and model."""
+    note = ProfileNote(
+        step_length=config.step_length,
+        law=length_law(config.step_length),
+        detector=config.steps.detector,
+        height_m=config.walker.height_m,
+        gender=config.walker.gender,
+        date=datetime.now(UTC).date(),
     )
+    return Profile(note=note)
 
 
 def apply_profile(config: Config, profile: Profile) -> Config:
-    """Return the configuration for this walker."""
+    """Return the configuration for this walker: the constants, and how uncertain the scale of a next walk is."""
     odometry = replace(config.odometry, sigma_length_scale=profile.sigma_length_scale)
     return replace(config, walker=profile.walker, odometry=odometry)
 
@@ -125,34 +193,37 @@ def check_profile_matches(config: Config, profile: Profile, place: str) -> None:
     ConfigError
         If a setting differs.
     """
-    settings = config_to_dict(config)
-    made_for = {"step_length": asdict(profile.note.step_length), "steps": {"detector": profile.note.detector}}
-    for section, expected in {**made_for, **_settings(profile)}.items():
-        for key, value in expected.items():
+    check_model_matches(config, profile, place)
+    expected = {"walker": asdict(profile.walker), "odometry": {"sigma_length_scale": profile.sigma_length_scale}}
+    _compare(config_to_dict(config), expected, place)
+
+
+def check_model_matches(config: Config, profile: Profile, place: str) -> None:
+    """Check model, detector and body only, of a configuration without the walker's constants.
+
+    Raises
+    ------
+    ConfigError
+        If a setting differs from that of the profile.
+    """
+    note, law = profile.note, length_law(config.step_length)
+    if law != note.law:
+        auto = f" (for {config.step_length.model})" if law != config.step_length.model else ""
+        raise ConfigError(
+            f"{place}: made for step_length.model = {note.law}, but {law}{auto} is set: set it like that, or learn "
+            "the walks again"
+        )
+    model = asdict(note.step_length) | {"model": config.step_length.model}  # two names of one law
+    body = {"height_m": note.height_m, "gender": note.gender}
+    expected = {"step_length": model, "steps": {"detector": note.detector}, "walker": body}
+    _compare(config_to_dict(config), expected, place)
+
+
+def _compare(settings: dict[str, Any], expected: dict[str, dict[str, Any]], place: str) -> None:
+    for section, values in expected.items():
+        for key, value in values.items():
             if settings[section][key] != value:
                 raise ConfigError(
                     f"{place}: made for {section}.{key} = {value}, but {settings[section][key]} is set: set it like "
                     "that or leave it out, or calibrate again"
                 )
-
-
-def _settings(profile: Profile) -> dict[str, dict[str, Any]]:
-    """Return the settings of a profile as a fragment of a configuration."""
-    return {"walker": asdict(profile.walker), "odometry": {"sigma_length_scale": profile.sigma_length_scale}}
-
-
-def _note(data: Any, path: str | Path) -> ProfileNote:
-    try:
-        note: ProfileNote = _NOTE.validate_python(data)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in ("profile", *first["loc"]))
-        raise ConfigError(f"{path}: {key}: {first['msg']}: correct it, or calibrate again") from error
-    # What "auto" means may have changed since: a profile is only of use with the constants that it was made for.
-    missing = sorted(field.name for field in fields(StepLengthParams) if field.name not in data["step_length"])
-    if missing:
-        raise ConfigError(
-            f"{path}: profile.step_length: without {', '.join(missing)}: made by another version, whose step lengths "
-            "differ: calibrate again"
-        )
-    return note

@@ -2,9 +2,10 @@
 
 Each walk gives y = ln(true length / the model's length). The model of it is y = s + e (x - x_ref) + noise, where x is
 the mean over the walk of the logarithm of the cadence, weighted by step length: to first order the effect of the
-exponent of `WalkerParams` on the length of the walk. x_ref is the mean of x over the walks. The priors of scale s and
-exponent e are normal, s about 0 and e about `MEAN_EXPONENT`. Walks of one cadence determine the scale alone: the
-exponent then keeps its prior, and changes nothing at that cadence.
+exponent of `WalkerParams` on the length of the walk. x_ref is the mean of x over the walks, weighted by what they
+tell. The noise is the deviation of a walk from its walker (`SIGMA_WALK`) and the error of the observation. The priors
+of scale s and exponent e are normal, s about 0 and e about `MEAN_EXPONENT`. Walks of one cadence determine the scale
+alone: the exponent then keeps its prior, and changes nothing at that cadence.
 
 The exponent depends on cadence, and its prior mean is not 0, because within a person step length rises with cadence.
 Their ratio, the walk ratio, is nearly constant, and MMPDR eq. 9 has the square root. The default model follows this
@@ -20,23 +21,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pdr_est.config import Config
-from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.cadence import PaceMeter
 from pdr_est.front_end.step_length.walker import LEAST_SCALE, MOST_SCALE, walking_cadence_hz
-from pdr_est.pipeline import DeviceWalk, estimate_tracks
-from pdr_est.types.measurements import PositionFix
 from pdr_est.types.steps import Step
 
 SIGMA_LOG_SCALE = OdometryParams().sigma_length_scale  # of people, each over the model
-_SIGMA_OPEN_SCALE = 10.0 * SIGMA_LOG_SCALE  # so large that the prior hardly matters, and no scale counts as unusual
 MEAN_EXPONENT, SIGMA_EXPONENT = 0.3, 0.2  # of people's length over the model, by cadence
 SIGMA_WALK = 0.05  # of one person's walks, in the logarithm of their length
 SIGMA_LOG_CADENCE = 0.15  # of one person's ordinary walks, in the logarithm of their cadence
-_LARGEST_SIGMA_OF_FIXES = 0.2
 
 
 @dataclass(frozen=True)
@@ -152,37 +148,9 @@ def observe_distance(steps: Sequence[CalibrationSteps], distance_m: float, place
     """
     if not (math.isfinite(distance_m) and distance_m > 0.0):
         raise RecordingError(f"{place}: a distance of {distance_m:g} m: give the length of the way in metres")
-    length_m = _mean_length_m(steps, place)
-    _refuse_scale(distance_m / length_m, place, f"{length_m:.1f} m by its steps and {distance_m:g} m as given")
+    length_m = mean_length_m(steps, place)
+    refuse_scale(distance_m / length_m, place, f"{length_m:.1f} m by its steps and {distance_m:g} m as given")
     return observe_scale(steps, distance_m / length_m)
-
-
-def observe_fixes(
-    walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix], place: str
-) -> ScaleObservation:
-    """Observe the scale of a walk with position fixes, by the configured smoother without its prior.
-
-    Raises
-    ------
-    ConfigError
-        For an estimator that does not use fixes.
-    RecordingError
-        Without a step, if the fixes hardly determine the scale, or if it is out of range. Errors of
-        `pipeline.estimate_tracks` are passed on.
-    """
-    if not config.estimator.make().spec.uses_fixes:
-        raise ConfigError(
-            f"estimator.name = {config.estimator.name}: makes no use of fixes: choose ekf or factor-graph, or give "
-            "the distance"
-        )
-    steps = [CalibrationSteps.from_steps(walk.steps) for walk in walks]
-    _mean_length_m(steps, place)
-    open_scale = replace(config, odometry=replace(config.odometry, sigma_length_scale=_SIGMA_OPEN_SCALE))
-    found = [_scale_from_fixes_alone(walk, open_scale, fixes, place) for walk in walks]
-    scale = float(np.mean([value for value, _ in found]))
-    _refuse_scale(scale, place, f"the fixes make the steps {scale:.2f} times as long")
-    # The devices are carried along one way past the same fixes: together they know little more than one.
-    return observe_scale(steps, scale, max(sigma for _, sigma in found) / scale)
 
 
 def observe_scale(steps: Sequence[CalibrationSteps], scale: float, sigma: float = 0.0) -> ScaleObservation:
@@ -206,57 +174,48 @@ def observe_scale(steps: Sequence[CalibrationSteps], scale: float, sigma: float 
     )
 
 
-def fit_calibration(observations: Sequence[ScaleObservation]) -> Calibration:
-    """Compute the posterior of a walker's constants from at least one walk."""
+def fit_calibration(observations: Sequence[ScaleObservation], sigma_walk: float = SIGMA_WALK) -> Calibration:
+    """Compute the posterior of a walker's constants from at least one walk.
+
+    Parameters
+    ----------
+    observations : sequence of ScaleObservation
+        What the walks show.
+    sigma_walk : float
+        Standard deviation of the logarithm of a walk's scale about that of the walker; larger for walks of several
+        people who are described by one set of constants.
+    """
     log_cadence = np.array([seen.log_cadence for seen in observations])
-    reference = float(log_cadence.mean())
+    weight = 1.0 / (sigma_walk**2 + np.array([seen.sigma for seen in observations]) ** 2)
+    reference = float(np.average(log_cadence, weights=weight))
     away = log_cadence - reference
     design = np.column_stack([np.ones(len(away)), away])
     prior_mean = np.array([0.0, MEAN_EXPONENT])
     prior = np.diag([SIGMA_LOG_SCALE**-2, SIGMA_EXPONENT**-2])
-    weight = 1.0 / (SIGMA_WALK**2 + np.array([seen.sigma for seen in observations]) ** 2)
     covariance = np.asarray(np.linalg.inv(prior + design.T * weight @ design), dtype=np.float64)
     log_ratio = np.array([seen.log_ratio for seen in observations])
     mean = covariance @ (prior @ prior_mean + design.T @ (weight * log_ratio))
-    next_away = SIGMA_LOG_CADENCE**2 + float(np.mean(away**2))
+    next_away = SIGMA_LOG_CADENCE**2 + float(np.average(away**2, weights=weight))
     return Calibration(
         mean=mean,
         covariance=covariance,
         reference_cadence_hz=walking_cadence_hz(math.exp(reference)),  # rounded, not beyond the bounds
-        sigma_next=math.sqrt(SIGMA_WALK**2 + covariance[0, 0] + covariance[1, 1] * next_away),
+        sigma_next=math.sqrt(sigma_walk**2 + covariance[0, 0] + covariance[1, 1] * next_away),
     )
 
 
-def _mean_length_m(steps: Sequence[CalibrationSteps], place: str) -> float:
+def mean_length_m(steps: Sequence[CalibrationSteps], place: str) -> float:
+    """Compute the length of the way, m, as the mean over the devices; raise RecordingError without a step."""
     lengths_m = [float(device.length_m.sum()) for device in steps]
     if not lengths_m or min(lengths_m) <= 0.0:
         raise RecordingError(f"{place}: no step found: nothing to calibrate with; leave this walk out")
     return float(np.mean(lengths_m))
 
 
-def _refuse_scale(scale: float, place: str, description: str) -> None:
+def refuse_scale(scale: float, place: str, description: str) -> None:
+    """Raise RecordingError for a scale that nobody has: it is an error of units, or of the recording."""
     if not LEAST_SCALE <= scale <= MOST_SCALE:
         raise RecordingError(
             f"{place}: {description}, a scale of {scale:.2f} that is not between {LEAST_SCALE:g} and "
             f"{MOST_SCALE:g}: give metres, and the whole way of this recording"
         )
-
-
-def _scale_from_fixes_alone(
-    walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], place: str
-) -> tuple[float, float]:
-    """Estimate the scale from the fixes alone, with its sigma.
-
-    The smoother's posterior less its prior, normal about 1.
-
-    The prior enters again in `fit_calibration`, once for all walks.
-    """
-    track = estimate_tracks([walk], config, fixes)
-    prior = config.odometry.sigma_length_scale**-2
-    both = track.sigma_length_scale**-2
-    sigma = math.inf if both <= prior else (both - prior) ** -0.5
-    if sigma > _LARGEST_SIGMA_OF_FIXES:
-        raise RecordingError(
-            f"{place}: its fixes hardly determine the step length: give fixes farther apart, or the distance"
-        )
-    return (both * track.length_scale - prior) / (both - prior), sigma

@@ -65,6 +65,7 @@ _START = "after moving the first true position onto the track and turning to the
 _HELD = "of a track that was given the other true positions as fixes"
 _GPS = "of a track whose only fixes are the GPS positions in the recording"
 _NORTH = "of a track that was given the first true position, and whose direction comes from the phone's north"
+_PROFILE = "with the step length learnt from sparse fixes of the other walks of the person, or of the place"
 _CALIBRATED = "after calibrating the walker on other walks of the set"
 
 DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
@@ -149,6 +150,12 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
         "distance_error_calibrated": Metric(f"distance_error {_CALIBRATED}."),
         "stride_error_calibrated": Metric(f"stride_error {_CALIBRATED}."),
         "stride_error_by_time_calibrated": Metric(f"stride_error_by_time {_CALIBRATED}."),
+        "ate_rigid_profile_m": Metric(f"ate_rigid_m {_PROFILE}."),
+        "length_ratio_profile": Metric(f"length_ratio {_PROFILE}.", 1.0),
+        "scale_coverage68_profile": Metric(
+            f"Whether length_ratio_profile is right within the profile's own standard deviation, {_PROFILE}.",
+            0.68,
+        ),
         "scale_coverage68_calibrated": Metric(f"scale_coverage68 {_CALIBRATED}.", 0.68),
     }
 )

@@ -30,6 +30,9 @@ class AnalysedWalk:
     protocol : HeldOutProtocol, optional
         Rule that selects the true positions which the estimator gets as fixes; without it there are no fixes.
 
+    learns : bool
+        True if the walk also shows its walker's length scale, for metrics of other walks.
+
     Attributes
     ----------
     seconds : float
@@ -47,6 +50,7 @@ class AnalysedWalk:
         config: Config,
         front_end_seconds: float = 0.0,
         protocol: HeldOutProtocol | None = None,
+        learns: bool = False,
     ) -> None:
         self.recording = recording
         self.devices = tuple(devices)
@@ -54,6 +58,7 @@ class AnalysedWalk:
         self.seconds = front_end_seconds
         self.tracks: list[tuple[tuple[PositionFix, ...], Track]] = []
         self.fixed_tracks: dict[str, Track] = {}
+        self.learns = learns
         self._protocol = protocol
 
     @property

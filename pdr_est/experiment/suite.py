@@ -48,8 +48,8 @@ class CalibrationCase(Protocol):
     """A scored walk as it takes part in the calibration of its walker; it is sent between processes."""
 
     @property
-    def observation(self) -> ScaleObservation:
-        """Return what the walk says about its walker, for the calibration of other walks."""
+    def observation(self) -> ScaleObservation | None:
+        """Return what the walk says about its walker, for the calibration of other walks; None if it is nothing."""
 
     def errors(self, calibration: Calibration) -> Mapping[str, float]:
         """Compute the metrics of this walk, by name, with the constants of a calibrated walker."""
@@ -115,6 +115,22 @@ def nothing_beside(_path: Path) -> Truth:
     return Truth()
 
 
+@dataclass(frozen=True)
+class ProfileGroup:
+    """Walks that learn from each other.
+
+    Attributes
+    ----------
+    name : str
+        Name of the group.
+    sigma_walk : float
+        Standard deviation of the logarithm of a walk's length scale about that of the group.
+    """
+
+    name: str
+    sigma_walk: float
+
+
 def as_recorded(recording: Recording) -> Recording:
     """Return the recording unchanged: `Suite.prepare` of most suites."""
     return recording
@@ -146,6 +162,9 @@ class Suite:
         Number of other walks on which the walker is calibrated for the metrics `calibrated`.
     calibrated : tuple of str
         Metrics after that calibration.
+    profile_group : Callable or None
+        Finds the group of a walk, by its row, for the metrics `calibrated` after learning from all other walks of
+        the group (`scoring.profiles`); it returns None for a walk of nobody known.
     confusions : Callable
         Computes the confusion matrices, by name, from the rows of one variant.
     """
@@ -160,4 +179,5 @@ class Suite:
     fixes: FixesProtocol | None = None
     calibrated_on: int = 0
     calibrated: tuple[str, ...] = ()
+    profile_group: Callable[[TrackOutcome], ProfileGroup | None] | None = None
     confusions: Callable[[Sequence[TrackOutcome]], Mapping[str, ConfusionMatrix]] = no_confusions

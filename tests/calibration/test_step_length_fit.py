@@ -1,13 +1,11 @@
 """Calibration: the exact posterior, what is learnt from which walks, and what no walk can be."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from pdr_est import pipeline
 from pdr_est.calibration.step_length_fit import (
     MEAN_EXPONENT,
     SIGMA_EXPONENT,
@@ -18,15 +16,11 @@ from pdr_est.calibration.step_length_fit import (
     ScaleObservation,
     fit_calibration,
     observe_distance,
-    observe_fixes,
 )
 from pdr_est.config import Config, config_from_dict, config_to_dict
-from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.errors import RecordingError
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.walker import walking_cadence_hz
-from pdr_est.simulate import Scenario, simulate_walk
-from pdr_est.simulate.walker.walking_path import PathParams
-from pdr_est.types.measurements import PositionFix
 
 
 def paced(length_m: float = 0.7, n: int = 10, cadence_hz: float = 2.0) -> CalibrationSteps:
@@ -43,14 +37,16 @@ def test_the_posterior_is_that_of_least_squares_with_the_prior_as_rows() -> None
     y, sigma, x = rng.normal(0.1, 0.1, 6), rng.uniform(0.0, 0.1, 6), rng.uniform(0.0, 0.9, 6)
     found = fit_calibration([ScaleObservation(*row) for row in zip(y, sigma, x, strict=True)])
     noise = np.hypot(SIGMA_WALK, sigma)
-    rows = np.column_stack([1.0 / noise, (x - x.mean()) / noise])
+    middle = np.average(x, weights=noise**-2)
+    rows = np.column_stack([1.0 / noise, (x - middle) / noise])
     rows = np.vstack([rows, [1.0 / SIGMA_LOG_SCALE, 0.0], [0.0, 1.0 / SIGMA_EXPONENT]])
     answer = np.linalg.lstsq(rows, np.concatenate([y / noise, [0.0, MEAN_EXPONENT / SIGMA_EXPONENT]]), rcond=None)[0]
     covariance = np.linalg.inv(rows.T @ rows)
     assert_allclose(found.mean, answer, rtol=1e-10)
-    assert_allclose(found.covariance, covariance, rtol=1e-10)
-    assert found.reference_cadence_hz == pytest.approx(math.exp(x.mean()))
-    spread = covariance[0, 0] + covariance[1, 1] * (x.var() + SIGMA_LOG_CADENCE**2) + SIGMA_WALK**2
+    assert_allclose(found.covariance, covariance, rtol=1e-10, atol=1e-15)
+    assert found.reference_cadence_hz == pytest.approx(math.exp(middle))
+    apart = np.average((x - middle) ** 2, weights=noise**-2)
+    spread = covariance[0, 0] + covariance[1, 1] * (apart + SIGMA_LOG_CADENCE**2) + SIGMA_WALK**2
     assert found.sigma_next == pytest.approx(math.sqrt(spread))
 
 
@@ -165,57 +161,3 @@ def test_a_part_of_a_step_counts_for_its_part() -> None:
     part = paced(n=2).weighted(np.array([0.5, 0.0]))
     assert_allclose(part.length_m, [0.35, 0.0])
     assert_allclose(part.end_s - part.start_s, [0.25, 0.0])
-
-
-# --- fixes -------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def simulated():
-    """A walk on three sides of a rectangle, its front end's findings, and its true positions as fixes."""
-    scenario = Scenario(path=PathParams(vertices_m=((0.0, 0.0), (25.0, 0.0), (25.0, 15.0), (0.0, 15.0))))
-    recording = simulate_walk(scenario).recording
-    truth = recording.truth.positions
-    assert truth is not None
-    fixes = [
-        PositionFix(float(truth.time_s[i]), truth.position_m[i], np.eye(2) * 0.1**2)
-        for i in np.linspace(0, len(truth.time_s) - 1, 8).astype(int)
-    ]
-    length_m = float(np.linalg.norm(np.diff(truth.position_m, axis=0), axis=1).sum())
-    return pipeline.analyse_recording(recording, Config()), fixes, length_m
-
-
-def test_fixes_tell_the_scale_that_the_length_of_the_way_tells(simulated) -> None:
-    walks, fixes, length_m = simulated
-    by_length = observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], length_m, "walk")
-    by_fixes = observe_fixes(walks, Config(), fixes, "walk")
-    assert 0.0 < by_fixes.sigma < 0.05
-    assert by_fixes.log_ratio == pytest.approx(by_length.log_ratio, abs=0.03)
-    assert by_fixes.log_cadence == by_length.log_cadence
-
-
-def test_what_is_expected_of_people_does_not_count_twice(simulated) -> None:
-    """Vague fixes of somebody with longer steps: the prior pulls the smoother's scale, but not the observation."""
-    walks, fixes, _ = simulated
-    vague = [replace(fix, position_m=1.25 * fix.position_m, covariance_m2=np.eye(2) * 2.0**2) for fix in fixes]
-
-    def smoother(sigma: float) -> float:
-        config = Config(odometry=replace(Config().odometry, sigma_length_scale=sigma))
-        return pipeline.estimate_tracks(walks, config, vague).length_scale
-
-    scale = math.exp(observe_fixes(walks, Config(), vague, "walk").log_ratio)
-    assert scale - smoother(SIGMA_LOG_SCALE) > 0.02
-    assert scale == pytest.approx(smoother(10.0 * SIGMA_LOG_SCALE), abs=0.01)
-
-
-def test_an_estimator_without_fixes_cannot_tell_the_scale(simulated) -> None:
-    walks, fixes, _ = simulated
-    with pytest.raises(ConfigError, match=r"estimator\.name = dead-reckoning: makes no use of fixes: choose ekf"):
-        observe_fixes(walks, Config().with_estimator("dead-reckoning"), fixes, "walk")
-    assert observe_fixes(walks, Config().with_estimator("ekf"), fixes, "walk").sigma < 0.1
-
-
-def test_fixes_that_tell_nothing_are_refused(simulated) -> None:
-    walks, fixes, _ = simulated
-    with pytest.raises(RecordingError, match="walk: its fixes hardly determine the step length"):
-        observe_fixes(walks, Config(), fixes[:1], "walk")

@@ -9,9 +9,11 @@ import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import refused, run, smoothed
 
-from pdr_est.calibration.profile import Profile, load_profile
+from pdr_est.calibration.profile import Profile
+from pdr_est.calibration.profile_file import load_profile
 from pdr_est.calibration.step_length_fit import MEAN_EXPONENT
 from pdr_est.config import Config
+from pdr_est.front_end.step_length import LAW_OF_AUTO
 
 
 def profile_of(*arguments: object, out: Path) -> Profile:
@@ -42,7 +44,7 @@ def by_distance(good: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_what_stands_in_the_profile(by_distance: Path) -> None:
     profile = load_profile(by_distance)
-    assert (profile.note.recordings, profile.note.distances_m) == (1, (15.0,))
+    assert [walk.distance_m for walk in profile.walks] == [15.0]
     assert (profile.note.step_length, profile.note.detector) == (Config().step_length, "auto")
     assert 1.05 < profile.walker.length_scale < 1.35
     assert profile.walker.cadence_exponent == pytest.approx(MEAN_EXPONENT)  # one walk does not tell it
@@ -59,11 +61,11 @@ def test_smooth_uses_the_profile_and_says_so(by_distance: Path, good: Path, tmp_
     assert own["length_scale"]["sigma"] == pytest.approx(profile.sigma_length_scale)
     assert "steps of the profile" in own["length_scale"]["meaning"]
     assert plain["profile"] is None
-    assert own["profile"]["walker"]["length_scale"] == profile.walker.length_scale
-    assert own["profile"]["note"]["date"] == profile.note.date.isoformat()
+    assert own["profile"]["learnt"]["length_scale"] == profile.walker.length_scale
+    assert own["profile"]["profile"]["date"] == profile.note.date.isoformat()
     report = (tmp_path / "own" / "report.html").read_text(encoding="utf-8")
     assert "profile of the walker" in report
-    assert f"calibrated on 1 recording, {profile.note.date}" in report
+    assert f"learnt from 1 recording, {profile.note.date}" in report
     assert "profile of the walker" not in (tmp_path / "plain" / "report.html").read_text(encoding="utf-8")
 
 
@@ -77,9 +79,9 @@ def test_more_walks_and_the_options_of_the_body(good: Path, tmp_path: Path) -> N
     options = ("--length-model", "static", "--height", 1.6, "--gender", "female")
     out = tmp_path / "p.yaml"
     again = tmp_path / "again.csv"
-    again.write_bytes(good.read_bytes())
+    again.write_text("\n".join(good.read_text(encoding="utf-8").splitlines()[:-2]) + "\n", encoding="utf-8")
     profile = profile_of(good, again, "--distance", 14.0, "--distance", 14.0, *options, out=out)
-    assert (profile.walker.height_m, profile.walker.gender, profile.note.recordings) == (1.6, "female", 2)
+    assert (profile.walker.height_m, profile.walker.gender, len(profile.walks)) == (1.6, "female", 2)
     assert profile.note.step_length.model == "static"
     one = profile_of(good, "--distance", 14.0, *options, out=tmp_path / "one.yaml")
     assert one.sigma_length_scale > profile.sigma_length_scale
@@ -92,7 +94,7 @@ def test_fixes_give_the_scale_that_smoothing_with_them_finds(walk: Walk, good: P
     rows = [f"{walk.true_time_s[i] - shift_s},{1.2 * walk.true_m[i, 0]},{walk.true_m[i, 1]},0.05" for i in at]
     fixes = save(tmp_path / "fixes.csv", ["time_s,x_m,y_m,sigma_m", *rows])
     profile = profile_of(good, "--fixes", fixes, out=tmp_path / "p.yaml")
-    assert profile.note.distances_m == ()
+    assert [walk.distance_m for walk in profile.walks] == [None]
     smoothed(good, tmp_path / "out", "--fixes", fixes)
     scale = summary(tmp_path / "out")["length_scale"]
     assert scale["value"] == pytest.approx(profile.walker.length_scale, abs=0.06)
@@ -130,6 +132,10 @@ def test_a_walk_counts_once(good: Path, tmp_path: Path) -> None:
     detour = good.parent / ".." / good.parent.name / good.name
     line = calibrate_refused(tmp_path / "out", good, detour, "--distance", 12, "--distance", 12)
     assert line.startswith(f"{detour}: the same RECORDING is given twice: give each walk once")
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes(good.read_bytes())
+    line = calibrate_refused(tmp_path / "out2", good, copy, "--distance", 12, "--distance", 12)
+    assert line.startswith(f"{copy}: holds the same samples as a RECORDING before: give each walk once")
 
 
 def test_somebody_who_stands_cannot_be_calibrated(walk: Walk, tmp_path: Path) -> None:
@@ -144,7 +150,7 @@ def test_smooth_refuses_what_contradicts_the_profile(by_distance: Path, good: Pa
         return refused("smooth", good, "-o", tmp_path / "out", "--profile", *options)
 
     assert "made for walker.height_m = 1.73, but 1.9 is set" in line(by_distance, "--height", 1.9)
-    assert "made for step_length.model = auto, but kim is set" in line(by_distance, "--length-model", "kim")
+    assert f"made for step_length.model = {LAW_OF_AUTO}, but kim is set" in line(by_distance, "--length-model", "kim")
     assert "made for steps.detector = auto, but zero-crossing is set" in line(
         by_distance, "--detector", "zero-crossing"
     )

@@ -11,6 +11,7 @@ from pdr_est.experiment import SUITES, comparison_on_axis, run_benchmark
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.runners.score_variants import missing_reasons
 from pdr_est.experiment.scoring.known_start import START_METRICS
+from pdr_est.experiment.scoring.profiles import PROFILE_METRICS
 from pdr_est.experiment.suite import TrackScores
 from pdr_est.experiment.suites import ilc20, ipin2023
 from pdr_est.experiment.variants.axes import Comparison, Variant
@@ -110,7 +111,8 @@ def test_few_points_cost_the_heldout_metrics_only_and_the_reason_is_given_once(d
         assert walk["ate_rigid_m"] is not None
     assert document["summary"]["error_heldout_m"]["n"] == 0
     assert document["skipped"] == [
-        {"walk": "site1/F1/one", "reason": "error_heldout_m, coverage95, nees_mean: fewer than 5 truth points"}
+        {"walk": "site1/F1/one", "reason": "error_heldout_m, coverage95, nees_mean: fewer than 5 truth points"},
+        {"walk": "site1/F1/one", "reason": f"{', '.join(PROFILE_METRICS)}: no other walk of site1 to learn from"},
     ]
 
 

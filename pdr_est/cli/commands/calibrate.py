@@ -1,23 +1,17 @@
 """`pdr-est calibrate`: a person's own step length from walks of known length or with known positions."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import click
 
 from pdr_est import pipeline
-from pdr_est.calibration.profile import Profile, ProfileNote, profile_to_yaml
-from pdr_est.calibration.step_length_fit import (
-    Calibration,
-    CalibrationSteps,
-    ScaleObservation,
-    fit_calibration,
-    observe_distance,
-    observe_fixes,
-)
+from pdr_est.calibration.learning import walk_record
+from pdr_est.calibration.profile import LearntWalk, Profile, new_profile
+from pdr_est.calibration.profile_file import profile_to_yaml
+from pdr_est.calibration.scale_by_fixes import observe_fixes, without_personal_constants
+from pdr_est.calibration.step_length_fit import CalibrationSteps, observe_distance
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.fix_options import RECORDED, load_fixes
 from pdr_est.cli.options import (
@@ -29,8 +23,8 @@ from pdr_est.cli.options import (
     overwrite_option,
     resolve_config,
 )
+from pdr_est.cli.profile_options import describe_profile
 from pdr_est.config import Config
-from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.io import read
 from pdr_est.io.writers.atomic_output import staged_file
 
@@ -73,7 +67,7 @@ def calibrate_command(
     if bool(distances_m) == bool(fixes):
         raise click.UsageError("give either --distance or --fixes")
     _refuse_repetition(recordings)
-    config = _without_personal_constants(resolve_config(config_file, **settings))
+    config = without_personal_constants(resolve_config(config_file, **settings))
     tables = [Path(choice) for choice in fixes if choice != RECORDED]
     with staged_file(output, overwrite, [*given_paths(*recordings, config_file), *tables]) as file:
         if distances_m:
@@ -83,15 +77,9 @@ def calibrate_command(
             choices = fixes * len(recordings) if fixes == (RECORDED,) else fixes
             _refuse_wrong_count("--fixes", len(choices), len(recordings))
             seen = [_by_fixes(*pair, config) for pair in zip(recordings, choices, strict=True)]
-        found = fit_calibration(seen)
-        file.write_text(profile_to_yaml(_profile(found, config, distances_m, len(recordings))), encoding="utf-8")
-    click.echo(f"{_describe(found, seen)} -> {output}")
-
-
-def _without_personal_constants(config: Config) -> Config:
-    """Remove the constants of an earlier calibration."""
-    body = WalkerParams(height_m=config.walker.height_m, gender=config.walker.gender)
-    return replace(config, walker=body)
+        profile = _profile(config, recordings, seen)
+        file.write_text(profile_to_yaml(profile), encoding="utf-8")
+    click.echo(f"{describe_profile(profile)} -> {output}")
 
 
 def _refuse_repetition(recordings: Sequence[Path]) -> None:
@@ -108,36 +96,28 @@ def _refuse_wrong_count(option: str, count: int, recordings: int) -> None:
         )
 
 
-def _by_distance(path: Path, distance_m: float, config: Config) -> ScaleObservation:
+def _by_distance(path: Path, distance_m: float, config: Config) -> LearntWalk:
     recording = read(path)
     with prefix_errors(path):
         walks = pipeline.analyse_recording(recording, config)
-    return observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], distance_m, str(path))
+    seen = observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], distance_m, str(path))
+    return walk_record(recording, seen, distance_m)
 
 
-def _by_fixes(path: Path, choice: str, config: Config) -> ScaleObservation:
+def _by_fixes(path: Path, choice: str, config: Config) -> LearntWalk:
     recording = read(path)
     fixes = load_fixes(choice, recording, path)
     with prefix_errors(path):
         walks = pipeline.analyse_recording(recording, config)
         # The place is named by `prefix_errors`, which knows the errors of the smoother as well.
-        return observe_fixes(walks, config, fixes, recording.name)
+        return walk_record(recording, observe_fixes(walks, config, fixes, recording.name))
 
 
-def _profile(found: Calibration, config: Config, distances_m: Sequence[float], recordings: int) -> Profile:
-    note = ProfileNote(
-        step_length=config.step_length,
-        detector=config.steps.detector,
-        recordings=recordings,
-        date=datetime.now(UTC).date(),
-        distances_m=tuple(distances_m),
-    )
-    return Profile(note=note, walker=found.walker(config.walker), sigma_length_scale=found.sigma_next)
-
-
-def _describe(found: Calibration, seen: Sequence[ScaleObservation]) -> str:
-    """Describe the calibration in one line."""
-    walker = found.walker(WalkerParams())
-    words = f"length scale {walker.length_scale:.3f} from {len(seen)} walk{'s' if len(seen) > 1 else ''}"
-    words += f" at {walker.reference_cadence_hz:.2f} steps/s, cadence exponent {walker.cadence_exponent:+.2f}"
-    return f"{words}; the next walk's length is known to {100.0 * found.sigma_next:.1f} %"
+def _profile(config: Config, recordings: Sequence[Path], seen: Sequence[LearntWalk]) -> Profile:
+    """Make the profile; raise UsageError for two files with the same samples."""
+    profile = new_profile(config)
+    for path, walk in zip(recordings, seen, strict=True):
+        if profile.knows(walk.sha256):
+            raise click.UsageError(f"{path}: holds the same samples as a RECORDING before: give each walk once")
+        profile = profile.with_walk(walk)
+    return profile

@@ -7,11 +7,12 @@ from typing import Any
 import click
 
 from pdr_est import pipeline
-from pdr_est.calibration.profile import Profile, load_profile
+from pdr_est.calibration.profile import LearntWalk, apply_profile
 from pdr_est.cli.clock_options import apply_clock_messages, apply_clock_options, clock_options
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import load_fixes
-from pdr_est.cli.options import PATH, config_option, estimation_options, resolve_config
+from pdr_est.cli.fix_options import RECORDED, load_fixes
+from pdr_est.cli.options import PATH, config_option, estimation_options, given_paths, resolve_config
+from pdr_est.cli.profile_options import NO_PROFILE, WalkersProfile
 from pdr_est.cli.progress import ProgressBar, progress_bar
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config
@@ -27,7 +28,16 @@ from pdr_est.preprocessing.merge import merge_recordings
 @click.option(
     "--fixes", metavar="FILE.csv|recording", help="Known positions: a table, or those in the recording itself."
 )
-@click.option("--profile", type=PATH, metavar="FILE.yaml", help="Profile of the walker, made by `pdr-est calibrate`.")
+@click.option(
+    "--profile",
+    type=PATH,
+    metavar="FILE.yaml",
+    help="Profile of the walker's own step length; with --learn it is made if there is none.",
+)
+@click.option("--learn", is_flag=True, help="Add to the profile what this walk tells of the step length.")
+@click.option(
+    "--distance", "distance_m", type=float, metavar="M", help="True length of the way in metres, for --learn."
+)
 @config_option
 @estimation_options
 @clock_options
@@ -38,6 +48,8 @@ def smooth_command(
     output: Path,
     fixes: str | None,
     profile: Path | None,
+    learn: bool,
+    distance_m: float | None,
     clock: ClockMethod | None,
     clock_offsets: tuple[tuple[str, float], ...],
     messages: Path | None,
@@ -49,14 +61,20 @@ def smooth_command(
 
     Give several recordings for devices that one person carried at the same time.
     """
-    walker = None if profile is None else load_profile(profile)
-    config = apply_clock_options(resolve_config(**settings, profile=walker), clock, clock_offsets, messages)
-    with progress_bar("reading", total=4, quiet=quiet) as bar, staged_folder(output, overwrite) as folder:
-        summary = smooth_into(folder, recordings, fixes, config, bar, walker, messages)
+    own = WalkersProfile.of_options(profile, learn, distance_m)
+    config = apply_clock_options(resolve_config(**settings, profile=own.profile), clock, clock_offsets, messages)
+    tables = [] if fixes in (None, RECORDED) else [Path(str(fixes))]
+    inputs = given_paths(*recordings, settings["config_file"], messages, *tables)
+    with own.saved(config, inputs) as save, progress_bar("reading", total=4, quiet=quiet) as bar:
+        with staged_folder(output, overwrite) as folder:
+            summary, walk = smooth_into(folder, recordings, fixes, config, bar, messages, own)
+        words = save(walk)
     for warning in summary["warnings"]:
         click.echo(f"warning: {warning}", err=True)
     if not quiet:
         click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {output / 'report.html'}")
+        for line in words:
+            click.echo(line)
 
 
 def smooth_into(
@@ -65,9 +83,9 @@ def smooth_into(
     fixes: str | None,
     config: Config,
     bar: ProgressBar,
-    profile: Profile | None = None,
     messages: Path | None = None,
-) -> dict[str, Any]:
+    own: WalkersProfile = NO_PROFILE,
+) -> tuple[dict[str, Any], LearntWalk | None]:
     """Read, smooth and write the recordings of one walk.
 
     Parameters
@@ -79,29 +97,34 @@ def smooth_into(
     fixes : str or None
         Value of the option `--fixes`.
     config : Config
-        Configuration.
+        Configuration, with the constants of the profile.
     bar : ProgressBar
         Progress bar.
-    profile : Profile or None
-        Profile that the configuration was made with.
     messages : Path or None
         Table of messages by which the devices compared their clocks.
+    own : WalkersProfile
+        Profile of the walker, and whether it learns this walk.
 
     Returns
     -------
-    dict
+    summary : dict
         The summary.
+    walk : LearntWalk or None
+        What a profile that learns gets from this walk, if there is anything.
     """
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
     recorded = apply_clock_messages(merge_recordings([read(path) for path in paths]), messages)
     known = load_fixes(fixes, recorded, paths[0])
+    prior = own.prior_of(recorded, known)
+    config = config if prior is None else apply_profile(config, prior)
     bar.start_part("smoothing")
     with prefix_errors(", ".join(map(str, paths))):
         walk = pipeline.smooth_recording(recorded, config, known)
+        learnt = own.learnt_from(recorded, config, known)
     bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
-    return write_results(folder, walk, recorded, config, digests, profile)
+    return write_results(folder, walk, recorded, config, digests, prior), learnt
 
 
 def _digests(path: Path, several: bool) -> dict[str, str]:

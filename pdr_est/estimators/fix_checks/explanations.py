@@ -21,7 +21,8 @@ LEAST_FIXES = 4
 """Fewer fixes of a source tell nothing about it as a whole."""
 
 _LOG_WRONG_HEADING, _LOG_UNUSUAL = log(0.02), log(0.01)  # of a given start heading, and of a length scale (ours)
-_SIGMA_UNUSUAL_SCALE = 0.2  # ours
+SIGMA_UNUSUAL_SCALE = 0.2
+"""Standard deviation of the length scale of a walk that shows an unusual one; ours."""
 _LOG_SHIFTED = log(0.05)  # of the clock of a source (our choice), whose error is then a few seconds, seldom more
 _SCALE_SHIFT_S = 3.0  # half of the clocks that are wrong; their errors have a Cauchy distribution
 SHIFT_STEP_S = 0.5
@@ -230,7 +231,7 @@ def _assumed(
     fixes = explanation.apply(section.compared)
     points, of_path = section.path_under(explanation.shifts(fixes))
     heading = None if explanation.heading_wrong else section.heading
-    sigma_scale = max(section.sigma_scale, _SIGMA_UNUSUAL_SCALE) if explanation.unusual_scale else section.sigma_scale
+    sigma_scale = max(section.sigma_scale, SIGMA_UNUSUAL_SCALE) if explanation.unusual_scale else section.sigma_scale
     common_m2 = explanation.step_factor**2 * of_path + spread_m2(explanation.common_m2(fixes, fixes))
     return fixes, points, common_m2, heading, sigma_scale
 
@@ -246,7 +247,7 @@ def further_explanations(section: Section, now: Explained) -> Iterator[Explanati
     known = now.explanation
     if section.heading is not None and not known.heading_wrong:
         yield replace(known, heading_wrong=True)
-    if not known.unusual_scale and 0.0 < section.sigma_scale < _SIGMA_UNUSUAL_SCALE:
+    if not known.unusual_scale and 0.0 < section.sigma_scale < SIGMA_UNUSUAL_SCALE:
         yield replace(known, unusual_scale=True)
     if known.step_factor == 1.0:
         yield from worse_steps(known)

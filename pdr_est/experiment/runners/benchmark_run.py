@@ -15,6 +15,7 @@ from pdr_est.experiment.results.walk_result import Failure, WalkResult
 from pdr_est.experiment.runners.processes import run_in_processes
 from pdr_est.experiment.runners.scoring_job import scoring_job
 from pdr_est.experiment.scoring.calibrated import with_calibrated
+from pdr_est.experiment.scoring.profiles import with_profiles
 from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.variants.axes import Comparison
@@ -108,12 +109,12 @@ def _collected(
     suite: Suite, comparison: Comparison, walks: Sequence[Walk], results: Sequence[WalkResult]
 ) -> BenchmarkResult:
     """Join the results of all walks, and add the metrics that need the other walks."""
-    rows, uncalibrated = with_calibrated(
-        [row for result in results for row in result.tracks],
-        [case for result in results for case in result.calibration_cases],
-        suite.calibrated_on,
-        suite.calibrated,
-    )
+    scored = [row for result in results for row in result.tracks]
+    cases = [case for result in results for case in result.calibration_cases]
+    if suite.profile_group is not None:
+        rows, uncalibrated = with_profiles(scored, cases, suite.profile_group)
+    else:
+        rows, uncalibrated = with_calibrated(scored, cases, suite.calibrated_on, suite.calibrated)
     failures = [Failure(one.walk, _without_name(one)) for result in results for one in result.failures]
     failures += [Failure(walk, reason) for walk, reason in uncalibrated.items()]
     return BenchmarkResult(

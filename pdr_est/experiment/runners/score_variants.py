@@ -58,7 +58,8 @@ def score_variants(
             walk = AnalysedWalk(recording, (), variant.config)
             yield ScoredVariant(variant, walk, (), (f"{variant.name}: {devices}",))
             continue
-        walk = AnalysedWalk(recording, devices, variant.config, seconds, protocol)
+        learns = suite.profile_group is not None
+        walk = AnalysedWalk(recording, devices, variant.config, seconds, protocol, learns)
         try:
             scores = suite.score(walk)
         except EstimationError as error:

@@ -41,7 +41,10 @@ def with_calibrated(
         others = [
             other
             for candidate, other in zip(rows, cases, strict=True)
-            if other is not None and candidate.walk != row.walk and candidate.variant == row.variant
+            if other is not None
+            and other.observation is not None
+            and candidate.walk != row.walk
+            and candidate.variant == row.variant
         ]
         if len(others) < number:
             missing[row.walk] = f"{', '.join(metrics)}: fewer than {number} other walks to calibrate on"
@@ -56,7 +59,7 @@ def calibrated_metrics(case: CalibrationCase, others: Sequence[CalibrationCase],
     A calibration sees nothing of the walk itself, and no choice is preferred.
     """
     errors = [
-        case.errors(fit_calibration([other.observation for other in chosen]))
+        case.errors(fit_calibration([seen for other in chosen if (seen := other.observation) is not None]))
         for chosen in combinations(others, number)
     ]
     return {name: float(np.mean([found[name] for found in errors])) for name in errors[0]}

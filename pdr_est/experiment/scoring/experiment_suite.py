@@ -40,7 +40,7 @@ def experiment_suite(suite: Suite | None, fixes: FixesProtocol) -> Suite:
         open_metrics = tuple(name for name in metrics if name in OPEN_METRICS)
         others = tuple(name for name in metrics if name not in (*OPEN_METRICS, *HELDOUT_METRICS))
         metrics = (*open_metrics, *held_out, *others)
-    return replace(suite, metrics=metrics, calibrated_on=0, calibrated=())
+    return replace(suite, metrics=metrics, calibrated_on=0, calibrated=(), profile_group=None)
 
 
 def _score_known_truth(walk: AnalysedWalk) -> list[TrackScores]:

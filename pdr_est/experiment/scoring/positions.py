@@ -7,6 +7,7 @@ from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_e
 from pdr_est.evaluate.time_association import Association, associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.held_out import HeldOut
+from pdr_est.experiment.scoring.profiles import profile_part
 from pdr_est.experiment.scoring.track_scores import MetricPart, score_tracks
 from pdr_est.experiment.suite import TrackScores
 from pdr_est.types.ground_truth import TruePositions
@@ -73,7 +74,10 @@ def position_parts(walk: AnalysedWalk, name: str, track: Track, truth: TruePosit
         )
     counts = {"truth_points": len(pairs), "truth_points_not_scored": pairs.not_scored}
     open_part = MetricPart(open_metrics(own, pairs, truth.source), counts)
-    return [open_part] if held_out is None else [open_part, _held_out_part(walk, name, pairs, held_out)]
+    if held_out is None:
+        return [open_part]
+    learning = [profile_part(walk, name, pairs, held_out, open_part.values["length_ratio"])] if walk.learns else []
+    return [open_part, _held_out_part(walk, name, pairs, held_out), *learning]
 
 
 def _held_out_part(walk: AnalysedWalk, name: str, pairs: Association, held_out: HeldOut) -> MetricPart:

@@ -9,7 +9,7 @@ from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate.carrying_modes import mode_shares, step_durations_s
 from pdr_est.evaluate.position_errors import mode_accuracy
 from pdr_est.experiment.analysed_walk import AnalysedWalk
-from pdr_est.experiment.suite import TrackScores
+from pdr_est.experiment.suite import CalibrationCase, TrackScores
 from pdr_est.frames import Array
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import TrueModes, Truth
@@ -25,7 +25,7 @@ class MetricPart:
 
     Attributes
     ----------
-    values, counts, missing, predicted : Mapping
+    values, counts, missing, predicted, calibration
         As in `suite.TrackScores`.
     """
 
@@ -33,6 +33,7 @@ class MetricPart:
     counts: Mapping[str, int] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
     predicted: Mapping[str, int] = field(default_factory=dict)
+    calibration: CalibrationCase | None = None
 
 
 def device_scores(walk: AnalysedWalk, device: DeviceWalk, *parts: MetricPart) -> TrackScores:
@@ -76,6 +77,7 @@ def track_scores(track: str, mode: str, *parts: MetricPart) -> TrackScores:
         counts={name: count for part in parts for name, count in part.counts.items()},
         missing={name: reason for part in parts for name, reason in part.missing.items()},
         predicted={label: steps for part in parts for label, steps in part.predicted.items()},
+        calibration=next((part.calibration for part in parts if part.calibration is not None), None),
     )
 
 

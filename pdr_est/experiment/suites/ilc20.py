@@ -7,6 +7,7 @@ from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.known_start import START_METRICS, start_part
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, position_parts, true_positions
+from pdr_est.experiment.scoring.profiles import PROFILE_METRICS, uppermost_folder
 from pdr_est.experiment.scoring.track_scores import MODE_METRIC, mode_truth, score_tracks
 from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
 from pdr_est.types.steps import CarryingMode
@@ -29,8 +30,10 @@ def _score(walk: AnalysedWalk) -> list[TrackScores]:
 SUITE = Suite(
     name="ilc20",
     folder="ilc20",
-    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, *START_METRICS, MODE_METRIC),
+    metrics=(*OPEN_METRICS, *HELDOUT_METRICS, *PROFILE_METRICS, *START_METRICS, MODE_METRIC),
     find=_find,
     score=_score,
     fixes="heldout",
+    calibrated=PROFILE_METRICS,
+    profile_group=uppermost_folder,
 )

@@ -6,6 +6,7 @@ there is: positions, steps, the carrying mode, the speed of a treadmill. Walks o
 * With true positions: the errors of the track from the sensors alone, `heading_rms_deg` where the positions are dense
   enough for directions of travel, and the held-out metrics. Of recorded poses, one for every 5 m of way stands for a
   waypoint (`held_out.POSES_APART_M`); as they have no error, the fixes get one of 0.7 m.
+  `PROFILE_METRICS` say what the other walks of the person teach about the length of these.
 * With `step_ends_s`: `count_error`, `steps_missed` and `steps_extra` within the annotated spans; with `steps_true`
   alone, `count_error` of the whole recording.
 * With `speed_mps`: `speed_ratio`, the length of the track per duration of the recording over that speed.
@@ -22,6 +23,7 @@ from pdr_est.evaluate.time_association import associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS, position_parts
+from pdr_est.experiment.scoring.profiles import PROFILE_METRICS, person_or_folder
 from pdr_est.experiment.scoring.track_scores import (
     MODE_METRIC,
     MetricPart,
@@ -139,9 +141,11 @@ def _step_part(truth: Truth, step_s: Array) -> MetricPart:
 SUITE = Suite(
     name="walks",
     folder="walks",
-    metrics=(*_POSITION_METRICS, *SPAN_METRICS, MODE_METRIC, SPEED_METRIC),
+    metrics=(*_POSITION_METRICS, *PROFILE_METRICS, *SPAN_METRICS, MODE_METRIC, SPEED_METRIC),
     find=_find,
     score=_score,
     truth_beside=read_truth_beside,
     fixes="heldout",
+    calibrated=PROFILE_METRICS,
+    profile_group=person_or_folder,
 )

@@ -16,6 +16,7 @@ from pdr_est.parts import STAGE, is_external, named_part
 from pdr_est.stage import Stage
 
 __all__ = [
+    "LAW_OF_AUTO",
     "LENGTH_MODELS",
     "Gender",
     "HarmonicParams",
@@ -24,6 +25,7 @@ __all__ = [
     "StepLength",
     "StepLengthParams",
     "WalkerParams",
+    "length_law",
     "step_length_stage",
 ]
 
@@ -38,3 +40,12 @@ def step_length_stage(rate_hz: float, walker: WalkerParams, parameters: StepLeng
         own: Stage = named_part(parameters.model, parameters.parameters, STAGE, "step_length.model", offered)
         return own
     return StepLength(rate_hz, walker, parameters)
+
+
+LAW_OF_AUTO = "harmonic"
+"""Name of the law of step length that the model "auto" stands for. What was learnt with one law fits no other."""
+
+
+def length_law(parameters: StepLengthParams) -> str:
+    """Return the name of the model, and for "auto" that of the law that it stands for."""
+    return LAW_OF_AUTO if parameters.model == "auto" else parameters.model

@@ -89,7 +89,7 @@ def summarise(
         "devices": [_device_track(track.of_device(name)) for name in track.devices],
         "headings": [_heading(device, config_dict) for device in walk.devices],
         "length_scale": _length_scale(walk, profile),
-        "profile": profile,
+        "profile": None if profile is None else profile.to_dict(),
         "gait_model_sha256": gait_model_sha256,
         "start": start,
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],

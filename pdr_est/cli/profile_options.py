@@ -1,0 +1,125 @@
+"""The options `--profile`, `--learn` and `--distance` of `pdr-est smooth`."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from pdr_est.calibration.learning import learnt_walk, recording_digest
+from pdr_est.calibration.profile import LearntWalk, Profile, new_profile
+from pdr_est.calibration.profile_file import load_profile, profile_to_yaml
+from pdr_est.calibration.scale_by_fixes import without_personal_constants
+from pdr_est.config import Config
+from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.pipeline import analyse_recording
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import Recording
+
+Save = Callable[[LearntWalk | None], list[str]]
+"""Puts what a walk tells into the profile, and returns lines that say so."""
+
+
+@dataclass(frozen=True)
+class WalkersProfile:
+    """Profile of the walker in a run of `smooth`.
+
+    Attributes
+    ----------
+    profile : Profile or None
+        What is known of the walker before; None without a profile, and without a file of one that is to learn.
+    path : Path or None
+        File of the profile.
+    learns : bool
+        True if the profile learns the walk.
+    distance_m : float or None
+        True length of the way, m, to learn from.
+    """
+
+    profile: Profile | None = None
+    path: Path | None = None
+    learns: bool = False
+    distance_m: float | None = None
+
+    @classmethod
+    def of_options(cls, path: Path | None, learn: bool, distance_m: float | None) -> "WalkersProfile":
+        """Load the profile that the options name.
+
+        Raises UsageError for options that need another one, and ConfigError for a file that is no profile.
+        """
+        if learn and path is None:
+            raise click.UsageError("--learn needs --profile FILE.yaml, the profile that learns this walk")
+        if distance_m is not None and not learn:
+            raise click.UsageError("--distance is for --learn: give both, or leave the distance out")
+        if path is None or (learn and not path.exists()):
+            return cls(None, path, learn, distance_m)
+        return cls(load_profile(path), path, learn, distance_m)
+
+    def prior_of(self, recording: Recording, fixes: Sequence[PositionFix]) -> Profile | None:
+        """Return what is known of the walker before the walk.
+
+        A walk that was learnt from its fixes is left out where fixes are given again, as they must not count twice.
+        One that is being learnt is always left out, so that the result is the same each time.
+        """
+        if self.profile is None:
+            return None
+        sha256 = recording_digest(recording)
+        own = next((walk for walk in self.profile.walks if walk.sha256 == sha256), None)
+        twice = own is not None and (self.learns or (bool(fixes) and own.distance_m is None))
+        return self.profile.without(sha256) if twice else self.profile
+
+    def learnt_from(self, recording: Recording, config: Config, fixes: Sequence[PositionFix]) -> LearntWalk | None:
+        """Find what the walk tells a profile that learns; None if there is nothing, or none that does."""
+        if not self.learns or (not fixes and self.distance_m is None):
+            return None
+        plain = without_personal_constants(config)
+        return learnt_walk(recording, analyse_recording(recording, plain), plain, fixes, self.distance_m)
+
+    @contextmanager
+    def saved(self, config: Config, inputs: Sequence[Path]) -> Iterator[Save]:
+        """Provide a function that puts what a walk tells into the file of the profile, at the end of the block.
+
+        Parameters
+        ----------
+        config : Config
+            Settings of the walk, for a new profile.
+        inputs : sequence of Path
+            Files and folders that are read and never overwritten.
+        """
+        if not self.learns or self.path is None:
+            yield lambda _walk: []
+            return
+        path = self.path
+        with staged_file(path, overwrite=True, inputs=inputs) as file:
+
+            def save(walk: LearntWalk | None) -> list[str]:
+                # Read again, as another run may have learnt in the meantime.
+                before = load_profile(path) if path.exists() else new_profile(config)
+                after = before if walk is None else before.with_walk(walk)
+                file.write_text(profile_to_yaml(after), encoding="utf-8")
+                return [_learnt_words(walk, before), f"{describe_profile(after)} -> {path}"]
+
+            yield save
+
+
+NO_PROFILE = WalkersProfile()
+
+
+def describe_profile(profile: Profile) -> str:
+    """Describe a profile in one line."""
+    percent = f"the next walk's length is known to {100.0 * profile.sigma_length_scale:.1f} %"
+    if not profile.walks:
+        return f"no walk learnt: {percent}"
+    walker, number = profile.walker, len(profile.walks)
+    words = f"length scale {walker.length_scale:.3f} from {number} walk{'s' if number > 1 else ''}"
+    words += f" at {walker.reference_cadence_hz:.2f} steps/s, cadence exponent {walker.cadence_exponent:+.2f}"
+    return f"{words}; {percent}"
+
+
+def _learnt_words(walk: LearntWalk | None, before: Profile) -> str:
+    if walk is None:
+        return "nothing learnt: no fixes that tell the length of the way; give --fixes or --distance"
+    again = " (known already, in place of the earlier time)" if before.knows(walk.sha256) else ""
+    return f"learnt from this walk: length scale {math.exp(walk.log_ratio):.3f} ± {100.0 * walk.sigma:.1f} %{again}"
