@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from annotated_types import Ge, Le
-from scipy.spatial.transform import Rotation
 from vqf import VQF
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, twist_about_vertical, up_in_device, wrap_angle
+from pdr_est.front_end.attitude_axes import AxisTurn, axes_through
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.vectors import dot, norm
 from pdr_est.params import Positive, params
@@ -23,7 +23,6 @@ from pdr_est.types.steps import CarryingMode
 # cutting pauses into recorded walks.
 _BRIDGED_S = 1.5
 _LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of a zero vector finite
-_LEAST_RATE_RADPS = 1e-6  # rotation rate below which a sample has no direction of rotation
 
 
 @params
@@ -81,7 +80,7 @@ class VqfAttitude:
         self._last: tuple[Array, Array, float] | None = None  # last rate, force and yaw
         self._segment: int | None = None
         self._yaw_offset_rad = 0.0  # that keeps the yaw over long pauses
-        self._turn = _AxisTurn(np.eye(3))
+        self._turn = AxisTurn(np.eye(3))
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_filter": self._filter.state}
@@ -117,7 +116,7 @@ class VqfAttitude:
         """Take the filter over the pause before a block; return the yaw to go on with, None for its own."""
         if self._last is None or item.hole is None:
             self._filter.resetState()
-            self._turn = _AxisTurn(_axes_through(first_force, first_rate))
+            self._turn = AxisTurn(axes_through(first_force, first_rate))
             return None
         last_rate, last_force, last_yaw_rad = self._last
         if item.hole.duration_s <= _BRIDGED_S:
@@ -132,57 +131,13 @@ class VqfAttitude:
         bias, sigma = self._filter.getBiasEstimate()
         bias = self._turn.vectors_back(bias[None])
         self._filter.resetState()
-        self._turn = _AxisTurn(_axes_through(first_force, first_rate))
+        self._turn = AxisTurn(axes_through(first_force, first_rate))
         self._filter.setBiasEstimate(self._turn.vectors(bias)[0], sigma)
         return last_yaw_rad
 
     def flush(self) -> list[LevelBlock]:
         """Return nothing: no sample is held back."""
         return []
-
-
-class _AxisTurn:
-    """Turn from the axes of the device into others, whose unit vectors are the rows of a matrix (3, 3)."""
-
-    def __init__(self, matrix: Array) -> None:
-        self._matrix = matrix
-        x, y, z, w = Rotation.from_matrix(matrix).as_quat().tolist()
-        self._right = np.array([[w, -x, -y, -z], [x, w, z, -y], [y, -z, w, x], [z, y, -x, w]])
-
-    def vectors(self, values: Array) -> Array:
-        """Turn vectors (n, 3) into the other axes."""
-        return _multiplied(self._matrix, values)
-
-    def vectors_back(self, values: Array) -> Array:
-        """Turn vectors (n, 3) in the other axes into those of the device."""
-        return _multiplied(self._matrix.T, values)
-
-    def attitudes(self, quaternion: Array) -> Array:
-        """Compute the attitudes (n, 4) of the device from those of the other axes."""
-        return _multiplied(self._right, quaternion)
-
-
-def _multiplied(matrix: Array, rows: Array) -> Array:
-    """Multiply each of some rows (n, k) with a matrix (k, k); the rounding does not depend on their number."""
-    product = np.multiply.outer(rows[:, 0], matrix[:, 0])
-    for k in range(1, matrix.shape[1]):
-        product += np.multiply.outer(rows[:, k], matrix[:, k])
-    return product
-
-
-def _axes_through(force: Array, rate: Array) -> Array:
-    """Make axes, the rows of (3, 3), along a specific force and what is level of a rotation rate, (3,) each.
-
-    A sample without rotation leaves the level axes to those of the device.
-    """
-    length = float(np.linalg.norm(force))
-    up = force / length if length > _LEAST_FORCE_MPS2 else np.array([0.0, 0.0, 1.0])
-    level = rate - (rate @ up) * up
-    if float(np.linalg.norm(level)) < _LEAST_RATE_RADPS:
-        axis = np.eye(3)[int(np.argmin(np.abs(up)))]
-        level = axis - (axis @ up) * up
-    first = level / np.linalg.norm(level)
-    return np.stack([first, np.cross(up, first), up])
 
 
 class DeviceAttitude:

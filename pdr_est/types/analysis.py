@@ -101,10 +101,10 @@ class DeviceWalk:
     dropped_samples: dict[str, int] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
 
-    @property
-    def knows_north(self) -> bool:
-        """Tell whether any heading is known against north, at the latest at the end of the walk."""
-        return any(isinstance(one, HeadingPrior) and not one.relative for one in self.whole_walk_odometry)
+    def knows_north(self, by_the_end: bool = True) -> bool:
+        """Tell whether any heading is known against north, to a smoother by the end of the walk or to a filter."""
+        odometry = self.whole_walk_odometry if by_the_end else self.odometry
+        return any(isinstance(one, HeadingPrior) and not one.relative for one in odometry)
 
     @property
     def span_s(self) -> tuple[float, float]:

@@ -14,7 +14,7 @@ NONE = np.empty(0)
 
 
 def directions(number: int, log_odds: float, used: bool) -> DominantDirections:
-    return DominantDirections(number, log_odds, used, 2.0 * np.pi / number, 0.0, NONE, NONE, NONE, NONE)
+    return DominantDirections(number, log_odds, used, 2.0 * np.pi / number, 0.0, 0.0, NONE, NONE, NONE, NONE)
 
 
 @pytest.mark.parametrize(

@@ -77,9 +77,11 @@ def test_a_phone_that_knows_north_needs_one_position_for_the_map_frame(make_walk
     walk, recording = make_walk(steps=10)
     (device,) = walk.devices
     north = HeadingPrior(device.device, 1.0, 0.2, 0.25)
-    device = replace(device, odometry=(*device.odometry, north))
+    device = replace(device, odometry=(*device.odometry, north), whole_walk_odometry=(*device.odometry, north))
     assert summarise(replace(walk, fixes=(), devices=(device,)), recording, {}, {}, {}, start=start)["frame"] == frame
-    relative = replace(device, odometry=(replace(north, relative=True),))
+    relative = replace(
+        device, odometry=(replace(north, relative=True),), whole_walk_odometry=(replace(north, relative=True),)
+    )
     assert summarise(replace(walk, fixes=(), devices=(relative,)), recording, {}, {}, {})["frame"] == "own"
 
 

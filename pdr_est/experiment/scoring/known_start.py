@@ -30,7 +30,7 @@ def start_part(walk: AnalysedWalk, name: str, truth: TruePositions) -> MetricPar
     truth : TruePositions
         True positions in the map frame, at least two of them within the recording.
     """
-    if not any(device.knows_north for device in walk.devices):
+    if not any(device.knows_north() for device in walk.devices):
         return MetricPart(missing=dict.fromkeys(START_METRICS, "no device of the walk knows north"))
     span_s = walk.span_of(name)
     first = np.argsort(truth.time_s, kind="stable")[:1]

@@ -189,7 +189,8 @@ def _frame(walk: SmoothedWalk, start: StartPose | None) -> Json:
     knowledge of north; else "own".
     """
     places = _places(walk, start)
-    north = bool(walk.devices) and all(device.knows_north for device in walk.devices)
+    smoothed = walk.track.kind != "filtered"
+    north = bool(walk.devices) and all(one.knows_north(by_the_end=smoothed) for one in walk.devices)
     directed = north or (start is not None and start.heading_rad is not None)
     frame = "map" if len(places) >= (1 if directed else 2) else "north-up" if north else "own"
     return {"frame": frame, "frame_meaning": describe_frame(frame, bool(places))}

@@ -1,0 +1,53 @@
+"""Axes for an attitude filter that do not depend on how those of the device lie."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pdr_est.frames import Array
+
+_LEAST_FORCE_MPS2 = 1e-9  # specific force below which a sample has no direction of gravity
+_LEAST_RATE_RADPS = 1e-6  # rotation rate below which a sample has no direction of rotation
+
+
+class AxisTurn:
+    """Turn from the axes of the device into others, whose unit vectors are the rows of a matrix (3, 3)."""
+
+    def __init__(self, matrix: Array) -> None:
+        self._matrix = matrix
+        x, y, z, w = Rotation.from_matrix(matrix).as_quat().tolist()
+        self._right = np.array([[w, -x, -y, -z], [x, w, z, -y], [y, -z, w, x], [z, y, -x, w]])
+
+    def vectors(self, values: Array) -> Array:
+        """Turn vectors (n, 3) into the other axes."""
+        return _multiplied(self._matrix, values)
+
+    def vectors_back(self, values: Array) -> Array:
+        """Turn vectors (n, 3) in the other axes into those of the device."""
+        return _multiplied(self._matrix.T, values)
+
+    def attitudes(self, quaternion: Array) -> Array:
+        """Compute the attitudes (n, 4) of the device from those of the other axes."""
+        return _multiplied(self._right, quaternion)
+
+
+def _multiplied(matrix: Array, rows: Array) -> Array:
+    """Multiply each of some rows (n, k) with a matrix (k, k); the rounding does not depend on their number."""
+    product = np.multiply.outer(rows[:, 0], matrix[:, 0])
+    for k in range(1, matrix.shape[1]):
+        product += np.multiply.outer(rows[:, k], matrix[:, k])
+    return product
+
+
+def axes_through(force: Array, rate: Array) -> Array:
+    """Make axes, the rows of (3, 3), along a specific force and what is level of a rotation rate, (3,) each.
+
+    A sample without rotation leaves the level axes to those of the device.
+    """
+    length = float(np.linalg.norm(force))
+    up = force / length if length > _LEAST_FORCE_MPS2 else np.array([0.0, 0.0, 1.0])
+    level = rate - (rate @ up) * up
+    if float(np.linalg.norm(level)) < _LEAST_RATE_RADPS:
+        axis = np.eye(3)[int(np.argmin(np.abs(up)))]
+        level = axis - (axis @ up) * up
+    first = level / np.linalg.norm(level)
+    return np.stack([first, np.cross(up, first), up])
