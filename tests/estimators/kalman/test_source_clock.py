@@ -69,7 +69,8 @@ def test_a_clock_that_is_known_has_no_correction() -> None:
     rng = np.random.default_rng(6)
     walk = simulate(rng, corridor_turns(rng))
     for known in (True, False):
-        late = [replace(one, time_s=one.time_s + 3.0, clock_known=known) for one in surveyed_points(rng, walk.truth)]
+        points = surveyed_points(rng, walk.truth)
+        late = [replace(one, time_s=one.time_s + 3.0, clock_known=known) for one in points]
         end = run_filter(build_timeline(DEVICE, 0.0, [*walk.odometry, *late]), StartPose((0.0, 0.0), 0.0), 0.1)[
             -1
         ].end
