@@ -85,11 +85,20 @@ def test_a_shifted_clock_is_found(shift_s: float) -> None:
     rng = np.random.default_rng(6)
     walk = simulate(rng, corridor_turns(rng))
     fixes = [fix(k, *walk.truth[k, :2]) for k in range(0, len(walk.truth), 5)]
-    found = checked(walk, [replace(one, time_s=one.time_s + shift_s) for one in fixes])
+    late = [replace(one, time_s=one.time_s + shift_s) for one in fixes]
+    found = checked(walk, [replace(one, clock_known=False) for one in late])
     (finding,) = [one for one in found.findings if one.kind is FindingKind.FIX_CLOCK]
     assert finding.value == pytest.approx(-shift_s, abs=0.6)
     assert ("late" in finding.message) == (shift_s > 0.0)
     assert fixes_of(found)[3].time_s == pytest.approx(fixes[3].time_s, abs=0.6)
+
+
+def test_a_clock_that_is_known_is_not_corrected() -> None:
+    rng = np.random.default_rng(6)
+    walk = simulate(rng, corridor_turns(rng))
+    fixes = [fix(k, *walk.truth[k, :2]) for k in range(0, len(walk.truth), 5)]
+    found = checked(walk, [replace(one, time_s=one.time_s - 4.0, clock_known=True) for one in fixes])
+    assert FindingKind.FIX_CLOCK not in [one.kind for one in found.findings]
 
 
 def test_a_wrong_accuracy_is_found() -> None:

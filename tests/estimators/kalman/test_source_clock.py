@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from broken_fixes import corridor_turns, surveyed_points
-from estimator_walks import run, simulate, step
+from estimator_walks import DEVICE, run, simulate, step
 
+from pdr_est.estimators.common.motion_model import CLOCK, STATES
 from pdr_est.estimators.common.nodes import Node, split_step
+from pdr_est.estimators.common.timeline import build_timeline
+from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.estimators.kalman.source_clock import PRIOR_VARIANCES_S2, RecentPath, repriored, with_node, wrong_after
 from pdr_est.evaluate.consistency import coverage95
 from pdr_est.types.measurements import StartPose
@@ -60,6 +63,19 @@ def test_the_probability_of_a_wrong_clock_follows_bayes_rule_and_never_ends() ->
     assert wrong_after(0.05, np.array([0.0, np.log(3.0)])) == pytest.approx(0.15 / (0.95 + 0.15))
     assert 0.0 < wrong_after(0.05, np.array([0.0, -500.0])) < 0.01
     assert 0.99 < wrong_after(0.05, np.array([-500.0, 0.0])) < 1.0
+
+
+def test_a_clock_that_is_known_has_no_correction() -> None:
+    rng = np.random.default_rng(6)
+    walk = simulate(rng, corridor_turns(rng))
+    for known in (True, False):
+        points = surveyed_points(rng, walk.truth)
+        late = [replace(one, time_s=one.time_s + 3.0, clock_known=known) for one in points]
+        end = run_filter(build_timeline(DEVICE, 0.0, [*walk.odometry, *late]), StartPose((0.0, 0.0), 0.0), 0.1)[
+            -1
+        ].end
+        clock = STATES + CLOCK
+        assert (end.mean[clock] == 0.0 == end.covariance[clock, clock]) == known
 
 
 @pytest.mark.parametrize("shift_s", [-4.0, 0.0, 3.0])
