@@ -22,9 +22,10 @@ from pdr_est.types.steps import Step
 # Probability per step that the body begins to turn alone, and of each such rate: few people ever do, some often.
 _RATES = np.array([3e-4, 3e-3, 3e-2])
 _RATE_PROBABILITY = np.array([0.7, 0.25, 0.05])
-_ROUNDS = 3  # of estimating mean and noise, and the angles
+_ROUNDS = 2  # of estimating mean and noise, and the angles
 _LEAST_STEPS = 10  # that tell a direction, for a mean
-_WITHIN = 24  # steps over which the phone may have turned alone
+_TURNS_WITHIN, _LEAST_TURN_RAD = 6, 0.25  # steps of a turn that is searched, and least angle
+_WITHIN = 24  # steps since that turn over which the acceleration is compared
 _MARGIN_BEFORE, _MARGIN_AFTER = 6, 20  # steps around it that are searched
 _WILD, _WILDER = 0.1, 3.0  # share of steps with larger errors, and how much larger
 _LEAST_VARIANCE = 1e-4  # (m/s^2)^2
@@ -133,15 +134,17 @@ def _regions(run: _Run, moments: _Moments, parameters: CourseParams) -> list[tup
     """Find the runs of steps, from and to (exclusive), around turns that the phone may have made alone."""
     count = len(run.heading_rad)
     mean, variance = moments.mean[0], moments.variance[0]
-    index = np.arange(count)[:, None] + np.arange(1, _WITHIN + 1)
+    soon = run.heading_rad[np.minimum(np.arange(count)[:, None] + np.arange(1, _TURNS_WITHIN + 1), count - 1)]
+    turning = np.flatnonzero(np.abs(soon - run.heading_rad[:, None]).max(axis=1) > _LEAST_TURN_RAD)
+    index = turning[:, None] + np.arange(1, _WITHIN + 1)
     counted = run.counts[np.minimum(index, count - 1)] & (index < count)
     index = np.minimum(index, count - 1)
-    straight_on = mean * np.exp(1j * (run.heading_rad[:, None] - run.heading_rad[index]))
+    straight_on = mean * np.exp(1j * (run.heading_rad[turning, None] - run.heading_rad[index]))
     ahead = _log_likelihood(np.abs(run.acceleration - mean) ** 2, variance, parameters)
     aside = _log_likelihood(np.abs(run.acceleration[index] - straight_on) ** 2, variance, parameters)
     gain = np.cumsum(np.where(counted, aside - ahead[index], 0.0), axis=1).max(axis=1)
     searched = np.zeros(count + 1, dtype=np.int64)
-    for k in np.flatnonzero(gain >= parameters.least_log_likelihood_ratio).tolist():
+    for k in turning[gain >= parameters.least_log_likelihood_ratio].tolist():
         searched[max(k - _MARGIN_BEFORE, 0) : min(k + _WITHIN + _MARGIN_AFTER, count)] = 1
     borders = np.flatnonzero(np.diff(searched, prepend=0)).tolist()
     return list(zip(borders[::2], borders[1::2], strict=True))
