@@ -46,6 +46,7 @@ from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerPa
 from pdr_est.front_end.steps import DETECTORS, DetectorName, StepsParams
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
+from pdr_est.front_end.steps.magnitude_peaks import MagnitudePeaks, MagnitudePeaksParams
 from pdr_est.front_end.steps.mmpdr_peaks import MmpdrStepParams, MmpdrSteps
 from pdr_est.front_end.steps.relative_threshold import RelativeThreshold, RelativeThresholdParams
 from pdr_est.front_end.steps.segmentation import SegmentationParams, StepSegmentation
@@ -115,6 +116,7 @@ CASES = {
     "RelativeThreshold": Case(lambda: RelativeThreshold(WORKING_HZ, RelativeThresholdParams()), "level"),
     "UptimeFsm": Case(lambda: UptimeFsm(WORKING_HZ, UptimeFsmParams()), "level"),
     "ZeroCrossing": Case(lambda: ZeroCrossing(WORKING_HZ, ZeroCrossingParams()), "level"),
+    "MagnitudePeaks": Case(lambda: MagnitudePeaks(WORKING_HZ, MagnitudePeaksParams()), "level"),
     "BandpassPeakDetector": Case(auto_steps, "level"),
     "MmpdrSteps": Case(mmpdr, "level"),
     "StepSegmentation-AutoSteps": Case(lambda: StepSegmentation(auto_steps(), SegmentationParams()), "level"),

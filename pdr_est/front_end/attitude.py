@@ -12,7 +12,7 @@ from vqf import VQF
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, twist_about_vertical, up_in_device, wrap_angle
-from pdr_est.front_end.attitude_axes import AxisTurn, axes_through
+from pdr_est.front_end.signal.axis_turn import AxisTurn, axes_through
 from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.vectors import dot, norm
 from pdr_est.params import Positive, params

@@ -4,5 +4,6 @@
 * `filters`: causal Butterworth filters.
 * `moving_average`: mean over a sliding window.
 * `event_detection`: local extrema, Schmitt trigger and refractory period.
+* `axis_turn`: axes that do not depend on how those of the device lie.
 * `vectors`: products of rows of vectors; specific force and its magnitude.
 """

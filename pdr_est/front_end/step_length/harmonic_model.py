@@ -122,16 +122,13 @@ class TurnMeter:
 
     def __init__(self) -> None:
         self._previous: Step | None = None
-        self._yaw_rad = math.nan  # at the end of the last step
         self._changes_rad: deque[float] = deque(maxlen=_TURN_STEPS)
 
     def at(self, step: Step) -> float:
         """Take in the next step and return the heading change per step, rad, not negative."""
-        yaw_rad = step.samples.yaw_rad
         if begins_walk(step, self._previous):
             self._changes_rad.clear()
-            self._yaw_rad = float(yaw_rad[0])
-        change_rad = math.remainder(float(yaw_rad[-1]) - self._yaw_rad, math.tau)
-        self._previous, self._yaw_rad = step, float(yaw_rad[-1])
+        self._previous = step
+        change_rad = float(step.samples.turn_rate_radps.mean()) * (step.event.time_s - step.start_s)
         self._changes_rad.append(change_rad if math.isfinite(change_rad) else 0.0)
         return min(abs(math.fsum(self._changes_rad)) / len(self._changes_rad), _MOST_TURN_RAD)

@@ -245,7 +245,7 @@ def test_all_but_the_absolute_priors_is_the_same_without_north() -> None:
     walk = corner_walk(sensors=SensorParams(magnetometer=NO_SENSOR_ERRORS))
     (plain,) = analyse_recording(walk.recording, Config().replace({"heading.north.source": "none"}))
     (found,) = analyse_recording(walk.recording, Config())
-    assert found.knows_north
-    assert not plain.knows_north
+    assert found.knows_north()
+    assert not plain.knows_north()
     rest = [one for one in found.odometry if not isinstance(one, HeadingPrior) or one.relative]
     assert repr(rest) == repr(list(plain.odometry))
