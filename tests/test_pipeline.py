@@ -78,10 +78,10 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 @pytest.mark.parametrize(
     ("config", "golden"),
     [
-        (DEAD_RECKONING, (69, 48.329517, 29.063409, 19.423521, 1.615178)),
+        (DEAD_RECKONING, (69, 47.767160, 28.732239, 19.190587, 1.615144)),
         (
             replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
-            (70, 48.897300, 29.379203, 19.585969, 1.580192),
+            (70, 48.334532, 29.047118, 19.354510, 1.580157),
         ),
     ],
     ids=["defaults", "mmpdr"],
