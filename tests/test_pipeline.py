@@ -78,10 +78,10 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 @pytest.mark.parametrize(
     ("config", "golden"),
     [
-        (DEAD_RECKONING, (69, 47.057814, 28.158082, 19.075353, 1.615178)),
+        (DEAD_RECKONING, (69, 47.057739, 28.158446, 19.075109, 1.615144)),
         (
             replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
-            (70, 45.731009, 27.350423, 18.465016, 1.580192),
+            (70, 45.730916, 27.350764, 18.464780, 1.580157),
         ),
     ],
     ids=["defaults", "mmpdr"],
