@@ -71,6 +71,7 @@ class Hold:
         self._previous: Step | None = None
         self._cues: list[StrideCue] = []
         self.density = before
+        self._pointing: Pointing | None = None
 
     def push(self, step: Step) -> None:
         """Take the next step."""
@@ -81,10 +82,17 @@ class Hold:
         if found:
             self._previous = None
             self._cues += found
+            self._pointing = None
             self.density = normalised(self._before * _direction_density(self._cues))
 
     def pointing(self) -> Pointing:
         """Return the direction and its uncertainty by the strides so far."""
+        if self._pointing is None:
+            self._pointing = self._weighed()
+        return self._pointing
+
+    def _weighed(self) -> Pointing:
+        """Weigh the edges and the directions between them."""
         edge_rad = np.arange(4) * 0.5 * np.pi
         at_edges = np.interp(edge_rad, ANGLES_RAD, self.density, period=2.0 * np.pi)
         weight = np.concatenate([_EDGE_SHARE * self._edges * at_edges, (1.0 - _EDGE_SHARE) * self.density / CELLS])

@@ -11,6 +11,7 @@ from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.north import NorthParams, NorthPriors, NorthReference, north_reference
 from pdr_est.front_end.heading.north.correlated_error import CorrelatedHeadingError
 from pdr_est.front_end.heading.north.declination import magnetic_declination
+from pdr_est.front_end.heading.north.pointing import final_pointings
 from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import (
     NO_SENSOR_ERRORS,
@@ -157,6 +158,30 @@ def held_steps(recorded_yaw_deg: Array, mode: CarryingMode = CarryingMode.HOLDIN
         )
         steps.append(replace(made, samples=samples, event=replace(made.event, mode=mode)))
     return steps
+
+
+def turned_samples(one: Step) -> Step:
+    """A step of a walker who goes along the x axis of the phone, to the right of its top."""
+    x, y, z = one.samples.acceleration_mps2.T
+    return replace(one, samples=replace(one.samples, acceleration_mps2=np.stack([y, -x, z], axis=1)))
+
+
+@pytest.mark.parametrize("usual_axes", [True, False])
+def test_the_strides_tell_which_edge_is_ahead(usual_axes: bool) -> None:
+    held = held_steps(np.zeros(40))
+    for steps, ahead_deg in ((held, 90.0), ([turned_samples(one) for one in held], 0.0)):
+        pointing = final_pointings(steps, usual_axes)[-1]
+        assert pointing is not None
+        assert pointing.decided
+        assert np.rad2deg(pointing.azimuth(steps[-1])) == pytest.approx(ahead_deg, abs=1.0)
+
+
+def test_without_strides_that_tell_it_no_direction_is_decided() -> None:
+    still = [replace(one, frequency_hz=0.0) for one in held_steps(np.zeros(40))]
+    for usual_axes in (True, False):
+        pointing = final_pointings(still, usual_axes)[-1]
+        assert pointing is not None
+        assert not pointing.decided
 
 
 def priors_of(steps: list[Step]) -> tuple[list[HeadingPrior], NorthPriors]:
