@@ -11,13 +11,15 @@ from cli_recordings import Walk, ilc20_log
 from cli_runs import PROGRAM, interrupt, refused, run
 
 ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
-LENGTH_MODELS = ["auto", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"]
+LENGTH_MODELS = ["auto", "harmonic", "walk-run", "range-power", "static", "weinberg", "scarlett", "mmpdr"]
+LENGTH_MODELS += ["gait-table", "kim"]
 DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]
 DETECTORS += ["magnitude-peaks"]
 METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
     *("error_start_m", "heading_start_error_deg", "coverage95_start"),
     "mode_accuracy",
+    *("ate_rigid_profile_m", "length_ratio_profile", "scale_coverage68_profile"),
 }
 NO_NORTH = "error_start_m, heading_start_error_deg, coverage95_start: no device of the walk knows north"
 
@@ -80,7 +82,7 @@ def test_turned_devices_score_as_those_that_are_not(data: Path, tmp_path: Path) 
         for before, after in zip(plain["walks"], turned["walks"], strict=True):
             assert after["mode"] == before["mode"]
             assert after["ate_rigid_m"] == pytest.approx(before["ate_rigid_m"], rel=1e-6)
-    assert "write an axis and degrees" in refused("benchmark", "ilc20", "--data", data, "--turn-device", "w90")
+    assert "is unknown: give x90" in refused("benchmark", "ilc20", "--data", data, "--turn-device", "w90")
 
 
 def test_every_estimator_in_one_document(data: Path, tmp_path: Path) -> None:
@@ -114,9 +116,7 @@ def test_every_length_model_in_one_document(data: Path, tmp_path: Path) -> None:
     options = ("--length-model", "all", "--estimator", "ekf", "--limit", 1)
     document, text = scored(tmp_path, "ilc20", "--data", data, *options)
     assert [row["length-model"] for row in document["walks"]] == LENGTH_MODELS
-    assert (
-        len({row["length_ratio"] for row in document["walks"]}) >= len(LENGTH_MODELS) - 1
-    )  # auto may be range-power
+    assert len({row["length_ratio"] for row in document["walks"]}) >= len(LENGTH_MODELS) - 2  # auto is harmonic
     assert all(name in text for name in LENGTH_MODELS)
 
 
@@ -124,7 +124,10 @@ def test_one_estimator_and_a_limit(data: Path, tmp_path: Path) -> None:
     document, _ = scored(tmp_path, "ilc20", "--data", data / "ilc20", "--estimator", "ekf", "--limit", 1)
     assert document["estimator"] == "ekf"
     assert [row["walk"] for row in document["walks"]] == ["site1/F1/a"]
-    assert document["skipped"] == [{"walk": "site1/F1/a", "reason": NO_NORTH}]
+    alone = (
+        "ate_rigid_profile_m, length_ratio_profile, scale_coverage68_profile: no other walk of site1 to learn from"
+    )
+    assert document["skipped"] == [{"walk": "site1/F1/a", "reason": reason} for reason in (NO_NORTH, alone)]
 
 
 def test_a_configuration_changes_the_numbers(data: Path, tmp_path: Path) -> None:

@@ -26,9 +26,10 @@ _SIGMA_AXIS_RAD = 0.2  # of the principal axis of a hand, to one side; ILC20's w
 _LEAD_RAD, _SIGMA_LEAD_RAD = 0.5 * np.pi, 0.7
 _NO_AXIS = 0.02  # least probability that the strides tell nothing
 _NO_AXIS_COHERENCE = 0.085  # that probability falls by e over so much coherence
+_LEAK = 0.05  # share of the vertical acceleration that an error of the tilt by 3 degrees turns into the level
 _EDGE_SHARE = 0.9  # probability that a phone is held along an edge
 _USUAL_SHARE = 0.95  # probability that this is the usual one
-_DECIDED = 0.9  # least probability of the directions near one, for a heading
+_DECIDED = 0.85  # least probability of the directions near one, for a heading: the usual axes alone reach it
 _MOST_STRIDES = 24  # in one posture, that tell the direction: more of them are not independent
 _OTHER_POSTURE_RAD = 0.4
 _KEPT = 0.8  # probability that a phone which was tilted, or put away and taken out again, points as before
@@ -138,7 +139,8 @@ def _direction_density(cues: Sequence[StrideCue]) -> Array:
     ends = np.exp(-0.5 * off_rad**2 / (_SIGMA_LEAD_RAD**2 + noise))
     width = np.sqrt(max(total - abs(double), 0.0) / (total + abs(double)))
     sigma_rad = float(np.hypot(_SIGMA_AXIS_RAD, width / np.sqrt(len(cues))))
-    seen = (1.0 - _NO_AXIS) * (1.0 - float(np.exp(-coherence / _NO_AXIS_COHERENCE)))
+    moved, leaked = float(np.sum(np.abs(ahead) ** 2)), _LEAK**2 * float(np.sum(np.abs(vertical) ** 2))
+    seen = (1.0 - _NO_AXIS) * (1.0 - float(np.exp(-coherence / _NO_AXIS_COHERENCE))) * moved / (moved + leaked)
     shares = (seen * ends / ends.sum()).tolist()
     return mixed((shares[0], gaussian(line_rad, sigma_rad)), (shares[1], gaussian(line_rad + np.pi, sigma_rad)))
 
