@@ -12,7 +12,6 @@ from pdr_est.calibration.step_length_fit import (
     SIGMA_LOG_CADENCE,
     SIGMA_LOG_SCALE,
     SIGMA_WALK,
-    Calibration,
     CalibrationSteps,
     ScaleObservation,
     fit_calibration,
