@@ -26,13 +26,7 @@ from pdr_est.frames import Array
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.cadence import PaceMeter
-from pdr_est.front_end.step_length.walker import (
-    LEAST_EXPONENT,
-    LEAST_SCALE,
-    MOST_EXPONENT,
-    MOST_SCALE,
-    walking_cadence_hz,
-)
+from pdr_est.front_end.step_length.walker import LEAST_SCALE, MOST_SCALE, walking_cadence_hz
 from pdr_est.types.steps import Step
 
 SIGMA_LOG_SCALE = OdometryParams().sigma_length_scale  # of people, each over the model
@@ -125,11 +119,11 @@ class Calibration:
     sigma_next: float
 
     def walker(self, body: WalkerParams) -> WalkerParams:
-        """Put these constants into a record with the walker's height and gender, the exponent within its limits."""
+        """Put these constants into a record with the walker's height and gender."""
         return replace(
             body,
             length_scale=math.exp(self.mean[0]),
-            cadence_exponent=min(max(float(self.mean[1]), LEAST_EXPONENT), MOST_EXPONENT),
+            cadence_exponent=float(self.mean[1]),
             reference_cadence_hz=self.reference_cadence_hz,
         )
 

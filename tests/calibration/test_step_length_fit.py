@@ -161,9 +161,3 @@ def test_a_part_of_a_step_counts_for_its_part() -> None:
     part = paced(n=2).weighted(np.array([0.5, 0.0]))
     assert_allclose(part.length_m, [0.35, 0.0])
     assert_allclose(part.end_s - part.start_s, [0.25, 0.0])
-
-
-@pytest.mark.parametrize(("exponent", "kept"), [(-1.3, -1.0), (0.4, 0.4), (2.5, 2.0)])
-def test_an_exponent_beyond_what_people_do_is_limited(exponent: float, kept: float) -> None:
-    found = Calibration(np.array([0.1, exponent]), np.eye(2), 1.8, 0.1).walker(WalkerParams(height_m=1.6))
-    assert (found.height_m, found.cadence_exponent) == (1.6, kept)

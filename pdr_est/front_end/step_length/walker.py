@@ -9,7 +9,6 @@ from pdr_est.params import params
 Gender = Literal["male", "female"]
 Height = Annotated[float, Ge(0.5), Le(2.6)]  # from a small child to the tallest person; refuses centimetres and feet
 LEAST_SCALE, MOST_SCALE = 0.5, 2.0  # a larger difference from the model is an error of units
-LEAST_EXPONENT, MOST_EXPONENT = -1.0, 2.0  # beyond, quick and slow steps of one walker would differ absurdly
 _SLOWEST_HZ, _QUICKEST_HZ = 0.7, 2.5  # steps per second of walkers, from strolling to the quickest
 
 
@@ -28,7 +27,7 @@ class WalkerParams:
     """Gender, for the constants of MMPDR; the default is that of its application."""
     length_scale: Annotated[float, Ge(LEAST_SCALE), Le(MOST_SCALE)] = 1.0
     """Factor of the length of every step, from a calibration."""
-    cadence_exponent: Annotated[float, Ge(LEAST_EXPONENT), Le(MOST_EXPONENT)] = 0.0
+    cadence_exponent: Annotated[float, Ge(-1.0), Le(2.0)] = 0.0
     """Exponent of the cadence in that factor, from a calibration."""
     reference_cadence_hz: Annotated[float, Ge(_SLOWEST_HZ), Le(_QUICKEST_HZ)] = 1.8
     """Cadence, steps per second, at which the factor is length_scale."""
