@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from pdr_est.calibration.step_length_fit import fit_calibration
+from pdr_est.errors import ConfigError
 from pdr_est.experiment.suite import CalibrationCase
 from pdr_est.types.outcome import TrackOutcome
 
@@ -48,8 +49,11 @@ def with_calibrated(
         ]
         if len(others) < number:
             missing[row.walk] = f"{', '.join(metrics)}: fewer than {number} other walks to calibrate on"
-        else:
+            continue
+        try:
             completed[i] = replace(row, metrics={**row.metrics, **calibrated_metrics(case, others, number)})
+        except ConfigError as error:  # a variant that misses or invents many steps
+            missing[row.walk] = f"{', '.join(metrics)}: other walks give constants that nobody has: {error}"
     return tuple(completed), missing
 
 
