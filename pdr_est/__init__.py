@@ -52,7 +52,7 @@ Words
 Frames
 ------
 - device: as on Android, x to the right, y up along the screen, z out of the screen.
-- level: z up; the yaw about it has an arbitrary zero in each segment.
+- level: z up; the yaw about it has an arbitrary zero.
 - map: x east, y north, origin as the recording or the user gives it.
 - own: like the map frame, but with the origin at the start of the walk and the first step along x; used where neither
   a start nor fixes are known.

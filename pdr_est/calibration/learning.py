@@ -44,8 +44,8 @@ def learn(
     Returns
     -------
     Profile
-        The profile with this walk. `profile.apply_profile(config, profile)` gives the settings for other walks of the
-        same person, and `profile_file.save_profile` keeps it.
+        The profile with this walk. `pdr_est.apply_profile` gives the settings for other walks of the same person, and
+        `pdr_est.save_profile` keeps it.
 
     Raises
     ------

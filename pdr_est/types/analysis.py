@@ -22,7 +22,7 @@ class DominantDirections:
     number
         Most probable number of directions, at equal angles.
     log_odds
-        Log odds of this number against no dominant direction at all.
+        Log odds of this number, with headings that are steady enough to tell it, against all else.
     used
         True when the evidence suffices, or the number was given.
     spacing_rad

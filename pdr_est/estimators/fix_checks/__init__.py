@@ -5,7 +5,7 @@
 * `dead_reckoned_path`: the path of the steps alone and the covariance of its errors.
 * `position_regression`: the Gaussian model that places this path through the fixes, with evidence and residuals.
 * `outlier_weights`: the probability of each fix to be an outlier.
-* `explanations`, `bad_stretches`: what may be otherwise than stated.
+* `explanations`, `clock_shifts`, `bad_stretches`: what may be otherwise than stated.
 * `remaining_doubt`: what the best explanation leaves open.
 * `adjusted_fixes`, `fix_findings`: what the smoother gets, and what is told.
 """

@@ -15,9 +15,8 @@ _WRONG = 0.5  # probability from which a fix is told to be an outlier
 _MUCH_WORSE = 1.4  # factor on the stated errors from which it is told
 _SURE = 0.95  # probability of worse steps from which it is told that it is the steps
 _ROUND_M = 3.0  # from which metres are told without decimals
-_IMPROBABLE = (
-    0.0228  # probability of a larger chi-squared below which a misfit is told: two standard deviations, one side
-)
+# Probability of a larger chi-squared below which a misfit is told: two standard deviations, one side.
+_IMPROBABLE = 0.0228
 _MANY = 0.1  # share of repeated fixes from which it is worth a look
 
 

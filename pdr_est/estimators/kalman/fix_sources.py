@@ -1,8 +1,9 @@
 """Errors that the fixes of a source have in common, as states of a filter.
 
-A source has two states from its first fix on. They hold the wandering error of sources that have one. Those of other
-sources are zero as long as the fixes are as good as stated; if they are not, successive fixes err alike: the clock is
-late, the point on the map was mistaken, the signals are reflected.
+A source has three states from its first fix on. The first two hold the wandering error of sources that have one.
+Those of other sources are zero as long as the fixes are as good as stated; if they are not, successive fixes err
+alike: the point on the map was mistaken, the signals are reflected. The third one is the correction of its clock
+(`source_clock`).
 """
 
 from dataclasses import replace
@@ -16,12 +17,11 @@ from pdr_est.estimators.kalman.source_clock import CLOCK_WRONG_PRIOR, clock_vari
 from pdr_est.frames import Array
 from pdr_est.types.measurements import START_SOURCE, PositionFix
 
-COMMON_TIME_S = 15.0
-"""Correlation time of the common error of a source that states none, s: that of GPS (ours)."""
+_COMMON_TIME_S = 15.0  # correlation time of the common error of a source that states none: that of GPS; ours
 
 
 def place_of_source(sources: tuple[SourceState, ...], devices: int, fix: PositionFix) -> int | None:
-    """Return the row of the first of the two states of a fix's source; None for the end of a closed walk."""
+    """Return the row of the first of the three states of a fix's source; None for the end of a closed walk."""
     if fix.source == START_SOURCE:
         return None
     return STATES * devices + SOURCE_STATES * [source.name for source in sources].index(fix.source)
@@ -59,7 +59,7 @@ def with_source_at(state: GaussianState, devices: int, fix: PositionFix) -> Gaus
     """
     number = next((i for i, source in enumerate(state.sources) if source.name == fix.source), None)
     usual = float(fix.sigma_wander_m > 0.0)
-    time_s = fix.wander_time_s if usual else COMMON_TIME_S
+    time_s = fix.wander_time_s if usual else _COMMON_TIME_S
     sigma_m = fix.sigma_wander_m if usual else sqrt(float(np.trace(fix.covariance_m2)) / 2.0)
     if number is None:
         size = state.mean.shape[-1]

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
-from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS
+from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, chance_limit
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import DeviceMeasurements, LoopClosure, StepOdometry
 
-_FAR = -2.0 * math.log(FALSE_ALARMS)  # chi-squared of 2 degrees of freedom: P(x > s) = exp(-s/2)
+_FAR = chance_limit(FALSE_ALARMS)
 
 
 def closure_findings(devices: Sequence[DeviceMeasurements], sigma_length_scale: float) -> list[Finding]:

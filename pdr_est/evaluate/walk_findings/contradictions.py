@@ -7,7 +7,7 @@ from itertools import takewhile
 
 import numpy as np
 
-from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS
+from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, chance_limit
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import PositionFix
 
@@ -26,7 +26,7 @@ def contradictions(fixes: Sequence[PositionFix]) -> list[Finding]:
     pairs = [
         (one, other) for i, one in enumerate(fixes) for other in takewhile(partial(_same_moment, one), fixes[i + 1 :])
     ]
-    limit = _chance_limit(FALSE_ALARMS / max(len(pairs), 1))
+    limit = chance_limit(FALSE_ALARMS / max(len(pairs), 1))
     return [contradiction_of(one, other) for one, other in pairs if squared_distance_of(one, other) > limit]
 
 
@@ -46,7 +46,7 @@ class ContradictionsSoFar:
         self._compared += 1
         farthest = max(same, key=lambda one: squared_distance_of(one, fix))
         # The shares 1 / (k (k + 1)) of the probability of a false alarm add up to 1, however many fixes come.
-        limit = _chance_limit(FALSE_ALARMS / (self._compared * (self._compared + 1)))
+        limit = chance_limit(FALSE_ALARMS / (self._compared * (self._compared + 1)))
         return contradiction_of(farthest, fix) if squared_distance_of(farthest, fix) > limit else None
 
 
@@ -81,8 +81,3 @@ def contradiction_of(one: PositionFix, other: PositionFix) -> Finding:
 
 def _same_moment(one: PositionFix, other: PositionFix) -> bool:
     return abs(one.time_s - other.time_s) <= _SAME_MOMENT_S
-
-
-def _chance_limit(probability: float) -> float:
-    """Return the squared distance that chance exceeds with a probability (chi-squared, 2 degrees of freedom)."""
-    return -2.0 * math.log(probability)

@@ -56,6 +56,11 @@ class FixResidual:
         return self.distance_m / math.sqrt(self.squared)
 
 
+def chance_limit(probability: float) -> float:
+    """Return the squared distance that chance exceeds with a probability (chi-squared, 2 degrees of freedom)."""
+    return -2.0 * math.log(probability)
+
+
 def fix_findings(track: Track, fixes: Sequence[PositionFix], used: bool = True) -> list[Finding]:
     """Find the fixes that disagree with the rest of the walk by more than is plausible for their number.
 
@@ -75,8 +80,7 @@ def fix_findings(track: Track, fixes: Sequence[PositionFix], used: bool = True) 
     residuals = [min(found, key=lambda one: one.squared) for fix in fixes if (found := _of_fix(fix, tracks, used))]
     if not residuals:
         return []
-    # The chi-squared distribution of 2 degrees of freedom: P(x > s) = exp(-s/2).
-    limit = -2.0 * math.log(1.0 - (1.0 - FALSE_ALARMS) ** (1.0 / len(residuals)))
+    limit = chance_limit(1.0 - (1.0 - FALSE_ALARMS) ** (1.0 / len(residuals)))
     told = [
         (finding.begin_s, finding.end_s)
         for finding in track.findings

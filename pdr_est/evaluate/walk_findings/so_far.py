@@ -8,7 +8,7 @@ import numpy as np
 
 from pdr_est.estimators.common.length_scale_check import length_scale_finding
 from pdr_est.evaluate.walk_findings.contradictions import ContradictionsSoFar
-from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, disagreement, fix_residual
+from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, chance_limit, disagreement, fix_residual
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import PositionFix
@@ -118,7 +118,7 @@ class FindingsSoFar:
             nearest = min(residuals, key=lambda one: one.squared)
             self._compared += 1
             # The shares 1 / (k (k + 1)) of the probability of a false alarm add up to 1, however many fixes come.
-            limit = -2.0 * math.log(FALSE_ALARMS / (self._compared * (self._compared + 1)))
+            limit = chance_limit(FALSE_ALARMS / (self._compared * (self._compared + 1)))
             quiet_until_s = self._told_s.get(fix.source, -math.inf) + QUIET_S
             if nearest.squared > limit and fix.time_s > quiet_until_s:
                 self._told_s[fix.source] = fix.time_s

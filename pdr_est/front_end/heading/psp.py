@@ -40,7 +40,7 @@ from pdr_est.types.steps import Step
 class PspHeading:
     """Stage Step -> Step that fills in the heading and, with `priors`, the directions of straight paths.
 
-    The headings begin at 0 in each segment.
+    The headings begin at 0 and go on over pauses of the recording, in which nothing is known of the turn.
 
     Parameters
     ----------
@@ -58,10 +58,14 @@ class PspHeading:
 
     def __init__(self, rate_hz: float, hde: HdeParams | None, tie: TieParams | None, priors: bool) -> None:
         self._rate_hz = rate_hz
-        self._hde_parameters, self._tie_parameters = hde, tie
+        self._hde_parameters = hde
         self._priors = priors
         self._strides = StridePairing()
-        self._begin(None)
+        self._segment: int | None = None
+        self._hde = None if hde is None else HdeController(hde)
+        self._tie = None if tie is None else TieController(tie)
+        self._latest_rad = self._before_rad = 0.0  # psi_{i-1}, psi_{i-2}
+        self._gyro_rad = 0.0
 
     def push(self, item: Step, /) -> list[Step]:
         """Take the next step and return those of a complete stride with their heading."""
@@ -70,13 +74,6 @@ class PspHeading:
     def flush(self) -> list[Step]:
         """Return the step that waits for the second of its stride."""
         return [step for steps in self._strides.flush() for step in self._stride(steps)]
-
-    def _begin(self, segment: int | None) -> None:
-        self._segment = segment
-        self._hde = None if self._hde_parameters is None else HdeController(self._hde_parameters)
-        self._tie = None if self._tie_parameters is None else TieController(self._tie_parameters)
-        self._latest_rad = self._before_rad = 0.0  # psi_{i-1}, psi_{i-2}
-        self._gyro_rad = 0.0
 
     def _stride(self, steps: Sequence[Step]) -> list[Step]:
         if steps[0].event.segment != self._segment:  # a pause in which nothing is known of the turn

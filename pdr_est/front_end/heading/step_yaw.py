@@ -16,7 +16,7 @@ from pdr_est.types.steps import Step
 
 
 class StepYaw:
-    """Stage Step -> Step that fills in the heading: the device's mean yaw, with an arbitrary zero in each segment."""
+    """Stage Step -> Step that fills in the heading: the device's mean yaw, with an arbitrary zero."""
 
     latency_s = 0.0
 

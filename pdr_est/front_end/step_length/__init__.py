@@ -3,13 +3,20 @@
 * `step_length_stage`: the stage, and the choice of the model.
 * `equations`: published equations as pure functions (MMPDR, UPTIME, Kim et al.).
 * `harmonic_model`: the default, our own law for walking and running.
-* `walk_run_model`: our earlier model, with a law for walking and one for running.
+* `walk_run_model`: a model of ours with one law for walking and one for running.
 * `cadence`: cadence and intensity of the last steps.
 * `walker`: height, gender and the personal constants of a calibration.
 """
 
 from pdr_est.front_end.step_length.harmonic_model import HarmonicParams
-from pdr_est.front_end.step_length.step_length_stage import LENGTH_MODELS, LengthModel, StepLength, StepLengthParams
+from pdr_est.front_end.step_length.step_length_stage import (
+    LAW_OF_AUTO,
+    LENGTH_MODELS,
+    LengthModel,
+    StepLength,
+    StepLengthParams,
+    length_law,
+)
 from pdr_est.front_end.step_length.walk_run_model import RunningParams
 from pdr_est.front_end.step_length.walker import Gender, WalkerParams
 from pdr_est.parts import STAGE, is_external, named_part
@@ -40,12 +47,3 @@ def step_length_stage(rate_hz: float, walker: WalkerParams, parameters: StepLeng
         own: Stage = named_part(parameters.model, parameters.parameters, STAGE, "step_length.model", offered)
         return own
     return StepLength(rate_hz, walker, parameters)
-
-
-LAW_OF_AUTO = "harmonic"
-"""Name of the law of step length that the model "auto" stands for. What was learnt with one law fits no other."""
-
-
-def length_law(parameters: StepLengthParams) -> str:
-    """Return the name of the model, and for "auto" that of the law that it stands for."""
-    return LAW_OF_AUTO if parameters.model == "auto" else parameters.model

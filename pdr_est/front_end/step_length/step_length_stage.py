@@ -33,6 +33,8 @@ LengthModel = Literal[
     "auto", "harmonic", "walk-run", "range-power", "static", "weinberg", "scarlett", "mmpdr", "gait-table", "kim"
 ]
 LENGTH_MODELS: tuple[LengthModel, ...] = get_args(LengthModel)
+LAW_OF_AUTO: LengthModel = "harmonic"
+"""Name of the law of step length that the model "auto" stands for. What was learnt with one law fits no other."""
 
 _LEAST_MEANS = 4  # least number of running means within a step for a range
 
@@ -65,6 +67,11 @@ class StepLengthParams:
     """Standard deviation of a walking step over its length, taken for independent from step to step; ours."""
     sigma_running: Positive = 0.20
     """Standard deviation of a running step over its length, taken for independent from step to step; ours."""
+
+
+def length_law(parameters: StepLengthParams) -> str:
+    """Return the name of the model, and for "auto" that of the law that it stands for."""
+    return LAW_OF_AUTO if parameters.model == "auto" else parameters.model
 
 
 class StepLength:
@@ -121,9 +128,9 @@ class StepLength:
 
     def _lengths_m(self, step: Step, pace: Pace, turn_rad: float) -> tuple[float, float]:
         """Compute the lengths of this step if it is a walking one and if it is a running one."""
-        p, height_m = self._parameters, self._walker.height_m
-        if p.model != "walk-run":
-            of_any = self._harmonic_length_m if p.model in ("auto", "harmonic") else self._published_length_m
+        p, height_m, law = self._parameters, self._walker.height_m, length_law(self._parameters)
+        if law != "walk-run":
+            of_any = self._harmonic_length_m if law == "harmonic" else self._published_length_m
             length_m = of_any(step, turn_rad)
             return length_m, length_m
         walking_m = self._length_from_acceleration(

@@ -1,4 +1,4 @@
-"""Our earlier step-length model: walking by the range of the smoothed acceleration, running by intensity and cadence.
+"""Our step-length model with two laws: walking by the range of the acceleration, running by intensity and cadence.
 
 Both are proportional to the height, and the stage blends them by the share of running (jogging counts as it). A
 running step is never shorter than a walking one with the same acceleration.

@@ -1,6 +1,7 @@
 """Step detectors, one file each: stages LevelBlock -> StepEvent; and the stage that cuts the samples into steps.
 
-* `bandpass_peaks`: the default. `stride_period` finds the period of the strides in a pocket.
+* `bandpass_peaks`: the default. `step_evidence/` tells whether a peak is a step, and whether somebody walks;
+  `stride_period` finds the period of the strides in a pocket.
 * `mmpdr_peaks`: the peaks of MMPDR in each carrying mode. `mode_transition` makes up the steps of a transition.
 * `uptime_fsm`: the state machine of UPTIME.
 * `relative_threshold`: the alternating extremes of Robust DR.

@@ -92,7 +92,7 @@ _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between
 class BandpassPeakDetector:
     """Stage LevelBlock -> StepEvent by peaks in the band of cadences.
 
-    The confidence of a step is the probability that its peak is one of somebody who walks. It is 0 for a step that a
+    The confidence of a step is the probability that its peak is a step, if somebody walks. It is 0 for a step that a
     change of the mode hid.
 
     Parameters

@@ -214,7 +214,7 @@ def _number(value: float, digits: int) -> float | None:
 def write_steps_csv(steps: Mapping[str, Sequence[Step]], path: str | Path) -> None:
     """Write one row for each step, with the columns `STEP_COLUMNS`, device by device.
 
-    `heading_rad` is the mean yaw of the device over the step (arbitrary zero in each segment), not the heading of the
+    `heading_rad` is the mean yaw of the device over the step (with an arbitrary zero), not the heading of the
     track. `gait_probability` is that of the gait in the cell before it. A value that was not determined is an empty
     cell, an unknown mode or gait is UNKNOWN.
 

@@ -28,7 +28,7 @@ def _number(number: int) -> str:
 
 
 def _odds(log_odds: float) -> str:
-    """Write the odds of directions against none: 150:1 for, 1:20 against."""
+    """Write the odds of directions against all else: 150:1 for, 1:20 against."""
     odds = math.exp(min(abs(log_odds), math.log(_MOST_ODDS)))
     more = "more than " if abs(log_odds) > math.log(_MOST_ODDS) else ""
     text = f"{odds:,.0f}".replace(",", "\u202f") if odds >= 10.0 else f"{odds:.1f}"

@@ -78,7 +78,7 @@ def dominant_directions(sections: LegSections, parameters: DominantParams) -> Do
 
 
 def best_fit(sections: LegSections, parameters: DominantParams) -> tuple[int, float, ForwardPass]:
-    """Find the most probable number of directions, its log odds against none, and the forward pass of its drift.
+    """Find the most probable number of directions, its log odds against all else, and the forward pass of its drift.
 
     Parameters
     ----------

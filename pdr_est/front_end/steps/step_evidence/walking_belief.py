@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.frames import Array
+from pdr_est.front_end.steps.step_evidence.step_probability import probability
 from pdr_est.types.sensors import LevelBlock
 
 MOVEMENT_COLUMNS = 7
@@ -171,6 +172,6 @@ class WalkingBelief:
 
     def add(self, movement: Movement) -> None:
         """Add the evidence of a peak."""
-        walking = 1.0 / (1.0 + math.exp(-self.log_odds))
+        walking = probability(self.log_odds)
         walking += (1.0 - walking) * _START - walking * _STOP
         self.log_odds = math.log(walking / (1.0 - walking)) + movement.log_odds
