@@ -13,7 +13,7 @@ from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
 
-_SOURCE_STATES = 2  # wandering error of a source of fixes, east and north, in standard deviations
+_SOURCE_STATES = 2  # wandering error of a source of fixes, east and north, in standard deviations; no clock here
 _PARTS = 4  # states of a device without the length scale: east, north, heading, reference heading
 _ANYWHERE_M = 1.0  # sigma of the position of a reference, which has no meaning
 
