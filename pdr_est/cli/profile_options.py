@@ -57,6 +57,17 @@ class WalkersProfile:
             return cls(None, path, learn, distance_m)
         return cls(load_profile(path), path, learn, distance_m)
 
+    def require_outside(self, output: Path) -> None:
+        """Check that a profile that learns is not in the folder of the results, which is replaced as a whole.
+
+        Raises UsageError if it is.
+        """
+        if self.learns and self.path is not None and output.resolve() in self.path.resolve().parents:
+            raise click.UsageError(
+                f"--profile {self.path} lies in {output}, the folder of the results, which is replaced as a whole: "
+                "keep the profile elsewhere"
+            )
+
     def prior_of(self, recording: Recording, fixes: Sequence[PositionFix]) -> Profile | None:
         """Return what is known of the walker before the walk.
 

@@ -8,7 +8,11 @@ import numpy as np
 from pdr_est.config import Config
 from pdr_est.online.device_front_end import ExpectedDevice
 from pdr_est.pipeline.front_end_chain import north_of
-from pdr_est.preprocessing.quality.requirements import prefers_recorded_attitude, require_track_sensors
+from pdr_est.preprocessing.quality.requirements import (
+    prefers_recorded_attitude,
+    require_plausible_samples,
+    require_track_sensors,
+)
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import SensorBlock
@@ -49,10 +53,12 @@ def expected_devices(recording: Recording, config: Config) -> list[ExpectedDevic
     Raises
     ------
     RecordingError
-        For a device that lacks a sensor without which there is no track.
+        For a device that lacks a sensor without which there is no track, or whose samples have a wrong unit or an
+        impossible clock.
     """
     for device in recording.devices:
         require_track_sensors(device, recording.place_of(device))
+        require_plausible_samples(device, recording.place_of(device))
     auto = config.attitude.source == "auto"
     # Which of several devices will know north is not known in advance, and the others could not be placed beside it.
     alone = len(recording.devices) == 1

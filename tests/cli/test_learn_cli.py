@@ -9,8 +9,10 @@ import pytest
 from cli_recordings import Walk, save
 from cli_runs import refused, run, smoothed
 
+from pdr_est.calibration.profile import Profile
 from pdr_est.calibration.profile_file import load_profile
 from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE
+from pdr_est.errors import RecordingError
 
 pytestmark = pytest.mark.usefixtures("without_report")
 
@@ -88,6 +90,7 @@ def test_a_known_length_is_learnt_as_calibrate_does(good: Path, tmp_path: Path) 
         (("--learn", "--profile", "new.yaml", "--distance", -1), "a distance of -1 m: give the length"),
         (("--learn", "--profile", "new.yaml", "--distance", 500), "a scale of .* that is not between 0.5 and 2"),
         (("--profile", "new.yaml"), "new.yaml: cannot be read"),
+        (("--learn", "--profile", "out/me.yaml", "--distance", 12), "lies in .*, the folder of the results"),
     ],
     ids=str,
 )
@@ -123,3 +126,13 @@ def test_a_profile_of_another_model_does_not_learn(good: Path, fixes: Path, tmp_
     options = ("--profile", profile, "--learn", "--fixes", fixes, "--length-model", "kim")
     line = refused("smooth", good, "-o", tmp_path / "b", *options)
     assert "made for step_length.model = " in line
+
+
+def test_a_walk_that_the_profile_refuses_has_no_results(good: Path, fixes: Path, tmp_path: Path, monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise RecordingError("with this walk the profile would get constants that nobody has")
+
+    monkeypatch.setattr(Profile, "with_walk", refuse)
+    options = ("--profile", tmp_path / "me.yaml", "--learn", "--fixes", fixes)
+    assert "constants that nobody has" in refused("smooth", good, "-o", tmp_path / "out", *options)
+    assert list(tmp_path.iterdir()) == []

@@ -20,6 +20,7 @@ from pdr_est.cli import main, tracking_streams
 from pdr_est.config import Config
 from pdr_est.io import read
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
+from pdr_est.types.recording import Signal
 
 ZERO_NS = 1_698_501_144_000_000_000
 
@@ -83,6 +84,19 @@ def begun(good: Path, folder: Path, later_s: float) -> Path:
     path = folder / "other.csv"
     write_plain_csv(replace(recording, name="other", devices=(moved,)), path)
     return path
+
+
+def test_a_wrong_unit_is_refused_as_by_smooth(good: Path, tmp_path: Path) -> None:
+    """Read as metres per second squared, an acceleration in g would have no steps, and nobody would be told."""
+    recording = read(good)
+    (device,) = recording.devices
+    assert device.specific_force is not None
+    in_g = Signal(device.specific_force.time_s, device.specific_force.values / 9.81)
+    wrong = tmp_path / "wrong.csv"
+    write_plain_csv(replace(recording, devices=(replace(device, specific_force=in_g),)), wrong)
+    output = tmp_path / "track.jsonl"
+    assert "acceleration is in g" in refused("track", wrong, "-o", output)
+    assert not output.exists()
 
 
 def test_phones_that_did_not_record_together_are_refused(good: Path, tmp_path: Path) -> None:

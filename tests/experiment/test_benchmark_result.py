@@ -126,6 +126,14 @@ def printed():
     return lines
 
 
+@pytest.mark.parametrize("name", ["mall [old]/walk", "odd[/b]", "ends\\\\"])
+def test_names_with_brackets_are_printed_as_they_are(printed, name):
+    text = printed(result([row(name, "ekf", 1.0)], files=[file(name, f"group {name}", person=f"[x] {name}")]), 400)
+    assert f" {name} " in text
+    assert f" group {name} " in text
+    assert f" [x] {name} " in text
+
+
 def test_table_holds_the_numbers_of_the_document(printed):
     values = np.array([1.2345, 2.3456, 4.5678])
     rows = [row(f"walk{i}", "ekf", value) for i, value in enumerate(values)]

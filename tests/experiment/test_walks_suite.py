@@ -72,6 +72,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     truth_of(walk_ahead(walks / "lab/outside.csv.gz", steps_true=40), 100.0 + np.arange(5.0))
     counted = np.delete(crests_s(), [7, 20, 21, 22, 23, 24, 25, 26])  # one missing, and a pause
     walk_ahead(walks / "counts/annotated.csv.gz", step_ends_s=[*counted[1::2], *counted[::2]])
+    walk_ahead(walks / "counts/elsewhen.csv.gz", step_ends_s=[*(counted + 300.0)])
     walk_ahead(walks / "counts/counted.csv.gz", steps_true=50, mode_true="POCKET")
     walk_ahead(walks / "counts/blind.csv.gz", gyroscope=False, steps_true=40, mode_true="HOLDING", speed_mps=1.0)
     walk_ahead(walks / "belt/belt.csv.gz", speed_mps=SPEED_MPS)
@@ -126,6 +127,20 @@ def test_annotated_steps_count_only_where_they_are_annotated(result: BenchmarkRe
     assert row.counts["true_steps"] == 32
     assert row.metrics["steps_extra"] == pytest.approx(1 / 32)
     assert row.metrics["steps_missed"] <= 2 / 32
+
+
+def test_steps_on_another_clock_are_not_compared(result: BenchmarkResult) -> None:
+    metrics = row_of(result, "counts/elsewhen").metrics
+    assert [metrics[name] for name in ("count_error", "steps_missed", "steps_extra")] == [None] * 3
+    assert "0 of 32 times in step_ends_s lie within the recording" in reasons_of(result, "counts/elsewhen")
+
+
+@pytest.mark.parametrize("described", ['{"steps_true": %s}', '{"step_ends_s": [%s]}', '{"speed_mps": %s}'])
+def test_a_number_beyond_floats_is_refused(described: str, tmp_path: Path) -> None:
+    path = walk_ahead(tmp_path / "walk.csv.gz")
+    stem(path).with_suffix(".json").write_text(described % ("9" * 400), encoding="utf-8")
+    with pytest.raises(RecordingError, match="correct it or remove it"):
+        read_truth_beside(path)
 
 
 def test_a_number_of_steps_is_compared_with_all_of_them(result: BenchmarkResult) -> None:

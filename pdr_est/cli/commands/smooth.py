@@ -62,13 +62,17 @@ def smooth_command(
     Give several recordings for devices that one person carried at the same time.
     """
     own = WalkersProfile.of_options(profile, learn, distance_m)
+    own.require_outside(output)
     config = apply_clock_options(resolve_config(**settings, profile=own.profile), clock, clock_offsets, messages)
     tables = [] if fixes in (None, RECORDED) else [Path(str(fixes))]
     inputs = given_paths(*recordings, settings["config_file"], messages, *tables)
-    with own.saved(config, inputs) as save, progress_bar("reading", total=4, quiet=quiet) as bar:
-        with staged_folder(output, overwrite) as folder:
-            summary, walk = smooth_into(folder, recordings, fixes, config, bar, messages, own)
-        words = save(walk)
+    with (
+        own.saved(config, inputs) as save,
+        progress_bar("reading", total=4, quiet=quiet) as bar,
+        staged_folder(output, overwrite) as folder,
+    ):
+        summary, walk = smooth_into(folder, recordings, fixes, config, bar, messages, own)
+        words = save(walk)  # before the results appear, so that there are none if the profile refuses the walk
     for warning in summary["warnings"]:
         click.echo(f"warning: {warning}", err=True)
     if not quiet:

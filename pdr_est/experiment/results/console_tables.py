@@ -72,11 +72,11 @@ def _walks(result: BenchmarkResult) -> Table:
     table = _table("walks", words, (*result.suite.metrics, *classes, "seconds"))
     for row in rows:
         table.add_row(
-            row.walk,
-            row.track,
+            escape(row.walk),
+            escape(row.track),
             row.variant,
             row.mode,
-            *(files[row.walk].labels.get(label) or "-" for label in labels),
+            *(escape(files[row.walk].labels.get(label) or "-") for label in labels),
             *(_number(row.metrics[metric]) for metric in result.suite.metrics),
             *(str(row.predicted.get(label, "-")) for label in classes),
             _number(result.seconds[row.walk, row.variant]),
@@ -99,7 +99,7 @@ def _averages(title: str, result: BenchmarkResult, averages: Mapping[str, Mappin
                     found = summaries[group][metric]
                     numbers = map(_number, (found.mean, found.median, found.p90))
                     table.add_row(
-                        *(group for _ in group_heading),
+                        *(escape(group) for _ in group_heading),
                         metric,
                         marked(name, metric, result.aligned),
                         *numbers,

@@ -18,7 +18,7 @@ from pathlib import Path
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.heading_errors import LEAST_TRAVEL_LEGS, TRAVEL_METRIC, travel_direction_rms_deg
 from pdr_est.evaluate.position_errors import OPEN_METRICS, length_between
-from pdr_est.evaluate.step_detection import SPAN_METRICS, count_error, score_annotated_spans
+from pdr_est.evaluate.step_detection import SPAN_METRICS, TOLERANCE_S, count_error, score_annotated_spans
 from pdr_est.evaluate.time_association import associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
@@ -79,7 +79,13 @@ def _score(walk: AnalysedWalk) -> list[TrackScores]:
         return score_tracks(walk, partial(_parts, walk), with_modes=truth.modes is not None)
     without_track = MetricPart(missing=dict.fromkeys(_track_metrics(truth), _NO_GYROSCOPE))
     return [
-        device_scores(walk, device, without_track, _step_part(truth, step_times_s(device)), _mode_part(walk, device))
+        device_scores(
+            walk,
+            device,
+            without_track,
+            _step_part(walk, device.device, step_times_s(device)),
+            _mode_part(walk, device),
+        )
         for device in walk.devices
     ]
 
@@ -102,7 +108,7 @@ def _track_metrics(truth: Truth) -> tuple[str, ...]:
 def _parts(walk: AnalysedWalk, name: str, step_s: Array, track: Track) -> list[MetricPart]:
     """Score one device, or the person, with steps at step_s (n,); track: all devices, from the sensors alone."""
     truth = walk.recording.truth
-    parts = [_step_part(truth, step_s)]
+    parts = [_step_part(walk, name, step_s)]
     if truth.positions is not None:
         parts += _position_parts(walk, name, track, truth.positions)
     if truth.speed_mps is not None:
@@ -126,9 +132,22 @@ def _position_parts(walk: AnalysedWalk, name: str, track: Track, truth: TruePosi
     return [*parts, MetricPart({TRAVEL_METRIC: rms_deg}, {"travel_legs": legs})]
 
 
-def _step_part(truth: Truth, step_s: Array) -> MetricPart:
-    """Compare the times (n,), s, of the detected steps with the annotated ones, or their number with the true one."""
+def _step_part(walk: AnalysedWalk, name: str, step_s: Array) -> MetricPart:
+    """Compare the times (n,), s, of the detected steps with the annotated ones, or their number with the true one.
+
+    Annotations of which most lie outside the recording are on another clock, and are not compared.
+    """
+    truth = walk.recording.truth
     if truth.steps is not None:
+        begin_s, end_s = walk.span_of(name)
+        true_s = truth.steps.time_s
+        inside = int(((true_s >= begin_s - TOLERANCE_S) & (true_s <= end_s + TOLERANCE_S)).sum())
+        if 2 * inside < len(true_s):
+            reason = (
+                f"{inside} of {len(true_s)} times in step_ends_s lie within the recording of {name}, "
+                f"{begin_s:.1f} to {end_s:.1f} s: give them on its clock"
+            )
+            return MetricPart(missing=dict.fromkeys(SPAN_METRICS, reason))
         score = score_annotated_spans(step_s, truth.steps.time_s)
         counts = {"true_steps": score.true, "detected_steps": score.detected, "matched_steps": score.matched}
         return MetricPart(score.span_values(), counts)

@@ -64,6 +64,28 @@ def require_track_sensors(device: DeviceRecording, label: str, one_of_several: b
         )
 
 
+def require_plausible_samples(device: DeviceRecording, label: str) -> None:
+    """Check the clocks and units of accelerometer and gyroscope, of those that a device has.
+
+    Parameters
+    ----------
+    device
+        Recording of the device.
+    label
+        Name of the device in messages.
+
+    Raises
+    ------
+    RecordingError
+        When one has a single sample, a clock that does not advance or spans more than a year, or a wrong unit.
+    """
+    for channel in _UNITS:
+        signal = _signal(device, channel)
+        if signal is not None:
+            _check_clock(signal, _SENSOR_NAMES[channel], label)
+            _check_unit(channel, signal, label)
+
+
 def prefers_recorded_attitude(device: DeviceRecording) -> bool:
     """Tell whether the recorded attitude of a device is better than one integrated from its samples.
 

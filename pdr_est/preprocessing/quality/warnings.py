@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from pdr_est.preprocessing.quality.sensor_checks import check_clock, stuck_intervals
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
@@ -9,6 +11,7 @@ from pdr_est.types.sensors import Channel
 
 _COVERED_SHARE = 0.98  # of the accelerometer's time: sensors start and stop one after the other
 _COVERED_HALF = 0.5
+_SLOWEST_PERIOD_S = 0.125  # of a held phone's samples; of a walk thinned to 5 Hz a quarter of the steps is missed
 
 
 def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
@@ -17,6 +20,7 @@ def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
     found = [*_range_warnings("accelerometer", Channel.SPECIFIC_FORCE, force)]
     found += _range_warnings("gyroscope", Channel.ROTATION_RATE, rate)
     if force is not None:
+        found += _coarse_warnings(force)
         found += _stuck_warnings("accelerometer", force, rate, "steps cannot be seen there")
     if rate is not None and not rate.values.any():
         found.append("all values of the gyroscope are zero, the sensor is missing or faulty: turns cannot be seen")
@@ -39,6 +43,16 @@ def _range_warnings(sensor: str, channel: Channel, signal: Signal | None) -> Ite
         yield (
             f"{count} of {len(signal)} samples of the {sensor} are beyond {limit.largest:g} {limit.unit}, "
             "which no phone can measure, and are left out"
+        )
+
+
+def _coarse_warnings(force: Signal) -> Iterator[str]:
+    """Compare the sampling period with the time that a step takes."""
+    period_s = float(np.median(np.diff(force.time_s))) if len(force) > 1 else 0.0
+    if period_s > _SLOWEST_PERIOD_S:
+        yield (
+            f"the accelerometer has only {1.0 / period_s:.1f} samples a second: many steps are missed; record at "
+            "10 Hz or more"
         )
 
 
