@@ -77,8 +77,8 @@ def test_what_no_phone_can_measure_is_counted() -> None:
 def test_samples_too_far_apart_for_steps_are_told() -> None:
     def thinned(period_s: float) -> DeviceRecording:
         time_s = np.arange(0.0, 30.0, period_s)
-        values = np.random.default_rng(1).normal(size=(len(time_s), 3))
-        return DeviceRecording(specific_force=Signal(time_s, values + [0.0, 0.0, 9.8]))
+        noise = np.random.default_rng(1).normal(size=(len(time_s), 3))
+        return DeviceRecording(specific_force=Signal(time_s, noise + np.array([0.0, 0.0, 9.8])))
 
     assert quality_warnings(thinned(0.1)) == ()
     (words,) = quality_warnings(thinned(0.2))
