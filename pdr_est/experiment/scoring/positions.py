@@ -70,7 +70,7 @@ def position_parts(walk: AnalysedWalk, name: str, track: Track, truth: TruePosit
     if len(pairs) < LEAST_POINTS:
         raise RecordingError(
             f"{walk.recording.name}: {len(pairs)} of {len(truth.time_s)} truth points within the recording of "
-            f"{name}: at least {LEAST_POINTS} are needed"
+            f"{name}: at least {LEAST_POINTS} are needed, on the clock of the recording"
         )
     counts = {"truth_points": len(pairs), "truth_points_not_scored": pairs.not_scored}
     open_part = MetricPart(open_metrics(own, pairs, truth.source), counts)
