@@ -8,9 +8,8 @@ from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.front_end.heading.placement_change.turn_density import mean_and_sigma
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
-from pdr_est.types.steps import CarryingMode, Step
+from pdr_est.types.steps import LONGEST_STEP_S, CarryingMode, Step
 
-_WALKING_S = 1.0  # longer than a step takes
 _LEAST_STEP_S = 0.2
 _SHORT_PAUSE_S = 5.0  # beyond, a walker may have stood meanwhile
 
@@ -179,7 +178,7 @@ def _walks_on(previous: Step, item: Step) -> bool:
         return False
     before_s = item.holes[0].start_s - previous.event.time_s
     after_s = item.start_s - item.holes[-1].end_s
-    return before_s < _WALKING_S and after_s < _WALKING_S
+    return before_s < LONGEST_STEP_S and after_s < LONGEST_STEP_S
 
 
 def step_covariance(

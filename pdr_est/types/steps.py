@@ -5,6 +5,9 @@ from enum import IntEnum
 
 from pdr_est.types.sensors import Hole, LevelBlock
 
+LONGEST_STEP_S = 1.0
+"""Time, s, longer than a step of a walker takes: who makes no step in it stands."""
+
 
 class CarryingMode(IntEnum):
     """The way a phone is carried (MMPDR section III-A)."""

@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.step_yaw import calibrated_mean_yaw
 from pdr_est.types.steps import Step, begins_walk
 
-Heading = TypeVar("Heading", float, Array)
+Heading = TypeVar("Heading", float, Array, NDArray[np.complex128])
+Values = TypeVar("Values", Array, NDArray[np.complex128])
 
 STRIDE_LATENCY_S = 2.0  # a step waits for the next one, which in a walk comes before it counts as a standstill
 
@@ -45,13 +47,24 @@ def mean_yaw_of(steps: Sequence[Step]) -> float:
 
 
 def stride_average(before: Heading, at: Heading, after: Heading) -> Heading:
-    """Average headings with those of the steps before and after, with weights 1/4, 1/2, 1/4.
+    """Average values with those of the steps before and after, with weights 1/4, 1/2, 1/4.
 
     What goes to and fro with the legs from one step to the next cancels.
 
     Parameters
     ----------
     before, at, after : float or ndarray
-        Headings, rad, not wrapped.
+        Values; headings must not be wrapped.
     """
     return 0.25 * before + 0.5 * at + 0.25 * after
+
+
+def stride_averages(values: Values) -> Values:
+    """Average values (n,) of successive steps over the stride; the first and the last one have a single neighbour.
+
+    It stands for both. A single value stays as it is.
+    """
+    if len(values) < 2:
+        return values
+    padded = np.concatenate([values[1:2], values, values[-2:-1]])
+    return stride_average(padded[:-2], padded[1:-1], padded[2:])

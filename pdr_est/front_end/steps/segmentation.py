@@ -14,9 +14,7 @@ from pdr_est.front_end.steps.mode_transition import StepFrequency
 from pdr_est.params import Positive, params
 from pdr_est.stage import Stage
 from pdr_est.types.sensors import Hole, LevelBlock
-from pdr_est.types.steps import Step, StepEvent
-
-_STANDING_S = 1.0  # longer than a step takes: who made no step in it stands
+from pdr_est.types.steps import LONGEST_STEP_S, Step, StepEvent
 
 
 @params
@@ -122,7 +120,7 @@ class StepSegmentation:
         if not holes:
             return 0.0
         p = self._parameters
-        stands = min(holes[0].start_s - before_s, start_s - holes[-1].end_s) > _STANDING_S
+        stands = min(holes[0].start_s - before_s, start_s - holes[-1].end_s) > LONGEST_STEP_S
         per_s = p.standing_hole_turn_radps if stands else p.hole_turn_radps
         squares = [min(per_s * hole.duration_s, SIGMA_UNIFORM_RAD) ** 2 for hole in holes]
         return float(min(np.sqrt(sum(squares)), SIGMA_UNIFORM_RAD))

@@ -17,6 +17,7 @@ from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
+from pdr_est.front_end.heading.stride_pairing import stride_averages
 from pdr_est.types.steps import Step
 
 # Probability per step that the body begins to turn alone, and of each such rate: few people ever do, some often.
@@ -77,7 +78,7 @@ def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
     counts = np.array([shows_course(step) for step in steps])
     for first, last in _places(steps):
         run = _Run(
-            _stride_averages(acceleration[first:last]), heading[first:last], counts[first:last], last == len(steps)
+            stride_averages(acceleration[first:last]), heading[first:last], counts[first:last], last == len(steps)
         )
         mean_rad, sigma_rad = _offsets(run, parameters)
         for k in np.flatnonzero(np.hypot(mean_rad, sigma_rad) > _LEAST_RAD).tolist():
@@ -99,14 +100,6 @@ def _places(steps: Sequence[Step]) -> list[tuple[int, int]]:
         if k == 0 or step.turn_hypotheses or step.event.segment != steps[k - 1].event.segment
     ]
     return list(zip(begins, [*begins[1:], len(steps)], strict=True))
-
-
-def _stride_averages(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Average values (n,) over the stride, in which the sway cancels."""
-    if len(values) < 2:
-        return values
-    padded = np.concatenate([values[1:2], values, values[-2:-1]])
-    return np.asarray(0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:], dtype=np.complex128)
 
 
 def _offsets(run: _Run, parameters: CourseParams) -> tuple[Array, Array]:

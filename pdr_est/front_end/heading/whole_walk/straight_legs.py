@@ -10,7 +10,7 @@ from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.front_end.heading.stride_pairing import stride_average
+from pdr_est.front_end.heading.stride_pairing import stride_averages
 from pdr_est.params import params
 from pdr_est.types.steps import Step
 
@@ -67,7 +67,7 @@ class LegSections:
 def straight_leg_sections(steps: Sequence[Step], parameters: StraightLegParams) -> LegSections:
     """Find the sections of the straight legs of some steps."""
     time_s = np.array([step.event.time_s for step in steps])
-    heading = _stride_averages(np.unwrap([step.heading_rad for step in steps]))
+    heading = stride_averages(np.unwrap([step.heading_rad for step in steps]))
     variance = np.cumsum([step.sigma_turn_rad**2 + _spread(step) ** 2 for step in steps])
     moved = np.flatnonzero([bool(step.turn_hypotheses or step.holes) for step in steps])
     rows = [
@@ -83,14 +83,6 @@ def straight_leg_sections(steps: Sequence[Step], parameters: StraightLegParams) 
     since = np.concatenate([first[:1], first[:-1]])
     change = variance[last - 1] - variance[since] if len(rows) else np.empty(0)
     return LegSections(leg, first, last, mean_time, mean_heading, np.sqrt(np.maximum(change, 0.0)))
-
-
-def _stride_averages(heading: Array) -> Array:
-    """Average headings (n,) over the stride; the first and the last one have one neighbour, which stands for both."""
-    if len(heading) < 2:
-        return heading
-    padded = np.concatenate([heading[1:2], heading, heading[-2:-1]])
-    return stride_average(padded[:-2], padded[1:-1], padded[2:])
 
 
 def _spread(step: Step) -> float:
