@@ -68,6 +68,12 @@ class Parts:
             if part is not None and not callable(part):
                 _refuse_incomplete(part, contract, f"Parts: {entry.name} = {brief(part)}")
 
+    @property
+    def modules(self) -> frozenset[str]:
+        """Names of the modules in which the parts, or their classes, are defined."""
+        own = [getattr(self, entry.name) for entry in fields(self)]
+        return frozenset(getattr(part, "__module__", type(part).__module__) for part in own if part is not None)
+
 
 NO_PARTS = Parts()
 

@@ -353,7 +353,7 @@ def blocks_of(recording: Recording, cut: Callable[[list[SensorBlock]], list[Any]
 
 @pytest.mark.parametrize("known", ["as objects", "in a file"])
 def test_online_under_any_cut(
-    known: str, parts: Parts, folder: Path, recording: Recording, fixes: tuple[PositionFix, ...]
+    known: str, user: ModuleType, parts: Parts, folder: Path, recording: Recording, fixes: tuple[PositionFix, ...]
 ) -> None:
     config, given = (
         (KNOWN_START, parts) if known == "as objects" else (load_config(folder / "settings.yaml"), Parts())
@@ -367,7 +367,7 @@ def test_online_under_any_cut(
             found += tracker.push_fix(fix)
         for number, (name, block) in enumerate(blocks_of(recording, cut)):
             if number == 300:
-                tracker = Tracker.restore(tracker.state())
+                tracker = Tracker.restore(tracker.state(), given, modules=[user.__name__])
             found += tracker.push(name, block)
         updates.append(found + tracker.flush())
     tracks = [track_of(found, estimator="jumping") for found in updates]

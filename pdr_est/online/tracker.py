@@ -1,8 +1,7 @@
 """Tracker: turns the samples of some devices, block by block, into estimates of where the devices are."""
 
-import pickle
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
@@ -12,6 +11,7 @@ from pdr_est.estimators.person.track import NAME as PERSON
 from pdr_est.online.device_front_end import DeviceFrontEnd, ExpectedDevice, refuse_malformed
 from pdr_est.online.external_estimator import external_estimator
 from pdr_est.online.params import OnlineParams
+from pdr_est.online.saved_state import pack, unpack
 from pdr_est.online.update import Kind, Update
 from pdr_est.online.update_assembly import UpdateAssembly
 from pdr_est.online.walk_estimator import WalkEstimator
@@ -21,8 +21,8 @@ from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import SensorBlock
 
 _ONLINE = OnlineParams()
+_PARTS = "parts"  # in saved states: the parts of the user's own, which are given again
 _MOST_DEFERRED = 20  # pushes of single samples after which all pending work is done at once
-_UNREADABLE = (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, KeyError, ValueError)
 
 
 class Tracker:
@@ -123,8 +123,7 @@ class Tracker:
     @property
     def unheard(self) -> tuple[str, ...]:
         """Devices without usable samples so far: accelerometer and gyroscope are needed."""
-        pairs = zip(self._names, self._front_ends, strict=True)
-        return tuple(name for name, front_end in pairs if front_end.start_s is None)
+        return tuple(name for name, one in zip(self._names, self._front_ends, strict=True) if one.start_s is None)
 
     @property
     def remembered(self) -> int:
@@ -164,14 +163,11 @@ class Tracker:
             For a fix without usable values, and after `flush`.
         """
         self._refuse_flushed()
-        horizon_s = self.now_s - self._online.horizon_s
-        if fix.time_s < horizon_s:
+        if fix.time_s < self.now_s - self._online.horizon_s:
             self.refused_fixes += 1
-            warnings.warn(
-                f"fix ({fix.source}) at {fix.time_s:.3f} s came more than {self._online.horizon_s:g} s late, at "
-                f"{self.now_s:.3f} s, and was refused: {self.refused_fixes} so far",
-                stacklevel=2,
-            )
+            late = f"came more than {self._online.horizon_s:g} s late, at {self.now_s:.3f} s, and was refused"
+            told = f"fix ({fix.source}) at {fix.time_s:.3f} s {late}: {self.refused_fixes} so far"
+            warnings.warn(told, stacklevel=2)
             return []
         refuse_unusable("", [], [fix], [])  # before the pending estimates are taken out
         found = self._work()
@@ -205,28 +201,34 @@ class Tracker:
         return found
 
     def state(self) -> bytes:
-        """Return the whole state for `restore`: with the same input, the restored tracker goes on in the same way."""
-        return pickle.dumps(self)
-
-    @staticmethod
-    def restore(state: bytes) -> "Tracker":
-        """Restore a tracker from a `state`, which must come from a trusted source, because it is a pickle.
+        """Return the state as data: with the same input, the restored tracker goes on in the same way.
 
         Raises
         ------
         EstimationError
-            For anything but the state of a tracker.
+            If a part of the user's own holds something that is no data, such as an open file.
         """
-        try:
-            tracker = pickle.loads(state)
-        except _UNREADABLE as error:
-            raise EstimationError(
-                f"the state cannot be read ({error}): give all bytes that Tracker.state of this version made"
-            ) from error
-        if not isinstance(tracker, Tracker):
-            kind = type(tracker).__name__
-            raise EstimationError(f"the state is that of a {kind}: give one that Tracker.state made")
-        return tracker
+        return pack(self, {_PARTS: self._parts})  # parts may be functions
+
+    @staticmethod
+    def restore(state: bytes, parts: Parts = NO_PARTS, modules: Collection[str] = ()) -> "Tracker":
+        """Restore a tracker from its `state`; nothing in it is executed.
+
+        Parameters
+        ----------
+        state
+            The bytes.
+        parts
+            Parts with which the tracker was made.
+        modules
+            Names of modules of the user's own whose objects the state may hold, besides those of `parts`.
+
+        Raises
+        ------
+        EstimationError
+            For a state that is damaged, of another version or not of a tracker.
+        """
+        return unpack(state, Tracker, {*parts.modules, *modules}, {_PARTS: parts})
 
     def _refuse_flushed(self) -> None:
         if self._flushed:
@@ -234,10 +236,9 @@ class Tracker:
 
     def _join(self, device: ExpectedDevice) -> None:
         """Add a device."""
-        if device.name in self._names:
-            raise EstimationError(f"device {device.name!r} is expected twice: give each a name of its own")
-        if device.name == PERSON:
-            raise EstimationError(f"device {PERSON!r}: that is what the person is called: give it another name")
+        if device.name in (*self._names, PERSON):
+            fault = "the person is called that" if device.name == PERSON else "is expected twice"
+            raise EstimationError(f"device {device.name!r}: {fault}; give each device a name of its own")
         self._names.append(device.name)
         self._front_ends.append(DeviceFrontEnd(device, self._config, self._parts))
         self._measured.append([])
@@ -292,8 +293,7 @@ class Tracker:
 
     def _warn_of_missed_fixes(self) -> None:
         """Warn of fixes that were missed since the last warning."""
-        missed, new = self.missed_fixes, self.missed_fixes - self._reported_missed
+        new, self._reported_missed = self.missed_fixes - self._reported_missed, self.missed_fixes
         if new:
-            self._reported_missed = missed
-            words = f"a fix was not used for {new} of {len(self._names)} devices"
-            warnings.warn(f"{words}, whose last step is longer ago than can be undone: {missed} so far", stacklevel=3)
+            words = f"a fix was not used for {new} of {len(self._names)} devices, whose last step is longer ago"
+            warnings.warn(f"{words} than can be undone: {self.missed_fixes} so far", stacklevel=3)

@@ -40,6 +40,14 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         self._devices = devices
         self.load(GaussianState(np.zeros(STATES * devices), np.zeros((STATES * devices, STATES * devices))))
 
+    def __getstate__(self) -> tuple[int, GaussianState]:
+        return self._devices, self.dump()
+
+    def __setstate__(self, state: tuple[int, GaussianState]) -> None:
+        devices, joint = state
+        self.__init__(devices)  # type: ignore[misc]
+        self.load(joint)
+
     def load(self, state: GaussianState) -> None:
         """Set the states of all devices and sources to what `dump` returned."""
         self.x, self.P, self._sources, self._trusts = state.mean, state.covariance, state.sources, state.trusts
