@@ -11,6 +11,9 @@ import yaml
 from pdr_est.errors import ConfigError
 from pdr_est.params.validation_messages import Location
 
+_LARGEST_BYTES = 1 << 24  # an experiment may list many thousand walks
+_MOST_VALUES = 1_000_000  # with those that an alias repeats
+
 _NO_LINES: Mapping[Location, int] = MappingProxyType({})
 
 
@@ -58,7 +61,7 @@ def load_yaml(path: str | Path) -> Any:
 def load_yaml_lines(path: str | Path) -> tuple[Any, Lines]:
     """Read a YAML file with the lines of its values. Raises ConfigError as `load_yaml` does."""
     try:
-        return _parsed(Path(path).read_text(encoding="utf-8-sig"))
+        return _parsed(_text(Path(path)))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}): check the path") from error
     except UnicodeDecodeError as error:
@@ -68,6 +71,17 @@ def load_yaml_lines(path: str | Path) -> tuple[Any, Lines]:
         raise ConfigError(f"{path}{line}: is not valid YAML ({error.problem}): correct it") from error
     except (yaml.YAMLError, RecursionError) as error:
         raise ConfigError(f"{path}: is not valid YAML ({' '.join(str(error).split())}): correct it") from error
+
+
+def _text(path: Path) -> str:
+    """Read a file of the size of settings, and nothing that is no file, such as a device that never ends."""
+    if path.exists() and not path.is_file():
+        raise ConfigError(f"{path}: is not a file: give the YAML file itself")
+    with path.open("rb") as file:
+        content = file.read(_LARGEST_BYTES + 1)
+    if len(content) > _LARGEST_BYTES:
+        raise ConfigError(f"{path}: is larger than {_LARGEST_BYTES >> 20} MiB: give a file of settings")
+    return content.decode("utf-8-sig")
 
 
 class _StrictLoader(yaml.SafeLoader):
@@ -89,10 +103,41 @@ def _parsed(text: str) -> tuple[Any, Lines]:
     loader = _StrictLoader(text)
     try:
         node = loader.get_single_node()
+        _refuse_endless(node)
         lines = {} if node is None else dict(_lines_of(node, ()))
         return (None if node is None else loader.construct_document(node)), Lines(lines)
     finally:
         loader.dispose()
+
+
+def _refuse_endless(root: yaml.Node | None) -> None:
+    """Refuse aliases that contain themselves or multiply the values of the document."""
+    counts: dict[yaml.Node, int] = {}
+    open_nodes: set[yaml.Node] = set()
+
+    def count(node: yaml.Node) -> int:
+        if node in open_nodes:
+            raise yaml.composer.ComposerError(None, None, "an alias contains itself", node.start_mark)
+        if node not in counts:
+            open_nodes.add(node)
+            counts[node] = 1 + sum(count(inner) for inner in _inner(node))
+            open_nodes.remove(node)
+            if counts[node] > _MOST_VALUES:
+                problem = f"with its aliases it has more than {_MOST_VALUES} values"
+                raise yaml.composer.ComposerError(None, None, problem, node.start_mark)
+        return counts[node]
+
+    if root is not None:
+        count(root)
+
+
+def _inner(node: yaml.Node) -> Iterator[yaml.Node]:
+    """Iterate over the keys and values in a node."""
+    if isinstance(node, yaml.MappingNode):
+        for pair in node.value:
+            yield from pair
+    elif isinstance(node, yaml.SequenceNode):
+        yield from node.value
 
 
 def _lines_of(node: yaml.Node, location: Location) -> Iterator[tuple[Location, int]]:
