@@ -33,12 +33,11 @@ def test_documents_without_end(text: str, message: str, tmp_path: Path) -> None:
         load_config(path)
 
 
-@pytest.mark.parametrize("path", ["/dev/zero", "/dev/null", "."])
-def test_what_is_no_file(path: str) -> None:
-    if not Path(path).exists():
-        pytest.skip(f"this system has no {path}")
-    with pytest.raises(ConfigError, match="is not a file"):
-        load_config(path)
+def test_a_device_that_never_ends() -> None:
+    if not Path("/dev/zero").exists():
+        pytest.skip("this system has no /dev/zero")
+    with pytest.raises(ConfigError, match="is larger than 16 MiB"):
+        load_config("/dev/zero")
 
 
 def test_aliases_are_understood(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import polars as pl
 import pytest
 from experiment_files import SMALL, experiment_file
@@ -19,7 +20,7 @@ from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.experiment import load_experiment, run_experiment
-from pdr_est.experiment.results.walk_result import result_file
+from pdr_est.experiment.results.walk_result import decode, encode, result_file
 from pdr_est.experiment.runners.processes import run_in_processes
 from pdr_est.experiment.runners.scoring_job import experiment_job
 from pdr_est.experiment.suite import Suite
@@ -118,6 +119,52 @@ def test_damaged_and_missing_parts_are_done_again(whole: Path, tmp_path: Path) -
     (out / "results.parquet").unlink()
     assert run_experiment(load_experiment(whole / "small.yaml"), out).resumed == 1
     assert same_tables(whole / "out", out)
+
+
+def test_every_damage_of_a_part_counts_as_missing(whole: Path) -> None:
+    content = result_file(whole / "out" / "parts", "walk_0001").read_bytes()
+    good, rng = decode(content), np.random.default_rng(5)
+    kept = 0
+    for _ in range(400):
+        damaged = bytearray(content)
+        at = int(rng.integers(len(damaged)))
+        match rng.integers(4):
+            case 0:
+                damaged[at] ^= int(rng.integers(1, 256))
+            case 1:
+                del damaged[at:]
+            case 2:
+                damaged[at:at] = rng.bytes(5)
+            case _:
+                del damaged[at : at + 7]
+        try:
+            again = decode(bytes(damaged))
+        except ValueError:
+            continue
+        kept += 1  # a change in the header of gzip, such as its time
+        assert encode(again) == encode(good)
+    assert kept < 10
+
+
+def test_foreign_files_survive(whole: Path, tmp_path: Path) -> None:
+    """Also a foreign provenance.json, and results of other walks in the same folder."""
+    out, experiment = tmp_path / "out", load_experiment(whole / "small.yaml")
+    (out / "parts").mkdir(parents=True)
+    foreign = {"provenance.json": '{"fingerprint": {}}', "report.html": "mine", "parts/mine.json.gz": "mine"}
+    for name, text in foreign.items():
+        (out / name).write_text(text, encoding="utf-8")
+    for overwrite in (False, True):
+        with pytest.raises(OutputError, match="holds files of other origin"):
+            run_experiment(experiment, out, overwrite=overwrite)
+    assert {name: (out / name).read_text(encoding="utf-8") for name in foreign} == foreign
+    again = tmp_path / "again"
+    shutil.copytree(whole / "out", again)
+    for name in ("notes.txt", "parts/mine.json.gz"):
+        (again / name).write_text("mine", encoding="utf-8")
+    run_experiment(experiment, again, overwrite=True)
+    assert same_tables(whole / "out", again)
+    for name in ("notes.txt", "parts/mine.json.gz"):
+        assert (again / name).read_text(encoding="utf-8") == "mine"
 
 
 @pytest.mark.parametrize("text", [SMALL.replace("seed: 7", "seed: 8"), SMALL.replace("number: 3", "number: 1")])

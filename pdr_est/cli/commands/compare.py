@@ -14,6 +14,7 @@ from pdr_est.cli.options import PATH
 @click.option("--metric", "metrics", multiple=True, metavar="NAME", help="Only this metric; may be given again.")
 @click.option("--track", metavar="NAME", help="Only the tracks of this device, or `fused`. Default: mean over them.")
 @click.option("-o", "--output", type=PATH, metavar="DIR", help="Folder for the tables. Default: the first OUT.")
+@click.option("--overwrite", is_flag=True, help="Replace tables of that name that pdr-est did not write.")
 @click.option("-q", "--quiet", is_flag=True, help="Write the tables and print nothing.")
 def compare(
     folders: tuple[Path, ...],
@@ -21,6 +22,7 @@ def compare(
     metrics: tuple[str, ...],
     track: str | None,
     output: Path | None,
+    overwrite: bool,
     quiet: bool,
 ) -> None:
     """Compare the variants in the results OUT of `pdr-est experiment`, in pairs on the same walks.
@@ -30,13 +32,15 @@ def compare(
     """
     from pdr_est.experiment.results.comparison import as_csv, as_markdown, compare_variants, read_aligned, read_values
     from pdr_est.experiment.results.console_tables import print_comparison
-    from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT, write
+    from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT
+    from pdr_est.io.writers.own_files import OwnFiles
 
     pairs = compare_variants(read_values(folders, track, metrics), reference)
     aligned = read_aligned(folders)
-    folder = folders[0] if output is None else output
-    folder.mkdir(parents=True, exist_ok=True)
-    write(folder / COMPARED_CSV, as_csv(pairs))
-    write(folder / COMPARED_TEXT, as_markdown(pairs, aligned))
+    own = OwnFiles(folders[0] if output is None else output)
+    if not overwrite:
+        own.refuse_foreign([COMPARED_CSV, COMPARED_TEXT])
+    own.write(COMPARED_CSV, as_csv(pairs), overwrite)
+    own.write(COMPARED_TEXT, as_markdown(pairs, aligned), overwrite)
     if not quiet:
         print_comparison(pairs, Console(), aligned)

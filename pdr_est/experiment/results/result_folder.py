@@ -1,17 +1,20 @@
 """Folder of an experiment's results: new, continued or refused."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 from pdr_est.errors import OutputError
 from pdr_est.experiment.results.walk_result import SUFFIX
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.io.writers.atomic_output import MANIFEST
+from pdr_est.io.writers.own_files import OwnFiles
 
 PROVENANCE, CONFIG, RESULTS, TIMINGS = "provenance.json", "config.yaml", "results.parquet", "timings.parquet"
 FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT = "failed.csv", "report.html", "compare.csv", "compare.md"
 PARTS = "parts"
 _FILES = (CONFIG, RESULTS, TIMINGS, FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT, PROVENANCE)
+_RESULT_FILE = re.compile(rf".*-[0-9a-f]{{10}}{re.escape(SUFFIX)}")  # of a walk
 _UNFINISHED = ".*.partial"  # files that a killed run leaves
 
 
@@ -53,15 +56,10 @@ def open_result_folder(folder: Path, provenance: dict[str, Any], config: str, ov
     for path in [*(folder / PARTS).glob(_UNFINISHED), *folder.glob(_UNFINISHED)]:
         path.unlink(missing_ok=True)
     if earlier is None or overwrite:
-        write(folder / CONFIG, config)
-        write(folder / PROVENANCE, json.dumps(provenance, indent=2, ensure_ascii=False) + "\n")
+        own = OwnFiles(folder)
+        own.write(CONFIG, config)
+        own.write(PROVENANCE, json.dumps(provenance, indent=2, ensure_ascii=False) + "\n")
     return folder / PARTS
-
-
-def write(path: Path, text: str) -> None:
-    """Write a text file, completely or not at all."""
-    with staged_file(path, overwrite=True) as staging:
-        staging.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def _earlier(folder: Path) -> dict[str, Any] | None:
@@ -70,21 +68,22 @@ def _earlier(folder: Path) -> dict[str, Any] | None:
         return None
     if not folder.is_dir():
         raise OutputError(f"{folder}: is a file, not a folder: choose another one")
+    if PROVENANCE not in OwnFiles(folder):
+        _refuse_foreign(folder)
+        return None
     try:
         document = json.loads((folder / PROVENANCE).read_text(encoding="utf-8"))
-        if isinstance(document, dict):
-            return document
     except (OSError, ValueError):
-        pass
-    _refuse_foreign(folder)
-    return None
+        return None
+    return document if isinstance(document, dict) else None
 
 
 def _refuse_foreign(folder: Path) -> None:
-    """Raise OutputError if the folder contains more than what a run leaves that was killed at its start."""
+    """Raise OutputError if the folder contains anything but what runs have written, also killed ones."""
+    own = OwnFiles(folder)
     inside = list((folder / PARTS).iterdir()) if (folder / PARTS).is_dir() else []
-    paths = [path for path in folder.iterdir() if path.name not in (PARTS, CONFIG)]
-    paths += [path for path in inside if not path.name.endswith(SUFFIX)]
+    paths = [path for path in folder.iterdir() if path.name not in (PARTS, MANIFEST) and path.name not in own]
+    paths += [path for path in inside if not _RESULT_FILE.fullmatch(path.name)]
     foreign = sorted(path.relative_to(folder).as_posix() for path in paths if not path.match(_UNFINISHED))
     if foreign:
         raise OutputError(f"{folder}: holds files of other origin ({foreign[0]}): choose a new or an empty folder")
@@ -92,8 +91,10 @@ def _refuse_foreign(folder: Path) -> None:
 
 def _clear(folder: Path) -> None:
     """Remove the results, the provenance last, so that a killed run leaves no result without its origin."""
-    for path in [*(folder / PARTS).glob(f"*{SUFFIX}"), *(folder / name for name in _FILES)]:
-        path.unlink(missing_ok=True)
+    for path in (folder / PARTS).glob(f"*{SUFFIX}"):
+        if _RESULT_FILE.fullmatch(path.name):
+            path.unlink(missing_ok=True)
+    OwnFiles(folder).remove(_FILES)
 
 
 def _difference(earlier: dict[str, Any], provenance: dict[str, Any]) -> str:

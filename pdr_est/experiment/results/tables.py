@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pdr_est.experiment.loader import Experiment
-from pdr_est.experiment.results.result_folder import FAILED, RESULTS, TIMINGS, write
+from pdr_est.experiment.results.result_folder import FAILED, RESULTS, TIMINGS
 from pdr_est.experiment.results.walk_result import WalkResult
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.io.writers.own_files import OwnFiles
 from pdr_est.io.writers.parquet import write_parquet
 from pdr_est.types.outcome import TrackOutcome
 
@@ -28,11 +28,12 @@ def write_tables(folder: Path, experiment: Experiment, results: Sequence[WalkRes
     results : sequence of WalkResult
         One for each walk, in the order of the experiment.
     """
-    outcomes = ordered(experiment, results)
+    own, outcomes = OwnFiles(folder), ordered(experiment, results)
     keys = list(dict.fromkeys(key for outcome in outcomes for key in outcome.labels))
     rows = [(outcome, metric) for outcome in outcomes for metric in experiment.metrics]
     _write_table(
-        folder / RESULTS,
+        own,
+        RESULTS,
         {
             "walk": [outcome.walk for outcome, _ in rows],
             "track": [outcome.track for outcome, _ in rows],
@@ -50,7 +51,8 @@ def write_tables(folder: Path, experiment: Experiment, results: Sequence[WalkRes
         if variant.name in result.seconds
     ]
     _write_table(
-        folder / TIMINGS,
+        own,
+        TIMINGS,
         {"walk": [result.walk for result, _ in timed], "variant": [name for _, name in timed]},
         {
             "chain_s": [result.seconds[name] for result, name in timed],
@@ -63,7 +65,7 @@ def write_tables(folder: Path, experiment: Experiment, results: Sequence[WalkRes
     for result in results:
         for failure in result.failures:
             writer.writerow((failure.walk, "walk" if failure.whole else "metric", failure.reason))
-    write(folder / FAILED, text.getvalue())
+    own.write(FAILED, text.getvalue())
 
 
 def ordered(experiment: Experiment, results: Sequence[WalkResult]) -> list[TrackOutcome]:
@@ -77,7 +79,10 @@ def ordered(experiment: Experiment, results: Sequence[WalkResult]) -> list[Track
 
 
 def _write_table(
-    path: Path, texts: dict[str, list[str] | list[str | None]], numbers: dict[str, list[float] | list[float | None]]
+    own: OwnFiles,
+    name: str,
+    texts: dict[str, list[str] | list[str | None]],
+    numbers: dict[str, list[float] | list[float | None]],
 ) -> None:
-    with staged_file(path, overwrite=True) as staging:
+    with own.staged(name) as staging:
         write_parquet(staging, texts, numbers)

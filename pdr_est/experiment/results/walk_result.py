@@ -3,6 +3,7 @@
 import gzip
 import hashlib
 import json
+import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -87,20 +88,20 @@ def decode(content: bytes) -> WalkResult:
 
     Raises
     ------
-    ValueError, KeyError, TypeError
-        If the content is anything else.
+    ValueError
+        If the content is anything else, or damaged: a gzip file ends with a checksum.
     """
     try:
         document = json.loads(gzip.decompress(content))
-    except (OSError, EOFError) as error:
-        raise ValueError("is no complete gzip file") from error
-    return WalkResult(
-        walk=document["walk"],
-        tracks=tuple(_track(row) for row in document["tracks"]),
-        failures=tuple(Failure(**row) for row in document["failures"]),
-        seconds=document["seconds"],
-        work_s=document["work_s"],
-    )
+        return WalkResult(
+            walk=document["walk"],
+            tracks=tuple(_track(row) for row in document["tracks"]),
+            failures=tuple(Failure(**row) for row in document["failures"]),
+            seconds=document["seconds"],
+            work_s=document["work_s"],
+        )
+    except (OSError, EOFError, zlib.error, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise ValueError(f"is no complete result of a walk ({error})") from error
 
 
 def result_file(folder: Path, walk: str) -> Path:
@@ -121,7 +122,7 @@ def stored(folder: Path, walks: Iterable[str]) -> dict[str, WalkResult]:
     for walk in walks:
         try:
             result = decode(result_file(folder, walk).read_bytes())
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError):
             continue
         if result.walk == walk:
             found[walk] = result

@@ -11,7 +11,7 @@ from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.results.comparison import compare_variants, read_values
 from pdr_est.experiment.results.provenance import provenance
-from pdr_est.experiment.results.result_folder import REPORT, open_result_folder, write
+from pdr_est.experiment.results.result_folder import REPORT, open_result_folder
 from pdr_est.experiment.results.tables import ordered, write_tables
 from pdr_est.experiment.results.walk_result import WalkResult, decode, encode, store, stored
 from pdr_est.experiment.runners.dask_cluster import connected, run_on_cluster
@@ -19,6 +19,7 @@ from pdr_est.experiment.runners.processes import FinishedWalk, run_in_processes
 from pdr_est.experiment.runners.scoring_job import ScoringJob, experiment_job
 from pdr_est.experiment.variants.alignment import aligned_variants
 from pdr_est.experiment.walks import Walk
+from pdr_est.io.writers.own_files import OwnFiles
 
 Progress = Callable[[int, int], None]
 Run = Callable[[ScoringJob, Sequence[Walk]], Iterator[FinishedWalk]]
@@ -142,7 +143,7 @@ def _write_report(
         provenance=document,
         aligned=aligned_variants(experiment.variants),
     )
-    write(output / REPORT, render_comparison(content))
+    OwnFiles(output).write(REPORT, render_comparison(content))
 
 
 def _pairs(output: Path) -> tuple[PairedComparison, ...]:

@@ -2,9 +2,10 @@
 
 import errno
 import json
+import os
 import shutil
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -44,7 +45,7 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
     try:
         _create(staging, resolved)  # within the block that removes it: Ctrl-C may come at any moment
         yield staging
-        _write_manifest(staging)
+        (staging / MANIFEST).write_text(manifest(_files_in(staging)), encoding="utf-8")
         _check_target(target, overwrite)
         _publish(staging, resolved)
     except OSError as error:
@@ -89,9 +90,25 @@ def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> I
         except OSError as error:
             raise OutputError(f"{target}: cannot be written ({error.strerror}): choose a file elsewhere") from error
         yield staging
+        _to_disk(staging)
         staging.replace(resolved)
     finally:
         staging.unlink(missing_ok=True)
+
+
+def written_files(folder: Path) -> set[str]:
+    """List the files that earlier runs wrote into a folder; none when it has no readable manifest."""
+    try:
+        names = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["files"]
+        return {*(str(name) for name in names), MANIFEST}
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
+
+
+def _to_disk(path: Path) -> None:
+    """Wait until a file is on the disk, so that after a power failure its name stands for all of it or nothing."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
 
 
 def _same_file(a: Path, b: Path) -> bool:
@@ -121,7 +138,7 @@ def _check_target(target: Path, overwrite: bool) -> None:
     if Path.cwd().is_relative_to(resolved):
         raise OutputError(f"{target}: is the current folder and cannot be replaced: choose a folder inside it")
     present = _files_in(target)
-    foreign = sorted(present - _manifest_of(target))
+    foreign = sorted(present - written_files(target))
     if foreign:
         others = f" and {len(foreign) - 1} more" if len(foreign) > 1 else ""
         raise OutputError(
@@ -146,18 +163,10 @@ def _files_in(folder: Path) -> set[str]:
         raise OutputError(f"{folder}: cannot be listed ({error.strerror}): choose another output folder") from error
 
 
-def _manifest_of(folder: Path) -> set[str]:
-    """List the files that an earlier run wrote into `folder`; none when there is no readable manifest."""
-    try:
-        names = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["files"]
-        return {*(str(name) for name in names), MANIFEST}
-    except (OSError, ValueError, KeyError, TypeError):
-        return set()
-
-
-def _write_manifest(folder: Path) -> None:
-    content = {"note": "Files written by pdr-est; a later run may replace them.", "files": sorted(_files_in(folder))}
-    (folder / MANIFEST).write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+def manifest(files: Iterable[str]) -> str:
+    """Make the content of a manifest."""
+    content = {"note": "Files written by pdr-est; a later run may replace them.", "files": sorted(files)}
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
 def _sibling(target: Path, purpose: str) -> Path:
