@@ -27,7 +27,7 @@ def trim_recording(recording: Recording, start_s: float, end_s: float = math.inf
         When no device has a sample inside.
     """
     devices = tuple(_trim_device(device, start_s, end_s) for device in recording.devices)
-    if not any(True for device in devices for _ in device.blocks()):
+    if all(device.span_s is None for device in devices):
         raise RecordingError(
             f"{recording.name}: no sample between {start_s:.3f} and {end_s:.3f} s: choose a span inside the recording"
         )
@@ -44,6 +44,7 @@ def _trim_device(device: DeviceRecording, start_s: float, end_s: float) -> Devic
     return replace(
         device,
         specific_force=_trim_signal(device.specific_force, start_s, end_s),
+        linear_acceleration=_trim_signal(device.linear_acceleration, start_s, end_s),
         rotation_rate=_trim_signal(device.rotation_rate, start_s, end_s),
         magnetic_field=_trim_signal(device.magnetic_field, start_s, end_s),
         attitude=_trim_signal(device.attitude, start_s, end_s),

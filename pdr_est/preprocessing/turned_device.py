@@ -56,6 +56,7 @@ def _turned(device: DeviceRecording, rotation: Rotation) -> DeviceRecording:
     return replace(
         device,
         specific_force=_turned_vectors(device.specific_force, rotation),
+        linear_acceleration=_turned_vectors(device.linear_acceleration, rotation),
         rotation_rate=_turned_vectors(device.rotation_rate, rotation),
         magnetic_field=_turned_vectors(device.magnetic_field, rotation),
         attitude=attitude,

@@ -26,8 +26,10 @@ def test_a_quarter_turn_about_x_lays_y_along_z() -> None:
 
 @pytest.mark.parametrize("name", ["x90", "x180", "z90", "random:3"])
 def test_all_signals_turn_together(name: str) -> None:
-    (before,), (after,) = walked().devices, turn_devices(walked(), rotation_named(name)).devices
-    for signal in ("specific_force", "rotation_rate"):
+    device = walked().devices[0]
+    recording = replace(walked(), devices=(replace(device, linear_acceleration=device.specific_force),))
+    (before,), (after,) = recording.devices, turn_devices(recording, rotation_named(name)).devices
+    for signal in ("specific_force", "linear_acceleration", "rotation_rate"):
         old, new = getattr(before, signal), getattr(after, signal)
         np.testing.assert_array_equal(new.time_s, old.time_s)
         np.testing.assert_allclose(np.linalg.norm(new.values, axis=1), np.linalg.norm(old.values, axis=1))
