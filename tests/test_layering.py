@@ -138,7 +138,7 @@ def allowed(item: Import) -> bool:
 
 
 def test_the_order_is_noticed_when_broken() -> None:
-    assert not allowed(Import("io.formats.ilc20", 1, "front_end.attitude.VqfAttitude"))
+    assert not allowed(Import("io.formats.datasets.ilc20", 1, "front_end.attitude.VqfAttitude"))
     assert not allowed(Import("front_end.step_length", 1, "front_end.heading.step_yaw.StepYaw"))
     assert not allowed(Import("types.steps", 1, "io.formats.registry.read"))
     assert not allowed(Import("pipeline", 1, "newcomer"))
@@ -147,7 +147,7 @@ def test_the_order_is_noticed_when_broken() -> None:
     assert not allowed(Import("cli.smooth", 1, "smooth"))
     assert not allowed(Import("", 1, "cli.main"))
     assert allowed(Import("cli.smooth", 1, "pipeline"))
-    assert allowed(Import("io.formats.ilc20", 1, "io.text.container.Source"))
+    assert allowed(Import("io.formats.datasets.ilc20", 1, "io.text.container.Source"))
 
 
 @pytest.mark.parametrize("wing", WINGS)

@@ -11,7 +11,7 @@ import click
 
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats.sensor_logger.live import LiveReader, LiveUpdate, Platform
+from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.online import Tracker, Update
 from pdr_est.online.recording_stream import expected_devices, stream_slices
 from pdr_est.types.measurements import PositionFix

@@ -16,7 +16,7 @@ from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_
 from pdr_est.errors import OutputError, PdrError
 from pdr_est.estimators import SPECS
 from pdr_est.io import read
-from pdr_est.io.formats.sensor_logger.live import Platform
+from pdr_est.io.formats.phone_apps.sensor_logger.live import Platform
 from pdr_est.preprocessing.merge import merge_recordings
 from pdr_est.types.recording import Recording
 

@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Protocol
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats import getsensordata, ilc20, motionsense, oxford_steps, oxiod, sisfall, stride_length
-from pdr_est.io.formats.phyphox import reader as phyphox
+from pdr_est.io.formats.datasets import ilc20, motionsense, oxford_steps, oxiod, sisfall, stride_length
+from pdr_est.io.formats.datasets.weallwalk import reader as weallwalk
+from pdr_est.io.formats.phone_apps import getsensordata
+from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
+from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
-from pdr_est.io.formats.sensor_logger import reader as sensor_logger
-from pdr_est.io.formats.weallwalk import reader as weallwalk
 from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
 from pdr_est.io.text.container import Source
 from pdr_est.types.recording import Recording

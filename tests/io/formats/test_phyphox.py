@@ -10,7 +10,7 @@ from fabricated import Walk, as_folder, as_zip, make_walk
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.formats.phyphox import reader as phyphox
+from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.registry import read
 from pdr_est.io.text.container import Source
 

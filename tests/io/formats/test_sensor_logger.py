@@ -24,7 +24,7 @@ from scipy.spatial.transform import Rotation
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
 from pdr_est.io.formats.registry import read
-from pdr_est.io.formats.sensor_logger import reader as sensor_logger
+from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.text.container import Source
 from pdr_est.preprocessing.quality.sensor_checks import attitude_rate_correlation
 from pdr_est.types.recording import Recording, Signal

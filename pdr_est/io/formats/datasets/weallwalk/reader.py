@@ -12,7 +12,7 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch, vertical_mismatch_warnings
-from pdr_est.io.formats.weallwalk.annotations import is_annotation, read_annotation
+from pdr_est.io.formats.datasets.weallwalk.annotations import is_annotation, read_annotation
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk

@@ -13,8 +13,8 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
 from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import add_gravity, turned_to_east
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
-from pdr_est.io.formats.sensor_logger.clock import align_fix_times, seconds_since
-from pdr_est.io.formats.sensor_logger.export import (
+from pdr_est.io.formats.phone_apps.sensor_logger.clock import align_fix_times, seconds_since
+from pdr_est.io.formats.phone_apps.sensor_logger.export import (
     Export,
     FolderExport,
     JsonExport,

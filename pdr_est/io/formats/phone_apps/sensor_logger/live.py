@@ -13,7 +13,7 @@ import numpy as np
 
 from pdr_est.io.conversion import signs
 from pdr_est.io.conversion.gnss import gnss_fixes
-from pdr_est.io.formats.sensor_logger.live_messages import LiveMessage, parse_live_message
+from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import LiveMessage, parse_live_message
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Signal
 from pdr_est.types.sensors import Channel, SensorBlock
