@@ -13,7 +13,11 @@ from pdr_est.errors import RecordingError
 from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import add_gravity
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
-from pdr_est.io.formats.phone_apps.phyphox.metadata import ExperimentClock, read_device_properties, read_experiment_clock
+from pdr_est.io.formats.phone_apps.phyphox.metadata import (
+    ExperimentClock,
+    read_device_properties,
+    read_experiment_clock,
+)
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.finite_values import finite_signal_or_none

@@ -11,14 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
+from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import sensor_of_name
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import NumberTable, read_table
 
-CLOCK_COLUMNS = ("time", "seconds_elapsed")
+CLOCK_COLUMN = "time"
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')
-_SENSOR_HEADER = frozenset(("time", "x", "y", "z"))
+_SENSOR_HEADERS = (frozenset(("time", "x", "y", "z")), frozenset(("time", "rotationRateX", "accelerationX")))
+_NO_NUMBER = ("", "null", "None", "nan", "NaN")
 
 
 class Export(Protocol):
@@ -36,8 +39,11 @@ class Export(Protocol):
     def empty(self) -> tuple[str, ...]:
         """Return the names of the sensors that are in the export without a single row."""
 
+    def titles(self, sensor: str) -> tuple[str, ...]:
+        """Return the titles of all columns of a sensor."""
+
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
-        """Read the clock columns and the named columns of a sensor, and columns that stay text.
+        """Read the clock column and the named columns of a sensor, and columns that stay text.
 
         Returns
         -------
@@ -68,9 +74,25 @@ class FolderExport:
 
     @classmethod
     def from_folder(cls, source: Source, folder: str) -> "FolderExport":
-        """Collect the CSV files directly in a folder of the source ("" is its top)."""
+        """Collect the CSV files directly in a folder of the source ("" is its top).
+
+        Raises
+        ------
+        RecordingError
+            When two files hold the same sensor.
+        """
         inside = [member for member in source.members if member.rpartition("/")[0] == folder]
-        return cls(source, {member_stem(member): member for member in inside if member.lower().endswith(".csv")})
+        found: dict[str, str] = {}
+        for member in inside:
+            if not member.lower().endswith(".csv"):
+                continue
+            other = found.setdefault(sensor_of_name(member_stem(member)), member)
+            if other != member:
+                raise RecordingError(
+                    f"{source.path}: {other} and {member} hold the same sensor; "
+                    "put each walk into a folder of its own"
+                )
+        return cls(source, found)
 
     @property
     def place(self) -> str:
@@ -87,12 +109,17 @@ class FolderExport:
         """Return the names of the sensors whose file has no rows."""
         return tuple(sensor for sensor, member in self.members.items() if not _has_rows(self.source.head(member)))
 
+    def titles(self, sensor: str) -> tuple[str, ...]:
+        """Return the titles of all columns of a sensor."""
+        dialect = detect_dialect(self.source.head(self.members[sensor]))
+        return () if dialect is None else dialect.titles
+
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
         """Read columns of a sensor (see `Export.table`)."""
         member = self.members.get(sensor)
         if member is None or not _has_rows(self.source.head(member)):
             return None
-        wanted = (*CLOCK_COLUMNS, *columns)
+        wanted = (CLOCK_COLUMN, *columns)
         return read_table(self.source.read(member), self.source.place(member), columns=wanted, text_columns=texts)
 
 
@@ -133,7 +160,7 @@ class JsonExport:
         for number, reading in enumerate(readings, start=1):
             if not isinstance(reading, dict) or not isinstance(reading.get("sensor"), str):
                 raise RecordingError(f"{place}, reading {number} has no sensor name; export the recording again")
-            rows[reading["sensor"]].append(reading)
+            rows[sensor_of_name(reading["sensor"])].append(reading)
         return cls(place, rows)
 
     @property
@@ -141,14 +168,20 @@ class JsonExport:
         """Return the names of all sensors."""
         return tuple(self.rows)
 
+    def titles(self, sensor: str) -> tuple[str, ...]:
+        """Return the names of the values in the first reading of a sensor."""
+        return tuple(name for name in self.rows[sensor][0] if name != "sensor")
+
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
         """Read columns of a sensor (see `Export.table`)."""
         if sensor not in self.rows:
             return None
         rows = self.rows[sensor]
         place = f"{self.place}, sensor {sensor}"
-        present = [name for name in (*CLOCK_COLUMNS, *columns) if any(name in row for row in rows)]
-        parsed: dict[str, NDArray[Any]] = {name: _json_numbers(rows, name, place) for name in present}
+        present = [name for name in (CLOCK_COLUMN, *columns) if any(name in row for row in rows)]
+        parsed: dict[str, NDArray[Any]] = {
+            name: numbers_of_cells([row.get(name) for row in rows], name, place) for name in present
+        }
         for name in texts:
             parsed[name] = np.array([str(row.get(name, "")) for row in rows])
         return NumberTable(place, parsed)
@@ -160,12 +193,12 @@ def looks_like_json(head: bytes) -> bool:
 
 
 def looks_like_sensor(head: bytes) -> bool:
-    """Tell whether a member begins like the CSV file of a three-axis sensor: Unix nanoseconds and x, y, z."""
+    """Tell whether a member begins like the CSV file of a motion sensor of phone or watch, in Unix nanoseconds."""
     lines = head.decode("utf-8", "replace").lstrip("\ufeff").splitlines()
     if not lines:
         return False
     names = [name.strip().strip('"') for name in lines[0].split(",")]
-    if not set(names) >= _SENSOR_HEADER:
+    if not any(set(names) >= header for header in _SENSOR_HEADERS):
         return False
     if len(lines) == 1:
         return True
@@ -178,18 +211,23 @@ def _has_rows(head: bytes) -> bool:
     return b"\n" in head.strip()
 
 
-def _json_numbers(rows: Sequence[Mapping[str, Any]], name: str, place: str) -> NDArray[Any]:
-    """Convert numbers written as strings: to int64 if all are integers (clocks), else to float64 with NaN."""
-    cells = [row.get(name) for row in rows]
+def numbers_of_cells(cells: Sequence[Any], name: str, place: str) -> NDArray[Any]:
+    """Convert numbers, or numbers written as strings, to int64 if all are integers, else to float64 with NaN.
+
+    Raises
+    ------
+    RecordingError
+        For anything else, naming the reading.
+    """
     texts = ["" if cell is None else str(cell).strip() for cell in cells]
     try:
         return np.array([int(text) for text in texts], dtype=np.int64)
     except (ValueError, OverflowError):
         pass
     try:
-        return discard_huge_values(np.array([float(text) if text else np.nan for text in texts]))
+        return discard_huge_values(np.array([np.nan if text in _NO_NUMBER else float(text) for text in texts]))
     except ValueError:
-        number = next(i for i, text in enumerate(texts) if text and not _is_number(text))
+        number = next(i for i, text in enumerate(texts) if text not in _NO_NUMBER and not _is_number(text))
         raise RecordingError(
             f"{place}, reading {number + 1}, {name!r}: {texts[number]!r} is not a number; correct or remove it"
         ) from None
