@@ -14,6 +14,7 @@ from pdr_est.io.formats.plain_csv import reader as plain_csv
 from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.single_archive import open_recording
+from pdr_est.io.text.workbook import unpack_workbook
 from pdr_est.types.recording import Recording
 
 
@@ -68,7 +69,7 @@ def read(path: str | Path) -> Recording:
         When the format is unknown, several walks are inside, or the data are damaged: one line that names the file,
         the place and a remedy.
     """
-    source, messages = split_off_clock_messages(open_recording(path))
+    source, messages = split_off_clock_messages(unpack_workbook(open_recording(path)))
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
     for known in FORMATS:

@@ -5,6 +5,7 @@ file            content
 ==============  =========================================================================================
 container       open a file, a folder or a zip archive, plain or gzipped, and read its members safely
 single_archive  a folder that holds nothing but one archive
+workbook        an Excel workbook as a folder of tables
 members         find the member that holds the recording
 csv_dialect     detect separator, decimal mark and column titles of a table
 number_table    parse a table of numbers, with errors that name line, column and value

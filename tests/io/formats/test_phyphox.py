@@ -104,11 +104,14 @@ def test_linear_acceleration_and_gravity_replace_the_accelerometer(tmp_path: Pat
     assert_is_walk(as_folder(tmp_path, files(tables)), walk)
 
 
-def test_linear_acceleration_alone_is_refused(tmp_path: Path, walk: Walk) -> None:
+def test_linear_acceleration_alone_is_kept_for_steps(tmp_path: Path, walk: Walk) -> None:
     tables = android(walk)
     del tables["Accelerometer.csv"], tables["Gravity.csv"]
-    with pytest.raises(RecordingError, match="linear acceleration, but no gravity"):
-        read(as_folder(tmp_path, files(tables)))
+    device = read(as_folder(tmp_path, files(tables))).devices[0]
+    assert device.specific_force is None
+    assert device.linear_acceleration is not None
+    assert device.linear_acceleration.values == pytest.approx(walk.user, abs=1e-8)
+    assert "without gravity: steps can be counted" in device.warnings[0]
 
 
 def test_a_stock_experiment_is_recognised_by_its_titles(tmp_path: Path, walk: Walk) -> None:

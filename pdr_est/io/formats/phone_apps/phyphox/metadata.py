@@ -12,6 +12,8 @@ from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.number_table import read_table
 
 _EXPERIMENT_TIME, _SYSTEM_TIME = "experiment time", "system time"
+_TABLE = "{}meta/{}.csv"
+_SHEET = "{}Metadata {}.csv"  # of a workbook
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,19 @@ class ExperimentClock:
         return (f"the experiment was paused {total}; the pauses are gaps of the recording",)
 
 
-def read_experiment_clock(source: Source, member: str) -> ExperimentClock:
-    """Read the clock from the start and pause events of `meta/time.csv`; an unknown one without that file."""
-    dialect = detect_dialect(source.head(member)) if member in source.members else None
-    if dialect is None:
+def read_experiment_clock(source: Source, prefix: str) -> ExperimentClock:
+    """Read the clock from the start and pause events of `meta/time.csv`; an unknown one without that file.
+
+    Parameters
+    ----------
+    source
+        The export.
+    prefix
+        Folder of the walk with a slash; empty for the top.
+    """
+    member = _member(source, prefix, "time")
+    dialect = None if member is None else detect_dialect(source.head(member))
+    if member is None or dialect is None:
         return ExperimentClock()
     table = read_table(
         source.read(member),
@@ -71,9 +82,10 @@ def read_experiment_clock(source: Source, member: str) -> ExperimentClock:
     return ExperimentClock(float(offset_s[0]), resumed_s, tuple(float(pause) for pause in np.diff(offset_s)))
 
 
-def read_device_properties(source: Source, member: str) -> Mapping[str, str]:
-    """Read the properties of `meta/device.csv`; none without that file."""
-    if member not in source.members:
+def read_device_properties(source: Source, prefix: str) -> Mapping[str, str]:
+    """Read the properties of `meta/device.csv` below a folder; none without that file."""
+    member = _member(source, prefix, "device")
+    if member is None:
         return {}
     data = source.read(member)
     dialect = detect_dialect(data)
@@ -81,3 +93,9 @@ def read_device_properties(source: Source, member: str) -> Mapping[str, str]:
         return {}
     rows = csv.reader(data.decode("utf-8-sig", "replace").splitlines(), delimiter=dialect.separator)
     return {row[0]: row[1] for row in rows if len(row) >= 2}
+
+
+def _member(source: Source, prefix: str, table: str) -> str | None:
+    """Find a table of metadata, which is a sheet of its own in a workbook."""
+    names = (_TABLE.format(prefix, table), _SHEET.format(prefix, table.capitalize()))
+    return next((name for name in names if name in source.members), None)

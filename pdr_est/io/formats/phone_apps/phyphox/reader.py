@@ -5,8 +5,7 @@ the file does. Both platforms write Android's units and signs (m/s^2 up at rest,
 sensor has its own time stamps on one clock, "Time (s)".
 """
 
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pdr_est.errors import RecordingError
@@ -18,6 +17,14 @@ from pdr_est.io.formats.phone_apps.phyphox.metadata import (
     read_device_properties,
     read_experiment_clock,
 )
+from pdr_est.io.formats.phone_apps.phyphox.sensor_titles import (
+    FIX_TITLES,
+    TIME_TITLE,
+    SensorColumns,
+    find_sensors,
+    sensors_of,
+    unused_columns,
+)
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.finite_values import finite_signal_or_none
@@ -27,37 +34,7 @@ from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "phyphox"
 
-_TIME = "Time (s)"
-_AXIS_TITLE = re.compile(r"^(?P<what>.*?)\s*\b(?P<axis>[xyz]) \((?P<unit>[^)]*)\)$", re.IGNORECASE)
-_SENSOR_BY_NAME = {
-    "acceleration": "acceleration",
-    "accelerometer": "acceleration",
-    "linear acceleration": "linear acceleration",
-    "linear accelerometer": "linear acceleration",
-    "gravity": "gravity",
-    "gyroscope": "gyroscope",
-    "magnetic field": "magnetometer",
-    "magnetometer": "magnetometer",
-}
-_UNIT_OF_SENSOR = {
-    "acceleration": "m/s^2",
-    "linear acceleration": "m/s^2",
-    "gravity": "m/s^2",
-    "gyroscope": "rad/s",
-    "magnetometer": "uT",
-}
-_QUATERNION = ("w", "x", "y", "z")
-_FIX_TITLES = ("Latitude (°)", "Longitude (°)", "Horizontal Accuracy (m)")
-_PRESSURE_TITLES = ("Pressure (hPa)", "X (hPa)")
 _PA_PER_HPA = 100.0
-
-
-@dataclass(frozen=True)
-class _SensorColumns:
-    """Member and titles, in the order of the axes, of the columns of a sensor."""
-
-    member: str
-    titles: tuple[str, ...]
 
 
 @dataclass
@@ -65,15 +42,17 @@ class _Reading:
     """Export while it is read."""
 
     source: Source
-    sensors: Mapping[str, _SensorColumns]
+    sensors: Mapping[str, SensorColumns]
     clock: ExperimentClock
     decisions: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    used: set[str] = field(default_factory=set)
 
     def table(self, sensor: str) -> NumberTable | None:
         """Read time and columns of a sensor; None when it is absent or has no rows."""
         if sensor not in self.sensors:
             return None
+        self.used.add(sensor)
         where = self.sensors[sensor]
         head = self.source.head(where.member)
         dialect = detect_dialect(head)
@@ -85,7 +64,7 @@ class _Reading:
             self.source.place(where.member),
             separator=dialect.separator,
             decimal_comma=dialect.decimal_comma,
-            columns=(_TIME, *where.titles),
+            columns=(TIME_TITLE, *where.titles),
         )
 
     def signal(self, sensor: str) -> Signal | None:
@@ -94,7 +73,7 @@ class _Reading:
         if table is None:
             return None
         values = table.stack(self.sensors[sensor].titles)
-        signal, dropped = finite_signal_or_none(table.numbers(_TIME), values, sensor, table.place)
+        signal, dropped = finite_signal_or_none(table.numbers(TIME_TITLE), values, sensor, table.place)
         self.warnings += dropped
         return None if signal is None else Signal(self.clock.to_continuous_time(signal.time_s), signal.values)
 
@@ -115,13 +94,14 @@ def read_source(source: Source) -> Recording:
     walk = require_single_walk(source, _walks(source), NAME)
     members = tuple(member for member in source.members if _folder(member) == walk)
     prefix = f"{walk}/" if walk else ""
-    clock = read_experiment_clock(source, f"{prefix}meta/time.csv")
-    properties = read_device_properties(source, f"{prefix}meta/device.csv")
-    reading = _Reading(source, _find_sensors(source, members), clock)
+    clock = read_experiment_clock(source, prefix)
+    properties = read_device_properties(source, prefix)
+    reading = _Reading(source, find_sensors(source, members), clock)
     reading.warnings += [f"{member} is empty" for member in members if not source.head(member).strip()]
     reading.warnings += clock.warnings
     signals = _signals(reading)
     gnss = _fixes(reading, signals)
+    _name_unused(reading, members)
     return Recording(
         name=member_stem(source.name) if source.path.is_file() else source.name,
         format=NAME,
@@ -132,75 +112,44 @@ def read_source(source: Source) -> Recording:
     )
 
 
+def _name_unused(reading: _Reading, members: tuple[str, ...]) -> None:
+    """Add the sensors, columns and files that were not used to the decisions."""
+    used_members = {columns.member for columns in reading.sensors.values()}
+    groups = (
+        ("sensors", sorted(set(reading.sensors) - reading.used)),
+        ("columns", unused_columns(reading.source, reading.sensors)),
+        ("files", [m for m in members if m not in used_members and not member_stem(m).startswith("Metadata ")]),
+    )
+    reading.decisions += [f"{what} not used: {', '.join(names)}" for what, names in groups if names]
+
+
 def _walks(source: Source) -> tuple[str, ...]:
     """Find the folders with at least one table of a known sensor ("" is the top)."""
-    tables = find_members(source, lambda head: _TIME.encode() in head[:64])
-    return tuple(dict.fromkeys(_folder(member) for member in tables if any(_sensors_of(source, member))))
+    tables = find_members(source, lambda head: TIME_TITLE.encode() in head[:64])
+    return tuple(dict.fromkeys(_folder(member) for member in tables if any(sensors_of(source, member))))
 
 
 def _folder(member: str) -> str:
     return member.rpartition("/")[0]
 
 
-def _find_sensors(source: Source, members: tuple[str, ...]) -> Mapping[str, _SensorColumns]:
-    """Find the first table of each sensor."""
-    found: dict[str, _SensorColumns] = {}
-    for member in members:
-        for sensor, titles in _sensors_of(source, member):
-            found.setdefault(sensor, _SensorColumns(member, titles))
-    return found
-
-
-def _sensors_of(source: Source, member: str) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """List the sensors of a table with the titles of their columns."""
-    dialect = detect_dialect(source.head(member))
-    if dialect is None or _TIME not in dialect.titles:
-        return
-    yield from _three_axes(dialect.titles, member_stem(member).casefold())
-    if set(_FIX_TITLES) <= set(dialect.titles):
-        yield "location", _FIX_TITLES
-    if set(_QUATERNION) <= set(dialect.titles):
-        yield "orientation", _QUATERNION
-    for title in _PRESSURE_TITLES:
-        if title in dialect.titles:
-            yield "pressure", (title,)
-
-
-def _three_axes(titles: tuple[str, ...], file_name: str) -> Iterator[tuple[str, tuple[str, ...]]]:
-    axes: dict[str, dict[str, str]] = {}
-    for title in titles:
-        match = _AXIS_TITLE.match(title)
-        if match is None:
-            continue
-        sensor = _SENSOR_BY_NAME.get(match["what"].casefold() or file_name)
-        if sensor is not None and _plain_unit(match["unit"]) == _UNIT_OF_SENSOR[sensor]:
-            axes.setdefault(sensor, {})[match["axis"].casefold()] = title
-    for sensor, by_axis in axes.items():
-        if len(by_axis) == 3:
-            yield sensor, (by_axis["x"], by_axis["y"], by_axis["z"])
-
-
-def _plain_unit(unit: str) -> str:
-    """Replace both Unicode letters for micro, and the superscript, by ASCII."""
-    return unit.replace("µ", "u").replace("μ", "u").replace("²", "^2")
-
-
 def _signals(reading: _Reading) -> Mapping[str, Signal | None]:
     force = _specific_force(reading)
     signals = {
         "force": force,
+        "linear": _without_gravity(reading) if force is None else None,
         "rate": reading.signal("gyroscope"),
         "field": reading.signal("magnetometer"),
         "attitude": reading.signal("orientation"),
         "pressure": reading.signal("pressure"),
     }
-    if force is None and signals["rate"] is None:
+    if force is None and signals["linear"] is None and signals["rate"] is None:
         found = ", ".join(sorted(reading.sensors))
         raise RecordingError(
             f"{reading.source.path}: neither accelerometer nor gyroscope has rows; found {found}; "
             "record again with both switched on"
         )
-    if force is None:
+    if force is None and signals["linear"] is None:
         reading.warnings.append("no accelerometer in the export")
     return signals
 
@@ -212,13 +161,8 @@ def _specific_force(reading: _Reading) -> Signal | None:
         reading.decisions.append("specific force is the accelerometer")
         return force
     linear, gravity = reading.signal("linear acceleration"), reading.signal("gravity")
-    if linear is None:
+    if linear is None or gravity is None:
         return None
-    if gravity is None:
-        raise RecordingError(
-            f"{reading.source.path}: linear acceleration, but no gravity; "
-            "record again with the accelerometer switched on"
-        )
     reading.decisions.append("specific force is linear acceleration + gravity, because there is no accelerometer")
     total, warnings = add_gravity(linear, gravity)
     reading.warnings += warnings
@@ -228,14 +172,26 @@ def _specific_force(reading: _Reading) -> Signal | None:
     return total
 
 
+def _without_gravity(reading: _Reading) -> Signal | None:
+    """Read the linear acceleration, from which steps can be counted."""
+    linear = reading.signal("linear acceleration")
+    if linear is not None:
+        reading.decisions.append("acceleration without gravity is the linear acceleration")
+        reading.warnings.append(
+            "the acceleration is without gravity: steps can be counted from it; for a track record with "
+            '"Acceleration with g" (the sensor Accelerometer) and the gyroscope'
+        )
+    return linear
+
+
 def _fixes(reading: _Reading, signals: Mapping[str, Signal | None]) -> GnssFixes:
     table = reading.table("location")
     if table is None:
         return GnssFixes((), None)
-    latitude, longitude, accuracy = (table.numbers(title) for title in _FIX_TITLES)
-    time_s = reading.clock.to_continuous_time(table.numbers(_TIME))
+    latitude, longitude, accuracy = (table.numbers(title) for title in FIX_TITLES)
+    time_s = reading.clock.to_continuous_time(table.numbers(TIME_TITLE))
     gnss = gnss_fixes(time_s, latitude, longitude, accuracy)
-    motion = [signal.time_s for name in ("force", "rate") if (signal := signals[name]) is not None]
+    motion = [signal.time_s for name in ("force", "linear", "rate") if (signal := signals[name]) is not None]
     gnss = drop_fixes_outside(gnss, min(t.min() for t in motion), max(t.max() for t in motion))
     reading.warnings += gnss.warnings
     return gnss
@@ -258,6 +214,7 @@ def _device(
         model=" ".join(properties[key] for key in ("deviceBrand", "deviceModel") if properties.get(key)),
         platform=_platform(reading, properties),
         specific_force=force,
+        linear_acceleration=signals["linear"],
         rotation_rate=signals["rate"],
         magnetic_field=signals["field"],
         attitude=attitude,
