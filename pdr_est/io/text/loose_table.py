@@ -1,0 +1,283 @@
+"""Parse a table whose layout was detected: fast where it is clean, and with damaged rows left out where it is not.
+
+The ordinary way is one pass of polars over the wanted columns. Only where that fails, the cells are read as text:
+words for a missing value, decimal commas, blanks and quotes are then understood, and rows that are cut, too long or
+hold text where the others hold numbers are left out and told with their line numbers.
+"""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.text.cells import MISSING, MISSING_SPELLINGS
+from pdr_est.io.text.finite_values import discard_huge_values
+from pdr_est.io.text.number_table import NumberTable
+from pdr_est.io.text.table_layout import BLANKS, TableLayout
+
+_LARGEST_DAMAGED_SHARE = 0.05
+_TEXT_COLUMN_SHARE = 0.5  # a column of which fewer cells are numbers holds something else
+_LINES_NAMED = 3
+_LAYOUT_ROWS = 100
+
+
+@dataclass(frozen=True)
+class LooseTable:
+    """Table with what was noticed while it was read.
+
+    Attributes
+    ----------
+    table
+        The wanted columns: numbers, or text where a column that may hold times has dates.
+    text_columns
+        Titles of the columns that are text.
+    warnings
+        Rows that were left out, in words.
+    """
+
+    table: NumberTable
+    text_columns: frozenset[str]
+    warnings: tuple[str, ...] = ()
+
+
+def read_loose_table(
+    data: bytes, place: str, layout: TableLayout, numbers: Sequence[str], times: Sequence[str] = ()
+) -> LooseTable:
+    """Read the wanted columns of a table.
+
+    Parameters
+    ----------
+    data
+        Whole content in UTF-8 (`encoding.as_utf8`).
+    place
+        Name of the file, for messages.
+    layout
+        How the table is written.
+    numbers
+        Titles of the columns that hold numbers.
+    times
+        Titles of the columns that hold numbers or, if not, text such as dates.
+
+    Raises
+    ------
+    RecordingError
+        When there are no rows, or more than 5 % of them are damaged.
+    """
+    body = _body(data, layout)
+    if not body.strip():
+        raise RecordingError(f"{place}: the table has no rows below its header; record again")
+    wanted = [title for title in layout.titles if title in set(numbers) | set(times)]
+    frame = _fast(body, layout, wanted, set(times))
+    if frame is not None:
+        table, texts = _from_frame(frame, place, wanted)
+        return LooseTable(table, texts)
+    columns = _as_text(body, layout, wanted)
+    parsed = None if columns is None else {title: _parse(columns[title], title in times) for title in wanted}
+    if parsed is not None and not any(one.wrong.any() for one in parsed.values()):
+        return _assembled(parsed, place, ())
+    return _repaired(body, place, layout, wanted, set(times))
+
+
+@dataclass(frozen=True)
+class _Parsed:
+    """One column: its values, which cells are empty, and which hold text among numbers."""
+
+    values: NDArray[Any]
+    empty: NDArray[np.bool_]
+    wrong: NDArray[np.bool_]
+    is_text: bool = False
+
+
+def _body(data: bytes, layout: TableLayout) -> bytes:
+    """Cut off what stands above the first row, and bring runs of blanks to one tab."""
+    start = 0
+    for _ in range(layout.first_line):
+        start = data.find(b"\n", start) + 1
+    body = data[start:].rstrip(b"\n \t")
+    if layout.separator == BLANKS:
+        body = body.replace(b"\t", b" ")
+        while b"  " in body:
+            body = body.replace(b"  ", b" ")
+        body = body.replace(b"\n ", b"\n").replace(b" \n", b"\n").lstrip(b" ")
+    return body
+
+
+def _names(layout: TableLayout) -> list[str]:
+    return [f"c{i}" for i in range(len(layout.titles))]
+
+
+def _read(body: bytes, layout: TableLayout, columns: Sequence[str], **options: Any) -> pl.DataFrame:
+    header = layout.separator.join(_names(layout)).encode() + b"\n"
+    return pl.read_csv(header + body, separator=layout.separator, columns=list(columns), **options)
+
+
+def _fast(body: bytes, layout: TableLayout, wanted: Sequence[str], times: set[str]) -> pl.DataFrame | None:
+    """Parse the wanted columns in one pass; None where a cell is no number or a row has another length."""
+    if layout.decimal_comma and layout.separator == ",":
+        return None
+    names = dict(zip(layout.titles, _names(layout), strict=True))
+    last = _names(layout)[-1]
+    types: dict[str, Any] = {names[title]: pl.Float64 for title in wanted if title not in times}
+    if last not in {names[title] for title in wanted}:
+        types[last] = pl.String
+    columns = list(dict.fromkeys([*(names[title] for title in wanted), last]))
+    try:
+        frame = _read(
+            body,
+            layout,
+            columns,
+            schema_overrides=types,
+            decimal_comma=layout.decimal_comma,
+            infer_schema_length=_LAYOUT_ROWS,
+        )
+    except (pl.exceptions.PolarsError, ValueError):
+        return None
+    if frame[last].null_count() and _has_short_rows(body, layout, frame[last]):
+        return None
+    return frame.select(names[title] for title in wanted)
+
+
+def _has_short_rows(body: bytes, layout: TableLayout, last: pl.Series) -> bool:
+    """Tell whether rows whose last cell is empty lack separators, too, or whether rows are blank."""
+    lines = body.split(b"\n")
+    if len(lines) != len(last):
+        return True
+    separator = layout.separator.encode()
+    fewest = len(layout.titles) - 1
+    return any(lines[i].count(separator) < fewest for i in np.flatnonzero(last.is_null().to_numpy()))
+
+
+def _from_frame(frame: pl.DataFrame, place: str, wanted: Sequence[str]) -> tuple[NumberTable, frozenset[str]]:
+    arrays: dict[str, NDArray[Any]] = {}
+    empty: dict[str, NDArray[np.bool_]] = {}
+    texts = set()
+    for title, column in zip(wanted, frame.get_columns(), strict=True):
+        if column.dtype == pl.String:
+            parsed = _parse(column, may_be_text=True)
+            arrays[title] = parsed.values
+            if parsed.is_text:
+                texts.add(title)
+            cells = parsed.empty
+        else:
+            nulls = column.is_null() if column.null_count() else None
+            arrays[title] = _as_array(column)
+            cells = np.zeros(0, dtype=np.bool_) if nulls is None else nulls.to_numpy()
+        if cells.any():
+            empty[title] = cells
+    return NumberTable(place, arrays, empty), frozenset(texts)
+
+
+def _as_array(column: pl.Series) -> NDArray[Any]:
+    """Return int64 where all values are integers, else float64 with NaN for missing values."""
+    if column.dtype.is_integer() and not column.null_count():
+        return column.cast(pl.Int64).to_numpy()
+    return discard_huge_values(column.cast(pl.Float64).to_numpy().astype(np.float64))
+
+
+def _as_text(body: bytes, layout: TableLayout, wanted: Sequence[str]) -> dict[str, pl.Series] | None:
+    """Read the wanted columns as text; None where rows differ in length or are blank."""
+    names = dict(zip(layout.titles, _names(layout), strict=True))
+    last = _names(layout)[-1]
+    columns = list(dict.fromkeys([*(names[title] for title in wanted), last]))
+    try:
+        frame = _read(body, layout, columns, infer_schema=False, null_values=list(MISSING_SPELLINGS))
+    except (pl.exceptions.PolarsError, ValueError):
+        return None
+    if frame[last].null_count() and _has_short_rows(body, layout, frame[last]):
+        return None
+    return {title: frame[names[title]] for title in wanted}
+
+
+def _parse(column: pl.Series, may_be_text: bool) -> _Parsed:
+    """Convert text cells to numbers; a column that may hold dates stays text if most cells are no numbers."""
+    text = column.str.strip_chars(" \t\"';")
+    missing = text.is_null() | text.str.to_lowercase().is_in(list(MISSING)).fill_null(True)
+    text = text.to_frame("t").select(pl.when(~missing).then(pl.col("t"))).to_series()
+    integers = text.cast(pl.Int64, strict=False)
+    empty = missing.to_numpy()
+    nothing = np.zeros(len(text), dtype=np.bool_)
+    if integers.null_count() == 0 and len(text):
+        return _Parsed(integers.to_numpy(), empty, nothing)
+    plain = text.str.replace(",", ".", literal=True)
+    numbers = plain.cast(pl.Float64, strict=False)
+    wrong = (numbers.is_null() & ~missing).to_numpy()
+    present = int((~empty).sum())
+    if wrong.sum() > _TEXT_COLUMN_SHARE * present:
+        if may_be_text:
+            return _Parsed(text.fill_null("").to_numpy().astype(np.str_), empty, nothing, is_text=True)
+        return _Parsed(np.full(len(text), np.nan), np.ones_like(empty), nothing)
+    if integers.null_count() == text.null_count() + int(wrong.sum()) and wrong.any():
+        # Ticks of a clock stay exact; the damaged rows are left out later.
+        return _Parsed(integers.fill_null(0).to_numpy(), empty, wrong | empty)
+    return _Parsed(discard_huge_values(numbers.cast(pl.Float64).to_numpy().astype(np.float64)), empty, wrong)
+
+
+def _assembled(parsed: Mapping[str, _Parsed], place: str, warnings: tuple[str, ...]) -> LooseTable:
+    arrays = {title: one.values for title, one in parsed.items()}
+    empty = {title: one.empty for title, one in parsed.items() if one.empty.any()}
+    texts = frozenset(title for title, one in parsed.items() if one.is_text)
+    return LooseTable(NumberTable(place, arrays, empty), texts, warnings)
+
+
+def _repaired(body: bytes, place: str, layout: TableLayout, wanted: Sequence[str], times: set[str]) -> LooseTable:
+    """Read the table line by line and leave out the damaged rows."""
+    rows, lines, damaged = _rows(body, layout)
+    at = {title: i for i, title in enumerate(layout.titles)}
+    columns = {title: pl.Series([row[at[title]] for row in rows], dtype=pl.String) for title in wanted}
+    parsed = {title: _parse(column, title in times) for title, column in columns.items()}
+    wrong = np.zeros(len(rows), dtype=np.bool_)
+    for title, one in parsed.items():
+        wrong |= one.wrong
+        for i in np.flatnonzero(one.wrong & ~one.empty)[:_LINES_NAMED]:
+            damaged.setdefault(lines[i], f"{columns[title][int(i)]!r} in column {title!r}")
+    number = len(rows) - int((~wrong).sum()) + sum(line not in set(lines) for line in damaged)
+    total = number + int((~wrong).sum())
+    named = ", ".join(f"line {line}: {fault}" for line, fault in sorted(damaged.items())[:_LINES_NAMED])
+    if number > max(1.0, _LARGEST_DAMAGED_SHARE * total):
+        raise RecordingError(f"{place}: {number} of {total} rows are damaged ({named}); export the recording again")
+    kept = ~wrong
+    clean = {
+        title: _Parsed(one.values[kept], one.empty[kept], one.wrong[kept], one.is_text)
+        for title, one in parsed.items()
+    }
+    warnings = (f"{number} of {total} rows are damaged and left out ({named})",) if number else ()
+    return _assembled(clean, place, warnings)
+
+
+def _rows(body: bytes, layout: TableLayout) -> tuple[list[list[str]], list[int], dict[int, str]]:
+    """Split the rows into cells.
+
+    Returns
+    -------
+    rows : list of list of str
+        Rows with as many cells as there are titles; empty cells too many at their end are cut off.
+    lines : list of int
+        Line numbers of those rows.
+    damaged : dict
+        Line number -> fault of the other rows.
+    """
+    text = io.StringIO(body.decode("utf-8", "replace"), newline="\n")
+    reader = csv.reader(text, delimiter=layout.separator)
+    width = len(layout.titles)
+    rows, lines, damaged = [], [], {}
+    try:
+        for row in reader:
+            line = layout.first_line + reader.line_num
+            if not any(cell.strip() for cell in row) or row[0].startswith("#"):
+                continue
+            while len(row) > width and not row[-1].strip():
+                row.pop()
+            if len(row) == width:
+                rows.append(row)
+                lines.append(line)
+            else:
+                damaged[line] = f"{len(row)} cells instead of {width}"
+    except csv.Error as error:
+        damaged[layout.first_line + reader.line_num] = str(error)
+    return rows, lines, damaged
