@@ -21,6 +21,7 @@ ORDER: list[set[str]] = [
     # The five wings, which never see each other. Inside a wing the same rule holds.
     {"io.text", "clock_sync", "front_end.signal", "estimators.common", "simulate"},
     {"io.conversion", "front_end.attitude", "estimators.kalman", "estimators.fix_checks"},
+    {"io.tables"},
     {"io.side_tables", "front_end.mode", "estimators.dead_reckoning", "estimators.person", "estimators.factor_graph"},
     {"io.formats", "io.writers", "front_end.steps", "estimators.fixed_lag", "estimators.robust_dr"},
     {"io", "front_end.gait", "estimators"},

@@ -58,6 +58,8 @@ class RawDevice:
         As in `DeviceRecording`.
     sign, sign_reason
         Sign by which the acceleration becomes specific force, and why; None where the format does not tell.
+    sign_promised
+        True where a documented header or a person states the sign: it is then taken, and a contradiction only told.
     attitude_reference
         As in `DeviceRecording`.
     usual_axes
@@ -74,6 +76,7 @@ class RawDevice:
     platform: str = ""
     sign: float | None = None
     sign_reason: str = ""
+    sign_promised: bool = False
     attitude_reference: AttitudeReference = AttitudeReference.UNKNOWN
     usual_axes: bool = True
     without_gravity: str = "record the accelerometer with gravity"
@@ -91,7 +94,9 @@ class RawDevice:
         attitude = self._attitude()
         total = self._acceleration()
         force: Signal | None = None
-        if total is not None:
+        if total is not None and self.sign_promised:
+            force = self._with_promised_sign(total, attitude)
+        elif total is not None:
             if attitude is not None:
                 attitude, conversion = signs.resolve_attitude_direction(total, attitude)
                 self.note(conversion)
@@ -116,6 +121,17 @@ class RawDevice:
             warnings=tuple(self.warnings),
             usual_axes=self.usual_axes,
         )
+
+    def _with_promised_sign(self, total: Signal, attitude: Signal | None) -> Signal:
+        """Take the sign that the header or a person states; tell where the attitude contradicts it."""
+        sign = self.sign or 1.0
+        self.decisions.append(f"acceleration points {'up' if sign > 0.0 else 'down'} at rest by {self.sign_reason}")
+        cosine = None if attitude is None else signs.gravity_cosine(total, attitude)
+        if cosine is not None and cosine * sign < 0.0:
+            self.warnings.append(
+                f"acceleration and attitude contradict each other: median cosine {cosine * sign:+.2f}"
+            )
+        return total if sign > 0.0 else Signal(total.time_s, -total.values)
 
     def _acceleration(self) -> Signal | None:
         """Find the acceleration with gravity, m/s^2, still with the recorder's sign."""

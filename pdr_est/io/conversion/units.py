@@ -123,8 +123,10 @@ def detect_pressure_unit(values: Array) -> Conversion:
 def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Conversion:
     """Detect the unit of a numeric clock: s, ms, us or ns.
 
-    A first value that is a Unix time between 1998 and 2096 decides, else the median step, which must be that of a
-    sensor with 2 to 1500 samples a second.
+    The rate of the rows decides, which must be that of a sensor with 2 to 1500 samples a second: the units differ by a
+    factor of 1000, so that at most one fits. Rows that share a stamp count, too. A first value that is a Unix time
+    between 1998 and 2096 decides only where no unit gives such a rate, because the boot clock of a phone that has run
+    for 10 to 46 days looks like a Unix time in the next larger unit.
 
     Parameters
     ----------
@@ -132,20 +134,40 @@ def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Convers
         (n,) clock values, at least one.
     """
     first = float(ticks[0])
-    for unit, per_s in _CLOCK_UNITS:
-        if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]:
-            return Conversion(1.0 / per_s, f"the clock counts Unix time in {unit}: the first value is {ticks[0]}")
-    steps = np.diff(ticks)
-    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    for unit, per_s in reversed(_CLOCK_UNITS):
-        if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]:
-            return Conversion(1.0 / per_s, f"the clock counts {unit}: the median step is {step:.4g}")
+    step = _step_of_rows(ticks)
+    unix = [unit for unit, per_s in _CLOCK_UNITS if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]]
+    by_rate = [
+        unit
+        for unit, per_s in _CLOCK_UNITS
+        if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]
+    ]
+    per_second = dict(_CLOCK_UNITS)
+    if unix and (unix == by_rate or not by_rate):
+        factor = 1.0 / per_second[unix[0]]
+        return Conversion(factor, f"the clock counts Unix time in {unix[0]}: the first value is {ticks[0]}")
+    if by_rate:
+        unit = by_rate[0]
+        decision = f"the clock counts {unit}: the median step is {step:.4g}"
+        if unix:
+            decision += f", which cannot be Unix time in {unix[0]}"
+        return Conversion(1.0 / per_second[unit], decision)
     return Conversion(
         1.0,
         f"the clock is assumed to count seconds, although its median step is {step:.4g}",
         f"the unit of the clock cannot be determined from its median step of {step:.4g}: seconds are assumed; write "
         "the unit into the header to be sure",
     )
+
+
+def _step_of_rows(ticks: NDArray[np.float64] | NDArray[np.int64]) -> float:
+    """Compute the median step of the stamps, divided by the rows that share a stamp where most do."""
+    steps = np.diff(ticks)
+    rises = steps[steps > 0]
+    if not len(rises):
+        return 0.0
+    step = float(np.median(rises))
+    shared = float(np.median(np.diff(np.flatnonzero(np.concatenate([[True], steps > 0, [True]])))))
+    return step / max(1.0, shared)
 
 
 def _parts(n: int) -> int:

@@ -174,7 +174,9 @@ def _american(groups: pl.DataFrame) -> bool:
 
 def _zone_s(zones: pl.Series) -> NDArray[Any]:
     """Compute the offsets from UTC, s."""
-    digits = zones.fill_null("Z").str.extract_groups(r"(?P<sign>[+-])(?P<hours>\d{2}):?(?P<minutes>\d{2})").struct.unnest()
+    digits = (
+        zones.fill_null("Z").str.extract_groups(r"(?P<sign>[+-])(?P<hours>\d{2}):?(?P<minutes>\d{2})").struct.unnest()
+    )
     seconds = _integers(digits, "hours") * 3600 + _integers(digits, "minutes") * 60
     negative = (digits["sign"] == "-").fill_null(False).to_numpy()
     return np.where(negative, -seconds, seconds)

@@ -10,11 +10,13 @@ from dataclasses import dataclass, replace
 
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import AXES, CANONICAL, Quantity, quantities_of_unit, unit_factor
-from pdr_est.io.tables.titles import TitleMeaning, understand_title
+from pdr_est.io.tables.titles import TitleMeaning, split_words, understand_title
 from pdr_est.io.tables.words import Word
 
 _COMPONENTS = {"0": "x", "1": "y", "2": "z"}
 _QUATERNION_COMPONENTS = {"0": "w", "1": "x", "2": "y", "3": "z"}
+_SECOND_WORDS = frozenset({"sec", "secs", "seconds", "s"})
+_NANOSECOND_WORDS = frozenset({"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds", "ns"})
 _ACCELERATIONS = (Quantity.FORCE, Quantity.LINEAR)
 
 
@@ -27,7 +29,7 @@ class _Group:
     titles: Mapping[str, str]
 
 
-def understand_titles(titles: Sequence[str], hint: Quantity | None = None) -> TableMapping:
+def understand_titles(titles: Sequence[str], hint: Quantity | None = None, units: Sequence[str] = ()) -> TableMapping:
     """Find the meaning of the columns of a table from its titles.
 
     Parameters
@@ -36,6 +38,8 @@ def understand_titles(titles: Sequence[str], hint: Quantity | None = None) -> Ta
         Titles in the order of the file.
     hint
         Quantity of axes without a sensor's name, such as `x`, from the name of the file; None when it is not known.
+    units
+        Unit of each column from a row of its own; empty when there is none.
 
     Returns
     -------
@@ -44,7 +48,10 @@ def understand_titles(titles: Sequence[str], hint: Quantity | None = None) -> Ta
     """
     canonical = _canonical_columns(titles)
     taken = {title for columns in canonical.values() for title in columns.titles}
-    meanings = {title: understand_title(title) for title in titles if title not in taken}
+    unit_of = dict(zip(titles, units, strict=False))
+    meanings = {
+        title: _with_unit(understand_title(title), unit_of.get(title, "")) for title in titles if title not in taken
+    }
     clocks = _clock_columns(titles, meanings, canonical)
     groups = _groups(meanings, hint)
     columns = {**{q: c for q, c in canonical.items() if q is not Quantity.TIME}}
@@ -60,6 +67,10 @@ def understand_titles(titles: Sequence[str], hint: Quantity | None = None) -> Ta
         sign_reason="" if apple is None else f"Core Motion's titles, {next(iter(apple.titles.values()))}",
         unused=tuple(title for title in titles if title not in used and title.strip()),
     )
+
+
+def _with_unit(meaning: TitleMeaning | None, unit: str) -> TitleMeaning | None:
+    return replace(meaning, unit=unit) if meaning is not None and unit and not meaning.unit else meaning
 
 
 def _canonical_columns(titles: Sequence[str]) -> dict[Quantity, QuantityColumns]:
@@ -83,8 +94,33 @@ def _clock_columns(
         if (meaning := meanings.get(title)) is not None and meaning.word is not None
         if meaning.word.quantity is Quantity.TIME
     ]
-    ordered = sorted(found, key=lambda entry: entry[0])
-    return tuple(ClockColumn(title, unit_factor(Quantity.TIME, unit)) for _, title, unit in ordered)
+    ordered = [
+        ClockColumn(title, unit_factor(Quantity.TIME, unit))
+        for _, title, unit in sorted(found, key=lambda one: one[0])
+    ]
+    return _with_named_fractions(ordered)
+
+
+def _with_named_fractions(clocks: Sequence[ClockColumn]) -> tuple[ClockColumn, ...]:
+    """Join columns such as `stamp.secs` and `stamp.nsecs`, whose names tell that they belong together."""
+    by_name = {_without_second(clock.title): clock for clock in clocks if _ends_with(clock.title, _SECOND_WORDS)}
+    fractions = {
+        clock.title: by_name[_without_second(clock.title)]
+        for clock in clocks
+        if _ends_with(clock.title, _NANOSECOND_WORDS) and _without_second(clock.title) in by_name
+    }
+    partner = {seconds.title: title for title, seconds in fractions.items()}
+    return tuple(
+        replace(clock, fraction=partner.get(clock.title, "")) for clock in clocks if clock.title not in fractions
+    )
+
+
+def _ends_with(title: str, words: frozenset[str]) -> bool:
+    return split_words(title)[-1:] != [] and split_words(title)[-1] in words
+
+
+def _without_second(title: str) -> tuple[str, ...]:
+    return tuple(split_words(title)[:-1])
 
 
 def _groups(meanings: Mapping[str, TitleMeaning | None], hint: Quantity | None) -> list[_Group]:
@@ -166,12 +202,12 @@ def _is_whole(group: _Group, quantity: Quantity) -> bool:
     return set(AXES[quantity]) <= set(group.titles)
 
 
-def _with_units(
-    group: _Group, quantity: Quantity, meanings: Mapping[str, TitleMeaning | None]
-) -> QuantityColumns:
+def _with_units(group: _Group, quantity: Quantity, meanings: Mapping[str, TitleMeaning | None]) -> QuantityColumns:
     chosen = tuple(group.titles[axis] for axis in AXES[quantity])
     units = [meaning.unit if (meaning := meanings[title]) is not None else "" for title in chosen]
-    return QuantityColumns(chosen, tuple(unit_factor(quantity, unit) for unit in units), ambiguous=group.word.ambiguous)
+    return QuantityColumns(
+        chosen, tuple(unit_factor(quantity, unit) for unit in units), ambiguous=group.word.ambiguous
+    )
 
 
 def _is_used(group: _Group, columns: Mapping[Quantity, QuantityColumns]) -> bool:

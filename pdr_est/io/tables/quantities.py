@@ -107,7 +107,9 @@ _UNITS: Mapping[Quantity, Mapping[str, float]] = {
     Quantity.ACCURACY: {"m": 1.0, "meter": 1.0, "meters": 1.0},
 }
 _DROPPED_FROM_UNITS = re.compile(r"[\s^*·()]|_")
-_NO_UNITS = frozenset({"", "-", "1", "none", "txt", "deg", "°", "degc", "°c", "c", "%", "lux", "lx", "cm", "bool", "n"})
+_NO_UNITS = frozenset(
+    {"", "-", "1", "none", "txt", "deg", "°", "degc", "°c", "c", "%", "lux", "lx", "cm", "bool", "n"}
+)
 
 
 def unit_factor(quantity: Quantity, unit: str) -> float | None:

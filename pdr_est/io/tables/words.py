@@ -38,48 +38,117 @@ def _words(text: str, word: Word) -> dict[str, Word]:
 
 SENSORS: Mapping[str, Word] = {
     # Accelerometer: first the names that promise gravity.
-    **_words("gf gforce accelerationincludinggravity accincludinggravity accelerationwithgravity", Word(Quantity.FORCE, 0)),
+    **_words(
+        "gf gforce accelerationincludinggravity accincludinggravity accelerationwithgravity", Word(Quantity.FORCE, 0)
+    ),
     **_words("totalacceleration totalacc gforces accwithgravity accgravityincluded", Word(Quantity.FORCE, 0)),
     **_words("accelerometeracceleration", Word(Quantity.FORCE, 0, apple=True)),
-    **_words("acc acce accel accelerometer accelerometers accl accele acelerometro accelerometre", Word(Quantity.FORCE)),
-    **_words("beschleunigungssensor beschleunigungsmesser 加速度计 加速度計 加速度传感器 加速度センサ", Word(Quantity.FORCE)),
+    **_words(
+        "acc acce accel accelerometer accelerometers accl accele acelerometro accelerometre", Word(Quantity.FORCE)
+    ),
+    **_words(
+        "beschleunigungssensor beschleunigungsmesser 加速度计 加速度計 加速度传感器 加速度センサ",
+        Word(Quantity.FORCE),
+    ),
     **_words("加速度センサー 加速计 加速度传感器 accelerometro akzelerometer specificforce", Word(Quantity.FORCE)),
     **_words("typeaccelerometer accelerometersensor accdata acceleratormeter", Word(Quantity.FORCE)),
-    **_words("acceleration accelerations beschleunigung aceleracion accelerazione 加速度", Word(Quantity.FORCE, 2, True)),
+    **_words(
+        "acceleration accelerations beschleunigung aceleracion accelerazione 加速度", Word(Quantity.FORCE, 2, True)
+    ),
     **_words("a arss acclin", Word(Quantity.FORCE, 2, True)),
-    **_words("uncalaccel accelerometeruncalibrated acceleroemteruncalibrated uncalibratedaccelerometer", Word(Quantity.FORCE, 4)),
-    **_words("accuncalibrated rawaccelerometer accraw accelraw typeaccelerometeruncalibrated", Word(Quantity.FORCE, 4)),
+    **_words(
+        "uncalaccel accelerometeruncalibrated acceleroemteruncalibrated uncalibratedaccelerometer",
+        Word(Quantity.FORCE, 4),
+    ),
+    **_words(
+        "accuncalibrated rawaccelerometer accraw accelraw typeaccelerometeruncalibrated", Word(Quantity.FORCE, 4)
+    ),
     # Acceleration without gravity; ROS and some devices call what includes it "linear", so that the values decide.
-    **_words("linearacceleration linacc linearacc linaccel linacceleration linearaccel linacce", Word(Quantity.LINEAR, 2, True)),
-    **_words("linearaccelerometer lineareaccelerometer accelerometerlinear accelerationlinear accelerometrelineaire", Word(Quantity.LINEAR, 2, True)),
-    **_words("acclinear accellinear linear lin accelerationwithoutgravity accelerationwithoutg accwithoutgravity typelinearacceleration", Word(Quantity.LINEAR, 2, True)),
-    **_words("linearebeschleunigung lineareacceleration aceleracionlineal accelerationlineaire", Word(Quantity.LINEAR, 2, True)),
-    **_words("线性加速度 線形加速度 线性加速度传感器 線性加速度 线加速度 線形加速度センサー", Word(Quantity.LINEAR, 2, True)),
-    **_words("useracceleration accelerationuser motionuseracceleration useracc useraccel uacc", Word(Quantity.LINEAR, 1, apple=True)),
+    **_words(
+        "linearacceleration linacc linearacc linaccel linacceleration linearaccel linacce",
+        Word(Quantity.LINEAR, 2, True),
+    ),
+    **_words(
+        "linearaccelerometer lineareaccelerometer accelerometerlinear accelerationlinear accelerometrelineaire",
+        Word(Quantity.LINEAR, 2, True),
+    ),
+    **_words(
+        "acclinear accellinear linear lin accelerationwithoutgravity accelerationwithoutg accwithoutgravity typelinearacceleration",
+        Word(Quantity.LINEAR, 2, True),
+    ),
+    **_words(
+        "linearebeschleunigung lineareacceleration aceleracionlineal accelerationlineaire",
+        Word(Quantity.LINEAR, 2, True),
+    ),
+    **_words(
+        "线性加速度 線形加速度 线性加速度传感器 線性加速度 线加速度 線形加速度センサー",
+        Word(Quantity.LINEAR, 2, True),
+    ),
+    **_words(
+        "useracceleration accelerationuser motionuseracceleration useracc useraccel uacc",
+        Word(Quantity.LINEAR, 1, apple=True),
+    ),
     **_words("benutzerbeschleunigung 用户加速度 ユーザー加速度 ユーザ加速度", Word(Quantity.LINEAR, 1)),
     # Gravity
-    **_words("gravity grav motiongravity gravityacceleration gravityvector gravitysensor schwerkraft", Word(Quantity.GRAVITY)),
-    **_words("typegravity gravedad gravite gravita gravitation erdanziehung 重力 重力加速度 重力传感器 重力センサー", Word(Quantity.GRAVITY)),
+    **_words(
+        "gravity grav motiongravity gravityacceleration gravityvector gravitysensor schwerkraft",
+        Word(Quantity.GRAVITY),
+    ),
+    **_words(
+        "typegravity gravedad gravite gravita gravitation erdanziehung 重力 重力加速度 重力传感器 重力センサー",
+        Word(Quantity.GRAVITY),
+    ),
     # Gyroscope
-    **_words("gyr gyro gyroscope gyroscopes gyroscop giroscopio giroscope gyroskop kreisel gyrorotation", Word(Quantity.RATE)),
-    **_words("rotationrate motionrotationrate rotrate gyrorate drehrate drehgeschwindigkeit angularvelocity", Word(Quantity.RATE)),
-    **_words("angularrate angvel angvelocity angularvel angrate angularspeed winkelgeschwindigkeit omega", Word(Quantity.RATE)),
-    **_words("velocidadangular vitesseangulaire vitesserotation velocitaangolare typegyroscope gyrodata", Word(Quantity.RATE)),
-    **_words("陀螺仪 陀螺儀 角速度 ジャイロ ジャイロスコープ ジャイロセンサー 陀螺 角速度传感器 ジャイロセンサ", Word(Quantity.RATE)),
+    **_words(
+        "gyr gyro gyroscope gyroscopes gyroscop giroscopio giroscope gyroskop kreisel gyrorotation",
+        Word(Quantity.RATE),
+    ),
+    **_words(
+        "rotationrate motionrotationrate rotrate gyrorate drehrate drehgeschwindigkeit angularvelocity",
+        Word(Quantity.RATE),
+    ),
+    **_words(
+        "angularrate angvel angvelocity angularvel angrate angularspeed winkelgeschwindigkeit omega",
+        Word(Quantity.RATE),
+    ),
+    **_words(
+        "velocidadangular vitesseangulaire vitesserotation velocitaangolare typegyroscope gyrodata",
+        Word(Quantity.RATE),
+    ),
+    **_words(
+        "陀螺仪 陀螺儀 角速度 ジャイロ ジャイロスコープ ジャイロセンサー 陀螺 角速度传感器 ジャイロセンサ",
+        Word(Quantity.RATE),
+    ),
     **_words("w wrss rate angular ang", Word(Quantity.RATE, 2)),
-    **_words("uncalgyro gyroscopeuncalibrated gyrouncalibrated uncalibratedgyroscope gyroraw rawgyroscope rawgyro", Word(Quantity.RATE, 4)),
+    **_words(
+        "uncalgyro gyroscopeuncalibrated gyrouncalibrated uncalibratedgyroscope gyroraw rawgyroscope rawgyro",
+        Word(Quantity.RATE, 4),
+    ),
     **_words("typegyroscopeuncalibrated unbiasedrotationrate", Word(Quantity.RATE, 4)),
     **_words("g", Word(Quantity.RATE, 3, True)),
     # Magnetometer
-    **_words("mag magn magnet magneto magnetometer magnetometers magneticfield motionmagneticfield", Word(Quantity.FIELD)),
-    **_words("magnetfeld magnetfeldsensor magnetometro magnetometre campomagnetico champmagnetique compass", Word(Quantity.FIELD)),
-    **_words("typemagneticfield magneticflux magfield magneticfieldsensor geomagneticfield b m", Word(Quantity.FIELD)),
+    **_words(
+        "mag magn magnet magneto magnetometer magnetometers magneticfield motionmagneticfield", Word(Quantity.FIELD)
+    ),
+    **_words(
+        "magnetfeld magnetfeldsensor magnetometro magnetometre campomagnetico champmagnetique compass",
+        Word(Quantity.FIELD),
+    ),
+    **_words(
+        "typemagneticfield magneticflux magfield magneticfieldsensor geomagneticfield b m", Word(Quantity.FIELD)
+    ),
     **_words("磁力计 磁場 磁场 磁気 地磁気 磁力計 磁气 地磁 磁気センサー 磁场传感器", Word(Quantity.FIELD)),
-    **_words("uncalmag magnetometeruncalibrated maguncalibrated uncalibratedmagnetometer rawmagnetometer", Word(Quantity.FIELD, 4)),
+    **_words(
+        "uncalmag magnetometeruncalibrated maguncalibrated uncalibratedmagnetometer rawmagnetometer",
+        Word(Quantity.FIELD, 4),
+    ),
     # Attitude; without a w the same names hold a rotation vector, or angles, which the values tell.
     **_words("q quat quaternion motionquaternion attitudequaternion orientationquaternion", Word(Quantity.ATTITUDE)),
     **_words("attitude quaternions quater cuaternion 四元数 クォータニオン", Word(Quantity.ATTITUDE)),
-    **_words("rotationvector rotvec rv typerotationvector rotv rotationsvektor 旋转矢量 回転ベクトル", Word(Quantity.ROTATION_VECTOR)),
+    **_words(
+        "rotationvector rotvec rv typerotationvector rotv rotationsvektor 旋转矢量 回転ベクトル",
+        Word(Quantity.ROTATION_VECTOR),
+    ),
     **_words("orientation orient", Word(Quantity.ROTATION_VECTOR, 2, True)),
     **_words("gamerotationvector gamerv gamerotvec typegamerotationvector", Word(Quantity.ROTATION_VECTOR, 3)),
 }
@@ -143,7 +212,17 @@ BLOCKED = frozenset(
 )
 """Words that make a title mean something else than the sensor that it also names."""
 
-AXIS_WORDS: Mapping[str, str] = {"x": "x", "y": "y", "z": "z", "w": "w", "cos": "w", "0": "0", "1": "1", "2": "2", "3": "3"}
+AXIS_WORDS: Mapping[str, str] = {
+    "x": "x",
+    "y": "y",
+    "z": "z",
+    "w": "w",
+    "cos": "w",
+    "0": "0",
+    "1": "1",
+    "2": "2",
+    "3": "3",
+}
 """Words of a title that name an axis; digits count components."""
 
 BROWSER_ANGLES: Mapping[str, str] = {"alpha": "z", "beta": "x", "gamma": "y"}

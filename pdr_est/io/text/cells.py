@@ -4,7 +4,24 @@ import re
 from enum import StrEnum
 
 MISSING = frozenset(
-    {"", "-", "--", "none", "null", "nil", "n/a", "#n/a", "na", "<na>", "nan", "undefined", "?", "missing", "keine", "-nan"}
+    {
+        "",
+        "-",
+        "--",
+        "none",
+        "null",
+        "nil",
+        "n/a",
+        "#n/a",
+        "na",
+        "<na>",
+        "nan",
+        "undefined",
+        "?",
+        "missing",
+        "keine",
+        "-nan",
+    }
 )
 """Words for a missing value, in lower case."""
 

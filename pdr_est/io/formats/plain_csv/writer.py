@@ -9,7 +9,7 @@ import polars as pl
 
 from pdr_est.errors import OutputError
 from pdr_est.frames import Array
-from pdr_est.io.formats.plain_csv.header import CANONICAL, Quantity
+from pdr_est.io.tables.quantities import CANONICAL, Quantity
 from pdr_est.types.recording import Recording, Signal
 
 
