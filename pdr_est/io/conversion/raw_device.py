@@ -190,7 +190,7 @@ class RawDevice:
         return None if raw is None else self._scaled(sensor, raw)
 
     def _scaled(self, sensor: RawSensor, raw: RawSignal) -> Signal:
-        """Convert to SI units by the recorder's statement, which the values must not contradict, else by the values."""
+        """Convert to SI units by what the recorder states, which the values must not contradict, else by them."""
         detect = _DETECT_UNIT.get(sensor)
         if raw.factor is None:
             if detect is None:

@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Protocol
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats.datasets import ilc20, motionsense, oxford_steps, oxiod, sisfall, stride_length
+from pdr_est.io.formats.datasets import ilc20, motionsense, oxford_steps, oxiod, sisfall, stride_length, wisdm
 from pdr_est.io.formats.datasets.weallwalk import reader as weallwalk
-from pdr_est.io.formats.phone_apps import getsensordata
+from pdr_est.io.formats.imu_devices import flysight
+from pdr_est.io.formats.phone_apps import getsensordata, gnss_logger
 from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
@@ -48,6 +49,8 @@ _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 FORMATS: tuple[Format, ...] = (
     ilc20,
     getsensordata,
+    gnss_logger,
+    flysight,
     sensor_logger,
     phyphox,
     motionsense,
@@ -56,6 +59,7 @@ FORMATS: tuple[Format, ...] = (
     oxiod,
     oxford_steps,
     sisfall,
+    wisdm,
     plain_csv,
 )
 
