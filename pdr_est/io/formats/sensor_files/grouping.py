@@ -1,0 +1,73 @@
+"""Find the files of one walk among the members of a source, and the sensor that each of them holds."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pdr_est.io.formats.sensor_files.columns import SensorFileColumns, find_columns
+from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.titles import sensor_by_name
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.members import member_stem
+
+_MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
+_HEAD_BYTES = 4096
+_SECOND_CHOICE = ("uncal", "raw", "game")
+_NO_TABLES = (".jpg", ".png", ".mp4", ".pdf", ".wav", ".m4a", ".py", ".m", ".ipynb")
+
+
+@dataclass(frozen=True)
+class SensorFile:
+    """Member that holds one sensor.
+
+    Attributes
+    ----------
+    member
+        Name of the member.
+    columns
+        Its columns.
+    """
+
+    member: str
+    columns: SensorFileColumns
+
+    @property
+    def quantity(self) -> Quantity:
+        """Return what the file holds."""
+        return self.columns.quantity
+
+    @property
+    def is_second_choice(self) -> bool:
+        """Tell whether a calibrated file of the same sensor is better."""
+        stem = member_stem(self.member).casefold()
+        return any(word in stem for word in _SECOND_CHOICE)
+
+
+def find_walks(source: Source) -> Mapping[str, tuple[SensorFile, ...]]:
+    """Find walk -> files of its sensors; a walk is a folder, and has an accelerometer or a gyroscope.
+
+    The name of a file tells its sensor, or else that of its folder.
+    """
+    named: dict[str, list[tuple[str, Quantity]]] = {}
+    for member in source.members:
+        if member.casefold().endswith(_NO_TABLES):
+            continue
+        folder, _, _ = member.rpartition("/")
+        quantity = sensor_by_name(member_stem(member))
+        if quantity is None and folder:
+            above, _, last = folder.rpartition("/")
+            quantity, folder = sensor_by_name(last), above
+        if quantity is not None:
+            named.setdefault(folder, []).append((member, quantity))
+    walks = {}
+    for folder, members in named.items():
+        if not any(quantity in _MOTION for _, quantity in members):
+            continue
+        files = tuple(file for member, quantity in members if (file := _file(source, member, quantity)) is not None)
+        if any(file.quantity in _MOTION for file in files):
+            walks[folder] = files
+    return walks
+
+
+def _file(source: Source, member: str, quantity: Quantity) -> SensorFile | None:
+    columns = find_columns(source.head(member, _HEAD_BYTES), quantity)
+    return None if columns is None else SensorFile(member, columns)
