@@ -13,12 +13,14 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 
 _STATIC_MPS2 = (6.5, 20.0)  # a swung phone has a mean of 12: the swing's centripetal acceleration points one way
 _STATIC_G = (0.65, 2.0)
+_STATIC_MG = (650.0, 1500.0)  # up to a vigorous arm's mean; above, it may be something else
 _GRAVITY_SHARE = 0.65
 _PARTS = 10
 _FULL_SCALE_RADPS = 40.0  # phones' gyroscopes end at 2000 deg/s = 34.9 rad/s
 _WALKING_RADPS = (0.3, 12.0)  # 95th percentile of the norm, from a phone held calmly to one in a runner's pocket
 _PEAK_PERCENTILE = 99.9
 _CALMEST_WALK_DEGPS = 15.0
+_FASTEST_WALK_DEGPS = 3000.0  # no gyroscope of a phone or watch measures more; a calm walk has 15 000 mdeg/s
 _PRESSURE_UNITS = (("Pa", 1.0), ("hPa", 1e2), ("kPa", 1e3))
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
 _CLOCK_UNITS = (("ns", 1e9), ("us", 1e6), ("ms", 1e3), ("s", 1.0))
@@ -51,7 +53,7 @@ class Conversion:
 
 
 def detect_acceleration_unit(values: Array) -> Conversion:
-    """Detect whether an acceleration is in g or m/s^2.
+    """Detect whether an acceleration is in m/s^2, g or mg.
 
     The length of the mean vector decides. The mean is taken in ten parts, so that it survives a change of the
     carrying mode. With gravity its length is at least 0.7 of the median norm in any gait, without gravity at most 0.6
@@ -71,6 +73,10 @@ def detect_acceleration_unit(values: Array) -> Conversion:
             return Conversion(1.0, f"acceleration is in m/s^2: its mean vector has length {mean:.2f}")
         if _STATIC_G[0] <= mean <= _STATIC_G[1]:
             return Conversion(STANDARD_GRAVITY_MPS2, f"acceleration is in g: its mean vector has length {mean:.3f}")
+        if _STATIC_MG[0] <= mean <= _STATIC_MG[1]:
+            return Conversion(
+                1e-3 * STANDARD_GRAVITY_MPS2, f"acceleration is in mg: its mean vector has length {mean:.0f}"
+            )
     return Conversion(
         1.0,
         f"acceleration is assumed to be in m/s^2, although its mean vector has length {mean:.3g} "
@@ -81,10 +87,11 @@ def detect_acceleration_unit(values: Array) -> Conversion:
 
 
 def detect_rotation_rate_unit(values: Array) -> Conversion:
-    """Detect whether a rotation rate is in deg/s or rad/s, from its size while a person walks.
+    """Detect whether a rotation rate is in rad/s, deg/s or mdeg/s, from its size while a person walks.
 
     A component above 40 would exceed the full scale of any phone in rad/s. Otherwise the 95th percentile of the norm
     is 0.3 to 12 rad/s in every way of carrying, while even a calmly held phone exceeds 15 deg/s in 5 % of the time.
+    Where there is an accelerometer, `detect_rotation_unit` knows better, also while the person stands.
 
     Parameters
     ----------
@@ -95,6 +102,8 @@ def detect_rotation_rate_unit(values: Array) -> Conversion:
     peak = float(np.percentile(np.abs(values).max(axis=1), _PEAK_PERCENTILE, method="lower"))
     high = float(np.percentile(np.linalg.norm(values, axis=1), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
+    if high > _FASTEST_WALK_DEGPS:
+        return Conversion(np.pi / 180e3, f"rotation rate is in mdeg/s: {numbers}")
     if peak > _FULL_SCALE_RADPS or high > _CALMEST_WALK_DEGPS:
         return Conversion(np.pi / 180.0, f"rotation rate is in deg/s: {numbers}")
     if _WALKING_RADPS[0] <= high <= _WALKING_RADPS[1]:
