@@ -10,6 +10,16 @@ from enum import StrEnum
 from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import add_gravity, quaternion_from_rotation_vector
 from pdr_est.io.conversion.gravity_content import detect_linear_acceleration_unit, has_gravity
+from pdr_est.io.conversion.restored_gravity import restore_gravity
+from pdr_est.io.conversion.rotation_unit import detect_rotation_unit
+from pdr_est.io.conversion.sign_evidence import (
+    SignEvidence,
+    dip_evidence,
+    screen_evidence,
+    turn_evidence,
+    unit_evidence,
+)
+from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import AttitudeReference
 
