@@ -2,7 +2,9 @@
 
 A walking person moves up and down once a step, and a leg or hand to and fro once in two steps. The direction of the
 strongest motion in the rhythm of steps and above therefore stands in for the vertical, and gravity along it is added.
-It is wrong for some, and every heading stays unknown: the result has no gyroscope, so that no track can be made of it.
+It is wrong for some, and every heading stays unknown: the result has no gyroscope, so that it makes no track. Over 38
+recordings of eight sets whose gravity was taken away, the number of steps changed by 1 % in the median; for phones on
+a swinging hand and some in a trouser pocket a fifth to a half of the steps is missed.
 """
 
 from dataclasses import replace

@@ -9,6 +9,7 @@ The means carry Hann windows, which suppress the rhythm of walking by more than 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,11 @@ class GravityWindows:
 
     def __len__(self) -> int:
         return len(self.start_s)
+
+    @cached_property
+    def turned(self) -> Array:
+        """Return the rotations (k, n, 3, 3) of `turned_by` with the rates as they are."""
+        return turned_by(self.rate_radps, self.period_s)
 
 
 def gravity_windows(force: Signal, rate: Signal, lag_s: float = 0.0) -> GravityWindows | None:
@@ -131,8 +137,12 @@ class _Integral:
 
 
 def turned_by(rate_radps: Array, period_s: float) -> Array:
-    """Integrate rotation rates (k, n, 3) over each window: the rotations (k, n, 3, 3) from the axes at the middle of
-    each interval to those at the beginning of the window.
+    """Integrate rotation rates (k, n, 3) over each window.
+
+    Returns
+    -------
+    (k, n, 3, 3) array
+        Rotations from the axes at the middle of each interval to those at the beginning of the window.
     """
     whole, half = _rotations(rate_radps * period_s), _rotations(rate_radps * (0.5 * period_s))
     turned = np.empty((*rate_radps.shape, 3))
@@ -161,9 +171,8 @@ def scatter(means: Array) -> Array:
     return variance
 
 
-def gravity_scatter(windows: GravityWindows, scale: float = 1.0) -> Array:
-    """Compute how much gravity seems to move in each window (k,), m²/s⁴, with rotation rates times a scale."""
-    turned = turned_by(scale * windows.rate_radps, windows.period_s)
+def gravity_scatter(turned: Array, windows: GravityWindows) -> Array:
+    """Compute how much gravity seems to move in each window (k,), m²/s⁴, if its samples turn by (k, n, 3, 3)."""
     force = np.einsum("kjab,kjb->kja", turned, windows.force_mps2)
     return scatter(hann_means(force, windows.period_s))
 

@@ -74,6 +74,8 @@ class RawDevice:
         As in `DeviceRecording`.
     usual_axes
         As in `DeviceRecording`.
+    fixes, latitude_deg
+        Positions that were recorded with it, and where on earth that is; they help to find the sign.
     without_gravity
         Advice on what to switch on, for a recording of acceleration without gravity.
     decisions, warnings
@@ -89,6 +91,8 @@ class RawDevice:
     sign_promised: bool = False
     attitude_reference: AttitudeReference = AttitudeReference.UNKNOWN
     usual_axes: bool = True
+    fixes: tuple[PositionFix, ...] = ()
+    latitude_deg: float | None = None
     without_gravity: str = "record the accelerometer with gravity"
     decisions: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -103,6 +107,7 @@ class RawDevice:
         """Return the device in SI units, with specific force that points up at rest."""
         attitude = self._attitude()
         total = self._acceleration()
+        magnetic_field = self._in_si(RawSensor.FIELD)
         force: Signal | None = None
         if total is not None and self.sign_promised:
             force = self._with_promised_sign(total, attitude)
@@ -110,11 +115,14 @@ class RawDevice:
             if attitude is not None:
                 attitude, conversion = signs.resolve_attitude_direction(total, attitude)
                 self.note(conversion)
-            sign = self.note(signs.detect_force_sign(total, attitude, self.sign, self.sign_reason))
+            evidence = self._sign_evidence(total, magnetic_field)
+            sign = self.note(signs.detect_force_sign(total, attitude, self.sign, self.sign_reason, evidence))
             force = Signal(total.time_s, total.values * sign)
         linear = self._acceleration_without_gravity() if force is None else None
-        rate = self._in_si(RawSensor.RATE)
-        magnetic_field = self._in_si(RawSensor.FIELD)
+        rate = self._rotation_rate(force or linear)
+        if linear is not None and attitude is not None and rate is not None:
+            force, attitude, conversion = restore_gravity(linear, attitude, rate)
+            self.note(conversion)
         pressure = self._in_si(RawSensor.PRESSURE)
         return DeviceRecording(
             name=self.name,
@@ -142,6 +150,31 @@ class RawDevice:
                 f"acceleration and attitude contradict each other: median cosine {cosine * sign:+.2f}"
             )
         return total if sign > 0.0 else Signal(total.time_s, -total.values)
+
+    def _sign_evidence(self, total: Signal, magnetic_field: Signal | None) -> tuple[SignEvidence, ...]:
+        """Collect what tells the sign of an acceleration where neither attitude nor recorder do."""
+        if self.sign is not None:
+            return ()
+        source = self.signals.get(RawSensor.FORCE) or self.signals[RawSensor.LINEAR]
+        found = [unit_evidence(source.factor or units.detect_acceleration_unit(source.signal.values).factor)]
+        if self.usual_axes:
+            found.append(screen_evidence(total))
+        dip = None if magnetic_field is None else dip_evidence(total, magnetic_field, self.latitude_deg)
+        rate = self.signals.get(RawSensor.RATE)
+        turns = None
+        if rate is not None and self.fixes:
+            factor = rate.factor or detect_rotation_unit(rate.signal, total).factor
+            turns = turn_evidence(total, Signal(rate.signal.time_s, rate.signal.values * factor), self.fixes)
+        return (*found, *(one for one in (dip, turns) if one is not None))
+
+    def _rotation_rate(self, acceleration: Signal | None) -> Signal | None:
+        """Convert the rotation rate by the recorder's statement, else by the motion that the acceleration shows."""
+        raw = self.signals.get(RawSensor.RATE)
+        if raw is None or raw.factor is not None:
+            return self._in_si(RawSensor.RATE)
+        return Signal(
+            raw.signal.time_s, raw.signal.values * self.note(detect_rotation_unit(raw.signal, acceleration))
+        )
 
     def _acceleration(self) -> Signal | None:
         """Find the acceleration with gravity, m/s^2, still with the recorder's sign."""

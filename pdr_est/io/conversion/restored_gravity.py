@@ -1,8 +1,8 @@
 """Restore gravity in an acceleration without it, where the device recorded its attitude.
 
-The attitude gives the vertical in the axes of the device, and gravity has a known length, so that the sum is exact up
-to the error of the attitude. The gyroscope tells whether the attitude fits the axes of the device, and whether it turns
-from them to level axes or back. Without it nothing is restored.
+The attitude gives the vertical in the axes of the device, and gravity has a known length, so that the sum is exact
+up to the error of the attitude. The gyroscope tells whether the attitude fits the axes of the device, and whether it
+turns from them to level axes or back. Without it nothing is restored.
 
 The gyroscope alone does not suffice: over a stride the mean acceleration without gravity is zero in every direction.
 """
@@ -46,7 +46,9 @@ def restore_gravity(linear: Signal, attitude: Signal, rate: Signal) -> tuple[Sig
     inverted = back > forth
     best, other = max(forth, back), min(forth, back)
     if best < _LEAST_AGREEMENT or best - other < _CLEARLY_BETTER:
-        text = f"gravity cannot be restored: attitude and gyroscope do not rotate the same way (correlation {best:+.2f})"
+        text = (
+            f"gravity cannot be restored: attitude and gyroscope do not rotate the same way (correlation {best:+.2f})"
+        )
         return None, attitude, Conversion(1.0, text, text)
     if inverted:
         attitude = Signal(attitude.time_s, attitude.values * _CONJUGATE)
@@ -66,7 +68,7 @@ def restore_gravity(linear: Signal, attitude: Signal, rate: Signal) -> tuple[Sig
 
 
 def _agreement(time_s: Array, quaternion: Array, rate: Signal) -> float:
-    """Correlate the gyroscope with the rotation between attitudes device to level, over all axes; 0 without motion."""
+    """Correlate the gyroscope with the rotation between attitudes device to level; 0 without motion."""
     w, v = quaternion[:, 0], quaternion[:, 1:]
     step_s = np.diff(time_s)
     rotated = w[:-1, None] * v[1:] - w[1:, None] * v[:-1] - np.cross(v[:-1], v[1:])

@@ -1,4 +1,4 @@
-"""Evidence about the sign of an acceleration for which there is no attitude: does it point up or down at rest?
+"""Weigh what tells whether an acceleration points up or down at rest, where there is no attitude.
 
 The motion of walking cannot tell. Reversing the sign of the acceleration reverses up and forward alike, which is the
 same walk reflected in the body's own plane of symmetry: the length of the vector, the rhythm, the sharp peaks of the
@@ -12,10 +12,11 @@ heel strikes and the phase between up and forward stay the same. Only what is no
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Signal
 
@@ -28,6 +29,7 @@ _UP_S = 2.0  # the acceleration is averaged over this time for the axis of yaw
 _LEG_M = 12.0
 _LEG_SIGMAS = 3.0
 _SIGMA_TURN_RAD = 0.4  # of the difference of a turn by fixes and by gyroscope, besides the accuracy of the fixes
+_MOST_BY_TURNS = 8.0  # in case the fixes have another clock or wander indoors
 _USELESS_LEG = 0.1  # probability that the turn between two legs tells nothing
 
 
@@ -138,7 +140,7 @@ def turn_evidence(force: Signal, rate: Signal, fixes: Sequence[PositionFix]) -> 
         return None
     time_s, yaw_rad = _yaw(force, rate)
     turns: list[tuple[float, float, float]] = []
-    for before, after in zip(legs[:-1], legs[1:], strict=True):
+    for before, after in pairwise(legs):
         directions = [_mean_direction(time_s, yaw_rad, leg[0], leg[1]) for leg in (before, after)]
         if None in directions or after[0] - before[1] > 1e-6:
             continue
@@ -147,7 +149,8 @@ def turn_evidence(force: Signal, rate: Signal, fixes: Sequence[PositionFix]) -> 
     if not turns:
         return None
     by_fixes, seen_rad, variance = (np.array(column) for column in zip(*turns, strict=True))
-    log_odds = float((_log_density(by_fixes - seen_rad, variance) - _log_density(by_fixes + seen_rad, variance)).sum())
+    gains = _log_density(by_fixes - seen_rad, variance) - _log_density(by_fixes + seen_rad, variance)
+    log_odds = float(np.clip(gains.sum(), -_MOST_BY_TURNS, _MOST_BY_TURNS))
     return SignEvidence(log_odds, f"{len(turns)} turns of the position fixes compared with the gyroscope's")
 
 
@@ -211,4 +214,5 @@ def _wrapped(angle_rad: float) -> float:
 
 def _interpolated(signal: Signal, time_s: Array, axis: int) -> Array:
     order = np.argsort(signal.time_s, kind="stable")
-    return np.interp(time_s, signal.time_s[order], signal.values[order, axis])
+    at: Array = np.interp(time_s, signal.time_s[order], signal.values[order, axis])
+    return at

@@ -17,7 +17,7 @@ from pdr_est.types.recording import Signal
 
 _VERTICAL_COSINE = 0.6  # median over the walk; 0.85 for a swung phone, whose acceleration is far from gravity
 _CLEARLY_BETTER = 0.1
-_CERTAIN = 0.98  # probability of a sign that needs no warning
+_CERTAIN = 0.95  # probability of a sign that needs no warning: of a screen that would face up or down
 
 
 def gravity_cosine(force: Signal, attitude: Signal) -> float | None:
@@ -139,7 +139,7 @@ def _weighed(evidence: Sequence[SignEvidence]) -> Conversion:
         sign,
         decision,
         f"the sign of the acceleration is not certain: {name} at rest with a probability of {probability:.0%} "
-        f"({reasons}); with the other sign the track is mirrored: state the sign with --map, or record the attitude too",
+        f"({reasons}); with the other sign the track is mirrored: state the sign with --map, or record the attitude",
     )
 
 

@@ -1,6 +1,6 @@
-"""Check the accelerometer by gravity: a wrong gain or a constant error of an axis, told by the postures of the device.
+"""Check the accelerometer by gravity: a wrong gain or a constant error of an axis.
 
-Over two strides the mean specific force of a walking person is gravity, in axes that the gyroscope keeps from rotating
+Over two strides the mean specific force of a walking person is gravity, in axes that the gyroscope keeps from turning
 (see `pdr_est.io.conversion.gravity_windows`). Its length by the phones of 358 recordings is 9.6 to 10.2 m/s^2, in
 pocket, swinging hand and at a run as well; the raw sensors of a belt go to 10.8. Explanations are compared: all axes
 have errors as sensors have them, or one of them, or all together, has a gain or an offset beyond that. Each is fitted
@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.io.conversion.gravity_windows import GravityWindows, gravity_windows, hann_means, turned_by
-from pdr_est.types.recording import Signal
+from pdr_est.io.conversion.gravity_windows import GravityWindows, hann_means
 
 _GAIN_SIGMA = 0.03  # of an axis of a good sensor
 _OFFSET_SIGMA_MPS2 = 0.15
@@ -48,20 +47,22 @@ class _Fault:
     words: str
 
 
-def accelerometer_warnings(force: Signal, rate: Signal | None) -> tuple[str, ...]:
+def accelerometer_warnings(windows: GravityWindows, with_gyroscope: bool) -> tuple[str, ...]:
     """Warn of an axis whose gain or offset keeps gravity from being 9.8 m/s² in every posture.
 
     Parameters
     ----------
-    force
-        (n, 3) specific force, m/s².
-    rate
-        (m, 3) rotation rate, rad/s; without one, only a gravity that is too short is told, of calm stretches.
+    windows
+        Windows of the accelerometer, with the rotation rate or with zeros instead.
+    with_gyroscope
+        False where there is no rotation rate: then only a gravity that is too short is told, of calm stretches.
     """
-    gravity, sigma_mps2 = _gravity_in_device(force, rate)
+    means, motion_mps2 = _means_at_the_middle(windows)
+    usable = (np.linalg.norm(means, axis=1) > 0.0) & (with_gyroscope | (motion_mps2 < _STEADY_MPS2))
+    gravity, sigma_mps2 = means[usable], np.sqrt(windows.variance_m2ps4[usable])
     lengths = np.linalg.norm(gravity, axis=1)
     # Without a gyroscope a swinging device has a mean that is too long: it turns with what pulls it inwards.
-    if not len(gravity) or (rate is None and np.median(lengths) > STANDARD_GRAVITY_MPS2):
+    if not len(gravity) or (not with_gyroscope and np.median(lengths) > STANDARD_GRAVITY_MPS2):
         return ()
     good = _log_evidence(gravity, sigma_mps2, None)[0]
     faults = sorted(_faults(gravity, sigma_mps2), key=lambda one: -one.log_evidence)
@@ -73,26 +74,13 @@ def accelerometer_warnings(force: Signal, rate: Signal | None) -> tuple[str, ...
     shown = f"{np.median(lengths):.1f}" if high - low < 0.5 else f"{low:.1f} to {high:.1f}"
     return (
         f"gravity is {shown} m/s^2 by the accelerometer instead of {STANDARD_GRAVITY_MPS2:.1f}: "
-        f"{', or '.join(alike[:_MOST_TOLD])}; calibrate it or correct its columns, for step lengths and tilt are wrong",
+        f"{', or '.join(alike[:_MOST_TOLD])}; calibrate it or correct its columns: step lengths and tilt are wrong",
     )
-
-
-def _gravity_in_device(force: Signal, rate: Signal | None) -> tuple[Array, Array]:
-    """Return gravity (k, 3) in the axes of the device at several times, and the standard deviation (k,) of its length."""
-    still = Signal(force.time_s, np.zeros_like(force.values))
-    windows = gravity_windows(force, still if rate is None else rate)
-    if windows is None:
-        return np.empty((0, 3)), np.empty(0)
-    means, motion_mps2 = _means_at_the_middle(windows)
-    usable = np.linalg.norm(means, axis=1) > 0.0
-    if rate is None:
-        usable &= motion_mps2 < _STEADY_MPS2
-    return means[usable], np.sqrt(windows.variance_m2ps4[usable])
 
 
 def _means_at_the_middle(windows: GravityWindows) -> tuple[Array, Array]:
     """Return the mean specific force (k, 3) in the axes of the middle of each window, and the motion (k,) in it."""
-    turned = turned_by(windows.rate_radps, windows.period_s)
+    turned = windows.turned
     level = np.einsum("kjab,kjb->kja", turned, windows.force_mps2)
     means = hann_means(level, windows.period_s).mean(axis=1)
     middle = turned[:, turned.shape[1] // 2]

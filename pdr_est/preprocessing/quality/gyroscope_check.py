@@ -1,9 +1,9 @@
 """Check the gyroscope against the accelerometer: axes, signs, unit and clock, by gravity that must stay where it is.
 
 See `pdr_est.io.conversion.gravity_windows` for the comparison, and for what it cannot see. The explanations are
-compared by their likelihood: the gyroscope is right but for a constant bias; its axes are ordered or signed otherwise;
-its clock is late or early. One recording in a hundred is taken to be faulty beforehand, each explanation equally often.
-Constants are ours. (The unit shows without gravity, see `pdr_est.io.conversion.rotation_unit`.)
+compared by their likelihood: the gyroscope is right but for a constant bias; its axes are ordered or signed
+otherwise; its clock is late or early. One recording in a hundred is taken to be faulty beforehand, each explanation
+equally often. Constants are ours. (The unit shows without gravity, see `pdr_est.io.conversion.rotation_unit`.)
 """
 
 import itertools
@@ -57,19 +57,18 @@ class _Explanation:
     log_likelihood: float
 
 
-def gyroscope_warnings(force: Signal, rate: Signal) -> tuple[str, ...]:
+def gyroscope_warnings(windows: GravityWindows, force: Signal, rate: Signal) -> tuple[str, ...]:
     """Warn if the gyroscope moves gravity about and an explanation fits better, or if nothing fits.
 
     Parameters
     ----------
+    windows
+        Windows of both sensors.
     force, rate
         (n, 3) specific force, m/s², and rotation rate, rad/s.
     """
-    windows = gravity_windows(force, rate)
-    if windows is None:
-        return ()
     # The bias is fitted only where it matters, because most gyroscopes pass without.
-    own = gravity_scatter(windows)
+    own = gravity_scatter(windows.turned, windows)
     if _movement_mps2(own) < _SUSPICIOUS_MPS2:
         return ()
     own = _scatter_without_bias(windows)
@@ -126,8 +125,7 @@ def _scatter_without_bias(windows: GravityWindows) -> Array:
         normal = np.einsum("k,kmab,kmac->bc", weight, slopes, slopes) + np.eye(3) / _BIAS_SIGMA_RADPS**2
         right = np.einsum("k,kmab,kma->b", weight, slopes, means) + bias / _BIAS_SIGMA_RADPS**2
         bias = bias - np.linalg.solve(normal, right)
-    turned = turned_by(windows.rate_radps - bias, windows.period_s)
-    return scatter(hann_means(np.einsum("kjab,kjb->kja", turned, windows.force_mps2), windows.period_s))
+    return gravity_scatter(turned_by(windows.rate_radps - bias, windows.period_s), windows)
 
 
 def _explanations(windows: GravityWindows, force: Signal, rate: Signal) -> Iterator[_Explanation]:
@@ -137,7 +135,7 @@ def _explanations(windows: GravityWindows, force: Signal, rate: Signal) -> Itera
         later = gravity_windows(force, rate, lag_s)
         if later is None or len(later) != len(windows):
             continue
-        variance = gravity_scatter(later)
+        variance = gravity_scatter(later.turned, later)
         words = f"{abs(lag_s):g} s {'later' if lag_s > 0.0 else 'earlier'} than its time stamps say"
         yield _Explanation(words, variance, log_likelihood(variance, later))
 
