@@ -3,14 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from pdr_est.io.formats.sensor_files.columns import SensorFileColumns, find_columns
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.header import understand_titles
+from pdr_est.io.tables.quantities import AXES, Quantity
+from pdr_est.io.tables.signals import layout_of
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.members import member_stem
+from pdr_est.io.text.table_layout import TableLayout
 
+_BESIDE = (Quantity.ACCURACY, Quantity.TRUE_POSITION)
 _MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
-_HEAD_BYTES = 4096
+_HEAD_BYTES = 2048
 _SECOND_CHOICE = ("uncal", "raw", "game")
 _NO_TABLES = (".jpg", ".png", ".mp4", ".pdf", ".wav", ".m4a", ".py", ".m", ".ipynb")
 
@@ -23,17 +26,15 @@ class SensorFile:
     ----------
     member
         Name of the member.
-    columns
-        Its columns.
+    quantity
+        What it holds.
+    layout
+        How its table is written.
     """
 
     member: str
-    columns: SensorFileColumns
-
-    @property
-    def quantity(self) -> Quantity:
-        """Return what the file holds."""
-        return self.columns.quantity
+    quantity: Quantity
+    layout: TableLayout
 
     @property
     def is_second_choice(self) -> bool:
@@ -69,5 +70,16 @@ def find_walks(source: Source) -> Mapping[str, tuple[SensorFile, ...]]:
 
 
 def _file(source: Source, member: str, quantity: Quantity) -> SensorFile | None:
-    columns = find_columns(source.head(member, _HEAD_BYTES), quantity)
-    return None if columns is None else SensorFile(member, columns)
+    """Look at the beginning of a file; None when it is no table of one sensor with a time."""
+    layout = layout_of(source.head(member, _HEAD_BYTES))
+    if layout is None:
+        return None
+    if not layout.has_header:
+        return SensorFile(member, quantity, layout) if len(layout.titles) > len(AXES[quantity]) else None
+    mapping = understand_titles(layout.titles, quantity, layout.units)
+    held = [found for found in mapping.columns if found not in _BESIDE]
+    if not mapping.has_time or not held:
+        return None
+    if quantity in held:
+        return SensorFile(member, quantity, layout)
+    return SensorFile(member, held[0], layout) if len(held) == 1 else None

@@ -48,7 +48,7 @@ def _titles_are(*titles: str) -> Callable[[Sequence[SensorFile], Sequence[bytes]
 
 
 def _titles(file: SensorFile) -> set[str]:
-    return {title.casefold() for title in file.columns.layout.titles}
+    return {title.casefold() for title in file.layout.titles}
 
 
 def _is_metawear(files: Sequence[SensorFile], heads: Sequence[bytes]) -> bool:
@@ -60,7 +60,7 @@ def _is_imu_recorder(files: Sequence[SensorFile], heads: Sequence[bytes]) -> boo
 
 
 def _is_opencamera(files: Sequence[SensorFile], heads: Sequence[bytes]) -> bool:
-    return all(member_stem(file.member).startswith("VID_") and not file.columns.layout.has_header for file in files)
+    return all(member_stem(file.member).startswith("VID_") and not file.layout.has_header for file in files)
 
 
 def _is_matlab(files: Sequence[SensorFile], heads: Sequence[bytes]) -> bool:
