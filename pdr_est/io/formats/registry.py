@@ -7,8 +7,16 @@ from typing import Protocol
 from pdr_est.errors import RecordingError
 from pdr_est.io.formats.datasets import ilc20, motionsense, oxford_steps, oxiod, sisfall, stride_length, wisdm
 from pdr_est.io.formats.datasets.weallwalk import reader as weallwalk
-from pdr_est.io.formats.imu_devices import flysight
-from pdr_est.io.formats.phone_apps import getsensordata, gnss_logger
+from pdr_est.io.formats.imu_devices import flysight, ros_csv, shimmer, xio, xsens
+from pdr_est.io.formats.phone_apps import (
+    androsensor,
+    core_motion,
+    getsensordata,
+    gnss_logger,
+    hyperimu,
+    physics_toolbox,
+    sensorlog,
+)
 from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
@@ -61,6 +69,15 @@ FORMATS: tuple[Format, ...] = (
     oxford_steps,
     sisfall,
     wisdm,
+    androsensor,
+    physics_toolbox,
+    sensorlog,
+    hyperimu,
+    core_motion,
+    xsens,
+    shimmer,
+    xio,
+    ros_csv,
     sensor_files,
     plain_csv,
 )
