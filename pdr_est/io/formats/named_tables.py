@@ -4,9 +4,12 @@ The general reader (`pdr_est.io.tables`) does the work. An app adds its platform
 uses, and the meaning of titles that would be misunderstood without knowing it.
 """
 
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside
 from pdr_est.io.conversion.raw_device import RawDevice
@@ -20,9 +23,10 @@ from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
 from pdr_est.io.text.table_layout import TableLayout
 from pdr_est.types.ground_truth import Truth
+from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
-_SHORTEST_FIX_STEP_S = 0.95  # satellite receivers of phones give one position a second
+_SHORTEST_FIX_STEP_S = 0.5  # satellite receivers of phones give one position a second
 
 MappingOf = Callable[[TableLayout], TableMapping]
 """Finds the meaning of the columns of an app's table."""
@@ -74,14 +78,16 @@ def read_named_table(
 
 
 def one_fix_a_second(gnss: GnssFixes) -> GnssFixes:
-    """Leave out fixes less than a second after another one: tables interpolate between them, which tells nothing new."""
-    kept = []
+    """Keep the first fix of every second where a table has many: it interpolates, and these tell nothing new."""
+    times_s = [fix.time_s for fix in gnss.fixes]
+    if len(times_s) < 2 or float(np.median(np.diff(times_s))) >= _SHORTEST_FIX_STEP_S:
+        return gnss
+    first: dict[int, PositionFix] = {}
     for fix in gnss.fixes:
-        if not kept or not 0.0 <= fix.time_s - kept[-1].time_s < _SHORTEST_FIX_STEP_S:
-            kept.append(fix)
-    left = len(gnss.fixes) - len(kept)
-    warning = (f"location: {left} positions less than a second after another one are left out",) if left else ()
-    return GnssFixes(tuple(kept), gnss.origin, warning)
+        first.setdefault(math.floor(fix.time_s), fix)
+    left = len(gnss.fixes) - len(first)
+    warning = f"location: {left} of {len(gnss.fixes)} positions are left out: only one a second is new"
+    return GnssFixes(tuple(first.values()), gnss.origin, (warning,))
 
 
 def with_columns(

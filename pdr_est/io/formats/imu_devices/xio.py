@@ -1,7 +1,7 @@
 """Read CSV exports of x-io Technologies (x-IMU3, NGIMU): `Gyroscope X (deg/s)`, `Accelerometer X (g)`.
 
-x-IMU3 writes `Inertial.csv` beside `Magnetometer.csv` and others; NGIMU writes `sensors.csv`. Specific force points up
-at rest.
+x-IMU3 writes `Inertial.csv` beside `Magnetometer.csv` and others; NGIMU writes `sensors.csv`. Specific force points
+up at rest.
 """
 
 import re

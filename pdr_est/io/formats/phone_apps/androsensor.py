@@ -1,7 +1,7 @@
 """Read tables of AndroSensor, Android: titles in capitals with units, at 0.5 to 100 Hz, 2 Hz unless changed.
 
-Columns are `ACCELEROMETER X (m/s²)`, `GRAVITY X`, `LINEAR ACCELERATION X`, `GYROSCOPE X (rad/s)`, `LOCATION Latitude :`
-and `Time since start in ms`. Every row repeats the last position.
+Columns are `ACCELEROMETER X (m/s²)`, `GRAVITY X`, `LINEAR ACCELERATION X`, `GYROSCOPE X (rad/s)`,
+`LOCATION Latitude :` and `Time since start in ms`. Every row repeats the last position.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""Read tables of Core Motion that some app of an iPhone or Apple Watch wrote: userAcceleration, gravity, rotationRate.
+"""Read tables of Core Motion by any app of iPhone or Apple Watch: userAcceleration, gravity, rotationRate.
 
 Both accelerations are in g and point down at rest; their sum negated is the specific force.
 """

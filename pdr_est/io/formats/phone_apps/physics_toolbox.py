@@ -1,7 +1,7 @@
-"""Read tables of Physics Toolbox Sensor Suite: any subset of g-force, linear acceleration, gyroscope, magnetic field.
+"""Read tables of Physics Toolbox Sensor Suite: any subset of g-force, linear acceleration, gyroscope and others.
 
-`gFx` is the acceleration with gravity in g, `ax` is without gravity in m/s^2, `wx` is in rad/s, `Bx` in uT. On Android
-the time counts seconds from the start and gravity points up; on iOS it is a date, and gravity points down.
+`gFx` is the acceleration with gravity in g, `ax` is without gravity in m/s^2, `wx` is in rad/s, `Bx` in uT. On
+Android the time counts seconds from the start and gravity points up; on iOS it is a date, and gravity points down.
 """
 
 import re

@@ -1,7 +1,8 @@
 """Read tables of SensorLog (Bernd Thomas, iOS): one wide table of all sensors, with Core Motion's quantities in g.
 
 Gravity points down at rest, as everywhere in Core Motion. The clocks of accelerometer and motion count from the start
-of the phone and are steadier than `loggingTime`, which tells the Unix time. Rows repeat the last value of slow sensors.
+of the phone and are steadier than `loggingTime`, which tells the Unix time. Rows repeat the last value of slow
+sensors.
 """
 
 import re
