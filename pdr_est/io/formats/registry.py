@@ -5,7 +5,19 @@ from pathlib import Path
 from typing import Protocol
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats.datasets import ilc20, motionsense, oxford_steps, oxiod, sisfall, stride_length, wisdm
+from pdr_est.io.formats.datasets import (
+    euroc,
+    ilc20,
+    ipin2021,
+    motionsense,
+    oxford_steps,
+    oxiod,
+    ridi,
+    ronin,
+    sisfall,
+    stride_length,
+    wisdm,
+)
 from pdr_est.io.formats.datasets.weallwalk import reader as weallwalk
 from pdr_est.io.formats.imu_devices import flysight, ros_csv, shimmer, xio, xsens
 from pdr_est.io.formats.phone_apps import (
@@ -14,6 +26,7 @@ from pdr_est.io.formats.phone_apps import (
     getsensordata,
     gnss_logger,
     hyperimu,
+    matlab_mobile,
     physics_toolbox,
     sensorlog,
 )
@@ -69,6 +82,11 @@ FORMATS: tuple[Format, ...] = (
     oxford_steps,
     sisfall,
     wisdm,
+    ronin,
+    matlab_mobile,
+    ridi,
+    euroc,
+    ipin2021,
     androsensor,
     physics_toolbox,
     sensorlog,
