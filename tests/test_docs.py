@@ -26,10 +26,10 @@ from pdr_est.experiment import load_experiment
 from pdr_est.experiment.suites import SUITES
 from pdr_est.experiment.variants.axes import AXES
 from pdr_est.front_end.heading import HEADINGS
-from pdr_est.io.tables.header import understand_titles
-from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.formats.registry import FORMATS
 from pdr_est.io.side_tables.position_fixes import read_position_fixes
+from pdr_est.io.tables.header import understand_titles
+from pdr_est.io.tables.quantities import Quantity
 
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -11,6 +11,7 @@ _PEAK_PERCENTILE = 99.0
 _SURELY_G = 0.9
 _SURELY_MPS2 = 3.1
 _GRAVITY_SHARE = 0.65
+_STATIC_MPS2 = (6.5, 20.0)  # as in `units`
 _PARTS = 10
 _FEWEST_SAMPLES, _SHORTEST_S = 50, 5.0
 _GRAVITY_LENGTHS = (STANDARD_GRAVITY_MPS2, 1.0, 1000.0)
@@ -39,23 +40,26 @@ def detect_linear_acceleration_unit(values: Array) -> Conversion:
     return Conversion(factor, decision, f"{decision}, which would fit g as well; write the unit into the header")
 
 
-def lacks_gravity(signal: Signal) -> bool:
+def lacks_gravity(signal: Signal, factor: float | None = None) -> bool:
     """Tell whether an acceleration is surely without gravity, in whatever unit it is.
 
     Its mean vector, in tenths of the recording, is then shorter than 65 % of the median norm
-    (`units.detect_acceleration_unit` says where that number comes from). A recording of less than 5 s or 50 samples
-    does not tell.
+    (`units.detect_acceleration_unit` says where that number comes from), and not as long as gravity. A recording of
+    less than 5 s or 50 samples does not tell.
 
     Parameters
     ----------
     signal
         (n, 3) acceleration.
+    factor
+        Factor to m/s²; None where the unit is not known.
     """
     if len(signal) < _FEWEST_SAMPLES or np.ptp(signal.time_s) < _SHORTEST_S:
         return False
     parts = [np.linalg.norm(part.mean(axis=0)) for part in np.array_split(signal.values, _PARTS)]
     norm = float(np.median(np.linalg.norm(signal.values, axis=1)))
-    return float(np.median(parts)) < _GRAVITY_SHARE * norm
+    mean = float(np.median(parts)) * (1.0 if factor is None else factor)
+    return float(np.median(parts)) < _GRAVITY_SHARE * norm and not _STATIC_MPS2[0] <= mean <= _STATIC_MPS2[1]
 
 
 def is_gravity(values: Array) -> bool:

@@ -132,8 +132,8 @@ def detect_pressure_unit(values: Array) -> Conversion:
 def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Conversion:
     """Detect the unit of a numeric clock: s, ms, us or ns.
 
-    The rate of the rows decides, which must be that of a sensor with 2 to 1500 samples a second: the units differ by a
-    factor of 1000, so that at most one fits. Rows that share a stamp count, too. A first value that is a Unix time
+    The rate of the rows decides, which must be that of a sensor with 2 to 1500 samples a second: the units differ by
+    a factor of 1000, so that at most one fits. Rows that share a stamp count, too. A first value that is a Unix time
     between 1998 and 2096 decides only where no unit gives such a rate, because the boot clock of a phone that has run
     for 10 to 46 days looks like a Unix time in the next larger unit.
 

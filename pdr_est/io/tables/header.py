@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import AXES, CANONICAL, Quantity, quantities_of_unit, unit_factor
 from pdr_est.io.tables.titles import TitleMeaning, split_words, understand_title
-from pdr_est.io.tables.words import Word
+from pdr_est.io.tables.words.sensors import Word
 
 _COMPONENTS = {"0": "x", "1": "y", "2": "z"}
 _QUATERNION_COMPONENTS = {"0": "w", "1": "x", "2": "y", "3": "z"}
@@ -54,7 +54,8 @@ def understand_titles(titles: Sequence[str], hint: Quantity | None = None, units
     }
     clocks = _clock_columns(titles, meanings, canonical)
     groups = _groups(meanings, hint)
-    columns = {**{q: c for q, c in canonical.items() if q is not Quantity.TIME}}
+    columns: dict[Quantity, QuantityColumns] = dict(canonical)
+    columns.pop(Quantity.TIME, None)
     for quantity, found in _chosen(groups, columns).items():
         columns[quantity] = _with_units(found, quantity, meanings)
     apple = next((g for g in groups if g.word.apple and _is_used(g, columns)), None)

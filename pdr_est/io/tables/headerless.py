@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.gravity_content import has_gravity
-from pdr_est.io.tables.dates import parse_dates
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.times.dates import parse_dates
 from pdr_est.io.text.loose_table import LooseTable
 
 _RISING_SHARE = 0.95
@@ -111,7 +111,7 @@ def _columns(loose: LooseTable, numbers: Sequence[str], hint: Quantity | None) -
 
 
 def _attitude(loose: LooseTable, numbers: Sequence[str]) -> dict[Quantity, QuantityColumns]:
-    """Take four columns of unit length as x, y, z, w, as Android's recorders write them, else three as a rotation vector."""
+    """Take four columns of unit length as x, y, z, w, as Android's recorders do, else three as a rotation vector."""
     if len(numbers) >= 4:
         norm = np.linalg.norm(_finite(loose.table.stack(numbers[:4])), axis=1)
         if len(norm) and abs(float(np.median(norm)) - 1.0) < _UNIT_NORM:

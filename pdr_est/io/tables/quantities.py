@@ -1,4 +1,4 @@
-"""Quantities that the columns of a table can hold, the project's own titles for them, and the names of their units."""
+"""Quantities that columns can hold, the project's own titles for them, and the names of their units."""
 
 import re
 from collections.abc import Mapping

@@ -9,18 +9,17 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawSignal
 from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
-from pdr_est.io.tables.clock import TableClock, read_clock
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
+from pdr_est.io.tables.times.clock import TableClock, read_clock
 from pdr_est.io.tables.timing import spread_bursts
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table
 from pdr_est.io.text.number_table import NumberTable
 from pdr_est.io.text.table_layout import TableLayout, detect_layout
-from pdr_est.types.recording import Signal
 
 HEAD_BYTES = 8192
 """Number of bytes from which the layout of a table is detected."""
@@ -94,8 +93,8 @@ def read_table_signals(
         loose = read_loose_table(text, place, layout, numbers, clocks)
     if not mapping.has_time:
         raise RecordingError(
-            f"{place}: the table has no time column among {', '.join(map(repr, layout.titles[:12]))}; name it, or give "
-            "the sampling rate, with --map (rate_hz: 50)"
+            f"{place}: the table has no time column among {', '.join(map(repr, layout.titles[:12]))}; name it, "
+            "or give the sampling rate, with --map (rate_hz: 50)"
         )
     return _signals(loose, mapping, layout)
 

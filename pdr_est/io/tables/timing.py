@@ -12,8 +12,8 @@ _CHANGING_SHARE = 0.5
 def spread_bursts(time_s: Array, values: Array) -> tuple[Array, str]:
     """Spread rows that share a time stamp evenly until the next stamp.
 
-    Recorders that deliver samples in packets, or print whole seconds, give many samples one stamp. Rows that are merely
-    repeated keep their stamp: they are recognised by their equal values.
+    Recorders that deliver samples in packets, or print whole seconds, give many samples one stamp. Rows that are
+    merely repeated keep their stamp: they are recognised by their equal values.
 
     Parameters
     ----------
@@ -42,8 +42,8 @@ def spread_bursts(time_s: Array, values: Array) -> tuple[Array, str]:
     spread = time_s.copy()
     spread[known] = times + _within(counts, np.append(steps, usual_step), usual_step, usual_count)
     warning = (
-        f"{usual_count:.0f} rows share one time stamp, every {usual_step:.3g} s: they are spread evenly until the next "
-        "stamp; their true times are not known better than that"
+        f"{usual_count:.0f} rows share one time stamp, every {usual_step:.3g} s: they are spread evenly until the "
+        "next stamp; their true times are not known better than that"
     )
     return spread, warning
 

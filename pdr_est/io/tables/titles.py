@@ -6,17 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from pdr_est.io.tables.quantities import Quantity, is_unit, quantities_of_unit
-from pdr_est.io.tables.words import (
+from pdr_est.io.tables.words.columns import (
     AXIS_WORDS,
     BLOCKED,
     BROWSER_ANGLES,
     FILLERS,
     SCALARS,
-    SENSORS,
-    TIME_TOKENS,
+    TIME_WORDS,
     TIMES,
-    Word,
 )
+from pdr_est.io.tables.words.sensors import SENSORS, Word
 
 _BRACKETS = re.compile(r"[\[(（【]([^\])）】]*)[\])）】]")
 _CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
@@ -24,7 +23,6 @@ _SCRIPTS = re.compile(r"(?<=[A-Za-z0-9])(?=[^\W\d_A-Za-z])|(?<=[^\W\d_A-Za-z])(?
 _WORD = re.compile(r"[^\W_]+")
 _LATIN_MARKS = re.compile(r"(?<=[a-z])[\u0300-\u036f]+")
 _LONGEST_UNIT_WORDS = 4
-_XYZ = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -135,8 +133,8 @@ def _scalar(words: Sequence[str], unit: str) -> TitleMeaning | None:
     joined = "".join(words)
     if joined not in SCALARS:
         return None
-    quantity, part, rank = SCALARS[joined]
-    return TitleMeaning(Word(quantity, rank), part, unit)
+    quantity, part = SCALARS[joined]
+    return TitleMeaning(Word(quantity), part, unit)
 
 
 def _sensor(words: Sequence[str], unit: str) -> TitleMeaning | None:
@@ -191,7 +189,7 @@ def _time(words: Sequence[str], unit: str) -> TitleMeaning | None:
     for rest, suffix in _without_unit_suffix(words, unit):
         if "".join(rest) in TIMES:
             return TitleMeaning(word, "", suffix)
-    if set(words) & TIME_TOKENS:
+    if set(words) & TIME_WORDS:
         units = [one for one in words if Quantity.TIME in quantities_of_unit(one) and len(one) > 1]
         return TitleMeaning(Word(Quantity.TIME, 2), "", unit or (units[-1] if units else ""), "".join(words))
     return None

@@ -26,12 +26,10 @@ MISSING = frozenset(
 """Words for a missing value, in lower case."""
 
 MISSING_SPELLINGS = tuple(
-    dict.fromkeys(
-        spelling
-        for word in sorted(MISSING - {""})
-        for spelling in (word, word.upper(), word.capitalize(), word.title())
-    )
-) + ("NaN", "NaT")
+    {spelling for word in MISSING if word for spelling in (word, word.upper(), word.capitalize(), word.title())}
+    | {"NaN", "NaT"}
+)
+"""The usual spellings of these words."""
 
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
 _INFINITE = frozenset({"inf", "-inf", "+inf", "infinity", "-infinity"})

@@ -10,8 +10,8 @@ _BROKEN_SIGNS = {"Â²": "²", "Â°": "°", "Âµ": "µ", "Î¼": "μ", "â°":
 def as_utf8(data: bytes) -> bytes:
     """Return the bytes of a text in UTF-8, without byte-order mark and NUL, with LF at the ends of lines.
 
-    UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are taken as Windows-1252, which contains
-    Latin-1. A text that is plain UTF-8 already is returned as it is, so that nothing is copied.
+    UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are taken as Windows-1252, which
+    contains Latin-1. A text that is plain UTF-8 already is returned as it is, so that nothing is copied.
     """
     encoding = _utf16_encoding(data)
     if encoding is not None:

@@ -1,7 +1,7 @@
 """Find out how a table is written, from its first lines: separator, decimal mark, header, units, first row.
 
-A header may stand below blank lines, comments, `sep=,` and prose, may be marked as a comment itself, or may be absent.
-Rows of units below it are recognised where every cell is a unit.
+A header may stand below blank lines, comments, `sep=,` and prose, may be marked as a comment itself, or may be
+absent. Rows of units below it are recognised where every cell is a unit.
 """
 
 import csv
@@ -234,7 +234,7 @@ def _decimal_comma(rows: Sequence[Sequence[str]]) -> bool:
 
 
 def _distinct(titles: Sequence[str]) -> tuple[str, ...]:
-    """Number repeated titles, so that each names one column."""
+    """Append numbers to repeated titles, so that each names one column."""
     seen: Counter[str] = Counter()
     result = []
     for title in titles:

@@ -13,9 +13,9 @@ from hypothesis.extra import numpy as hnp
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.formats.plain_csv import reader as plain_csv
-from pdr_est.io.tables.quantities import CANONICAL
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.io.formats.registry import read
+from pdr_est.io.tables.quantities import CANONICAL
 from pdr_est.io.text.container import Source
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.measurements import PositionFix

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.units import Conversion, detect_clock_unit
-from pdr_est.io.tables.dates import KNOWN_FORMS, DateTimes, parse_dates
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
+from pdr_est.io.tables.times.dates import KNOWN_FORMS, DateTimes, parse_dates
 from pdr_est.io.text.loose_table import LooseTable
 
 _EARLIEST_UNIX_S = 9e8  # smaller clocks count from something else

@@ -154,9 +154,7 @@ def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_]]:
         second = _integers(groups, "b")
     if (first > 31).any():
         year, month, day = first, second, third
-    elif not named and (second > 12).any():
-        year, month, day = third, first, second
-    elif not named and _american(groups) and not (first > 12).any():
+    elif (not named and (second > 12).any()) or (not named and _american(groups) and not (first > 12).any()):
         year, month, day = third, first, second
     else:
         year, month, day = third, second, first
@@ -179,7 +177,8 @@ def _zone_s(zones: pl.Series) -> NDArray[Any]:
     )
     seconds = _integers(digits, "hours") * 3600 + _integers(digits, "minutes") * 60
     negative = (digits["sign"] == "-").fill_null(False).to_numpy()
-    return np.where(negative, -seconds, seconds)
+    offsets: NDArray[Any] = np.where(negative, -seconds, seconds)
+    return offsets
 
 
 def _over_midnight(of_day: NDArray[Any], known: NDArray[np.bool_], period_s: int) -> NDArray[Any]:
