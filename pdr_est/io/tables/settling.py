@@ -87,8 +87,8 @@ def _settle_rotation_vector(placed: dict[Quantity, PlacedSignal], device: RawDev
         placed.pop(Quantity.ROTATION_VECTOR)
     else:
         device.decisions.append(
-            f"{vector.raw.title} and the following columns are an Android rotation vector, because it is never longer "
-            "than 1"
+            f"{vector.raw.title} and the following columns are an Android rotation vector, because it is never "
+            "longer than 1"
         )
 
 

@@ -96,10 +96,26 @@ def read_table_signals(
             f"{place}: the table has no time column among {', '.join(map(repr, layout.titles[:12]))}; name it, "
             "or give the sampling rate, with --map (rate_hz: 50)"
         )
-    return _signals(loose, mapping, layout)
+    return signals_of(loose, mapping, layout.has_header)
 
 
-def _signals(loose: LooseTable, mapping: TableMapping, layout: TableLayout) -> TableSignals:
+def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True) -> TableSignals:
+    """Make the signals of a table that has been read, with its stale rows left out and its bursts spread.
+
+    Parameters
+    ----------
+    loose
+        Table with the columns of the mapping.
+    mapping
+        Meaning of the columns.
+    has_header
+        False where the meaning had to be guessed because the table has no titles.
+
+    Raises
+    ------
+    RecordingError
+        When no row has a time.
+    """
     clock = read_clock(loose, mapping)
     decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings]
     documented = any(column.canonical for column in mapping.clocks)
@@ -114,7 +130,7 @@ def _signals(loose: LooseTable, mapping: TableMapping, layout: TableLayout) -> T
         signal = _signal(loose.table, clock.time_s, quantity, columns, decisions, warnings)
         if signal is not None:
             signals[quantity] = signal
-    if not layout.has_header and not mapping.given:
+    if not has_header and not mapping.given:
         decisions.append("the table has no header: its columns are taken by what their values look like")
     unused = [title for title in mapping.unused if title]
     if unused:

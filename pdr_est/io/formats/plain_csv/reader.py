@@ -7,10 +7,13 @@ from the values.
 
 from pdr_est.io.conversion.raw_device import RawDevice
 from pdr_est.io.tables.device import read_device
-from pdr_est.io.tables.header import understand_titles
-from pdr_est.io.tables.signals import layout_of, read_table_signals
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.io.tables.recognition import Evidence, motion_evidence
+from pdr_est.io.tables.signals import HEAD_BYTES
+from pdr_est.io.tables.split import read_tables
+from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.io.text.members import member_stem, require_single_walk
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import Recording
 
@@ -18,16 +21,8 @@ NAME = "plain CSV"
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether a member is a table whose header names a time and all axes of accelerometer or gyroscope."""
-    return bool(find_members(source, _is_table))
-
-
-def _is_table(head: bytes) -> bool:
-    layout = layout_of(head)
-    if layout is None or not layout.has_header:
-        return False
-    mapping = understand_titles(layout.titles, units=layout.units)
-    return mapping.has_time and mapping.has_motion
+    """Tell whether a member is a table with a time and all axes of an accelerometer or gyroscope."""
+    return bool(_tables(source))
 
 
 def read_source(source: Source) -> Recording:
@@ -38,11 +33,45 @@ def read_source(source: Source) -> Recording:
     RecordingError
         For several tables, and when neither accelerometer nor gyroscope has values.
     """
-    member = require_single_walk(source, find_members(source, _is_table), NAME)
-    table = read_table_signals(source.read(member), source.place(member))
-    reading = read_device((table,), RawDevice({}))
+    return _read(source, require_single_walk(source, _tables(source), NAME), None)
+
+
+def read_mapped(source: Source, mapping: TableMapping) -> Recording:
+    """Read the walk of a table whose columns a person has named.
+
+    Parameters
+    ----------
+    source
+        Source with one table; of several members the one that holds a table with motion is read.
+    mapping
+        Meaning of the columns.
+
+    Raises
+    ------
+    RecordingError
+        When there are several tables, or a column of the mapping is absent.
+    """
+    members = source.members if len(source.members) == 1 else _tables(source)
+    return _read(source, require_single_walk(source, members, NAME), mapping)
+
+
+def _tables(source: Source) -> tuple[str, ...]:
+    """List the members with motion: those whose titles say so, else those whose values look like it."""
+    evidence = {
+        member: motion_evidence(source.head(member, HEAD_BYTES), member_stem(member)) for member in source.members
+    }
+    strongest = max(evidence.values(), default=Evidence.NONE)
+    if strongest is Evidence.NONE:
+        return ()
+    return tuple(member for member, found in evidence.items() if found is strongest)
+
+
+def _read(source: Source, member: str, mapping: TableMapping | None) -> Recording:
+    stem = member_stem(member)
+    tables = read_tables(source.read(member), source.place(member), hint=sensor_by_name(stem), mapping=mapping)
+    reading = read_device(tables, RawDevice({}))
     return Recording(
-        name=member_stem(member),
+        name=stem,
         format=NAME,
         devices=(reading.device,),
         truth=Truth(positions=reading.true_positions),

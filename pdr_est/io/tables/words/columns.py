@@ -35,8 +35,8 @@ SCALARS: Mapping[str, tuple[Quantity, str]] = {
 """Name -> quantity and the part of it."""
 
 TIMES = _names(
-    """time timestamp timestamps t ts date datetime dateandtime clock epoch epoc unix unixtime unixtimestamp utc utctime
-    gpstime loggingtime localtime systemtime sampletime sampletimefine eventtime sensortime devicetime boottime
+    """time timestamp timestamps t ts date datetime dateandtime clock epoch epoc unix unixtime unixtimestamp utc
+    utctime gpstime loggingtime localtime systemtime sampletime sampletimefine eventtime sensortime devicetime boottime
     elapsed elapsedtime timeelapsed secondselapsed timesincestart sincestart timeelapsedsincestart elapsedrealtime
     uptime stamp timemillis timenanos utctimemillis elapsedrealtimenanos unixtimemillis currenttimemillis
     systemtimemillis timeinms timesincestartinms yyyymoddhhmiss yyyymmddhhmmss yyyymoddhhmisssss
@@ -56,15 +56,15 @@ TIME_WORDS = _names(
 """Single words by which a longer title is recognised as a time, too."""
 
 FILLERS = _names(
-    """axis axes achse axe eje asse direction richtung component raw data value values val reading readings measurement
-    sensor sensors imu calibrated cal si wert werte ios android phone device core motion body frame field
+    """axis axes achse axe eje asse direction richtung component raw data value values val reading readings
+    measurement sensor sensors imu calibrated cal si wert werte ios android phone device core motion body frame field
     of the in de der du del rs s en des 轴 軸 方向 軸方向 轴向"""
 )
 """Words of a title that carry no meaning."""
 
 BLOCKED = _names(
-    """angular angulaire winkel bias biases std stdev var variance sigma mean avg average min max delta diff difference
-    error err offset noise cov covariance jerk norm abs absolute magnitude magnitud rms filtered lowpass highpass fft
+    """angular angulaire winkel bias biases std stdev var variance sigma mean avg average min max delta diff
+    difference error err offset noise cov covariance jerk norm abs absolute magnitude magnitud rms filtered lowpass highpass fft
     power energy velocity speed position pos displacement distance status altitude height course heading step steps
     temperature temp count counter battery true truth ref reference gt groundtruth frequency freq"""
 )

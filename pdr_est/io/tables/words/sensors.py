@@ -106,7 +106,8 @@ _MAGNETOMETER = {
         Word(Quantity.FIELD),
         """mag magn magnet magneto magnetometer magnetometers magneticfield motionmagneticfield typemagneticfield
         magneticflux magfield magneticfieldsensor geomagneticfield b m magnetfeld magnetfeldsensor magnetometro
-        magnetometre campomagnetico champmagnetique 磁力计 磁力計 磁场 磁場 磁场传感器 磁气 磁気 磁気センサー 地磁 地磁気""",
+        magnetometre campomagnetico champmagnetique 磁力计 磁力計 磁场 磁場 磁场传感器 磁气 磁気
+        磁気センサー 地磁 地磁気""",
     ),
     **_named(
         Word(Quantity.FIELD, 4),
