@@ -10,10 +10,19 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.options import PATH, config_option, detector_option, given_paths, overwrite_option, resolve_config
+from pdr_est.cli.options import (
+    PATH,
+    config_option,
+    detector_option,
+    given_paths,
+    map_option,
+    overwrite_option,
+    resolve_config,
+)
 from pdr_est.config import Config
 from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.io import read
+from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.writers.atomic_output import staged_file
 from pdr_est.io.writers.track_files import write_steps_csv
 from pdr_est.pipeline import DeviceWalk
@@ -25,6 +34,7 @@ from pdr_est.types.steps import Step
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING...")
 @detector_option
 @config_option
+@map_option
 @click.option(
     "-o", "--output", type=PATH, metavar="FILE.csv", help="Write the table of steps to this file; for one RECORDING."
 )
@@ -37,6 +47,7 @@ def steps_command(
     as_json: bool,
     detector: str | None,
     config_file: Path | None,
+    mapping: TableMapping | None,
 ) -> None:
     """Find the steps in each RECORDING: their number, the cadence, and how the phone was carried.
 
@@ -50,7 +61,7 @@ def steps_command(
     with ExitStack() as stack:
         inputs = given_paths(*recordings, config_file)
         table = None if output is None else stack.enter_context(staged_file(output, overwrite, inputs))
-        found = [(path, walk) for path in recordings for walk in _walks(path, config)]
+        found = [(path, walk) for path in recordings for walk in _walks(path, config, mapping)]
         if table is not None:
             write_steps_csv({walk.device: walk.steps for _, walk in found}, table)
     documents = [_document(path, walk) for path, walk in found]
@@ -61,9 +72,9 @@ def steps_command(
         click.echo(_format_line(document))
 
 
-def _walks(path: Path, config: Config) -> Sequence[DeviceWalk]:
+def _walks(path: Path, config: Config, mapping: TableMapping | None) -> Sequence[DeviceWalk]:
     """Run the front end on a recording; warnings go to stderr."""
-    recording = read(path)
+    recording = read(path, mapping)
     with prefix_errors(path):
         walks = pipeline.analyse_recording(recording, config)
     for warning in warnings_of(recording, walks):

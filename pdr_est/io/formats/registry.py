@@ -34,7 +34,9 @@ from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
 from pdr_est.io.formats.sensor_files import reader as sensor_files
+from pdr_est.io.formats.plain_csv.unknown import describe_unknown
 from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
+from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.single_archive import open_recording
 from pdr_est.io.text.workbook import unpack_workbook
@@ -64,8 +66,6 @@ class Format(Protocol):
             When it cannot be used.
         """
 
-
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 
 # Asked in this order: formats with unmistakable marks first, header-less tables of numbers after them.
 FORMATS: tuple[Format, ...] = (
@@ -101,8 +101,15 @@ FORMATS: tuple[Format, ...] = (
 )
 
 
-def read(path: str | Path) -> Recording:
+def read(path: str | Path, mapping: TableMapping | None = None) -> Recording:
     """Read the recording in a file, a folder or a zip archive, plain or gzipped.
+
+    Parameters
+    ----------
+    path
+        The recording.
+    mapping
+        What the columns of a table mean (`pdr_est.io.tables.mapping_file.load_mapping`); None to find it out.
 
     Raises
     ------
@@ -113,12 +120,14 @@ def read(path: str | Path) -> Recording:
     source, messages = split_off_clock_messages(unpack_workbook(open_recording(path)))
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
+    if mapping is not None:
+        return replace(plain_csv.read_mapped(source, mapping), messages=messages)
     for known in FORMATS:
         if known.sniff(source):
             return replace(known.read_source(source), messages=messages)
-    if any(source.head(member, 2) in _UTF16_MARKS for member in source.members):
-        raise RecordingError(f"{source.path}: the text is encoded as UTF-16; save it as UTF-8")
     names = ", ".join(known.NAME for known in FORMATS)
     raise RecordingError(
-        f"{source.path}: unknown format; known formats are {names}; see docs/recorder-formats.md for the layouts"
+        f"{source.path}: unknown format: {describe_unknown(source)}. Say what the columns mean with --map FILE.yaml, "
+        "of which `pdr-est inspect RECORDING --write-map FILE.yaml` writes a draft; known formats are "
+        f"{names}; see docs/recorder-formats.md"
     )

@@ -21,12 +21,15 @@ class QuantityColumns:
     ambiguous
         True where the titles leave the quantity open, so that the values must confirm it, such as `gx` for a
         gyroscope or gravity.
+    turned
+        For each column 1, or -1 where its axis points the other way; empty where none does.
     """
 
     titles: tuple[str, ...]
     factors: tuple[float | None, ...]
     canonical: bool = False
     ambiguous: bool = False
+    turned: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

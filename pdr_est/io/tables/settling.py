@@ -51,9 +51,7 @@ def settle_sign(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None
 def _settle_gravity_sensor(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None:
     rate = placed.get(Quantity.RATE)
     if rate is not None and rate.is_ambiguous(Quantity.RATE) and is_gravity(rate.raw.signal.values):
-        device.decisions.append(
-            f"{rate.raw.title} and the following columns are gravity, no gyroscope: their length never changes"
-        )
+        device.decisions.append(f"{rate.raw.title} are gravity, no gyroscope: their length never changes")
         placed.setdefault(Quantity.GRAVITY, placed.pop(Quantity.RATE))
 
 
@@ -61,14 +59,14 @@ def _settle_acceleration(placed: dict[Quantity, PlacedSignal], device: RawDevice
     """Tell acceleration with gravity from acceleration without it, whatever the titles say."""
     force, linear = placed.get(Quantity.FORCE), placed.get(Quantity.LINEAR)
     if force is not None and lacks_gravity(force.raw.signal, force.raw.factor):
-        device.decisions.append(f"{force.raw.title} and the following columns are without gravity by their values")
+        device.decisions.append(f"{force.raw.title} are without gravity by their values")
         placed.pop(Quantity.FORCE)
         if linear is None:
             placed[Quantity.LINEAR] = force
             return
         force = None
     if force is None and linear is not None and not detect_acceleration_unit(_scaled(linear.raw)).warning:
-        device.decisions.append(f"{linear.raw.title} and the following columns include gravity by their values")
+        device.decisions.append(f"{linear.raw.title} include gravity by their values")
         placed[Quantity.FORCE] = placed.pop(Quantity.LINEAR)
 
 
@@ -79,16 +77,14 @@ def _settle_rotation_vector(placed: dict[Quantity, PlacedSignal], device: RawDev
     longest = float(np.linalg.norm(vector.raw.signal.values, axis=1).max())
     if longest > _LONGEST_ROTATION_VECTOR:
         device.warnings.append(
-            f"{vector.raw.title} and the following columns are not a rotation vector (length {longest:.3g}) and are "
-            "left out"
+            f"{vector.raw.title} are not a rotation vector (length {longest:.3g}) and are left out"
         )
         placed.pop(Quantity.ROTATION_VECTOR)
     elif Quantity.ATTITUDE in placed:
         placed.pop(Quantity.ROTATION_VECTOR)
     else:
         device.decisions.append(
-            f"{vector.raw.title} and the following columns are an Android rotation vector, because it is never "
-            "longer than 1"
+            f"{vector.raw.title} are an Android rotation vector, because it is never longer than 1"
         )
 
 

@@ -81,7 +81,9 @@ def read_table_signals(
     layout = layout_of(text)
     if layout is None:
         raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
-    if mapping is None:
+    if mapping is not None:
+        mapping = _checked(mapping, layout, place)
+    else:
         mapping = understand_titles(layout.titles, hint, layout.units) if layout.has_header else TableMapping()
     if not layout.has_header and not mapping.columns:
         everything = read_loose_table(text, place, layout, (), layout.titles)
@@ -97,6 +99,26 @@ def read_table_signals(
             "or give the sampling rate, with --map (rate_hz: 50)"
         )
     return signals_of(loose, mapping, layout.has_header)
+
+
+def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
+    """Return a stated mapping with the titles as the table writes them; a column may be given by its number."""
+    known = {title.casefold(): title for title in layout.titles}
+    known |= {f"column {number}": title for number, title in enumerate(layout.titles, start=1)}
+
+    def find(title: str) -> str:
+        if title and title.strip().casefold() not in known:
+            raise RecordingError(
+                f"{place}: the mapping names the column {title!r}, which is not among "
+                f"{', '.join(map(repr, layout.titles))}; correct the mapping"
+            )
+        return known[title.strip().casefold()] if title else ""
+
+    clocks = tuple(replace(c, title=find(c.title), fraction=find(c.fraction)) for c in mapping.clocks)
+    columns = {q: replace(one, titles=tuple(map(find, one.titles))) for q, one in mapping.columns.items()}
+    used = {title for one in columns.values() for title in one.titles}
+    used |= {title for clock in clocks for title in (clock.title, clock.fraction)}
+    return replace(mapping, clocks=clocks, columns=columns, unused=tuple(t for t in layout.titles if t not in used))
 
 
 def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True) -> TableSignals:
@@ -159,11 +181,13 @@ def _signal(
         time_s, values = time_s[sampled], values[sampled]
     signal, dropped = finite_signal_or_none(time_s, values, quantity, table.place)
     warnings += dropped
-    return None if signal is None else RawSignal(signal, columns.titles[0], factor)
+    return None if signal is None else RawSignal(signal, ", ".join(columns.titles), factor)
 
 
 def _in_one_unit(values: Array, columns: QuantityColumns) -> tuple[Array, float | None]:
     """Bring columns of different units to SI units; the factor of the result is None where no unit is known."""
+    if columns.turned:
+        values = values * np.array(columns.turned)
     if all(factor is None for factor in columns.factors):
         return values, None
     if len(set(columns.factors)) == 1:
