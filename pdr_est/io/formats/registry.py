@@ -33,8 +33,8 @@ from pdr_est.io.formats.phone_apps import (
 from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
-from pdr_est.io.formats.sensor_files import reader as sensor_files
 from pdr_est.io.formats.plain_csv.unknown import describe_unknown
+from pdr_est.io.formats.sensor_files import reader as sensor_files
 from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source

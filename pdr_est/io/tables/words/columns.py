@@ -37,8 +37,8 @@ SCALARS: Mapping[str, tuple[Quantity, str]] = {
 TIMES = _names(
     """time timestamp timestamps t ts date datetime dateandtime clock epoch epoc unix unixtime unixtimestamp utc
     utctime gpstime loggingtime localtime systemtime sampletime sampletimefine eventtime sensortime devicetime
-    boottime elapsed elapsedtime timeelapsed secondselapsed timesincestart sincestart timeelapsedsincestart elapsedrealtime
-    uptime stamp timemillis timenanos utctimemillis elapsedrealtimenanos unixtimemillis currenttimemillis
+    boottime elapsed elapsedtime timeelapsed secondselapsed timesincestart sincestart
+    timeelapsedsincestart elapsedrealtime uptime stamp timemillis timenanos utctimemillis elapsedrealtimenanos unixtimemillis currenttimemillis
     systemtimemillis timeinms timesincestartinms yyyymoddhhmiss yyyymmddhhmmss yyyymoddhhmisssss
     zeit zeitstempel uhrzeit datum datumzeit laufzeit zeitpunkt abgelaufenezeit verstrichenezeit
     fecha hora fechahora tiempo marcatemporal marcadetiempo marcadeltiempo tiempotranscurrido
@@ -65,7 +65,8 @@ FILLERS = _names(
 BLOCKED = _names(
     """angular angulaire winkel bias biases std stdev var variance sigma mean avg average min max delta diff
     difference error err offset noise cov covariance jerk norm abs absolute magnitude magnitud rms filtered
-    lowpass highpass fft power energy velocity speed position pos displacement distance status altitude height course heading step steps
+    lowpass highpass fft power energy velocity speed position pos displacement distance status
+    altitude height course heading step steps
     temperature temp count counter battery true truth ref reference gt groundtruth frequency freq"""
 )
 """Words beside the name of a sensor that make a title mean something else."""
