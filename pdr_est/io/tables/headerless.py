@@ -21,6 +21,7 @@ from pdr_est.io.text.loose_table import LooseTable
 _RISING_SHARE = 0.95
 _NEW_STAMPS_SHARE = 0.02
 _UNIT_NORM = 0.02
+_USUAL_WIDTHS = (3, 6, 9)  # one to three sensors; other widths are too uncertain
 _VECTORS = (Quantity.FORCE, Quantity.RATE, Quantity.FIELD, Quantity.GRAVITY, Quantity.LINEAR)
 
 
@@ -100,12 +101,14 @@ def _columns(loose: LooseTable, numbers: Sequence[str], hint: Quantity | None) -
         return {hint: _of(triples[0])}
     if hint is Quantity.PRESSURE and numbers:
         return {hint: _of(numbers[:1])}
-    force = next((triple for triple in triples if has_gravity(_finite(loose.table.stack(triple)))), None)
+    if len(numbers) not in _USUAL_WIDTHS:
+        return {}
+    force = next((triple for triple in triples[:2] if has_gravity(_finite(loose.table.stack(triple)))), None)
     if force is None:
         return {}
     found = {Quantity.FORCE: _of(force)}
-    others = [triple for triple in triples if triple is not force]
-    if len(others) == 1:
+    others = [triple for triple in triples[:2] if triple is not force]
+    if others:
         found[Quantity.RATE] = QuantityColumns(others[0], (None,) * 3, ambiguous=True)
     return found
 

@@ -153,7 +153,11 @@ def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True
         if signal is not None:
             signals[quantity] = signal
     if not has_header and not mapping.given:
-        decisions.append("the table has no header: its columns are taken by what their values look like")
+        guessed = "; ".join(f"{', '.join(one.titles)} as {quantity}" for quantity, one in mapping.columns.items())
+        warnings.append(
+            f"the table has no header: {mapping.clocks[0].title} is taken as time, {guessed}, because of their values; "
+            "name the columns with --map to be sure"
+        )
     unused = [title for title in mapping.unused if title]
     if unused:
         decisions.append(f"not used: {', '.join(unused)}")

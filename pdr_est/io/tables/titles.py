@@ -68,7 +68,7 @@ def sensor_by_name(name: str) -> Quantity | None:
     for length in range(len(words), 0, -1):
         for start in range(len(words) - length + 1):
             joined = "".join(words[start : start + length])
-            if joined in SENSORS and (len(joined) > 1 or len(words) == 1):
+            if joined in SENSORS and len(joined) > 1:
                 return SENSORS[joined].quantity
             if joined in SCALARS and length == len(words):
                 return SCALARS[joined][0]

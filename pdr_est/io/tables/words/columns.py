@@ -38,7 +38,8 @@ TIMES = _names(
     """time timestamp timestamps t ts date datetime dateandtime clock epoch epoc unix unixtime unixtimestamp utc
     utctime gpstime loggingtime localtime systemtime sampletime sampletimefine eventtime sensortime devicetime
     boottime elapsed elapsedtime timeelapsed secondselapsed timesincestart sincestart
-    timeelapsedsincestart elapsedrealtime uptime stamp timemillis timenanos utctimemillis elapsedrealtimenanos unixtimemillis currenttimemillis
+    timeelapsedsincestart elapsedrealtime uptime
+    stamp timemillis timenanos utctimemillis elapsedrealtimenanos unixtimemillis currenttimemillis
     systemtimemillis timeinms timesincestartinms yyyymoddhhmiss yyyymmddhhmmss yyyymoddhhmisssss
     zeit zeitstempel uhrzeit datum datumzeit laufzeit zeitpunkt abgelaufenezeit verstrichenezeit
     fecha hora fechahora tiempo marcatemporal marcadetiempo marcadeltiempo tiempotranscurrido
