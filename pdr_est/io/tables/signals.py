@@ -155,8 +155,8 @@ def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True
     if not has_header and not mapping.given:
         guessed = "; ".join(f"{', '.join(one.titles)} as {quantity}" for quantity, one in mapping.columns.items())
         warnings.append(
-            f"the table has no header: {mapping.clocks[0].title} is taken as time, {guessed}, because of their values; "
-            "name the columns with --map to be sure"
+            f"the table has no header: {mapping.clocks[0].title} is taken as time, {guessed}, because of their "
+            "values: name the columns with --map to be sure"
         )
     unused = [title for title in mapping.unused if title]
     if unused:
