@@ -16,6 +16,7 @@ _STATIC_G = (0.65, 2.0)
 _STATIC_MG = (650.0, 1500.0)  # up to a vigorous arm's mean; above, it may be something else
 _GRAVITY_SHARE = 0.65
 _PARTS = 10
+_ROWS_OF_MEDIAN = 50_000
 _FULL_SCALE_RADPS = 40.0  # phones' gyroscopes end at 2000 deg/s = 34.9 rad/s
 _WALKING_RADPS = (0.3, 12.0)  # 95th percentile of the norm, from a phone held calmly to one in a runner's pocket
 _PEAK_PERCENTILE = 99.9
@@ -184,4 +185,5 @@ def _parts(n: int) -> int:
 
 
 def _median_norm(values: Array) -> float:
-    return float(np.median(np.linalg.norm(values, axis=1)))
+    """Compute the median length of the rows; of a long recording every k-th row is enough."""
+    return float(np.median(np.linalg.norm(values[:: max(1, len(values) // _ROWS_OF_MEDIAN)], axis=1)))

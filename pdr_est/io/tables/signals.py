@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,7 +54,12 @@ class TableSignals:
 
 def layout_of(head: bytes) -> TableLayout | None:
     """Detect the layout of a table from the beginning of a file; None when it is none."""
-    return detect_layout(head[:HEAD_BYTES], is_unit)
+    return _layout_of(head[:HEAD_BYTES])
+
+
+@lru_cache(maxsize=64)
+def _layout_of(head: bytes) -> TableLayout | None:
+    return detect_layout(head, is_unit)
 
 
 def read_table_signals(

@@ -70,10 +70,10 @@ def read_loose_table(
         When there are no rows, or more than 5 % of them are damaged.
     """
     body = _body(data, layout)
-    if not body.strip():
+    if not len(body):
         raise RecordingError(f"{place}: the table has no rows below its header; record again")
     wanted = [title for title in layout.titles if title in set(numbers) | set(times)]
-    frame = _fast(body, layout, wanted, set(times))
+    frame = _fast(_in_place(data, body, layout), body, layout, wanted, set(times))
     if frame is not None:
         table, texts = _from_frame(frame, place, wanted)
         return LooseTable(table, texts)
@@ -94,44 +94,58 @@ class _Parsed:
     is_text: bool = False
 
 
-def _body(data: bytes, layout: TableLayout) -> bytes:
-    """Cut off what stands above the first row, and bring runs of blanks to one tab."""
+def _body(data: bytes, layout: TableLayout) -> memoryview:
+    """Cut off what stands above the first row and the blank end, and bring runs of blanks to one."""
     start = 0
     for _ in range(layout.first_line):
         start = data.find(b"\n", start) + 1
-    body = data[start:].rstrip(b"\n \t")
+    end = len(data)
+    while end > start and data[end - 1] in b"\n \t":
+        end -= 1
     if layout.separator == BLANKS:
-        body = body.replace(b"\t", b" ")
+        body = data[start:end].replace(b"\t", b" ")
         while b"  " in body:
             body = body.replace(b"  ", b" ")
-        body = body.replace(b"\n ", b"\n").replace(b" \n", b"\n").lstrip(b" ")
-    return body
+        return memoryview(body.replace(b"\n ", b"\n").replace(b" \n", b"\n").lstrip(b" "))
+    return memoryview(data)[start:end]
 
 
 def _names(layout: TableLayout) -> list[str]:
     return [f"c{i}" for i in range(len(layout.titles))]
 
 
-def _read(body: bytes, layout: TableLayout, columns: Sequence[str], **options: Any) -> pl.DataFrame:
-    header = layout.separator.join(_names(layout)).encode() + b"\n"
-    return pl.read_csv(header + body, separator=layout.separator, columns=list(columns), **options)
+def _in_place(data: bytes, body: memoryview, layout: TableLayout) -> tuple[bytes, list[str]]:
+    """Return what polars parses and its names of the columns: the file as it is if possible, to copy nothing."""
+    top = data.find(b"\n") + 1
+    plain = layout.header_line == 0 and layout.first_line == 1 and layout.separator != BLANKS
+    if plain and len(data) - top <= len(body) + 1:
+        names = pl.read_csv(data[:top], separator=layout.separator, n_rows=0).columns
+        if len(names) == len(layout.titles):
+            return data, names
+    return _with_plain_header(body, layout), _names(layout)
 
 
-def _fast(body: bytes, layout: TableLayout, wanted: Sequence[str], times: set[str]) -> pl.DataFrame | None:
+def _with_plain_header(body: memoryview, layout: TableLayout) -> bytes:
+    return b"".join((layout.separator.join(_names(layout)).encode(), b"\n", body))
+
+
+def _fast(
+    source: tuple[bytes, list[str]], body: memoryview, layout: TableLayout, wanted: Sequence[str], times: set[str]
+) -> pl.DataFrame | None:
     """Parse the wanted columns in one pass; None where a cell is no number or a row has another length."""
     if layout.decimal_comma and layout.separator == ",":
         return None
-    names = dict(zip(layout.titles, _names(layout), strict=True))
-    last = _names(layout)[-1]
+    content, in_file = source
+    names = dict(zip(layout.titles, in_file, strict=True))
+    last = in_file[-1]
     types: dict[str, Any] = {names[title]: pl.Float64 for title in wanted if title not in times}
-    if last not in {names[title] for title in wanted}:
+    if all(names[title] != last for title in wanted):
         types[last] = pl.String
-    columns = list(dict.fromkeys([*(names[title] for title in wanted), last]))
     try:
-        frame = _read(
-            body,
-            layout,
-            columns,
+        frame = pl.read_csv(
+            content,
+            separator=layout.separator,
+            columns=list(dict.fromkeys([*(names[title] for title in wanted), last])),
             schema_overrides=types,
             decimal_comma=layout.decimal_comma,
             infer_schema_length=_LAYOUT_ROWS,
@@ -143,9 +157,9 @@ def _fast(body: bytes, layout: TableLayout, wanted: Sequence[str], times: set[st
     return frame.select(names[title] for title in wanted)
 
 
-def _has_short_rows(body: bytes, layout: TableLayout, last: pl.Series) -> bool:
+def _has_short_rows(body: memoryview, layout: TableLayout, last: pl.Series) -> bool:
     """Tell whether rows whose last cell is empty lack separators, too, or whether rows are blank."""
-    lines = body.split(b"\n")
+    lines = bytes(body).split(b"\n")
     if len(lines) != len(last):
         return True
     separator = layout.separator.encode()
@@ -180,13 +194,19 @@ def _as_array(column: pl.Series) -> NDArray[Any]:
     return discard_huge_values(column.cast(pl.Float64).to_numpy().astype(np.float64))
 
 
-def _as_text(body: bytes, layout: TableLayout, wanted: Sequence[str]) -> dict[str, pl.Series] | None:
+def _as_text(body: memoryview, layout: TableLayout, wanted: Sequence[str]) -> dict[str, pl.Series] | None:
     """Read the wanted columns as text; None where rows differ in length or are blank."""
     names = dict(zip(layout.titles, _names(layout), strict=True))
     last = _names(layout)[-1]
     columns = list(dict.fromkeys([*(names[title] for title in wanted), last]))
     try:
-        frame = _read(body, layout, columns, infer_schema=False, null_values=list(MISSING_SPELLINGS))
+        frame = pl.read_csv(
+            _with_plain_header(body, layout),
+            separator=layout.separator,
+            columns=columns,
+            infer_schema=False,
+            null_values=list(MISSING_SPELLINGS),
+        )
     except (pl.exceptions.PolarsError, ValueError):
         return None
     if frame[last].null_count() and _has_short_rows(body, layout, frame[last]):
@@ -225,7 +245,9 @@ def _assembled(parsed: Mapping[str, _Parsed], place: str, warnings: tuple[str, .
     return LooseTable(NumberTable(place, arrays, empty), texts, warnings)
 
 
-def _repaired(body: bytes, place: str, layout: TableLayout, wanted: Sequence[str], times: set[str]) -> LooseTable:
+def _repaired(
+    body: memoryview, place: str, layout: TableLayout, wanted: Sequence[str], times: set[str]
+) -> LooseTable:
     """Read the table line by line and leave out the damaged rows."""
     rows, lines, damaged = _rows(body, layout)
     at = {title: i for i, title in enumerate(layout.titles)}
@@ -250,7 +272,7 @@ def _repaired(body: bytes, place: str, layout: TableLayout, wanted: Sequence[str
     return _assembled(clean, place, warnings)
 
 
-def _rows(body: bytes, layout: TableLayout) -> tuple[list[list[str]], list[int], dict[int, str]]:
+def _rows(body: memoryview, layout: TableLayout) -> tuple[list[list[str]], list[int], dict[int, str]]:
     """Split the rows into cells.
 
     Returns
@@ -262,7 +284,7 @@ def _rows(body: bytes, layout: TableLayout) -> tuple[list[list[str]], list[int],
     damaged : dict
         Line number -> fault of the other rows.
     """
-    text = io.StringIO(body.decode("utf-8", "replace"), newline="\n")
+    text = io.StringIO(str(body, "utf-8", "replace"), newline="\n")
     reader = csv.reader(text, delimiter=layout.separator)
     width = len(layout.titles)
     rows, lines, damaged = [], [], {}

@@ -21,6 +21,7 @@ _RUNS = re.compile(r"[ \t]+")
 _SEP_LINE = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
 _COMMENT = re.compile(r"^\s*(#|%|//)+\s*")
 _LINES_LOOKED_AT = 200
+_LINES_SCORED = 40
 _HEADER_SEARCH_LINES = 6
 _TEXT_PENALTY = 2.0
 
@@ -47,6 +48,8 @@ class TableLayout:
         Cells of the first row.
     preamble
         Lines before the header.
+    header_line
+        Number of lines before the header; -1 where there is none.
     """
 
     separator: str
@@ -57,6 +60,7 @@ class TableLayout:
     first_line: int
     sample: tuple[str, ...]
     preamble: tuple[str, ...] = ()
+    header_line: int = -1
 
 
 @dataclass(frozen=True)
@@ -96,7 +100,7 @@ def detect_layout(head: bytes, is_unit: Callable[[str], bool] = lambda cell: Fal
     first = _first_row(split)
     if first is None:
         return None
-    rows = [cells for cells in split.cells[first:] if len(cells) == split.width]
+    rows = [cells for cells in split.cells[first : first + _LINES_SCORED] if len(cells) == split.width]
     header, units, above = _find_header(lines, split, first, is_unit)
     titles = header or [f"column {i + 1}" for i in range(split.width)]
     return TableLayout(
@@ -108,6 +112,7 @@ def detect_layout(head: bytes, is_unit: Callable[[str], bool] = lambda cell: Fal
         first_line=first,
         sample=tuple(cell.strip() for cell in split.cells[first]),
         preamble=tuple(line for line in lines[:above] if line.strip()),
+        header_line=-1 if header is None else above,
     )
 
 
@@ -130,11 +135,12 @@ def _best_split(lines: Sequence[str]) -> _Split | None:
         if separator != BLANKS and not any(separator in line for line in lines):
             continue
         cells = [split_line(line, separator) if line.strip() else [] for line in lines]
-        widths = Counter(len(row) for row in cells if len(row) > 1 and _is_row(row))
+        likely = [row for row in cells[-_LINES_SCORED:] if len(row) > 1 and _is_row(row)]
+        widths = Counter(map(len, likely))
         if not widths:
             continue
         width = max(widths, key=lambda n: (widths[n], n))
-        rows = [row for row in cells if len(row) == width and _is_row(row)]
+        rows = [row for row in likely if len(row) == width]
         candidates.append(_Split(separator, cells, width, sum(map(_score, rows)) / max(1, len(rows))))
     if not candidates:
         return None

@@ -26,6 +26,8 @@ _TEXT_BYTES = bytes({*range(32, 256), 9, 10, 13})
 def describe_unknown(source: Source) -> str:
     """Say in one line what a source holds that no format is known for."""
     with_rows = [member for member in source.members if layout_of(source.head(member, HEAD_BYTES)) is not None]
+    if len(source.members) == 1 and source.head(source.members[0], 1) in (b"{", b"["):
+        return "it is JSON; only that of Sensor Logger is known"
     if not with_rows:
         if all(_is_binary(source.head(member, HEAD_BYTES)) for member in source.members):
             return "it is no text"

@@ -131,8 +131,12 @@ def _candidate(loose: LooseTable, column: ClockColumn, given: bool) -> _Candidat
         ticks, unit = _joined_ticks(loose, column, ticks, unit)
         known = np.isfinite(ticks)
     first_s = float(ticks[known][0]) * unit.factor
-    distinct = len(np.unique(ticks[known]))
-    return _Candidate(column, ticks, known, unit, first_s > _EARLIEST_UNIX_S, distinct)
+    return _Candidate(column, ticks, known, unit, first_s > _EARLIEST_UNIX_S, _count_stamps(ticks[known]))
+
+
+def _count_stamps(ticks: NDArray[Any]) -> int:
+    """Count the different stamps of a clock; one that comes back later counts again."""
+    return int((ticks[1:] != ticks[:-1]).sum()) + 1
 
 
 def _date_candidate(loose: LooseTable, column: ClockColumn) -> _Candidate | None:
@@ -145,7 +149,7 @@ def _date_candidate(loose: LooseTable, column: ClockColumn) -> _Candidate | None
     ticks = dates.ns
     if column.fraction and column.fraction not in loose.text_columns:
         ticks = np.where(dates.known, ticks + _fraction_ns(loose.table.columns[column.fraction]), ticks)
-    return _Candidate(column, ticks, dates.known, _date_unit(dates, texts), dates.has_zone, len(np.unique(ticks)))
+    return _Candidate(column, ticks, dates.known, _date_unit(dates, texts), dates.has_zone, _count_stamps(ticks))
 
 
 def _date_unit(dates: DateTimes, texts: NDArray[np.str_]) -> Conversion:
