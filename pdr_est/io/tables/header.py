@@ -13,8 +13,6 @@ from pdr_est.io.tables.quantities import AXES, CANONICAL, Quantity, quantities_o
 from pdr_est.io.tables.titles import TitleMeaning, split_words, understand_title
 from pdr_est.io.tables.words.sensors import Word
 
-_COMPONENTS = {"0": "x", "1": "y", "2": "z"}
-_QUATERNION_COMPONENTS = {"0": "w", "1": "x", "2": "y", "3": "z"}
 _SECOND_WORDS = frozenset({"sec", "secs", "seconds", "s"})
 _NANOSECOND_WORDS = frozenset({"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds", "ns"})
 _ACCELERATIONS = (Quantity.FORCE, Quantity.LINEAR)
@@ -133,8 +131,7 @@ def _groups(meanings: Mapping[str, TitleMeaning | None], hint: Quantity | None) 
             continue
         key = (word.quantity, word.rank, word.ambiguous, word.apple, meaning.prefix)
         found[key].setdefault(meaning.axis, title)
-    groups = [_Group(Word(q, r, am, ap), prefix, axes) for (q, r, am, ap, prefix), axes in found.items()]
-    return [replace(group, titles=_by_axis(group)) for group in groups]
+    return [_Group(Word(q, r, am, ap), prefix, axes) for (q, r, am, ap, prefix), axes in found.items()]
 
 
 def _word_of_bare_axis(meaning: TitleMeaning, hint: Quantity | None) -> Word | None:
@@ -152,16 +149,18 @@ def _word_of_bare_axis(meaning: TitleMeaning, hint: Quantity | None) -> Word | N
     return Word(Quantity.FORCE if hint is None else hint, 6, hint is None)
 
 
-def _by_axis(group: _Group) -> Mapping[str, str]:
-    """Name the axes of a group whose titles count components."""
-    axes = set(group.titles)
-    if group.word.quantity is Quantity.ATTITUDE and {"0", "1", "2", "3"} <= axes:
-        return {_QUATERNION_COMPONENTS[axis]: title for axis, title in group.titles.items()}
-    if {"0", "1", "2"} == axes:
-        return {_COMPONENTS[axis]: title for axis, title in group.titles.items()}
-    if {"1", "2", "3"} == axes:
-        return {_COMPONENTS[str(int(axis) - 1)]: title for axis, title in group.titles.items()}
-    return group.titles
+def _by_axis(titles: Mapping[str, str], quantity: Quantity) -> Mapping[str, str]:
+    """Name the axes of titles that count components, from 0 or from 1, also beside others that name theirs."""
+    digits = {int(axis): title for axis, title in titles.items() if axis.isdigit()}
+    if not digits:
+        return titles
+    named = {axis: title for axis, title in titles.items() if not axis.isdigit()}
+    order = AXES[quantity]
+    for first in (0, 1):
+        numbered = {order[n - first]: title for n, title in digits.items() if 0 <= n - first < len(order)}
+        if len(numbered) == len(digits) and set(order) <= {*named, *numbered}:
+            return {**numbered, **named}
+    return titles
 
 
 def _chosen(groups: Sequence[_Group], canonical: Mapping[Quantity, QuantityColumns]) -> dict[Quantity, _Group]:
@@ -171,16 +170,26 @@ def _chosen(groups: Sequence[_Group], canonical: Mapping[Quantity, QuantityColum
     for quantity in Quantity:
         if quantity in canonical:
             continue
-        own = sorted((g for g in groups if g.word.quantity is quantity), key=lambda g: g.word.rank)
-        whole = [group for group in own if _is_whole(group, quantity)]
-        if not whole and own:
-            whole = [group for group in (_joined(own, quantity),) if _is_whole(group, quantity)]
+        whole = _whole_groups(groups, quantity)
         if whole:
             chosen[quantity] = whole[0]
         if quantity is Quantity.FORCE and len(whole) > 1 and whole[0].word.rank == 0 and whole[1].word.ambiguous:
             # `ax` beside `gFx`, or `acceleration` beside `accelerationIncludingGravity`, is without gravity.
             chosen[Quantity.LINEAR] = whole[1]
+    if not {*_ACCELERATIONS} & {*chosen, *canonical}:
+        mixed = _joined([group for group in groups if group.word.quantity in _ACCELERATIONS], Quantity.FORCE)
+        if mixed is not None:
+            chosen[Quantity.FORCE] = replace(mixed, word=Word(Quantity.FORCE, ambiguous=True))
     return chosen
+
+
+def _whole_groups(groups: Sequence[_Group], quantity: Quantity) -> list[_Group]:
+    """List the groups with all axes, best first; if there is none, that of all spellings together."""
+    own = sorted((g for g in groups if g.word.quantity is quantity), key=lambda g: g.word.rank)
+    named = [replace(group, titles=_by_axis(group.titles, quantity)) for group in own]
+    whole = [group for group in named if set(AXES[quantity]) <= set(group.titles)]
+    joined = None if whole else _joined(own, quantity)
+    return whole if joined is None else [joined]
 
 
 def _as_attitude(group: _Group) -> _Group:
@@ -190,17 +199,16 @@ def _as_attitude(group: _Group) -> _Group:
     return group
 
 
-def _joined(groups: Sequence[_Group], quantity: Quantity) -> _Group:
-    """Join what differently spelt titles of one quantity name."""
+def _joined(groups: Sequence[_Group], quantity: Quantity) -> _Group | None:
+    """Join what differently spelt titles of one quantity name; None when axes are still missing."""
     titles: dict[str, str] = {}
     for group in groups:
         for axis, title in group.titles.items():
             titles.setdefault(axis, title)
-    return _Group(replace(groups[0].word, ambiguous=any(g.word.ambiguous for g in groups)), "", titles)
-
-
-def _is_whole(group: _Group, quantity: Quantity) -> bool:
-    return set(AXES[quantity]) <= set(group.titles)
+    named = _by_axis(titles, quantity)
+    if not groups or not set(AXES[quantity]) <= set(named):
+        return None
+    return _Group(replace(groups[0].word, ambiguous=any(g.word.ambiguous for g in groups)), "", named)
 
 
 def _with_units(group: _Group, quantity: Quantity, meanings: Mapping[str, TitleMeaning | None]) -> QuantityColumns:

@@ -10,6 +10,8 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawSignal
 from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
+from pdr_est.io.conversion.units import Conversion
+from pdr_est.io.tables.column_units import complete_factors
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
@@ -185,7 +187,10 @@ def _signal(
     if not sampled.any():
         decisions.append(f"{quantity}: the columns are there but have no values")
         return None
-    values, factor = _in_one_unit(table.stack(columns.titles), columns)
+    values, factor, conversion = _in_one_unit(table.stack(columns.titles), columns, quantity)
+    if conversion is not None:
+        decisions.append(conversion.decision)
+        warnings += conversion.warnings
     if not sampled.all():
         decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows have values")
         time_s, values = time_s[sampled], values[sampled]
@@ -194,15 +199,27 @@ def _signal(
     return None if signal is None else RawSignal(signal, ", ".join(columns.titles), factor)
 
 
-def _in_one_unit(values: Array, columns: QuantityColumns) -> tuple[Array, float | None]:
-    """Bring columns of different units to SI units; the factor of the result is None where no unit is known."""
+def _in_one_unit(
+    values: Array, columns: QuantityColumns, quantity: Quantity
+) -> tuple[Array, float | None, Conversion | None]:
+    """Bring columns of different units to SI units.
+
+    Returns
+    -------
+    values : (n, k)
+    factor : float or None
+        Factor to SI units of all of them; None where no unit is known.
+    conversion : Conversion or None
+        How the unit of columns was found that state none, beside others that do.
+    """
     if columns.turned:
         values = values * np.array(columns.turned)
     if all(factor is None for factor in columns.factors):
-        return values, None
+        return values, None, None
     if len(set(columns.factors)) == 1:
-        return values, columns.factors[0]
-    return values * np.array([1.0 if factor is None else factor for factor in columns.factors]), 1.0
+        return values, columns.factors[0], None
+    factors, conversion = complete_factors(values, columns, quantity)
+    return values * factors, 1.0, conversion
 
 
 def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:

@@ -94,7 +94,7 @@ def _split_unit(title: str) -> tuple[str, str, list[str]]:
     """Split a title into its base, the unit in brackets, and other words in brackets."""
     unit, extra = "", []
     for inside in _BRACKETS.findall(title):
-        if is_unit(inside) and not unit:
+        if is_unit(inside) and not unit and inside.strip().lower() not in AXIS_WORDS:
             unit = inside.strip()
         else:
             extra += split_words(inside)

@@ -16,13 +16,13 @@ import polars as pl
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.text.cells import MISSING, MISSING_SPELLINGS
+from pdr_est.io.text.cells import MISSING_SPELLINGS
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.number_table import NumberTable
 from pdr_est.io.text.table_layout import BLANKS, TableLayout
+from pdr_est.io.text.text_columns import ParsedColumn, parse_text_column
 
 _LARGEST_DAMAGED_SHARE = 0.05
-_TEXT_COLUMN_SHARE = 0.5  # a column of which fewer cells are numbers holds something else
 _LINES_NAMED = 3
 _LAYOUT_ROWS = 100
 
@@ -78,20 +78,12 @@ def read_loose_table(
         table, texts = _from_frame(frame, place, wanted)
         return LooseTable(table, texts)
     columns = _as_text(body, layout, wanted)
-    parsed = None if columns is None else {title: _parse(columns[title], title in times) for title in wanted}
+    parsed = (
+        None if columns is None else {title: parse_text_column(columns[title], title in times) for title in wanted}
+    )
     if parsed is not None and not any(one.wrong.any() for one in parsed.values()):
         return _assembled(parsed, place, ())
     return _repaired(body, place, layout, wanted, set(times))
-
-
-@dataclass(frozen=True)
-class _Parsed:
-    """One column: its values, which cells are empty, and which hold text among numbers."""
-
-    values: NDArray[Any]
-    empty: NDArray[np.bool_]
-    wrong: NDArray[np.bool_]
-    is_text: bool = False
 
 
 def _body(data: bytes, layout: TableLayout) -> memoryview:
@@ -173,7 +165,7 @@ def _from_frame(frame: pl.DataFrame, place: str, wanted: Sequence[str]) -> tuple
     texts = set()
     for title, column in zip(wanted, frame.get_columns(), strict=True):
         if column.dtype == pl.String:
-            parsed = _parse(column, may_be_text=True)
+            parsed = parse_text_column(column, may_be_text=True)
             arrays[title] = parsed.values
             if parsed.is_text:
                 texts.add(title)
@@ -214,31 +206,7 @@ def _as_text(body: memoryview, layout: TableLayout, wanted: Sequence[str]) -> di
     return {title: frame[names[title]] for title in wanted}
 
 
-def _parse(column: pl.Series, may_be_text: bool) -> _Parsed:
-    """Convert text cells to numbers; a column that may hold dates stays text if most cells are no numbers."""
-    text = column.str.strip_chars(" \t\"';")
-    missing = text.is_null() | text.str.to_lowercase().is_in(list(MISSING)).fill_null(True)
-    text = text.to_frame("t").select(pl.when(~missing).then(pl.col("t"))).to_series()
-    integers = text.cast(pl.Int64, strict=False)
-    empty = missing.to_numpy()
-    nothing = np.zeros(len(text), dtype=np.bool_)
-    if integers.null_count() == 0 and len(text):
-        return _Parsed(integers.to_numpy(), empty, nothing)
-    plain = text.str.replace(",", ".", literal=True)
-    numbers = plain.cast(pl.Float64, strict=False)
-    wrong = (numbers.is_null() & ~missing).to_numpy()
-    present = int((~empty).sum())
-    if wrong.sum() > _TEXT_COLUMN_SHARE * present:
-        if may_be_text:
-            return _Parsed(text.fill_null("").to_numpy().astype(np.str_), empty, nothing, is_text=True)
-        return _Parsed(np.full(len(text), np.nan), np.ones_like(empty), nothing)
-    if integers.null_count() == text.null_count() + int(wrong.sum()) and wrong.any():
-        # Ticks of a clock stay exact; the damaged rows are left out later.
-        return _Parsed(integers.fill_null(0).to_numpy(), empty, wrong | empty)
-    return _Parsed(discard_huge_values(numbers.cast(pl.Float64).to_numpy().astype(np.float64)), empty, wrong)
-
-
-def _assembled(parsed: Mapping[str, _Parsed], place: str, warnings: tuple[str, ...]) -> LooseTable:
+def _assembled(parsed: Mapping[str, ParsedColumn], place: str, warnings: tuple[str, ...]) -> LooseTable:
     arrays = {title: one.values for title, one in parsed.items()}
     empty = {title: one.empty for title, one in parsed.items() if one.empty.any()}
     texts = frozenset(title for title, one in parsed.items() if one.is_text)
@@ -252,7 +220,7 @@ def _repaired(
     rows, lines, damaged = _rows(body, layout)
     at = {title: i for i, title in enumerate(layout.titles)}
     columns = {title: pl.Series([row[at[title]] for row in rows], dtype=pl.String) for title in wanted}
-    parsed = {title: _parse(column, title in times) for title, column in columns.items()}
+    parsed = {title: parse_text_column(column, title in times) for title, column in columns.items()}
     wrong = np.zeros(len(rows), dtype=np.bool_)
     for title, one in parsed.items():
         wrong |= one.wrong
@@ -265,7 +233,7 @@ def _repaired(
         raise RecordingError(f"{place}: {number} of {total} rows are damaged ({named}); export the recording again")
     kept = ~wrong
     clean = {
-        title: _Parsed(one.values[kept], one.empty[kept], one.wrong[kept], one.is_text)
+        title: ParsedColumn(one.values[kept], one.empty[kept], one.wrong[kept], one.is_text)
         for title, one in parsed.items()
     }
     warnings = (f"{number} of {total} rows are damaged and left out ({named})",) if number else ()

@@ -130,8 +130,10 @@ def split_line(line: str, separator: str) -> list[str]:
 
 def _best_split(lines: Sequence[str]) -> _Split | None:
     """Find the separator that gives the most numbers and dates and the least text."""
-    candidates = []
+    candidates: list[_Split] = []
     for separator in _SEPARATORS:
+        if separator == BLANKS and any(split.score > 0.0 for split in candidates):
+            break  # a blank inside a date or a title must not decide
         if separator != BLANKS and not any(separator in line for line in lines):
             continue
         cells = [split_line(line, separator) if line.strip() else [] for line in lines]
@@ -219,12 +221,28 @@ def _fitted(cells: list[str], split: _Split) -> list[str] | None:
     if len(cells) == split.width + 1 and not cells[-1]:
         return cells[:-1]
     if len(cells) == split.width - 1 and split.width > 2:
-        rows = [row for row in split.cells if len(row) == split.width and _is_row(row)]
+        rows = [row for row in split.cells if len(row) == split.width and _is_row(row)][:_LINES_SCORED]
+        date = _date_with_time(rows)
+        if date is not None:
+            return [*cells[: date + 1], f"{cells[date]} (time of day)", *cells[date + 1 :]]
         if all(not row[-1].strip() for row in rows):
             return [*cells, ""]
         if all(row[0].strip().strip('"').isdigit() for row in rows):
             return ["", *cells]
     return None
+
+
+def _date_with_time(rows: Sequence[Sequence[str]]) -> int | None:
+    """Find the cell of a date that is followed by the time of day, because a blank separates them, too."""
+    for at in range(len(rows[0]) - 1 if rows else 0):
+        pairs = [(row[at], row[at + 1]) for row in rows]
+        if all(":" not in day and ":" in time and _is_date(day) and _is_date(time) for day, time in pairs):
+            return at
+    return None
+
+
+def _is_date(cell: str) -> bool:
+    return kind_of_cell(cell) is Cell.DATE
 
 
 def _is_units_row(cells: Sequence[str], is_unit: Callable[[str], bool]) -> bool:
