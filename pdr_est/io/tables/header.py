@@ -63,6 +63,7 @@ def understand_titles(titles: Sequence[str], hint: Quantity | None = None, units
         clocks=clocks,
         columns=columns,
         force_sign=None if apple is None else -1.0,
+        incomplete=_incomplete(groups, columns),
         sign_reason="" if apple is None else f"Core Motion's titles, {next(iter(apple.titles.values()))}",
         unused=tuple(title for title in titles if title not in used and title.strip()),
     )
@@ -190,6 +191,16 @@ def _whole_groups(groups: Sequence[_Group], quantity: Quantity) -> list[_Group]:
     whole = [group for group in named if set(AXES[quantity]) <= set(group.titles)]
     joined = None if whole else _joined(own, quantity)
     return whole if joined is None else [joined]
+
+
+def _incomplete(groups: Sequence[_Group], columns: Mapping[Quantity, QuantityColumns]) -> tuple[str, ...]:
+    """Name the sensors of which only some axes are there, and that nothing else stands for."""
+    found = []
+    for quantities in (_ACCELERATIONS, (Quantity.RATE,)):
+        titles = [t for group in groups if group.word.quantity in quantities for t in group.titles.values()]
+        if titles and not {*quantities} & {*columns}:
+            found.append(f"{quantities[0]}: not used, because an axis is missing beside {', '.join(titles)}")
+    return tuple(found)
 
 
 def _as_attitude(group: _Group) -> _Group:

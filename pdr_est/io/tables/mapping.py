@@ -73,6 +73,8 @@ class TableMapping:
         Why that sign is expected, for the decisions.
     given
         True when a person stated the mapping, who is then believed about units, signs and clock.
+    incomplete
+        Sensors of which some axes are named and others are missing, in words.
     unused
         Titles of the columns that mean nothing to the project, or are not needed beside better ones.
     """
@@ -83,6 +85,7 @@ class TableMapping:
     force_sign: float | None = None
     sign_reason: str = ""
     given: bool = False
+    incomplete: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
 
     @property

@@ -147,7 +147,7 @@ def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True
         When no row has a time.
     """
     clock = read_clock(loose, mapping)
-    decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings]
+    decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings, *mapping.incomplete]
     documented = any(column.canonical for column in mapping.clocks)
     loose, clock, told = (loose, clock, ()) if documented else _without_stale_rows(loose, clock)
     warnings += told

@@ -51,8 +51,9 @@ def understand_title(title: str) -> TitleMeaning | None:
     """Find out what a title means; None when it names nothing that the project uses."""
     base, unit, extra = _split_unit(title)
     words = split_words(base)
-    readings = [([*words, *extra], unit)] if extra else []
-    for rest, suffix in (*readings, *_without_unit_suffix(words, unit)):
+    readings = list(_without_unit_suffix(words, unit))
+    with_extra = [([*rest, *extra], suffix) for rest, suffix in readings] if extra else []
+    for rest, suffix in (*with_extra, *readings):
         found = _scalar(rest, suffix) or _sensor(rest, suffix) or _bare_axis(rest, suffix)
         if found is not None:
             return found

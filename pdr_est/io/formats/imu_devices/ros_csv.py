@@ -17,7 +17,10 @@ from pdr_est.types.recording import Recording
 
 NAME = "ROS Imu messages"
 
-_MARK = re.compile(rb"linear_acceleration[./_]x[^\n]*|angular_velocity[./_]x[^\n]*linear_acceleration")
+_MARK = re.compile(
+    rb"linear_acceleration[./_]x[\"']?\s*[,;\t][^\n]*angular_velocity[./_]x|"
+    rb"angular_velocity[./_]x[\"']?\s*[,;\t][^\n]*linear_acceleration[./_]x"
+)
 _STEMS = {Quantity.FORCE: "linear_acceleration", Quantity.RATE: "angular_velocity", Quantity.ATTITUDE: "orientation"}
 
 
