@@ -11,19 +11,22 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.io import read
 
-GNSS_HEADER = """\
-#
-# Header Description:
-# Version: v3.0.0.1 Platform: 12 Manufacturer: acme Model: A1
-#
-# Raw,utcTimeMillis,TimeNanos,LeapSecond
-# UncalAccel,utcTimeMillis,elapsedRealtimeNanos,UncalAccelXMps2,UncalAccelYMps2,UncalAccelZMps2,BiasXMps2,BiasYMps2,BiasZMps2
-# UncalGyro,utcTimeMillis,elapsedRealtimeNanos,UncalGyroXRadPerSec,UncalGyroYRadPerSec,UncalGyroZRadPerSec,DriftXRadPerSec,DriftYRadPerSec,DriftZRadPerSec
-# Accel,utcTimeMillis,elapsedRealtimeNanos,AccelXMps2,AccelYMps2,AccelZMps2
-# OrientationDeg,utcTimeMillis,elapsedRealtimeNanos,yawDeg,rollDeg,pitchDeg
-# Fix,Provider,LatitudeDegrees,LongitudeDegrees,AltitudeMeters,SpeedMps,AccuracyMeters,BearingDegrees,UnixTimeMillis,MockLocation
-#
-"""
+GNSS_FIELDS = {
+    "Raw": "TimeNanos,LeapSecond",
+    "UncalAccel": "UncalAccelXMps2,UncalAccelYMps2,UncalAccelZMps2,BiasXMps2,BiasYMps2,BiasZMps2",
+    "UncalGyro": "UncalGyroXRadPerSec,UncalGyroYRadPerSec,UncalGyroZRadPerSec,DriftXRadPerSec,DriftYRadPerSec,"
+    "DriftZRadPerSec",
+    "Accel": "AccelXMps2,AccelYMps2,AccelZMps2",
+    "OrientationDeg": "yawDeg,rollDeg,pitchDeg",
+}
+GNSS_FIX = "Provider,LatitudeDegrees,LongitudeDegrees,AltitudeMeters,SpeedMps,AccuracyMeters,BearingDegrees,"
+GNSS_HEADER = "".join(
+    [
+        "#\n# Header Description:\n# Version: v3.0.0.1 Platform: 12 Manufacturer: acme Model: A1\n#\n",
+        *(f"# {tag},utcTimeMillis,elapsedRealtimeNanos,{fields}\n" for tag, fields in GNSS_FIELDS.items()),
+        f"# Fix,{GNSS_FIX}UnixTimeMillis,MockLocation\n#\n",
+    ]
+)
 
 
 @pytest.fixture(scope="module")
@@ -67,9 +70,7 @@ def test_gnss_logger_gives_the_walk_on_the_boot_clock(tmp_path: Path, walk: Walk
 
 def test_gnss_logger_without_motion_says_what_to_switch_on(tmp_path: Path) -> None:
     (tmp_path / "log.txt").write_text(GNSS_HEADER + "Fix,GPS,12.3,-34.5,7,1.2,4.0,0,1718030736000,0\n")
-    with pytest.raises(
-        RecordingError, match="neither accelerometer nor gyroscope rows; switch on Sensors in the app"
-    ):
+    with pytest.raises(RecordingError, match="neither accelerometer nor gyroscope rows; switch on Sensors"):
         read(tmp_path / "log.txt")
 
 

@@ -79,9 +79,7 @@ def test_linear_acceleration_alone_is_kept_for_steps(tmp_path: Path, walk: Walk)
 def test_two_files_of_one_sensor_are_two_walks(tmp_path: Path, walk: Walk) -> None:
     files = sensor_record(walk)
     files["second Accelerometer.csv"] = files["Accelerometer.csv"]
-    with pytest.raises(
-        RecordingError, match="both hold the specific force; put the files of each walk into a folder"
-    ):
+    with pytest.raises(RecordingError, match="both hold the specific force; put the files of each walk"):
         read(as_folder(tmp_path, files))
 
 

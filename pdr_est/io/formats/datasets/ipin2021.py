@@ -6,7 +6,7 @@ waypoints in UTM, m, which are given relative to the first one.
 
 from dataclasses import replace
 
-from pdr_est.io.formats.sensor_files.grouping import find_walks
+from pdr_est.io.formats.sensor_files.grouping import sensor_file_walks
 from pdr_est.io.formats.sensor_files.reader import read_sensor_files
 from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.tables.signals import read_table_signals
@@ -26,7 +26,7 @@ _PA_PER_HPA = 100.0
 
 def sniff(source: Source) -> bool:
     """Tell whether the source has the files of this set."""
-    return {member_stem(member) for member in source.members} >= _NEEDED and "" in find_walks(source)
+    return {member_stem(member) for member in source.members} >= _NEEDED and "" in sensor_file_walks(source)
 
 
 def read_source(source: Source) -> Recording:
@@ -37,7 +37,7 @@ def read_source(source: Source) -> Recording:
     RecordingError
         When a file is damaged.
     """
-    recording = read_sensor_files(source, find_walks(source)[""])
+    recording = read_sensor_files(source, sensor_file_walks(source)[""])
     by_stem = {member_stem(member): member for member in source.members}
     device = replace(
         recording.devices[0],

@@ -7,7 +7,7 @@ from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.quantities import AXES, Quantity
 from pdr_est.io.tables.signals import layout_of
 from pdr_est.io.tables.titles import sensor_by_name
-from pdr_est.io.text.container import Source
+from pdr_est.io.text.container import Source, SourceKind
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.table_layout import TableLayout
 
@@ -43,20 +43,22 @@ class SensorFile:
         return any(word in stem for word in _SECOND_CHOICE)
 
 
-def find_walks(source: Source) -> Mapping[str, tuple[SensorFile, ...]]:
+def sensor_file_walks(source: Source) -> Mapping[str, tuple[SensorFile, ...]]:
     """Find walk -> files of its sensors; a walk is a folder, and has an accelerometer or a gyroscope.
 
-    The name of a file tells its sensor, or else that of its folder.
+    The name of a file tells its sensor, or else that of its folder. A file by itself is a plain table.
     """
     named: dict[str, list[tuple[str, Quantity]]] = {}
+    if source.kind is SourceKind.FILE:
+        return {}
     for member in source.members:
         if member.casefold().endswith(_NO_TABLES):
             continue
         folder, _, _ = member.rpartition("/")
-        quantity = sensor_by_name(member_stem(member))
+        quantity = _quantity_of_name(member_stem(member))
         if quantity is None and folder:
             above, _, last = folder.rpartition("/")
-            quantity, folder = sensor_by_name(last), above
+            quantity, folder = _quantity_of_name(last), above
         if quantity is not None:
             named.setdefault(folder, []).append((member, quantity))
     walks = {}
@@ -67,6 +69,11 @@ def find_walks(source: Source) -> Mapping[str, tuple[SensorFile, ...]]:
         if any(file.quantity in _MOTION for file in files):
             walks[folder] = files
     return walks
+
+
+def _quantity_of_name(name: str) -> Quantity | None:
+    """Find the sensor that a name tells; a single letter is the number of a walk rather than a sensor."""
+    return sensor_by_name(name) if sum(character.isalpha() for character in name) > 1 else None
 
 
 def _file(source: Source, member: str, quantity: Quantity) -> SensorFile | None:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gnss import drop_fixes_outside
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.sensor_files.grouping import SensorFile, find_walks
+from pdr_est.io.formats.sensor_files.grouping import SensorFile, sensor_file_walks
 from pdr_est.io.formats.sensor_files.known_apps import app_of_files
 from pdr_est.io.tables.device import read_device
 from pdr_est.io.tables.quantities import Quantity
@@ -23,7 +23,7 @@ NAME = "one file a sensor"
 
 def sniff(source: Source) -> bool:
     """Tell whether the source has files that are named by their sensors, one of them a motion sensor."""
-    return bool(find_walks(source))
+    return bool(sensor_file_walks(source))
 
 
 def read_source(source: Source) -> Recording:
@@ -34,7 +34,7 @@ def read_source(source: Source) -> Recording:
     RecordingError
         When there are several walks, two files of one sensor, or no finite rows of a motion sensor.
     """
-    walks = find_walks(source)
+    walks = sensor_file_walks(source)
     return read_sensor_files(source, walks[require_single_walk(source, tuple(walks), NAME)])
 
 
