@@ -196,9 +196,13 @@ def test_the_readme_is_short() -> None:
 
 def test_every_page_is_reached_from_the_readme() -> None:
     reference = ROOT / "docs" / "api"  # which only the built site can show
-    pages = [page for page in PAGES[1:] if page.parent != reference and page.name != "index.md"]
+    recorders = ROOT / "docs" / "recorders"
+    pages = [page for page in PAGES[1:] if page.parent not in (reference, recorders) and page.name != "index.md"]
     for page in [*pages, *TUTORIALS]:
         assert f"]({page.relative_to(ROOT)})" in README, page.name
+    index = (recorders / "index.md").read_text(encoding="utf-8")
+    assert [page.name for page in recorders.glob("[!i]*.md") if f"]({page.name})" not in index] == []
+    assert "](recorders/index.md)" in (ROOT / "docs" / "recorder-formats.md").read_text(encoding="utf-8")
 
 
 def test_every_page_is_in_the_navigation_of_the_site() -> None:
