@@ -25,6 +25,19 @@ def test_a_folder_of_several_archives_names_them(tmp_path: Path) -> None:
         open_recording(tmp_path)
 
 
+def test_notes_beside_the_archive_do_no_harm(tmp_path: Path) -> None:
+    as_folder(tmp_path, {"notes.txt": b"a walk in the park\n", "photo.jpg": b"\xff\xd8\xff"})
+    as_zip(tmp_path / "walk.zip", {"a.csv": b"1\n"})
+    assert open_recording(tmp_path).members == ("a.csv",)
+
+
+def test_an_archive_of_archives_must_be_unpacked(tmp_path: Path) -> None:
+    inner = as_zip(tmp_path / "walk.zip", {"a.csv": b"1\n"}).read_bytes()
+    outer = as_zip(tmp_path / "outer.zip", {"walk.zip": inner})
+    with pytest.raises(RecordingError, match=r"contains zip archives \(walk\.zip\); unpack it and give one"):
+        open_recording(outer)
+
+
 def test_an_archive_beside_tables_is_one_file_of_the_folder(tmp_path: Path) -> None:
     as_folder(tmp_path, {"a.csv": b"1\n"})
     as_zip(tmp_path / "walk.zip", {"b.csv": b"1\n"})

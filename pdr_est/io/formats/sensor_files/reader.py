@@ -5,6 +5,7 @@ clock and the others are x, y and z in this order. All files must count on one c
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gnss import drop_fixes_outside
@@ -19,6 +20,8 @@ from pdr_est.io.text.members import member_stem, require_single_walk
 from pdr_est.types.recording import Recording
 
 NAME = "one file a sensor"
+
+_NO_HEADER = "the table has no header"
 
 
 def sniff(source: Source) -> bool:
@@ -68,7 +71,14 @@ def read_sensor_files(source: Source, files: Sequence[SensorFile]) -> Recording:
 
 
 def _read(source: Source, file: SensorFile) -> TableSignals:
-    return read_table_signals(source.read(file.member), source.place(file.member), hint=file.quantity)
+    """Read a file; that its columns have no titles is no fault where its name tells the sensor."""
+    table = read_table_signals(source.read(file.member), source.place(file.member), hint=file.quantity)
+    if file.layout.has_header:
+        return table
+    expected = tuple(text for text in table.warnings if text.startswith(_NO_HEADER))
+    told = tuple(text.rpartition(":")[0] for text in expected)  # without the advice to name the columns
+    others = tuple(text for text in table.warnings if text not in expected)
+    return replace(table, decisions=(*table.decisions, *told), warnings=others)
 
 
 def _one_per_sensor(source: Source, files: Sequence[SensorFile]) -> tuple[SensorFile, ...]:

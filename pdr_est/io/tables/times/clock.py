@@ -12,6 +12,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.units import Conversion, detect_clock_unit
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
+from pdr_est.io.tables.times.counter import unwrap_counter
 from pdr_est.io.tables.times.dates import KNOWN_FORMS, DateTimes, parse_dates
 from pdr_est.io.text.loose_table import LooseTable
 
@@ -122,7 +123,7 @@ def _candidate(loose: LooseTable, column: ClockColumn, given: bool) -> _Candidat
         return None
     if column.title in loose.text_columns:
         return _date_candidate(loose, column)
-    ticks = loose.table.columns[column.title]
+    ticks = unwrap_counter(loose.table.columns[column.title])
     known = np.isfinite(ticks)
     if known.sum() < max(1.0, _FEWEST_KNOWN * len(ticks)):
         return None
