@@ -1,1 +1,1 @@
-"""Times of the rows of a table: `dates` reads texts, `clock` chooses the column and its unit, `counter` goes on where one overflows."""
+"""Times of the rows of a table: `dates` reads texts, `clock` chooses column and unit, `counter` undoes overflows."""
