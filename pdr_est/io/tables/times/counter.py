@@ -24,4 +24,5 @@ def unwrap_counter(ticks: NDArray[Any]) -> NDArray[Any]:
     overflow = (before > (1.0 - _NEAR_END) * size) & (after < _NEAR_END * size)
     if not overflow.any():
         return ticks
-    return ticks + size * np.concatenate([[0], np.cumsum(overflow)])
+    unwrapped: NDArray[Any] = ticks + size * np.concatenate([[0], np.cumsum(overflow)])
+    return unwrapped
