@@ -13,13 +13,13 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 DEG = np.pi / 180.0
 FORCE_NAMES = (
     "acc_{}", "Acc{U}", "accel_{}", "Accelerometer {U}", "acceleration_{}", "ACCELEROMETER {U}", "a{}", "{}_acc",
-    "{U}-Acceleration", "accelerometer.{}", "linear_acceleration.{}", "Beschleunigung {}", "加速度{U}", "aceleración {}",
-    "accélération {}", "acc[{i}]", "imu_acc_{}", "accelerationIncludingGravity.{}",
+    "{U}-Acceleration", "accelerometer.{}", "linear_acceleration.{}", "Beschleunigung {}", "加速度{U}",
+    "aceleración {}", "accélération {}", "acc[{i}]", "imu_acc_{}", "accelerationIncludingGravity.{}",
 )  # fmt: skip
 RATE_NAMES = (
     "gyro_{}", "Gyr{U}", "gyr_{}", "Gyroscope {U}", "rotationRate.{}", "GYROSCOPE {U}", "w{}", "{}_gyro", "omega_{}",
-    "angular_velocity.{}", "ang_vel_{}", "angularVelocity{U}", "Winkelgeschwindigkeit {}", "角速度{U}", "giroscopio {}",
-    "vitesse angulaire {}", "gyro[{i}]", "imu_gyro_{}", "g{}",
+    "angular_velocity.{}", "ang_vel_{}", "angularVelocity{U}", "Winkelgeschwindigkeit {}", "角速度{U}",
+    "giroscopio {}", "vitesse angulaire {}", "gyro[{i}]", "imu_gyro_{}", "g{}",
 )  # fmt: skip
 FORCE_UNITS = {"m/s^2": 1.0, "m/s²": 1.0, "m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1e3}
 RATE_UNITS = {"rad/s": 1.0, "deg/s": DEG, "°/s": DEG, "dps": DEG, "mdps": DEG / 1e3}

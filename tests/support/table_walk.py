@@ -12,7 +12,7 @@ from pdr_est.simulate import DeviceParams, Scenario, SensorParams, simulate_walk
 from pdr_est.simulate.walker.walking_path import PathParams
 
 RATE_HZ = 50.0
-DATE = "2031-02-03 04:05:06.789"
+DATE_FORM = "{y}-{m}-{d} {H}:{M}:{S}.{ms}"
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def cell(value: Any, decimal: str = ".") -> str:
     return f"{value:.9g}".replace(".", decimal) if isinstance(value, float | np.floating) else str(value)
 
 
-def dates(time_s: Array, form: str = "{y}-{m}-{d} {H}:{M}:{S}.{ms}", start: str = "2031-02-03T04:05:06.789") -> list[str]:
+def dates(time_s: Array, form: str = DATE_FORM, start: str = "2031-02-03T04:05:06.789") -> list[str]:
     """Times as text; {h} is the hour without a zero in front, {b} the name of the month."""
     stamps = np.datetime64(start, "ms") + np.round(time_s * 1000.0).astype("timedelta64[ms]")
     result = []

@@ -177,6 +177,9 @@ def _chosen(groups: Sequence[_Group], canonical: Mapping[Quantity, QuantityColum
         if quantity is Quantity.FORCE and len(whole) > 1 and whole[0].word.rank == 0 and whole[1].word.ambiguous:
             # `ax` beside `gFx`, or `acceleration` beside `accelerationIncludingGravity`, is without gravity.
             chosen[Quantity.LINEAR] = whole[1]
+        if quantity is Quantity.RATE and len(whole) > 1 and whole[1].word.ambiguous:
+            # `gx` beside `wx` may be gravity.
+            chosen.setdefault(Quantity.GRAVITY, whole[1])
     if not {*_ACCELERATIONS} & {*chosen, *canonical}:
         mixed = _joined([group for group in groups if group.word.quantity in _ACCELERATIONS], Quantity.FORCE)
         if mixed is not None:

@@ -73,6 +73,8 @@ class TableMapping:
         Why that sign is expected, for the decisions.
     given
         True when a person stated the mapping, who is then believed about units, signs and clock.
+    guessed
+        True when only the values told what the columns are.
     incomplete
         Sensors of which some axes are named and others are missing, in words.
     unused
@@ -85,6 +87,7 @@ class TableMapping:
     force_sign: float | None = None
     sign_reason: str = ""
     given: bool = False
+    guessed: bool = False
     incomplete: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
 

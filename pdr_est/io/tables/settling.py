@@ -54,6 +54,11 @@ def _settle_gravity_sensor(placed: dict[Quantity, PlacedSignal], device: RawDevi
         device.decisions.append(f"{rate.raw.title} are gravity, no gyroscope: their length never changes")
         placed.setdefault(Quantity.GRAVITY, placed.pop(Quantity.RATE))
 
+    gravity = placed.get(Quantity.GRAVITY)
+    if gravity is not None and gravity.is_ambiguous(Quantity.GRAVITY) and not is_gravity(gravity.raw.signal.values):
+        device.decisions.append(f"not used: {gravity.raw.title}, which are no gravity by their values")
+        placed.pop(Quantity.GRAVITY)
+
 
 def _settle_acceleration(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None:
     """Tell acceleration with gravity from acceleration without it, whatever the titles say."""

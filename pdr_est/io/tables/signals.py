@@ -95,7 +95,7 @@ def read_table_signals(
         mapping = understand_titles(layout.titles, hint, layout.units) if layout.has_header else TableMapping()
     if not layout.has_header and not mapping.columns:
         everything = read_loose_table(text, place, layout, (), layout.titles)
-        mapping = guess_columns(everything, hint)
+        mapping = replace(guess_columns(everything, hint), guessed=hint is None)
         loose = everything
     else:
         clocks = [title for clock in mapping.clocks for title in (clock.title, clock.fraction) if title]
@@ -106,7 +106,7 @@ def read_table_signals(
             f"{place}: the table has no time column among {', '.join(map(repr, layout.titles[:12]))}; name it, "
             "or give the sampling rate, with --map (rate_hz: 50)"
         )
-    return signals_of(loose, mapping, layout.has_header)
+    return signals_of(loose, mapping)
 
 
 def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
@@ -129,7 +129,7 @@ def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMap
     return replace(mapping, clocks=clocks, columns=columns, unused=tuple(t for t in layout.titles if t not in used))
 
 
-def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True) -> TableSignals:
+def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
     """Make the signals of a table that has been read, with its stale rows left out and its bursts spread.
 
     Parameters
@@ -138,8 +138,6 @@ def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True
         Table with the columns of the mapping.
     mapping
         Meaning of the columns.
-    has_header
-        False where the meaning had to be guessed because the table has no titles.
 
     Raises
     ------
@@ -160,7 +158,7 @@ def signals_of(loose: LooseTable, mapping: TableMapping, has_header: bool = True
         signal = _signal(loose.table, clock.time_s, quantity, columns, decisions, warnings)
         if signal is not None:
             signals[quantity] = signal
-    if not has_header and not mapping.given:
+    if mapping.guessed:
         guessed = "; ".join(f"{', '.join(one.titles)} as {quantity}" for quantity, one in mapping.columns.items())
         warnings.append(
             f"the table has no header: {mapping.clocks[0].title} is taken as time, {guessed}, because of their "
