@@ -245,9 +245,11 @@ def _counts_up(loose: LooseTable, coarse: str, fine: str) -> bool:
 def _joined_ticks(
     loose: LooseTable, column: ClockColumn, seconds: NDArray[Any], unit: Conversion
 ) -> tuple[NDArray[Any], Conversion]:
-    """Join whole seconds and their fraction to nanoseconds."""
-    fraction_ns = _fraction_ns(loose.table.columns[column.fraction])
-    ticks = np.floor(seconds).astype(np.int64) * 10**9 + fraction_ns
+    """Join whole seconds and their fraction to nanoseconds; the seconds alone are taken where the fraction is none."""
+    fraction = loose.table.columns[column.fraction]
+    if column.fraction in loose.text_columns or not (np.isfinite(fraction) & np.isfinite(seconds)).all():
+        return seconds, unit
+    ticks = np.floor(seconds).astype(np.int64) * 10**9 + _fraction_ns(fraction)
     return ticks, Conversion(
         1e-9, f"the clock counts seconds in {column.title} with their fraction in {column.fraction}"
     )
