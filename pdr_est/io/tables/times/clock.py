@@ -245,11 +245,14 @@ def _counts_up(loose: LooseTable, coarse: str, fine: str) -> bool:
 def _joined_ticks(
     loose: LooseTable, column: ClockColumn, seconds: NDArray[Any], unit: Conversion
 ) -> tuple[NDArray[Any], Conversion]:
-    """Join whole seconds and their fraction to nanoseconds; the seconds alone are taken where the fraction is none."""
+    """Join whole seconds and their fraction to nanoseconds, NaN where one of them is missing."""
     fraction = loose.table.columns[column.fraction]
-    if column.fraction in loose.text_columns or not (np.isfinite(fraction) & np.isfinite(seconds)).all():
+    if column.fraction in loose.text_columns:
         return seconds, unit
-    ticks = np.floor(seconds).astype(np.int64) * 10**9 + _fraction_ns(fraction)
+    known = np.isfinite(seconds) & np.isfinite(fraction)
+    whole = np.floor(np.where(known, seconds, 0)).astype(np.int64) * 10**9
+    ticks: NDArray[Any] = whole + _fraction_ns(np.where(known, fraction, 0))
+    ticks = ticks if known.all() else np.where(known, ticks.astype(np.float64), np.nan)
     return ticks, Conversion(
         1e-9, f"the clock counts seconds in {column.title} with their fraction in {column.fraction}"
     )
