@@ -26,9 +26,10 @@ from pdr_est.experiment import load_experiment
 from pdr_est.experiment.suites import SUITES
 from pdr_est.experiment.variants.axes import AXES
 from pdr_est.front_end.heading import HEADINGS
-from pdr_est.io.formats.plain_csv.header import Quantity, parse_header
 from pdr_est.io.formats.registry import FORMATS
 from pdr_est.io.side_tables.position_fixes import read_position_fixes
+from pdr_est.io.tables.header import understand_titles
+from pdr_est.io.tables.quantities import Quantity
 
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -127,8 +128,9 @@ def check_csv(block: Block, folder: Path) -> None:
         (folder / "fixes.csv").write_text(block.code, encoding="utf-8")
         assert len(read_position_fixes(folder / "fixes.csv", read("demo-out/simulated-walk.csv"))) == len(rows)
         return
-    known = parse_header(header.split(","))
-    assert {Quantity.TIME, Quantity.FORCE} <= known.keys()
+    known = understand_titles(header.split(","))
+    assert known.has_time
+    assert Quantity.FORCE in known.columns
     assert sum(len(columns.titles) for columns in known.values()) == len(header.split(",")), "an unknown column"
 
 
@@ -194,9 +196,13 @@ def test_the_readme_is_short() -> None:
 
 def test_every_page_is_reached_from_the_readme() -> None:
     reference = ROOT / "docs" / "api"  # which only the built site can show
-    pages = [page for page in PAGES[1:] if page.parent != reference and page.name != "index.md"]
+    recorders = ROOT / "docs" / "recorders"
+    pages = [page for page in PAGES[1:] if page.parent not in (reference, recorders) and page.name != "index.md"]
     for page in [*pages, *TUTORIALS]:
         assert f"]({page.relative_to(ROOT)})" in README, page.name
+    index = (recorders / "index.md").read_text(encoding="utf-8")
+    assert [page.name for page in recorders.glob("[!i]*.md") if f"]({page.name})" not in index] == []
+    assert "](recorders/index.md)" in (ROOT / "docs" / "recorder-formats.md").read_text(encoding="utf-8")
 
 
 def test_every_page_is_in_the_navigation_of_the_site() -> None:

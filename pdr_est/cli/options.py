@@ -13,6 +13,7 @@ from pdr_est.estimators import ESTIMATORS
 from pdr_est.front_end.heading import HEADINGS
 from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
+from pdr_est.io.tables.mapping_file import load_mapping
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -39,6 +40,19 @@ def config_option(command: Command) -> Command:
     """Add the option --config FILE.yaml to a command."""
     option = click.option(
         "--config", "config_file", type=PATH, metavar="FILE.yaml", help="Settings that differ from the defaults."
+    )
+    return option(command)
+
+
+def map_option(command: Command) -> Command:
+    """Add the option --map FILE.yaml to a command, which then takes a `mapping`."""
+    option = click.option(
+        "--map",
+        "mapping",
+        type=PATH,
+        metavar="FILE.yaml",
+        callback=lambda context, parameter, path: None if path is None else load_mapping(path),
+        help="What the columns of a table mean; `pdr-est inspect --write-map` writes a draft.",
     )
     return option(command)
 

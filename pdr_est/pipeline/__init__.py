@@ -20,6 +20,7 @@ from pdr_est.pipeline.measurements import (
 )
 from pdr_est.pipeline.other_devices import with_turns_of_others
 from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
+from pdr_est.preprocessing.gravity_stand_in import with_stand_in_gravity
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -65,6 +66,8 @@ def smooth_recording(
 def analyse_recording(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
     """Run the front end on every device of a recording; one without gyroscope has steps without heading.
 
+    A device with an acceleration without gravity has steps without heading, too.
+
     Raises
     ------
     RecordingError
@@ -74,6 +77,7 @@ def analyse_recording(recording: Recording, config: Config, parts: Parts = NO_PA
     """
     refuse_wrong_types(recording, config)
     walks = []
+    recording = replace(recording, devices=tuple(with_stand_in_gravity(device) for device in recording.devices))
     for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
         north = north_of(device, recording, config)
         walk = analyse_device(device, recording.place_of(device), config, parts, north)

@@ -26,8 +26,8 @@ def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
     for walk in walks:
         if not walk.has_heading:
             raise EstimationError(
-                f"{walk.device}: no gyroscope, so its {len(walk.steps)} steps have no direction and make no track: "
-                "leave this device out"
+                f"{walk.device}: no gyroscope, or no gravity, so its {len(walk.steps)} steps have no direction and "
+                "make no track: leave this device out"
             )
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 
 def merge_recordings(recordings: Sequence[Recording]) -> Recording:
@@ -66,7 +66,7 @@ def _same_samples(a: Recording, b: Recording) -> bool:
     """Tell whether two recordings have the same devices with the same accelerometer samples."""
     if (a.name, [one.name for one in a.devices]) != (b.name, [one.name for one in b.devices]):
         return False
-    signals = [(one.specific_force, other.specific_force) for one, other in zip(a.devices, b.devices, strict=True)]
+    signals = [(_acceleration(one), _acceleration(other)) for one, other in zip(a.devices, b.devices, strict=True)]
     return all(
         one is not None
         and other is not None
@@ -74,6 +74,10 @@ def _same_samples(a: Recording, b: Recording) -> bool:
         and np.array_equal(one.values, other.values, equal_nan=True)
         for one, other in signals
     )
+
+
+def _acceleration(device: DeviceRecording) -> Signal | None:
+    return device.specific_force or device.linear_acceleration
 
 
 def _with_time_zero_of(first: Recording, recording: Recording) -> tuple[DeviceRecording, ...]:

@@ -33,7 +33,7 @@ class Signal:
         return len(self.time_s)
 
 
-_CHANNELS = ("specific_force", "rotation_rate", "magnetic_field", "attitude", "pressure")
+_CHANNELS = ("specific_force", "linear_acceleration", "rotation_rate", "magnetic_field", "attitude", "pressure")
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,8 @@ class DeviceRecording:
         Constant added to the recorder's own time stamps so that they count from the time zero of the recording, s.
     usual_axes
         True if the axes are those that phones have: x to the right, y to the top of the screen, z out of it.
+    linear_acceleration
+        (n, 3) m/s² without gravity, device axes, with the sign of `specific_force`; steps can be counted with it.
     """
 
     name: str = "device"
@@ -81,11 +83,14 @@ class DeviceRecording:
     warnings: tuple[str, ...] = ()
     clock_shift_s: float = 0.0
     usual_axes: bool = True
+    linear_acceleration: Signal | None = None
 
     @property
     def span_s(self) -> tuple[float, float] | None:
-        """Times of the first and the last sample of any channel of the front end, s; None without samples."""
-        times = [block.time_s[np.isfinite(block.time_s)] for block in self.blocks()]
+        """Times of the first and the last sample that the front end can use, s; None without samples."""
+        stamps = [block.time_s for block in self.blocks()]
+        stamps += [] if self.linear_acceleration is None else [self.linear_acceleration.time_s]
+        times = [time_s[np.isfinite(time_s)] for time_s in stamps]
         known = [time_s for time_s in times if len(time_s)]
         if not known:
             return None
@@ -178,6 +183,8 @@ class Recording:
         Remarks of the reader.
     messages
         Message exchanges by which the devices compared their clocks.
+    waypoints
+        Positions that the walker marked on the device while passing them, other than the reference data.
     """
 
     name: str
@@ -189,6 +196,7 @@ class Recording:
     epoch_s: float | None = None
     notes: tuple[str, ...] = ()
     messages: tuple[ClockMessages, ...] = ()
+    waypoints: tuple[PositionFix, ...] = ()
 
     @classmethod
     def from_arrays(
@@ -249,6 +257,14 @@ class Recording:
             decisions=("units and signs as the caller states them",),
         )
         return cls(name=name, format="arrays", devices=(recorded,))
+
+    @property
+    def span_s(self) -> tuple[float, float] | None:
+        """Times of the first and the last sample that any device has for the front end, s; None without samples."""
+        spans = [span for device in self.devices if (span := device.span_s) is not None]
+        if not spans:
+            return None
+        return min(begin for begin, _ in spans), max(end for _, end in spans)
 
     def place_of(self, device: DeviceRecording) -> str:
         """Name a device of this recording for error messages."""

@@ -36,6 +36,13 @@ def test_without_dates_times_stay_as_they_are() -> None:
     np.testing.assert_allclose(kept.time_s, np.arange(5.0))
 
 
+def test_so_does_one_without_gravity() -> None:
+    one = recording("walk")
+    linear = replace(one.devices[0], specific_force=None, linear_acceleration=one.devices[0].specific_force)
+    one = replace(one, devices=(linear,))
+    assert merge_recordings([one, replace(one)]).devices is one.devices
+
+
 def test_a_recording_that_is_given_twice_counts_once() -> None:
     one = recording("walk", devices=2)
     once = merge_recordings([one, replace(one)])

@@ -47,6 +47,14 @@ def test_both_ends_are_inside_and_the_clock_stays(recording):
     assert device.decisions == ("a decision",)
 
 
+def test_acceleration_without_gravity_is_cut_and_is_reason_enough_to_keep_a_device():
+    linear = DeviceRecording(linear_acceleration=Signal(np.arange(10.0), np.zeros((10, 3))))
+    part = trim_recording(Recording(name="walk", format="by hand", devices=(linear,)), 3.0, 5.0)
+    np.testing.assert_array_equal(part.devices[0].linear_acceleration.time_s, [3.0, 4.0, 5.0])
+    assert part.devices[0].span_s == (3.0, 5.0)
+    assert linear.with_times(lambda time_s: time_s + 1.0).span_s == (1.0, 10.0)
+
+
 def test_truth_and_fixes_are_cut_too(recording):
     part = trim_recording(recording, 3.0, 5.0)
     np.testing.assert_array_equal(part.truth.positions.position_m, [[3, -3], [4, -4], [5, -5]])

@@ -26,8 +26,10 @@ def test_a_quarter_turn_about_x_lays_y_along_z() -> None:
 
 @pytest.mark.parametrize("name", ["x90", "x180", "z90", "random:3"])
 def test_all_signals_turn_together(name: str) -> None:
-    (before,), (after,) = walked().devices, turn_devices(walked(), rotation_named(name)).devices
-    for signal in ("specific_force", "rotation_rate"):
+    device = walked().devices[0]
+    recording = replace(walked(), devices=(replace(device, linear_acceleration=device.specific_force),))
+    (before,), (after,) = recording.devices, turn_devices(recording, rotation_named(name)).devices
+    for signal in ("specific_force", "linear_acceleration", "rotation_rate"):
         old, new = getattr(before, signal), getattr(after, signal)
         np.testing.assert_array_equal(new.time_s, old.time_s)
         np.testing.assert_allclose(np.linalg.norm(new.values, axis=1), np.linalg.norm(old.values, axis=1))
@@ -60,4 +62,10 @@ def test_a_turn_and_its_opposite_leave_the_recording() -> None:
 @pytest.mark.parametrize("name", ["w90", "x", "random", "random:-1", "upside down"])
 def test_unknown_turns_are_refused(name: str) -> None:
     with pytest.raises(ConfigError, match="is unknown: give x90, x180, z90"):
+        rotation_named(name)
+
+
+@pytest.mark.parametrize("name", ["x-999", "y361", "z\u0669\u0660", "random:\u0663"])
+def test_turns_beyond_a_circle_and_digits_of_other_scripts_are_refused(name: str) -> None:
+    with pytest.raises(ConfigError, match="axis and degrees from -360 to 360"):
         rotation_named(name)

@@ -28,7 +28,7 @@ from pdr_est.experiment.recording_files import recordings
 from pdr_est.experiment.scoring.track_scores import MetricPart, device_scores
 from pdr_est.experiment.suite import ConfusionMatrix, Suite, TrackScores, WalkFile
 from pdr_est.front_end.gait import GaitClassifier, gait_model, is_shipped, shipped_folds
-from pdr_est.io.formats import motionsense, sisfall
+from pdr_est.io.formats.datasets import motionsense, sisfall
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.outcome import TrackOutcome

@@ -2,19 +2,22 @@
 
 Android's specific force points up when the device lies still, Apple's points down. Attitudes are recorded from device
 to level axes or the other way round. Gravity in the acceleration decides, with the attitude or, without one, with
-what the format implies.
+what the format implies. Where neither is known, the odds of `pdr_est.io.conversion.sign_evidence` are weighed.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array, up_in_device
+from pdr_est.io.conversion.sign_evidence import SignEvidence, screen_evidence, unit_evidence
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.types.recording import Signal
 
 _VERTICAL_COSINE = 0.6  # median over the walk; 0.85 for a swung phone, whose acceleration is far from gravity
 _CLEARLY_BETTER = 0.1
-_FACE_UP_SHARE = 0.3
+_CERTAIN = 0.95  # probability of a sign that needs no warning: of a screen that would face up or down
 
 
 def gravity_cosine(force: Signal, attitude: Signal) -> float | None:
@@ -43,7 +46,13 @@ def gravity_cosine(force: Signal, attitude: Signal) -> float | None:
     return float(np.median((up * force.values[inside]).sum(axis=1) / norm[inside]))
 
 
-def detect_force_sign(force: Signal, attitude: Signal | None, expected: float | None, reason: str) -> Conversion:
+def detect_force_sign(
+    force: Signal,
+    attitude: Signal | None,
+    expected: float | None,
+    reason: str,
+    evidence: Sequence[SignEvidence] | None = None,
+) -> Conversion:
     """Find the sign that turns an acceleration with gravity into specific force that points up at rest.
 
     Parameters
@@ -56,12 +65,15 @@ def detect_force_sign(force: Signal, attitude: Signal | None, expected: float | 
         Sign (+1 or -1) that the format or the metadata imply; None when they do not tell.
     reason
         Why that sign is expected, for the decision.
+    evidence
+        What is weighed where neither attitude nor expectation decides; None for the direction of the screen, of an
+        acceleration that was recorded in m/s^2.
 
     Returns
     -------
     Conversion
-        Its factor is +1 or -1. Without attitude and expectation it is +1, with a warning unless the screen then faces
-        up.
+        Its factor is +1 or -1. Without attitude and expectation it is the more probable one, with a warning unless
+        that is almost certain.
     """
     cosine = None if attitude is None else gravity_cosine(force, attitude)
     if cosine is not None and abs(cosine) >= _VERTICAL_COSINE:
@@ -69,7 +81,7 @@ def detect_force_sign(force: Signal, attitude: Signal | None, expected: float | 
     if expected is not None:
         warning = "" if cosine is None else f"acceleration and attitude do not agree: median cosine {cosine:.2f}"
         return Conversion(expected, f"{_describe_sign(expected)}: {reason}; no attitude confirms it", warning)
-    return _sign_unknown(force)
+    return _weighed((screen_evidence(force), unit_evidence(1.0)) if evidence is None else evidence)
 
 
 def resolve_attitude_direction(force: Signal, attitude: Signal) -> tuple[Signal | None, Conversion]:
@@ -113,20 +125,21 @@ def _sign_by_attitude(sign: float, cosine: float, expected: float | None, reason
     return Conversion(sign, decision, warning)
 
 
-def _sign_unknown(force: Signal) -> Conversion:
-    """Assume specific force up at rest; warn unless the screen then faces up."""
-    mean = force.values.mean(axis=0)
-    share = float(mean[2] / max(float(np.median(np.linalg.norm(force.values, axis=1))), 1e-9))
-    if share >= _FACE_UP_SHARE:
-        return Conversion(
-            1.0, f"acceleration is assumed to point up at rest: the screen then faces up ({share:+.2f} g)"
-        )
-    direction = "points out of the back" if share <= -_FACE_UP_SHARE else "lies in the screen plane"
+def _weighed(evidence: Sequence[SignEvidence]) -> Conversion:
+    """Take the more probable sign; warn unless it is almost certain."""
+    log_odds = sum(one.log_odds for one in evidence)
+    sign = 1.0 if log_odds >= 0.0 else -1.0
+    probability = float(1.0 / (1.0 + np.exp(-abs(log_odds))))
+    reasons = "; ".join(one.words for one in evidence) or "nothing tells"
+    decision = f"{_describe_sign(sign)}: probability {probability:.2%} ({reasons})"
+    if probability >= _CERTAIN:
+        return Conversion(sign, decision)
+    name = "up (Android's sign)" if sign > 0.0 else "down (Apple's sign)"
     return Conversion(
-        1.0,
-        "acceleration is assumed to point up at rest, unconfirmed",
-        f"the sign of the acceleration cannot be determined: it {direction} of the phone and there is no attitude; "
-        "up at rest (Android's sign) is assumed",
+        sign,
+        decision,
+        f"the sign of the acceleration is not certain: {name} at rest with a probability of {probability:.0%} "
+        f"({reasons}); with the other sign the track is mirrored: state the sign with --map, or record the attitude",
     )
 
 

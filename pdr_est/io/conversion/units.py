@@ -13,12 +13,15 @@ from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 
 _STATIC_MPS2 = (6.5, 20.0)  # a swung phone has a mean of 12: the swing's centripetal acceleration points one way
 _STATIC_G = (0.65, 2.0)
+_STATIC_MG = (650.0, 1500.0)  # up to a vigorous arm's mean; above, it may be something else
 _GRAVITY_SHARE = 0.65
 _PARTS = 10
+_ROWS_OF_MEDIAN = 50_000
 _FULL_SCALE_RADPS = 40.0  # phones' gyroscopes end at 2000 deg/s = 34.9 rad/s
 _WALKING_RADPS = (0.3, 12.0)  # 95th percentile of the norm, from a phone held calmly to one in a runner's pocket
 _PEAK_PERCENTILE = 99.9
 _CALMEST_WALK_DEGPS = 15.0
+_FASTEST_WALK_DEGPS = 3000.0  # no gyroscope of a phone or watch measures more; a calm walk has 15 000 mdeg/s
 _PRESSURE_UNITS = (("Pa", 1.0), ("hPa", 1e2), ("kPa", 1e3))
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
 _CLOCK_UNITS = (("ns", 1e9), ("us", 1e6), ("ms", 1e3), ("s", 1.0))
@@ -51,7 +54,7 @@ class Conversion:
 
 
 def detect_acceleration_unit(values: Array) -> Conversion:
-    """Detect whether an acceleration is in g or m/s^2.
+    """Detect whether an acceleration is in m/s^2, g or mg.
 
     The length of the mean vector decides. The mean is taken in ten parts, so that it survives a change of the
     carrying mode. With gravity its length is at least 0.7 of the median norm in any gait, without gravity at most 0.6
@@ -71,6 +74,10 @@ def detect_acceleration_unit(values: Array) -> Conversion:
             return Conversion(1.0, f"acceleration is in m/s^2: its mean vector has length {mean:.2f}")
         if _STATIC_G[0] <= mean <= _STATIC_G[1]:
             return Conversion(STANDARD_GRAVITY_MPS2, f"acceleration is in g: its mean vector has length {mean:.3f}")
+        if _STATIC_MG[0] <= mean <= _STATIC_MG[1]:
+            return Conversion(
+                1e-3 * STANDARD_GRAVITY_MPS2, f"acceleration is in mg: its mean vector has length {mean:.0f}"
+            )
     return Conversion(
         1.0,
         f"acceleration is assumed to be in m/s^2, although its mean vector has length {mean:.3g} "
@@ -81,10 +88,11 @@ def detect_acceleration_unit(values: Array) -> Conversion:
 
 
 def detect_rotation_rate_unit(values: Array) -> Conversion:
-    """Detect whether a rotation rate is in deg/s or rad/s, from its size while a person walks.
+    """Detect whether a rotation rate is in rad/s, deg/s or mdeg/s, from its size while a person walks.
 
     A component above 40 would exceed the full scale of any phone in rad/s. Otherwise the 95th percentile of the norm
     is 0.3 to 12 rad/s in every way of carrying, while even a calmly held phone exceeds 15 deg/s in 5 % of the time.
+    Where there is an accelerometer, `detect_rotation_unit` knows better, also while the person stands.
 
     Parameters
     ----------
@@ -95,6 +103,8 @@ def detect_rotation_rate_unit(values: Array) -> Conversion:
     peak = float(np.percentile(np.abs(values).max(axis=1), _PEAK_PERCENTILE, method="lower"))
     high = float(np.percentile(np.linalg.norm(values, axis=1), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
+    if high > _FASTEST_WALK_DEGPS:
+        return Conversion(np.pi / 180e3, f"rotation rate is in mdeg/s: {numbers}")
     if peak > _FULL_SCALE_RADPS or high > _CALMEST_WALK_DEGPS:
         return Conversion(np.pi / 180.0, f"rotation rate is in deg/s: {numbers}")
     if _WALKING_RADPS[0] <= high <= _WALKING_RADPS[1]:
@@ -123,8 +133,10 @@ def detect_pressure_unit(values: Array) -> Conversion:
 def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Conversion:
     """Detect the unit of a numeric clock: s, ms, us or ns.
 
-    A first value that is a Unix time between 1998 and 2096 decides, else the median step, which must be that of a
-    sensor with 2 to 1500 samples a second.
+    The rate of the rows decides, which must be that of a sensor with 2 to 1500 samples a second: the units differ by
+    a factor of 1000, so that at most one fits. Rows that share a stamp count, too. A first value that is a Unix time
+    between 1998 and 2096 decides only where no unit gives such a rate, because the boot clock of a phone that has run
+    for 10 to 46 days looks like a Unix time in the next larger unit.
 
     Parameters
     ----------
@@ -132,14 +144,23 @@ def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Convers
         (n,) clock values, at least one.
     """
     first = float(ticks[0])
-    for unit, per_s in _CLOCK_UNITS:
-        if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]:
-            return Conversion(1.0 / per_s, f"the clock counts Unix time in {unit}: the first value is {ticks[0]}")
-    steps = np.diff(ticks)
-    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    for unit, per_s in reversed(_CLOCK_UNITS):
-        if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]:
-            return Conversion(1.0 / per_s, f"the clock counts {unit}: the median step is {step:.4g}")
+    step = _step_of_rows(ticks)
+    unix = [unit for unit, per_s in _CLOCK_UNITS if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]]
+    by_rate = [
+        unit
+        for unit, per_s in _CLOCK_UNITS
+        if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]
+    ]
+    per_second = dict(_CLOCK_UNITS)
+    if unix and (unix == by_rate or not by_rate):
+        factor = 1.0 / per_second[unix[0]]
+        return Conversion(factor, f"the clock counts Unix time in {unix[0]}: the first value is {ticks[0]}")
+    if by_rate:
+        unit = by_rate[0]
+        decision = f"the clock counts {unit}: the median step is {step:.4g}"
+        if unix:
+            decision += f", which cannot be Unix time in {unix[0]}"
+        return Conversion(1.0 / per_second[unit], decision)
     return Conversion(
         1.0,
         f"the clock is assumed to count seconds, although its median step is {step:.4g}",
@@ -148,9 +169,21 @@ def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Convers
     )
 
 
+def _step_of_rows(ticks: NDArray[np.float64] | NDArray[np.int64]) -> float:
+    """Compute the median step of the stamps, divided by the rows that share a stamp where most do."""
+    steps = np.diff(ticks)
+    rises = steps[steps > 0]
+    if not len(rises):
+        return 0.0
+    step = float(np.median(rises))
+    shared = float(np.median(np.diff(np.flatnonzero(np.concatenate([[True], steps > 0, [True]])))))
+    return step / max(1.0, shared)
+
+
 def _parts(n: int) -> int:
     return max(1, min(_PARTS, n))
 
 
 def _median_norm(values: Array) -> float:
-    return float(np.median(np.linalg.norm(values, axis=1)))
+    """Compute the median length of the rows; of a long recording every k-th row is enough."""
+    return float(np.median(np.linalg.norm(values[:: max(1, len(values) // _ROWS_OF_MEDIAN)], axis=1)))

@@ -5,13 +5,42 @@ from pathlib import Path
 from typing import Protocol
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats import getsensordata, ilc20, motionsense, oxford_steps, oxiod, sisfall, stride_length
-from pdr_est.io.formats.phyphox import reader as phyphox
+from pdr_est.io.formats.datasets import (
+    euroc,
+    ilc20,
+    ipin2021,
+    motionsense,
+    oxford_steps,
+    oxiod,
+    ridi,
+    ronin,
+    sisfall,
+    stride_length,
+    wisdm,
+)
+from pdr_est.io.formats.datasets.weallwalk import reader as weallwalk
+from pdr_est.io.formats.exchange import parquet_table, synchronised_arrays
+from pdr_est.io.formats.imu_devices import flysight, ros_csv, shimmer, xio, xsens
+from pdr_est.io.formats.phone_apps import (
+    androsensor,
+    core_motion,
+    getsensordata,
+    gnss_logger,
+    hyperimu,
+    matlab_mobile,
+    physics_toolbox,
+    sensorlog,
+)
+from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
+from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
-from pdr_est.io.formats.sensor_logger import reader as sensor_logger
-from pdr_est.io.formats.weallwalk import reader as weallwalk
+from pdr_est.io.formats.plain_csv.unknown import describe_unknown
+from pdr_est.io.formats.sensor_files import reader as sensor_files
 from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
+from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.single_archive import open_recording
+from pdr_est.io.text.workbook import unpack_workbook
 from pdr_est.types.recording import Recording
 
 
@@ -39,12 +68,14 @@ class Format(Protocol):
         """
 
 
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
-
 # Asked in this order: formats with unmistakable marks first, header-less tables of numbers after them.
 FORMATS: tuple[Format, ...] = (
+    parquet_table,
+    synchronised_arrays,
     ilc20,
     getsensordata,
+    gnss_logger,
+    flysight,
     sensor_logger,
     phyphox,
     motionsense,
@@ -53,12 +84,35 @@ FORMATS: tuple[Format, ...] = (
     oxiod,
     oxford_steps,
     sisfall,
+    wisdm,
+    ronin,
+    matlab_mobile,
+    ridi,
+    euroc,
+    ipin2021,
+    androsensor,
+    physics_toolbox,
+    sensorlog,
+    hyperimu,
+    core_motion,
+    xsens,
+    shimmer,
+    xio,
+    ros_csv,
+    sensor_files,
     plain_csv,
 )
 
 
-def read(path: str | Path) -> Recording:
+def read(path: str | Path, mapping: TableMapping | None = None) -> Recording:
     """Read the recording in a file, a folder or a zip archive, plain or gzipped.
+
+    Parameters
+    ----------
+    path
+        The recording.
+    mapping
+        What the columns of a table mean (`pdr_est.io.tables.mapping_file.load_mapping`); None to find it out.
 
     Raises
     ------
@@ -66,15 +120,17 @@ def read(path: str | Path) -> Recording:
         When the format is unknown, several walks are inside, or the data are damaged: one line that names the file,
         the place and a remedy.
     """
-    source, messages = split_off_clock_messages(Source.open(path))
+    source, messages = split_off_clock_messages(unpack_workbook(open_recording(path)))
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
+    if mapping is not None:
+        return replace(plain_csv.read_mapped(source, mapping), messages=messages)
     for known in FORMATS:
         if known.sniff(source):
             return replace(known.read_source(source), messages=messages)
-    if any(source.head(member, 2) in _UTF16_MARKS for member in source.members):
-        raise RecordingError(f"{source.path}: the text is encoded as UTF-16; save it as UTF-8")
     names = ", ".join(known.NAME for known in FORMATS)
     raise RecordingError(
-        f"{source.path}: unknown format; known formats are {names}; see docs/recorder-formats.md for the layouts"
+        f"{source.path}: unknown format: {describe_unknown(source)}. Say what the columns mean with --map FILE.yaml, "
+        "of which `pdr-est inspect RECORDING --write-map FILE.yaml` writes a draft; known formats are "
+        f"{names}; see docs/recorder-formats.md"
     )

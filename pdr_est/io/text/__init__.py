@@ -1,13 +1,15 @@
 """Reading of files: from paths to bytes, and from text tables to arrays, whatever the recorder.
 
-=============  =========================================================================================
-file           content
-=============  =========================================================================================
-container      open a file, a folder or a zip archive, plain or gzipped, and read its members safely
-members        find the member that holds the recording
-csv_dialect    detect separator, decimal mark and column titles of a table
-number_table   parse a table of numbers, with errors that name line, column and value
-tagged_lines   parse a log that mixes the rows of many sensors, each tagged with its type
-finite_values  signals without NaN, and numbers without values that no sensor can measure
-=============  =========================================================================================
+==============  =========================================================================================
+file            content
+==============  =========================================================================================
+container       open a file, a folder or a zip archive, plain or gzipped, and read its members safely
+single_archive  a folder that holds nothing but one archive
+workbook        an Excel workbook as a folder of tables
+members         find the member that holds the recording
+csv_dialect     detect separator, decimal mark and column titles of a table
+number_table    parse a table of numbers, with errors that name line, column and value
+tagged_lines    parse a log that mixes the rows of many sensors, each tagged with its type
+finite_values   signals without NaN, and numbers without values that no sensor can measure
+==============  =========================================================================================
 """

@@ -11,7 +11,7 @@ import re
 import zipfile
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path, PurePosixPath
 
@@ -24,6 +24,7 @@ _ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
 _DRIVE_LETTER = re.compile(r"^[A-Za-z]:")
 _CHUNK_BYTES = 1 << 16
 _MAX_MEMBERS = 100_000
+_KEPT_HEAD_BYTES = 8192
 
 
 class SourceKind(StrEnum):
@@ -55,6 +56,7 @@ class Source:
     kind: SourceKind
     stored: Mapping[str, str]
     limit_bytes: int = UNPACKED_LIMIT_BYTES
+    _heads: dict[str, bytes] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
     def open(cls, path: str | Path, limit_bytes: int = UNPACKED_LIMIT_BYTES) -> "Source":
@@ -128,7 +130,14 @@ class Source:
         return data
 
     def head(self, member: str, n_bytes: int = 4096) -> bytes:
-        """Read at most the first n_bytes of a member, gunzipped; cheap for members of any size."""
+        """Read at most the first n_bytes of a member, gunzipped; cheap, and kept because every format asks for it."""
+        if n_bytes > _KEPT_HEAD_BYTES:
+            return self._read_head(member, n_bytes)
+        if member not in self._heads:
+            self._heads[member] = self._read_head(member, _KEPT_HEAD_BYTES)
+        return self._heads[member][:n_bytes]
+
+    def _read_head(self, member: str, n_bytes: int) -> bytes:
         # Deflate may expand incompressible data by a few bytes a block; the margin keeps the head complete.
         raw = self._stored_bytes(member, n_bytes + 1024)
         if not raw.startswith(_GZIP_MAGIC):

@@ -36,6 +36,8 @@ def finite_signal(time_s: Array, values: Array, sensor: str, place: str) -> tupl
     """
     if len(time_s) == 0:
         raise RecordingError(f"{place}: {sensor} has no rows; record again with this sensor switched on")
+    if _all_finite(time_s, values):
+        return Signal(time_s, values), ()
     finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
     dropped = len(finite) - int(finite.sum())
     if dropped == 0:
@@ -53,6 +55,8 @@ def finite_signal_or_none(
 
     It is for sensors without which a track is still possible.
     """
+    if _all_finite(time_s, values):
+        return finite_signal(time_s, values, sensor, place)
     timed = np.isfinite(time_s)
     if len(time_s) and not (timed & np.isfinite(values).all(axis=1)).any():
         reason = "contain NaN or infinite values" if timed.any() else "have no finite time"
@@ -64,4 +68,10 @@ def discard_huge_values(values: NDArray[Any]) -> NDArray[Any]:
     """Replace infinity, and values so large that arithmetic would soon overflow, by NaN."""
     if values.dtype != np.float64:
         return values
-    return np.where(np.abs(values) <= _LARGEST, values, np.nan)
+    huge = np.abs(values) > _LARGEST
+    return np.where(huge, np.nan, values) if huge.any() else values
+
+
+def _all_finite(time_s: Array, values: Array) -> bool:
+    """Tell whether there are rows and all are finite; much faster than to look at each."""
+    return len(time_s) > 0 and bool(np.isfinite(time_s).all()) and bool(np.isfinite(values).all())

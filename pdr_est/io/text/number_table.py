@@ -54,7 +54,10 @@ class NumberTable:
 
     def stack(self, names: Sequence[str]) -> Array:
         """Return several columns side by side, (n, len(names)) float64."""
-        return np.stack([self.numbers(name) for name in names], axis=1)
+        values = np.empty((len(self), len(names)))
+        for i, name in enumerate(names):
+            values[:, i] = self._column(name)
+        return values
 
     def has_values(self, names: Sequence[str]) -> NDArray[np.bool_]:
         """Find the rows (n,) in which at least one of some number columns is not empty."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import polars as pl
+from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
@@ -62,6 +63,16 @@ class TaggedLog:
         """Count the rows whose tag begins with a prefix."""
         return int(self._rows[self._tag_column].str.starts_with(tag_prefix).sum())
 
+    def tags(self) -> tuple[str, ...]:
+        """Return the tags of all rows, sorted."""
+        return tuple(sorted(tag for tag in self._rows[self._tag_column].unique() if tag))
+
+    def texts(self, tag: str, field: int) -> NDArray[np.str_]:
+        """Return a field (n,) of the rows with a tag, as text without outer blanks."""
+        rows = self._rows.filter(pl.col(self._tag_column) == tag)
+        column = rows[f"field_{field}"].fill_null("").str.strip_chars()
+        return column.to_numpy().astype(np.str_)
+
     def numbers(self, tag: str, fields: Sequence[int]) -> Array:
         """Convert fields of the rows with a tag to numbers, (n, len(fields)) float64.
 
@@ -73,7 +84,7 @@ class TaggedLog:
             For text in a number field, naming line, tag and value.
         """
         rows = self._rows.filter(pl.col(self._tag_column) == tag)
-        text = rows.select(f"field_{i}" for i in fields)
+        text = rows.select(pl.col(f"field_{i}").alias(f"value_{k}") for k, i in enumerate(fields))
         numbers = text.cast(pl.Float64, strict=False)
         for name in numbers.columns:
             if numbers[name].null_count() == text[name].null_count():

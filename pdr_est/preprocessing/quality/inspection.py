@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pdr_est.io.conversion.signs import gravity_cosine
+from pdr_est.preprocessing.quality.consistency import consistency_warnings
 from pdr_est.preprocessing.quality.sensor_checks import (
     ClockCheck,
     Interval,
@@ -15,6 +16,7 @@ from pdr_est.preprocessing.quality.sensor_checks import (
     check_clock,
     clipped_axes,
     effective_rate,
+    mean_rate_hz,
     stuck_intervals,
 )
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
@@ -22,7 +24,8 @@ from pdr_est.types.recording import DeviceRecording, Recording, Signal
 _AXES = ("x", "y", "z")
 _CLIPPING = ("specific_force", "rotation_rate")
 _VECTORS = ("specific_force", "rotation_rate", "magnetic_field", "attitude")
-_CHANNELS = (*_VECTORS, "pressure")
+_CHANNELS = (*_VECTORS, "linear_acceleration", "pressure")
+_SLOWEST_STEPS_HZ = 8.0  # four samples a step
 _LEAST_CORRELATION = 0.3  # of gyroscope and attitude, below which their axes or signs do not agree
 
 
@@ -177,6 +180,7 @@ def _inspect_device(device: DeviceRecording) -> DeviceInspection:
             f"gyroscope and attitude do not rotate the same way (correlation {correlation:+.2f}): "
             "their axes or signs differ"
         )
+    findings += consistency_warnings(device)
     return DeviceInspection(
         name=device.name,
         model=device.model,
@@ -245,6 +249,13 @@ def _channel_findings(channel: ChannelInspection) -> list[str]:
 def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tuple[str, ...]:
     """Describe what the sensors allow to compute, and what a missing one prevents."""
     force, attitude = "specific_force" in signals, "attitude" in signals
+    acceleration = signals.get("specific_force") or signals.get("linear_acceleration")
+    rate_hz = 0.0 if acceleration is None else mean_rate_hz(acceleration.time_s)
+    if 0.0 < rate_hz < _SLOWEST_STEPS_HZ:
+        return (
+            f"the accelerometer has only {rate_hz:.1f} samples a second: steps cannot be seen well enough for their "
+            "number or a track; record at 20 Hz or more",
+        )
     rate = "rotation_rate" in signals and bool(signals["rotation_rate"].values.any())
     if force and rate and overlap is None:
         return ("accelerometer and gyroscope never run at the same time: a track is not possible",)
@@ -252,6 +263,8 @@ def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tu
         return ("steps, headings and a track",)
     if force:
         return ("no gyroscope: steps and distance are possible, headings and a track are not",)
+    if acceleration is not None:
+        return ("acceleration without gravity: steps can be counted, headings and a track are not possible",)
     if rate or attitude:
         return ("no accelerometer: rotations of the device are possible, steps and a track are not",)
     return ("no accelerometer and no gyroscope: nothing can be estimated",)

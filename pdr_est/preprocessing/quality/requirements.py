@@ -8,6 +8,8 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit, detect_rotation_rate_unit
+from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
+from pdr_est.preprocessing.quality.sensor_checks import mean_rate_hz
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
@@ -19,6 +21,7 @@ fast."""
 _LONGEST_WALK_S = 366 * 86400.0  # time stamps further apart are wrong
 _MOST_OUT_OF_RANGE = 0.5  # of the samples: more are not damaged, their unit is another one
 _LATE_S = 1.0
+_LEAST_RATE_HZ = 4.0  # two samples for each of two steps a second; below, what looks like steps is another frequency
 _MANY_SAMPLES = 5
 _SENSOR_NAMES = {
     Channel.SPECIFIC_FORCE: "accelerometer",
@@ -53,8 +56,9 @@ def require_track_sensors(device: DeviceRecording, label: str, one_of_several: b
     Raises
     ------
     RecordingError
-        When there is no accelerometer or no gyroscope.
+        When there is no accelerometer, only one without gravity, or no gyroscope.
     """
+    _refuse_without_gravity(device, label)
     _specific_force(device, label)
     if not has_gyroscope(device):
         raise RecordingError(
@@ -122,6 +126,7 @@ def required_channels(device: DeviceRecording, label: str, with_attitude: bool) 
     for channel, signal in signals.items():
         _check_clock(signal, _SENSOR_NAMES[channel], label)
         _check_unit(channel, signal, label)
+    _check_rate(signals[Channel.SPECIFIC_FORCE], label)
     start_s = max(float(signal.time_s.min()) for signal in signals.values())
     end_s = min(float(signal.time_s.max()) for signal in signals.values())
     if start_s >= end_s:
@@ -158,7 +163,7 @@ def explain_empty_grid(device: DeviceRecording, label: str, max_gap_s: float) ->
     label
         Name of the device in messages.
     max_gap_s
-        Longest pause, s, that resampling interpolates.
+        Longest gap, s, that resampling interpolates.
     """
     for channel, sensor in _SENSOR_NAMES.items():
         signal = _signal(device, channel)
@@ -170,12 +175,12 @@ def explain_empty_grid(device: DeviceRecording, label: str, max_gap_s: float) ->
                 f"{label}: the values of the {sensor} reach {np.abs(signal.values).max():.3g} {limit.unit}, "
                 f"more than {limit.largest:g}, which no phone can measure: write their unit into the header"
             )
-        pause_s = float(np.median(np.diff(signal.time_s)))
-        if pause_s < 0.0:
+        apart_s = float(np.median(np.diff(signal.time_s)))
+        if apart_s < 0.0:
             return RecordingError(f"{label}: the time stamps of the {sensor} run backwards: sort its rows by time")
-        if pause_s > max_gap_s:
+        if apart_s > max_gap_s:
             return RecordingError(
-                f"{label}: the samples of the {sensor} lie {pause_s:.6g} s apart, more than resample.max_gap_s = "
+                f"{label}: the samples of the {sensor} lie {apart_s:.6g} s apart, more than resample.max_gap_s = "
                 f"{max_gap_s:g}: give the time in seconds, or record at a higher rate"
             )
         if len(signal) >= _MANY_SAMPLES and _in_whole_seconds(signal):
@@ -223,6 +228,17 @@ def _specific_force(device: DeviceRecording, label: str) -> Signal:
     return force
 
 
+def _refuse_without_gravity(device: DeviceRecording, label: str) -> None:
+    """Refuse an acceleration without gravity, which shows neither tilt nor headings."""
+    if needs_stand_in(device):
+        told = [warning for warning in device.warnings if "without gravity" in warning]
+        remedy = "; ".join(told) or "record the accelerometer with gravity, or the gravity besides"
+        raise RecordingError(
+            f"{label}: the acceleration is without gravity, so no track is possible, only steps, with "
+            f"`pdr-est steps`: {remedy}"
+        )
+
+
 def _reader_warnings(device: DeviceRecording) -> str:
     """Quote the warnings of the reader in brackets: they often say why a sensor is missing."""
     return f" ({'; '.join(device.warnings)})" if device.warnings else ""
@@ -255,6 +271,16 @@ def _check_clock(signal: Signal, sensor: str, label: str) -> None:
             f"{label}: the time stamps of the {sensor} span {_format_time(time_s.min())} to "
             f"{_format_time(time_s.max())} s, more than a year: correct the time of sample {wrong + 1}, "
             f"{_format_time(time_s[wrong])} s, or give the time in seconds"
+        )
+
+
+def _check_rate(force: Signal, label: str) -> None:
+    """Refuse an accelerometer that is too slow to see steps."""
+    rate_hz = mean_rate_hz(force.time_s)
+    if 0.0 < rate_hz < _LEAST_RATE_HZ and len(force) >= _MANY_SAMPLES:
+        raise RecordingError(
+            f"{label}: the accelerometer has only {rate_hz:.1f} samples a second, which cannot show steps, of which "
+            "a person makes about two a second: record at 20 Hz or more"
         )
 
 

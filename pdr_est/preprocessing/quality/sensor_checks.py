@@ -10,7 +10,7 @@ from pdr_est.frames import Array
 from pdr_est.types.recording import Signal
 
 LONGEST_PERIOD_S = 0.5
-"""A longer pause between two samples is a gap."""
+"""A longer time between two samples is a gap."""
 
 _STUCK_S = 2.0
 _STUCK_SAMPLES = 5
@@ -59,7 +59,7 @@ class ClockCheck:
     backward_steps
         Number of samples whose time goes back.
     gaps
-        Pauses longer than `LONGEST_PERIOD_S` and five median periods.
+        Times between samples longer than `LONGEST_PERIOD_S` and five median periods.
     """
 
     rate_hz: float
@@ -87,6 +87,25 @@ def check_clock(time_s: Array) -> ClockCheck:
         backward_steps=int((period_s < 0.0).sum()),
         gaps=tuple(Interval(float(time_s[i]), float(period_s[i])) for i in long),
     )
+
+
+def mean_rate_hz(time_s: Array) -> float:
+    """Compute the number of samples a second while a sensor records, in Hz; 0 when its clock does not advance.
+
+    Gaps do not lower it, and stamps that several samples share do not raise it.
+
+    Parameters
+    ----------
+    time_s
+        (n,) time stamps, s.
+    """
+    period_s = np.diff(time_s)
+    forward_s = period_s[period_s > 0.0]
+    if not len(forward_s):
+        return 0.0
+    usual_s = float(np.median(forward_s))
+    recorded_s = float(forward_s[forward_s <= max(LONGEST_PERIOD_S, 5.0 * usual_s)].sum())
+    return float((period_s >= 0.0).sum()) / recorded_s
 
 
 def effective_rate(signal: Signal, rate_hz: float) -> tuple[float, str]:

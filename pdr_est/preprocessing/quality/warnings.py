@@ -2,21 +2,28 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from pdr_est.preprocessing.quality.sensor_checks import check_clock, stuck_intervals
+from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
+from pdr_est.preprocessing.quality.consistency import consistency_warnings
+from pdr_est.preprocessing.quality.sensor_checks import check_clock, mean_rate_hz, stuck_intervals
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
 _COVERED_SHARE = 0.98  # of the accelerometer's time: sensors start and stop one after the other
 _COVERED_HALF = 0.5
+_GUESSED = (
+    "the acceleration is without gravity, and the direction of the strongest motion was taken for the vertical: take "
+    "the number of steps with care"
+)
 _SLOWEST_PERIOD_S = 0.125  # of a held phone's samples; of a walk thinned to 5 Hz a quarter of the steps is missed
 
 
 def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
     """List the faults of accelerometer and gyroscope of a device as sentences; empty when there are none."""
     force, rate = (_non_empty(signal) for signal in (device.specific_force, device.rotation_rate))
+    if force is None and needs_stand_in(device):
+        force = device.linear_acceleration
+        return (*_coarse_warnings(force), _GUESSED) if force is not None else ()
     found = [*_range_warnings("accelerometer", Channel.SPECIFIC_FORCE, force)]
     found += _range_warnings("gyroscope", Channel.ROTATION_RATE, rate)
     if force is not None:
@@ -28,7 +35,7 @@ def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
         found += _stuck_warnings("gyroscope", rate, force, "turns cannot be seen there")
     if force is not None and rate is not None:
         found += _coverage_warnings(force, rate)
-    return tuple(found)
+    return (*found, *consistency_warnings(device))
 
 
 def _non_empty(signal: Signal | None) -> Signal | None:
@@ -48,11 +55,11 @@ def _range_warnings(sensor: str, channel: Channel, signal: Signal | None) -> Ite
 
 def _coarse_warnings(force: Signal) -> Iterator[str]:
     """Compare the sampling period with the time that a step takes."""
-    period_s = float(np.median(np.diff(force.time_s))) if len(force) > 1 else 0.0
-    if period_s > _SLOWEST_PERIOD_S:
+    rate_hz = mean_rate_hz(force.time_s)
+    if 0.0 < rate_hz < 1.0 / _SLOWEST_PERIOD_S:
         yield (
-            f"the accelerometer has only {1.0 / period_s:.1f} samples a second: many steps are missed; record at "
-            "10 Hz or more"
+            f"the accelerometer has only {rate_hz:.1f} samples a second: many steps are missed; record at "
+            "20 Hz or more"
         )
 
 

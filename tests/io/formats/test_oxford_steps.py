@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.formats.oxford_steps import sniff
+from pdr_est.io.formats.datasets.oxford_steps import sniff
 from pdr_est.io.text.container import Source
 
 START_NS = 584_065_454_762_638

@@ -10,7 +10,7 @@ from fabricated import Walk, as_folder, as_zip, make_walk
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.formats.phyphox import reader as phyphox
+from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.registry import read
 from pdr_est.io.text.container import Source
 
@@ -104,11 +104,14 @@ def test_linear_acceleration_and_gravity_replace_the_accelerometer(tmp_path: Pat
     assert_is_walk(as_folder(tmp_path, files(tables)), walk)
 
 
-def test_linear_acceleration_alone_is_refused(tmp_path: Path, walk: Walk) -> None:
+def test_linear_acceleration_alone_is_kept_for_steps(tmp_path: Path, walk: Walk) -> None:
     tables = android(walk)
     del tables["Accelerometer.csv"], tables["Gravity.csv"]
-    with pytest.raises(RecordingError, match="linear acceleration, but no gravity"):
-        read(as_folder(tmp_path, files(tables)))
+    device = read(as_folder(tmp_path, files(tables))).devices[0]
+    assert device.specific_force is None
+    assert device.linear_acceleration is not None
+    assert device.linear_acceleration.values == pytest.approx(walk.user, abs=1e-8)
+    assert "without gravity: steps can be counted" in device.warnings[0]
 
 
 def test_a_stock_experiment_is_recognised_by_its_titles(tmp_path: Path, walk: Walk) -> None:

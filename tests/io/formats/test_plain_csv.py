@@ -13,9 +13,9 @@ from hypothesis.extra import numpy as hnp
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.formats.plain_csv import reader as plain_csv
-from pdr_est.io.formats.plain_csv.header import CANONICAL
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.io.formats.registry import read
+from pdr_est.io.tables.quantities import CANONICAL
 from pdr_est.io.text.container import Source
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.measurements import PositionFix
@@ -173,7 +173,7 @@ def test_header_and_values_that_contradict_are_reported(tmp_path: Path, walk: Wa
         columns[name] = np.degrees(columns[name])
     device = device_of(save(tmp_path / "walk.csv", columns))
     assert_holds(device.rotation_rate, walk.time_s, np.degrees(walk.rate))
-    assert sum("contradicts the values" in words for words in device.warnings) == 2
+    assert sum("contradicts its values" in words for words in device.warnings) == 2
 
 
 def test_a_canonical_file_with_downward_force_is_reported_and_not_changed(tmp_path: Path, walk: Walk) -> None:

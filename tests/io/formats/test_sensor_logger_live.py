@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats.sensor_logger.live import LiveReader, LiveUpdate, Platform
+from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.types.sensors import Channel
 
 ZERO_NS = 1_698_501_144_401_773_001

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from pdr_est.errors import RecordingError
 from pdr_est.io import read
-from pdr_est.io.formats.stride_length import sniff
+from pdr_est.io.formats.datasets.stride_length import sniff
 from pdr_est.io.text.container import Source
 
 START_MS = 1_540_481_684_988

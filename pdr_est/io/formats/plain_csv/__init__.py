@@ -1,11 +1,10 @@
 """Plain CSV: tables of one phone with a header line, and the project's own format, which is one of them.
 
-======  ================================================================================================
-file    content
-======  ================================================================================================
-header  meaning of the column titles
-clock   the time column
-reader  from a table to a recording
-writer  from a recording to a table
-======  ================================================================================================
+=======  ================================================================================================
+file     content
+=======  ================================================================================================
+reader   from a table to a recording
+writer   from a recording to a table
+unknown  what to say of a file that is not read, and the draft of a mapping for it
+=======  ================================================================================================
 """

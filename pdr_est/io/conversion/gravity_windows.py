@@ -1,0 +1,204 @@
+"""Gravity as the accelerometer shows it, carried along by the gyroscope: windows in which both can be compared.
+
+In axes that do not rotate, the specific force of a walking person has a mean over two strides that hardly changes: it
+is gravity. The gyroscope turns the samples of a window into such axes. If its axes, signs and unit are right, the
+means of the window's parts agree; if not, gravity seems to move. Only rotations of the vertical show: the sign of a
+rotation about it does not, nor does the sign of gravity.
+
+The means carry Hann windows, which suppress the rhythm of walking by more than a hundredfold. Constants are ours.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.types.recording import Signal
+
+_WINDOW_S = 6.0
+_HOP_S = 3.0
+_PERIOD_S = 0.04  # of the means of samples that are rotated; a limb turns by less than half a radian meanwhile
+_MEANS = 4  # in a window
+_MEAN_S = 2.4  # length of the Hann windows, two strides
+_MOST_WINDOWS = 120  # spread over longer recordings
+_LONGEST_PAUSE_S = 0.25
+_STEADY_SIGMA_MPS2 = 0.3  # of a mean: slow accelerations, time stamps, drift
+_MOTION_SHARE = 0.1  # of the motion in a window that is left in a mean
+
+
+@dataclass(frozen=True)
+class GravityWindows:
+    """Windows of synchronous samples of accelerometer and gyroscope.
+
+    Attributes
+    ----------
+    start_s
+        (k,) s, beginnings of the windows.
+    force_mps2, rate_radps
+        (k, n, 3) mean specific force and rotation rate of consecutive short intervals.
+    period_s
+        Length of these intervals.
+    variance_m2ps4
+        (k,) variance to be expected of each component of the means of a window.
+    """
+
+    start_s: Array
+    force_mps2: Array
+    rate_radps: Array
+    period_s: float
+    variance_m2ps4: Array
+
+    def __len__(self) -> int:
+        return len(self.start_s)
+
+    @cached_property
+    def turned(self) -> Array:
+        """Return the rotations (k, n, 3, 3) of `turned_by` with the rates as they are."""
+        return turned_by(self.rate_radps, self.period_s)
+
+
+def gravity_windows(force: Signal, rate: Signal, lag_s: float = 0.0) -> GravityWindows | None:
+    """Cut accelerometer and gyroscope into windows of 6 s without pauses.
+
+    Parameters
+    ----------
+    force, rate
+        (n, 3) specific force, m/s², and rotation rate, rad/s, with time stamps of their own.
+    lag_s
+        Time that is added to the time stamps of the gyroscope's samples.
+
+    Returns
+    -------
+    GravityWindows or None
+        None when the two never run together for the length of a window.
+    """
+    accelerometer, gyroscope = _Integral.of(force), _Integral.of(rate)
+    if accelerometer is None or gyroscope is None:
+        return None
+    begin_s = max(accelerometer.time_s[0], gyroscope.time_s[0] + lag_s)
+    end_s = min(accelerometer.time_s[-1], gyroscope.time_s[-1] + lag_s)
+    if not end_s - begin_s >= _WINDOW_S:
+        return None
+    count = int((end_s - begin_s - _WINDOW_S) / _HOP_S) + 1
+    chosen = np.arange(count) if count <= _MOST_WINDOWS else np.linspace(0, count - 1, _MOST_WINDOWS).round()
+    start_s = begin_s + _HOP_S * chosen
+    edges_s = start_s[:, None] + np.arange(round(_WINDOW_S / _PERIOD_S) + 1) * _PERIOD_S
+    force_mps2, whole = accelerometer.means(edges_s)
+    rate_radps, also_whole = gyroscope.means(edges_s - lag_s)
+    usable = whole & also_whole
+    if not usable.any():
+        return None
+    force_mps2 = force_mps2[usable]
+    motion = np.square(force_mps2 - force_mps2.mean(axis=1, keepdims=True)).sum(axis=2).mean(axis=1)
+    return GravityWindows(
+        start_s=start_s[usable],
+        force_mps2=force_mps2,
+        rate_radps=rate_radps[usable],
+        period_s=_PERIOD_S,
+        variance_m2ps4=_STEADY_SIGMA_MPS2**2 + _MOTION_SHARE**2 * motion,
+    )
+
+
+@dataclass(frozen=True)
+class _Integral:
+    """Integral of a signal over time, for means over intervals of any length."""
+
+    time_s: Array
+    integral: Array
+    pauses: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, signal: Signal) -> "_Integral | None":
+        """Integrate by the trapezoidal rule; rows that are not finite or not later than those before are left out."""
+        usable = np.isfinite(signal.time_s) & np.isfinite(signal.values).all(axis=1)
+        time_s, values = signal.time_s[usable], signal.values[usable]
+        if len(time_s) and (np.diff(time_s) <= 0.0).any():
+            later = np.concatenate([[True], time_s[1:] > np.maximum.accumulate(time_s)[:-1]])
+            time_s, values = time_s[later], values[later]
+        if len(time_s) < 2:
+            return None
+        step_s = np.diff(time_s)
+        areas = 0.5 * (values[1:] + values[:-1]) * step_s[:, None]
+        longest_s = max(_LONGEST_PAUSE_S, 2.5 * float(np.median(step_s)))
+        return cls(
+            time_s,
+            np.concatenate([np.zeros((1, 3)), np.cumsum(areas, axis=0)]),
+            np.concatenate([[0], np.cumsum(step_s > longest_s)]),
+        )
+
+    def means(self, edges_s: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the means (k, n, 3) between edges (k, n + 1), and tell which windows (k,) have no pause."""
+        at_edges = np.stack([np.interp(edges_s, self.time_s, column) for column in self.integral.T], axis=-1)
+        ends = np.searchsorted(self.time_s, edges_s[:, [0, -1]]).clip(0, len(self.time_s) - 1)
+        whole = self.pauses[ends[:, 0]] == self.pauses[ends[:, 1]]
+        return np.diff(at_edges, axis=1) / (edges_s[0, 1] - edges_s[0, 0]), whole
+
+
+def turned_by(rate_radps: Array, period_s: float) -> Array:
+    """Integrate rotation rates (k, n, 3) over each window.
+
+    Returns
+    -------
+    (k, n, 3, 3) array
+        Rotations from the axes at the middle of each interval to those at the beginning of the window.
+    """
+    whole, half = _rotations(rate_radps * period_s), _rotations(rate_radps * (0.5 * period_s))
+    turned = np.empty((*rate_radps.shape, 3))
+    sofar = np.broadcast_to(np.eye(3), (len(rate_radps), 3, 3))
+    for j in range(rate_radps.shape[1]):
+        turned[:, j] = sofar @ half[:, j]
+        sofar = sofar @ whole[:, j]
+    return turned
+
+
+def hann_means(values: Array, period_s: float) -> Array:
+    """Average values (k, n, ...) of windows with Hann windows of 2.4 s: the means (k, 4, ...) of their parts."""
+    n = values.shape[1]
+    length = min(_MEAN_S / period_s, n)
+    centres = np.linspace(0.5 * length, n - 0.5 * length, _MEANS)
+    away = np.arange(n) + 0.5 - centres[:, None]
+    weights = np.where(np.abs(away) < 0.5 * length, np.cos(np.pi * away / length) ** 2, 0.0)
+    means = np.tensordot(weights / weights.sum(axis=1, keepdims=True), values, axes=(1, 1))
+    return np.moveaxis(means, 0, 1)
+
+
+def scatter(means: Array) -> Array:
+    """Compute the variance (k,) of a component of the means (k, m, 3) of each window about their common mean."""
+    spread = means - means.mean(axis=1, keepdims=True)
+    variance: Array = np.square(spread).sum(axis=(1, 2)) / (3.0 * (means.shape[1] - 1))
+    return variance
+
+
+def gravity_scatter(turned: Array, windows: GravityWindows) -> Array:
+    """Compute how much gravity seems to move in each window (k,), m²/s⁴, if its samples turn by (k, n, 3, 3)."""
+    force = np.einsum("kjab,kjb->kja", turned, windows.force_mps2)
+    return scatter(hann_means(force, windows.period_s))
+
+
+def log_likelihood(variance: Array, windows: GravityWindows) -> float:
+    """Compute the log likelihood of apparent movements of gravity (k,), up to a constant.
+
+    Its tails are heavy, because a phone may be thrown about: that of a t distribution, tempered from the nine degrees
+    of freedom of a window's means to two, because the errors of means and of overlapping windows are not independent.
+    """
+    return -2.0 * float(np.log1p(variance / windows.variance_m2ps4).sum())
+
+
+def _rotations(vector: Array) -> Array:
+    """Make the matrices (..., 3, 3) of rotation vectors (..., 3)."""
+    angle = np.sqrt(np.square(vector).sum(axis=-1))
+    safe = np.maximum(angle, 1e-9)
+    first, second = np.sin(safe) / safe, 2.0 * np.square(np.sin(0.5 * safe) / safe)
+    cross = cross_matrices(vector)
+    rotation: Array = np.eye(3) + first[..., None, None] * cross + second[..., None, None] * (cross @ cross)
+    return rotation
+
+
+def cross_matrices(vector: Array) -> Array:
+    """Make the matrices (..., 3, 3) whose product with a vector is the cross product of vectors (..., 3) with it."""
+    cross = np.zeros((*vector.shape, 3))
+    cross[..., 2, 1], cross[..., 0, 2], cross[..., 1, 0] = (vector[..., k] for k in range(3))
+    cross[..., 1, 2], cross[..., 2, 0], cross[..., 0, 1] = (-vector[..., k] for k in range(3))
+    return cross

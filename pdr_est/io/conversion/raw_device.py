@@ -1,0 +1,257 @@
+"""Make a device recording from the signals of one device, whatever files they come from.
+
+Gravity, units, signs and the direction of the attitude are settled in one place: what the recorder states is taken,
+otherwise the values decide, and every decision is kept in words.
+"""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from pdr_est.io.conversion import signs, units
+from pdr_est.io.conversion.axes import add_gravity, quaternion_from_rotation_vector
+from pdr_est.io.conversion.gravity_content import detect_linear_acceleration_unit, has_gravity
+from pdr_est.io.conversion.restored_gravity import restore_gravity
+from pdr_est.io.conversion.rotation_unit import detect_rotation_unit
+from pdr_est.io.conversion.sign_evidence import (
+    SignEvidence,
+    dip_evidence,
+    screen_evidence,
+    turn_evidence,
+    unit_evidence,
+)
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.recording import DeviceRecording, Signal
+from pdr_est.types.sensors import AttitudeReference
+
+
+class RawSensor(StrEnum):
+    """Sensor of a device, by the quantity that it measures."""
+
+    FORCE = "accelerometer"
+    LINEAR = "linear acceleration"
+    GRAVITY = "gravity"
+    RATE = "gyroscope"
+    FIELD = "magnetometer"
+    ATTITUDE = "attitude"
+    ROTATION_VECTOR = "rotation vector"
+    PRESSURE = "barometer"
+
+
+@dataclass(frozen=True)
+class RawSignal:
+    """Signal as it was recorded.
+
+    Attributes
+    ----------
+    signal
+        Times in s on the clock of the recording, values as recorded.
+    title
+        File, table or columns that it comes from, for the decisions.
+    factor
+        Factor to SI units; None where only the values can tell.
+    """
+
+    signal: Signal
+    title: str
+    factor: float | None = None
+
+
+@dataclass
+class RawDevice:
+    """Device before its conversion.
+
+    Attributes
+    ----------
+    signals
+        What each sensor recorded.
+    name, model, platform
+        As in `DeviceRecording`.
+    sign, sign_reason
+        Sign by which the acceleration becomes specific force, and why; None where the format does not tell.
+    sign_promised
+        True where a documented header or a person states the sign: it is then taken, and a contradiction only told.
+    attitude_reference
+        As in `DeviceRecording`.
+    usual_axes
+        As in `DeviceRecording`.
+    fixes, latitude_deg
+        Positions that were recorded with it, and where on earth that is; they help to find the sign.
+    without_gravity
+        Advice on what to switch on, for a recording of acceleration without gravity.
+    decisions, warnings
+        Sentences so far.
+    """
+
+    signals: dict[RawSensor, RawSignal]
+    name: str = "device"
+    model: str = ""
+    platform: str = ""
+    sign: float | None = None
+    sign_reason: str = ""
+    sign_promised: bool = False
+    attitude_reference: AttitudeReference = AttitudeReference.UNKNOWN
+    usual_axes: bool = True
+    fixes: tuple[PositionFix, ...] = ()
+    latitude_deg: float | None = None
+    without_gravity: str = "record the accelerometer with gravity"
+    decisions: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def note(self, conversion: units.Conversion) -> float:
+        """Keep the decision and the warning of a conversion; return its factor."""
+        self.decisions.append(conversion.decision)
+        self.warnings.extend(conversion.warnings)
+        return conversion.factor
+
+    def convert(self) -> DeviceRecording:
+        """Return the device in SI units, with specific force that points up at rest."""
+        attitude = self._attitude()
+        total = self._acceleration()
+        magnetic_field = self._in_si(RawSensor.FIELD)
+        force: Signal | None = None
+        if total is not None and self.sign_promised:
+            force = self._with_promised_sign(total, attitude)
+        elif total is not None:
+            if attitude is not None:
+                attitude, conversion = signs.resolve_attitude_direction(total, attitude)
+                self.note(conversion)
+            evidence = self._sign_evidence(total, magnetic_field)
+            sign = self.note(signs.detect_force_sign(total, attitude, self.sign, self.sign_reason, evidence))
+            force = Signal(total.time_s, total.values * sign)
+        linear = self._acceleration_without_gravity() if force is None else None
+        rate = self._rotation_rate(force or linear)
+        if linear is not None and attitude is not None and rate is not None:
+            force, attitude, conversion = restore_gravity(linear, attitude, rate)
+            self.note(conversion)
+        pressure = self._in_si(RawSensor.PRESSURE)
+        return DeviceRecording(
+            name=self.name,
+            model=self.model,
+            platform=self.platform,
+            specific_force=force,
+            linear_acceleration=linear,
+            rotation_rate=rate,
+            magnetic_field=magnetic_field,
+            attitude=attitude,
+            attitude_reference=AttitudeReference.UNKNOWN if attitude is None else self.attitude_reference,
+            pressure=pressure,
+            decisions=tuple(self.decisions),
+            warnings=tuple(self.warnings),
+            usual_axes=self.usual_axes,
+        )
+
+    def _with_promised_sign(self, total: Signal, attitude: Signal | None) -> Signal:
+        """Take the sign that the header or a person states; tell where the attitude contradicts it."""
+        sign = self.sign or 1.0
+        self.decisions.append(f"acceleration points {'up' if sign > 0.0 else 'down'} at rest by {self.sign_reason}")
+        cosine = None if attitude is None else signs.gravity_cosine(total, attitude)
+        if cosine is not None and cosine * sign < 0.0:
+            self.warnings.append(
+                f"acceleration and attitude contradict each other: median cosine {cosine * sign:+.2f}"
+            )
+        return total if sign > 0.0 else Signal(total.time_s, -total.values)
+
+    def _sign_evidence(self, total: Signal, magnetic_field: Signal | None) -> tuple[SignEvidence, ...]:
+        """Collect what tells the sign of an acceleration where neither attitude nor recorder do."""
+        if self.sign is not None:
+            return ()
+        source = self.signals.get(RawSensor.FORCE) or self.signals[RawSensor.LINEAR]
+        found = [unit_evidence(source.factor or units.detect_acceleration_unit(source.signal.values).factor)]
+        if self.usual_axes:
+            found.append(screen_evidence(total))
+        dip = None if magnetic_field is None else dip_evidence(total, magnetic_field, self.latitude_deg)
+        rate = self.signals.get(RawSensor.RATE)
+        turns = None
+        if rate is not None and self.fixes:
+            factor = rate.factor or detect_rotation_unit(rate.signal, total).factor
+            turns = turn_evidence(total, Signal(rate.signal.time_s, rate.signal.values * factor), self.fixes)
+        return (*found, *(one for one in (dip, turns) if one is not None))
+
+    def _rotation_rate(self, acceleration: Signal | None) -> Signal | None:
+        """Convert the rotation rate by the recorder's statement, else by the motion that the acceleration shows."""
+        raw = self.signals.get(RawSensor.RATE)
+        if raw is None or raw.factor is not None:
+            return self._in_si(RawSensor.RATE)
+        return Signal(
+            raw.signal.time_s, raw.signal.values * self.note(detect_rotation_unit(raw.signal, acceleration))
+        )
+
+    def _acceleration(self) -> Signal | None:
+        """Find the acceleration with gravity, m/s^2, still with the recorder's sign."""
+        measured = self.signals.get(RawSensor.FORCE)
+        linear, gravity = self.signals.get(RawSensor.LINEAR), self.signals.get(RawSensor.GRAVITY)
+        if (
+            measured is not None
+            and not has_gravity(measured.signal.values)
+            and linear is None
+            and gravity is not None
+        ):
+            self.decisions.append(f"{measured.title} is without gravity by its values")
+            measured, linear = None, measured
+        if measured is not None:
+            self.decisions.append(f"specific force is {measured.title}")
+            return self._scaled(RawSensor.FORCE, measured)
+        if linear is None or gravity is None:
+            return None
+        self.decisions.append(f"specific force is {linear.title} + {gravity.title}")
+        factor = gravity.factor or self.note(units.detect_acceleration_unit(gravity.signal.values))
+        total, warnings = add_gravity(
+            Signal(linear.signal.time_s, linear.signal.values * (linear.factor or factor)),
+            Signal(gravity.signal.time_s, gravity.signal.values * factor),
+        )
+        self.warnings += warnings
+        if not len(total):
+            self.warnings.append("acceleration and gravity do not overlap in time: no specific force")
+            return None
+        return total
+
+    def _acceleration_without_gravity(self) -> Signal | None:
+        """Find the acceleration without gravity, m/s^2, with the sign of specific force."""
+        linear = self.signals.get(RawSensor.LINEAR)
+        if linear is None:
+            return None
+        self.decisions.append(f"acceleration without gravity is {linear.title}")
+        self.warnings.append(
+            f"{linear.title} is without gravity: steps can be counted from it, a track needs more: "
+            f"{self.without_gravity}"
+        )
+        factor = linear.factor or self.note(detect_linear_acceleration_unit(linear.signal.values))
+        return Signal(linear.signal.time_s, linear.signal.values * (factor * (self.sign or 1.0)))
+
+    def _attitude(self) -> Signal | None:
+        quaternion = self.signals.get(RawSensor.ATTITUDE)
+        if quaternion is not None:
+            return quaternion.signal
+        vector = self.signals.get(RawSensor.ROTATION_VECTOR)
+        if vector is None:
+            return None
+        self.decisions.append(f"attitude is the rotation vector {vector.title}")
+        return Signal(vector.signal.time_s, quaternion_from_rotation_vector(vector.signal.values))
+
+    def _in_si(self, sensor: RawSensor) -> Signal | None:
+        raw = self.signals.get(sensor)
+        return None if raw is None else self._scaled(sensor, raw)
+
+    def _scaled(self, sensor: RawSensor, raw: RawSignal) -> Signal:
+        """Convert to SI units by what the recorder states, which the values must not contradict, else by them."""
+        detect = _DETECT_UNIT.get(sensor)
+        if raw.factor is None:
+            if detect is None:
+                self.decisions.append(f"{raw.title}: taken in uT")
+                return raw.signal
+            return Signal(raw.signal.time_s, raw.signal.values * self.note(detect(raw.signal.values)))
+        converted = Signal(raw.signal.time_s, raw.signal.values * raw.factor) if raw.factor != 1.0 else raw.signal
+        if detect is not None:
+            checked = detect(converted.values)
+            if checked.factor != 1.0:
+                self.warnings.append(f"the stated unit of {raw.title} contradicts its values: {checked.decision}")
+            elif sensor is RawSensor.FORCE:
+                self.warnings.extend(checked.warnings)
+        return converted
+
+
+_DETECT_UNIT = {
+    RawSensor.FORCE: units.detect_acceleration_unit,
+    RawSensor.RATE: units.detect_rotation_rate_unit,
+    RawSensor.PRESSURE: units.detect_pressure_unit,
+}

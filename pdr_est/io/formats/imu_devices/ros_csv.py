@@ -1,0 +1,65 @@
+"""Read CSV exports of ROS messages of type `sensor_msgs/Imu`: rostopic, bagpy, PlotJuggler and others.
+
+`linear_acceleration` is with gravity and up at rest, as the standard of ROS demands (REP 145), in m/s^2; rates are in
+rad/s. The time of the message's header is better than that of its arrival.
+"""
+
+import re
+from collections.abc import Sequence
+
+from pdr_est.io.conversion.raw_device import RawDevice
+from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.tables.mapping import ClockColumn, TableMapping
+from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.table_layout import TableLayout
+from pdr_est.types.recording import Recording
+
+NAME = "ROS Imu messages"
+
+_MARK = re.compile(
+    rb"linear_acceleration[./_]x[\"']?\s*[,;\t][^\n]*angular_velocity[./_]x|"
+    rb"angular_velocity[./_]x[\"']?\s*[,;\t][^\n]*linear_acceleration[./_]x"
+)
+_STEMS = {Quantity.FORCE: "linear_acceleration", Quantity.RATE: "angular_velocity", Quantity.ATTITUDE: "orientation"}
+
+
+def sniff(source: Source) -> bool:
+    """Tell whether a member has the fields of the message as titles."""
+    return bool(members_marked(source, _MARK))
+
+
+def read_source(source: Source) -> Recording:
+    """Read the walk of a table.
+
+    Raises
+    ------
+    RecordingError
+        For several tables, and when no motion sensor has values.
+    """
+    device = RawDevice({}, sign=1.0, sign_reason="the standard of ROS", usual_axes=False)
+    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
+
+
+def _mapping(layout: TableLayout) -> TableMapping:
+    known: dict[Quantity, tuple[Sequence[str], float | None]] = {}
+    for quantity, stem in _STEMS.items():
+        axes = "wxyz" if quantity is Quantity.ATTITUDE else "xyz"
+        titles = [_ending(layout, rf"{stem}[./_]{axis}") for axis in axes]
+        if all(titles):
+            known[quantity] = (titles, None if quantity is Quantity.ATTITUDE else 1.0)
+    mapping = with_columns(layout, known, without=(Quantity.LINEAR, Quantity.ROTATION_VECTOR))
+    seconds = _ending(layout, r"stamp[./_](?:secs?)")
+    nanoseconds = _ending(layout, r"stamp[./_](?:n(?:ano)?secs?)")
+    stamp = _ending(layout, r"header[./_]stamp")
+    clocks = [ClockColumn(seconds, 1.0, nanoseconds)] if seconds and nanoseconds else []
+    clocks += [ClockColumn(stamp)] if stamp else []
+    taken = {title for clock in clocks for title in (clock.title, clock.fraction)}
+    rest = tuple(clock for clock in mapping.clocks if clock.title not in taken)
+    return TableMapping((*clocks, *rest), mapping.columns, unused=mapping.unused)
+
+
+def _ending(layout: TableLayout, pattern: str) -> str:
+    """Find the title that ends with a field of the message; "" when there is none."""
+    compiled = re.compile(rf"(?:^|[./_%]){pattern}$")
+    return next((title for title in layout.titles if compiled.search(title)), "")

@@ -1,0 +1,68 @@
+"""Read tables of SensorLog (Bernd Thomas, iOS): one wide table of all sensors, with Core Motion's quantities in g.
+
+Gravity points down at rest, as everywhere in Core Motion. The clocks of accelerometer and motion count from the start
+of the phone and are steadier than `loggingTime`, which tells the Unix time. Rows repeat the last value of slow
+sensors.
+"""
+
+import re
+from collections.abc import Sequence
+
+from pdr_est.frames import STANDARD_GRAVITY_MPS2
+from pdr_est.io.conversion.raw_device import RawDevice
+from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.table_layout import TableLayout
+from pdr_est.types.recording import Recording
+
+NAME = "SensorLog"
+
+_MARK = re.compile(rb"loggingTime|accelerometerTimestamp_sinceReboot|motionTimestamp_sinceReboot|motionUserAccel")
+_CLOCKS = ("accelerometerTimestamp_sinceReboot", "motionTimestamp_sinceReboot", "loggingTime", "loggingSample")
+_AXES = "XYZ"
+
+
+def sniff(source: Source) -> bool:
+    """Tell whether a member has the titles of this app."""
+    return bool(members_marked(source, _MARK))
+
+
+def read_source(source: Source) -> Recording:
+    """Read the walk of a table.
+
+    Raises
+    ------
+    RecordingError
+        For several tables, and when no motion sensor has values.
+    """
+    device = RawDevice(
+        {},
+        platform="ios",
+        sign=-1.0,
+        sign_reason="Core Motion's sign",
+        without_gravity="switch on Accelerometer, or Device Motion with gravity",
+    )
+    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
+
+
+def _mapping(layout: TableLayout) -> TableMapping:
+    by_stem = {re.sub(r"\s*\(.*\)$", "", title): title for title in layout.titles}
+
+    def titles(stem: str, axes: str = _AXES) -> Sequence[str]:
+        return [by_stem.get(f"{stem}{axis}", f"{stem}{axis}") for axis in axes]
+
+    rate = next(stem for stem in ("motionRotationRate", "gyroRotation", "") if f"{stem}X" in by_stem or not stem)
+    known: dict[Quantity, tuple[Sequence[str], float | None]] = {
+        Quantity.FORCE: (titles("accelerometerAcceleration"), STANDARD_GRAVITY_MPS2),
+        Quantity.LINEAR: (titles("motionUserAcceleration"), STANDARD_GRAVITY_MPS2),
+        Quantity.GRAVITY: (titles("motionGravity"), STANDARD_GRAVITY_MPS2),
+        Quantity.RATE: (titles(rate), 1.0),
+        Quantity.FIELD: (titles("motionMagneticField"), 1.0),
+        Quantity.ATTITUDE: (titles("motionQuaternion", "WXYZ"), None),
+    }
+    clocks = {by_stem[stem]: (1.0 if "Timestamp" in stem else None) for stem in _CLOCKS if stem in by_stem}
+    mapping = with_columns(layout, known, clocks, without=(Quantity.ROTATION_VECTOR,))
+    kept = tuple(clock for clock in mapping.clocks if clock.title in clocks) or mapping.clocks
+    return TableMapping(kept, mapping.columns, unused=mapping.unused)

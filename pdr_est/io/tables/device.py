@@ -1,0 +1,104 @@
+"""Put the signals of one or several tables of one device together: one clock, units, signs, fixes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
+from pdr_est.io.conversion.raw_device import RawDevice, RawSensor
+from pdr_est.io.tables.placed import PlacedSignal, first_motion, place_signals
+from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.settling import settle_quantities, settle_sign
+from pdr_est.io.tables.signals import TableSignals
+from pdr_est.types.ground_truth import TruePositions
+from pdr_est.types.recording import DeviceRecording
+
+_ASSUMED_FIX_SIGMA_M = 3.0
+_SENSORS = {
+    Quantity.FORCE: RawSensor.FORCE,
+    Quantity.LINEAR: RawSensor.LINEAR,
+    Quantity.GRAVITY: RawSensor.GRAVITY,
+    Quantity.RATE: RawSensor.RATE,
+    Quantity.FIELD: RawSensor.FIELD,
+    Quantity.ATTITUDE: RawSensor.ATTITUDE,
+    Quantity.ROTATION_VECTOR: RawSensor.ROTATION_VECTOR,
+    Quantity.PRESSURE: RawSensor.PRESSURE,
+}
+
+
+@dataclass(frozen=True)
+class DeviceReading:
+    """Content of the tables of one device.
+
+    Attributes
+    ----------
+    device
+        The signals in SI units; time zero is the first row of a table with motion.
+    gnss
+        Positions that the tables contain.
+    epoch_s
+        Unix time of time zero, s; None when it is not known.
+    true_positions
+        Reference positions of the documented header; None when there are none.
+    """
+
+    device: DeviceRecording
+    gnss: GnssFixes
+    epoch_s: float | None
+    true_positions: TruePositions | None = None
+
+
+def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceReading:
+    """Make a device recording of tables that were recorded together.
+
+    Parameters
+    ----------
+    tables
+        Tables of the device; where two hold the same quantity, the first one is taken.
+    device
+        Facts about the device (`RawDevice` without signals); its decisions and warnings are continued.
+
+    Raises
+    ------
+    RecordingError
+        When no table has values of an accelerometer or gyroscope.
+    """
+    first = first_motion(tables)
+    for table in tables:
+        prefix = f"{table.place.rsplit('/', 1)[-1]}: " if len(tables) > 1 else ""
+        device.decisions += [f"{prefix}{text}" for text in table.decisions]
+        device.warnings += [f"{prefix}{text}" for text in table.warnings]
+    placed = place_signals(tables, first.clock.start, first.clock.epoch_s, device)
+    settle_quantities(placed, device)
+    settle_sign(placed, device)
+    if not {Quantity.FORCE, Quantity.LINEAR, Quantity.RATE} & set(placed):
+        reasons = f" ({'; '.join(device.warnings)})" if device.warnings else ""
+        raise RecordingError(f"{first.place}: neither accelerometer nor gyroscope has values{reasons}; record again")
+    device.signals = {_SENSORS[quantity]: one.raw for quantity, one in placed.items() if quantity in _SENSORS}
+    gnss = _fixes(placed, device)
+    true = placed.get(Quantity.TRUE_POSITION)
+    positions = None if true is None else TruePositions(true.raw.signal.time_s, true.raw.signal.values, 0.0, "poses")
+    return DeviceReading(device.convert(), gnss, first.clock.epoch_s, positions)
+
+
+def _fixes(placed: Mapping[Quantity, PlacedSignal], device: RawDevice) -> GnssFixes:
+    """Make a fix where the position changes, because tables repeat the last one in every row."""
+    places = placed.get(Quantity.LATITUDE_LONGITUDE)
+    if places is None:
+        return GnssFixes((), None)
+    signal = places.raw.signal
+    changed = np.concatenate([[True], (np.diff(signal.values, axis=0) != 0.0).any(axis=1)])
+    time_s, (latitude, longitude) = signal.time_s[changed], signal.values[changed].T
+    accuracy = placed.get(Quantity.ACCURACY)
+    if accuracy is None:
+        sigma_m = np.full(len(time_s), _ASSUMED_FIX_SIGMA_M)
+        note = f"the table has no accuracy, so {_ASSUMED_FIX_SIGMA_M:g} m is assumed"
+    else:
+        sigma_m = np.interp(time_s, accuracy.raw.signal.time_s, accuracy.raw.signal.values[:, 0])
+        note = f"accuracy by {accuracy.raw.title}"
+    device.decisions.append(f"location: {len(time_s)} changes in {len(changed)} rows are fixes; {note}")
+    gnss = gnss_fixes(time_s, latitude, longitude, sigma_m)
+    device.warnings += gnss.warnings
+    return gnss

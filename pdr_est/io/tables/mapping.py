@@ -1,0 +1,102 @@
+"""Describe what the columns of a table mean: the one record between titles (or a mapping file) and values."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from pdr_est.io.tables.quantities import Quantity
+
+
+@dataclass(frozen=True)
+class QuantityColumns:
+    """Columns of one quantity.
+
+    Attributes
+    ----------
+    titles
+        Titles as in the file, in the order of the axes (`quantities.AXES`).
+    factors
+        For each column the factor to SI units; None where only the values can tell.
+    canonical
+        True for the documented header, whose units and signs are promised.
+    ambiguous
+        True where the titles leave the quantity open, so that the values must confirm it, such as `gx` for a
+        gyroscope or gravity.
+    turned
+        For each column 1, or -1 where its axis points the other way; empty where none does.
+    """
+
+    titles: tuple[str, ...]
+    factors: tuple[float | None, ...]
+    canonical: bool = False
+    ambiguous: bool = False
+    turned: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class ClockColumn:
+    """One column that tells the time, alone or together with a second one.
+
+    Attributes
+    ----------
+    title
+        Title as in the file.
+    factor
+        Seconds in one tick; None where the values decide, which is also the case for dates.
+    fraction
+        Title of a column with the fraction of a second, such as the nanoseconds beside whole seconds, or with the
+        time of day beside a date; "" when there is none.
+    canonical
+        True for `time_s` of the documented header: seconds of the recording, not shifted.
+    """
+
+    title: str
+    factor: float | None = None
+    fraction: str = ""
+    canonical: bool = False
+
+
+@dataclass(frozen=True)
+class TableMapping:
+    """Meaning of the columns of a table.
+
+    Attributes
+    ----------
+    clocks
+        Columns that tell the time, best first; the values decide between several.
+    columns
+        Columns of each quantity.
+    rate_hz
+        Sampling rate of a table without a time column, Hz; None when it has one.
+    force_sign
+        +1 where the acceleration points up at rest (Android), -1 where it points down (Apple); None when it is open.
+    sign_reason
+        Why that sign is expected, for the decisions.
+    given
+        True when a person stated the mapping, who is then believed about units, signs and clock.
+    guessed
+        True when only the values told what the columns are.
+    incomplete
+        Sensors of which some axes are named and others are missing, in words.
+    unused
+        Titles of the columns that mean nothing to the project, or are not needed beside better ones.
+    """
+
+    clocks: tuple[ClockColumn, ...] = ()
+    columns: Mapping[Quantity, QuantityColumns] = field(default_factory=dict)
+    rate_hz: float | None = None
+    force_sign: float | None = None
+    sign_reason: str = ""
+    given: bool = False
+    guessed: bool = False
+    incomplete: tuple[str, ...] = ()
+    unused: tuple[str, ...] = ()
+
+    @property
+    def has_time(self) -> bool:
+        """Tell whether the times of the rows can be known."""
+        return bool(self.clocks) or self.rate_hz is not None
+
+    @property
+    def has_motion(self) -> bool:
+        """Tell whether an accelerometer or a gyroscope is among the columns."""
+        return any(quantity in self.columns for quantity in (Quantity.FORCE, Quantity.RATE, Quantity.LINEAR))

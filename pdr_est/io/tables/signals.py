@@ -1,0 +1,254 @@
+"""Read one table: from bytes to the signals of its sensors, unconverted, on the clock of the recorder."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.io.conversion.raw_device import RawSignal
+from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
+from pdr_est.io.conversion.units import Conversion
+from pdr_est.io.tables.column_units import complete_factors
+from pdr_est.io.tables.header import understand_titles
+from pdr_est.io.tables.headerless import guess_columns
+from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
+from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
+from pdr_est.io.tables.times.clock import TableClock, read_clock
+from pdr_est.io.tables.timing import spread_bursts
+from pdr_est.io.text.encoding import as_utf8
+from pdr_est.io.text.finite_values import finite_signal_or_none
+from pdr_est.io.text.loose_table import LooseTable, read_loose_table
+from pdr_est.io.text.number_table import NumberTable
+from pdr_est.io.text.table_layout import TableLayout, detect_layout
+
+HEAD_BYTES = 8192
+"""Number of bytes from which the layout of a table is detected."""
+
+
+@dataclass(frozen=True)
+class TableSignals:
+    """Signals of one table.
+
+    Attributes
+    ----------
+    place
+        The file, for messages.
+    clock
+        Where the times of the signals start.
+    mapping
+        Meaning of the columns.
+    signals
+        Quantity -> its finite samples, values as recorded unless `RawSignal.factor` tells their unit.
+    decisions, warnings
+        What was decided and left out, in words.
+    """
+
+    place: str
+    clock: TableClock
+    mapping: TableMapping
+    signals: Mapping[Quantity, RawSignal]
+    decisions: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def layout_of(head: bytes) -> TableLayout | None:
+    """Detect the layout of a table from the beginning of a file; None when it is none."""
+    return _layout_of(head[:HEAD_BYTES])
+
+
+@lru_cache(maxsize=64)
+def _layout_of(head: bytes) -> TableLayout | None:
+    return detect_layout(head, is_unit)
+
+
+def read_table_signals(
+    data: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
+) -> TableSignals:
+    """Read the signals of one table.
+
+    Parameters
+    ----------
+    data
+        Content of the file, in any encoding.
+    place
+        Name of the file, for messages.
+    hint
+        Quantity of axes without a sensor's name, from the name of the file; None when it is not known.
+    mapping
+        Meaning of the columns where a person or an app's reader states it; None to find it from the titles.
+
+    Raises
+    ------
+    RecordingError
+        When the content is no table, has no time, or is damaged.
+    """
+    text = as_utf8(data)
+    layout = layout_of(text)
+    if layout is None:
+        raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
+    if mapping is not None:
+        mapping = _checked(mapping, layout, place)
+    else:
+        mapping = understand_titles(layout.titles, hint, layout.units) if layout.has_header else TableMapping()
+    if not layout.has_header and not mapping.columns:
+        everything = read_loose_table(text, place, layout, (), layout.titles)
+        mapping = replace(guess_columns(everything, hint), guessed=hint is None)
+        loose = everything
+    else:
+        clocks = [title for clock in mapping.clocks for title in (clock.title, clock.fraction) if title]
+        numbers = [title for columns in mapping.columns.values() for title in columns.titles]
+        loose = read_loose_table(text, place, layout, numbers, clocks)
+    if not mapping.has_time:
+        raise RecordingError(
+            f"{place}: the table has no time column among {', '.join(map(repr, layout.titles[:12]))}; name it, "
+            "or give the sampling rate, with --map (rate_hz: 50)"
+        )
+    return signals_of(loose, mapping)
+
+
+def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
+    """Return a stated mapping with the titles as the table writes them; a column may be given by its number."""
+    known = {title.casefold(): title for title in layout.titles}
+    known |= {f"column {number}": title for number, title in enumerate(layout.titles, start=1)}
+
+    def find(title: str) -> str:
+        if title and title.strip().casefold() not in known:
+            raise RecordingError(
+                f"{place}: the mapping names the column {title!r}, which is not among "
+                f"{', '.join(map(repr, layout.titles))}; correct the mapping"
+            )
+        return known[title.strip().casefold()] if title else ""
+
+    clocks = tuple(replace(c, title=find(c.title), fraction=find(c.fraction)) for c in mapping.clocks)
+    columns = {q: replace(one, titles=tuple(map(find, one.titles))) for q, one in mapping.columns.items()}
+    used = {title for one in columns.values() for title in one.titles}
+    used |= {title for clock in clocks for title in (clock.title, clock.fraction)}
+    return replace(mapping, clocks=clocks, columns=columns, unused=tuple(t for t in layout.titles if t not in used))
+
+
+def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
+    """Make the signals of a table that has been read, with its stale rows left out and its bursts spread.
+
+    Parameters
+    ----------
+    loose
+        Table with the columns of the mapping.
+    mapping
+        Meaning of the columns.
+
+    Raises
+    ------
+    RecordingError
+        When no row has a time.
+    """
+    clock = read_clock(loose, mapping)
+    decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings, *mapping.incomplete]
+    documented = any(column.canonical for column in mapping.clocks)
+    loose, clock, told = (loose, clock, ()) if documented else _without_stale_rows(loose, clock)
+    warnings += told
+    if not documented:
+        time_s, warning = spread_bursts(clock.time_s, _motion_values(loose.table, mapping))
+        clock = replace(clock, time_s=time_s)
+        warnings += [warning] if warning else []
+    signals = {}
+    for quantity, columns in mapping.columns.items():
+        signal = _signal(loose.table, clock.time_s, quantity, columns, decisions, warnings)
+        if signal is not None:
+            signals[quantity] = signal
+    if mapping.guessed:
+        guessed = "; ".join(f"{', '.join(one.titles)} as {quantity}" for quantity, one in mapping.columns.items())
+        warnings.append(
+            f"the table has no header: {mapping.clocks[0].title} is taken as time, {guessed}, because of their "
+            "values: name the columns with --map to be sure"
+        )
+    unused = [title for title in mapping.unused if title]
+    if unused:
+        decisions.append(f"not used: {', '.join(unused)}")
+    return TableSignals(loose.table.place, clock, mapping, signals, tuple(decisions), tuple(warnings))
+
+
+def _signal(
+    table: NumberTable,
+    time_s: Array,
+    quantity: Quantity,
+    columns: QuantityColumns,
+    decisions: list[str],
+    warnings: list[str],
+) -> RawSignal | None:
+    """Read the rows of a quantity that have a finite value; None when none has."""
+    if any(title not in table for title in columns.titles):
+        return None
+    sampled = table.has_values(columns.titles)
+    if not sampled.any():
+        decisions.append(f"{quantity}: the columns are there but have no values")
+        return None
+    values, factor, conversion = _in_one_unit(table.stack(columns.titles), columns, quantity)
+    if conversion is not None:
+        decisions.append(conversion.decision)
+        warnings += conversion.warnings
+    if not sampled.all():
+        decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows have values")
+        time_s, values = time_s[sampled], values[sampled]
+    signal, dropped = finite_signal_or_none(time_s, values, quantity, table.place)
+    warnings += dropped
+    return None if signal is None else RawSignal(signal, ", ".join(columns.titles), factor)
+
+
+def _in_one_unit(
+    values: Array, columns: QuantityColumns, quantity: Quantity
+) -> tuple[Array, float | None, Conversion | None]:
+    """Bring columns of different units to SI units.
+
+    Returns
+    -------
+    values : (n, k)
+    factor : float or None
+        Factor to SI units of all of them; None where no unit is known.
+    conversion : Conversion or None
+        How the unit of columns was found that state none, beside others that do.
+    """
+    if columns.turned:
+        values = values * np.array(columns.turned)
+    if all(factor is None for factor in columns.factors):
+        return values, None, None
+    if len(set(columns.factors)) == 1:
+        return values, columns.factors[0], None
+    factors, conversion = complete_factors(values, columns, quantity)
+    return values * factors, 1.0, conversion
+
+
+def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:
+    """Return the columns that change with every sample, (n, k)."""
+    titles = [
+        title for quantity in MOTION if quantity in mapping.columns for title in mapping.columns[quantity].titles
+    ]
+    titles = [title for title in titles if title in table]
+    return table.stack(titles) if titles else np.zeros((len(table), 0))
+
+
+def _without_stale_rows(loose: LooseTable, clock: TableClock) -> tuple[LooseTable, TableClock, tuple[str, ...]]:
+    """Leave out first rows that were measured long before the rest."""
+    known = np.flatnonzero(np.isfinite(clock.time_s))
+    count = count_stale_samples(clock.time_s[known])
+    if not count:
+        return loose, clock, ()
+    first = int(known[count])
+    start_s = float(clock.time_s[first])
+    kept = replace(
+        loose,
+        table=replace(
+            loose.table,
+            columns={title: column[first:] for title, column in loose.table.columns.items()},
+            empty={title: cells[first:] for title, cells in loose.table.empty.items()},
+        ),
+    )
+    shifted = replace(
+        clock,
+        time_s=clock.time_s[first:] - start_s,
+        start=clock.start + type(clock.start)(start_s),
+        epoch_s=None if clock.epoch_s is None else clock.epoch_s + start_s,
+    )
+    return kept, shifted, (stale_warning("time", count, len(clock.time_s)),)

@@ -1,0 +1,193 @@
+"""Read dates and times of day in the forms that recorders write.
+
+Understood are dates with year, month and day in any order (`2031-02-03 04:05:06.789`, `2031/02/03T04:05:06Z`,
+`03-Feb-2031 4:05:06`, `03.02.2031 04:05:06,789`, `20310203_040506_789`, `Mon Feb 03 04:05:06 2031`) and times of day
+alone, which start anew at midnight.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+KNOWN_FORMS = "2031-02-03 04:05:06.789, 2031/02/03 04:05:06, 03.02.2031 04:05:06, 03-Feb-2031 04:05:06, 04:05:06.789"
+
+_TIME = (
+    r"(?P<hour>\d{1,2})[:.hH-](?P<minute>\d{2})(?:[:.mM-](?P<second>\d{2})(?:(?P<mark>[.,:_-])(?P<fraction>\d{1,9})\d*)?)?"
+    r"\s*(?P<half>[AaPp])?(?:\.?[Mm]\.?)?"
+)
+_ZONE = r"\s*(?P<zone>Z|UTC|GMT|(?:UTC|GMT)?[+-]\d{2}:?\d{2})?"
+_DATE_FIRST = rf"^(?P<a>\d{{1,4}})[-/.](?P<b>\d{{1,2}}|[^\W\d_]{{3,9}})\.?[-/.](?P<c>\d{{1,4}})[ T_,]+{_TIME}{_ZONE}$"
+_COMPACT = (
+    r"^(?P<a>\d{4})(?P<b>\d{2})(?P<c>\d{2})[ T_-]?(?P<hour>\d{2})(?P<minute>\d{2})(?P<second>\d{2})"
+    rf"(?:(?P<mark>[._:,-]?)(?P<fraction>\d{{1,9}}))?{_ZONE}$"
+)
+_NAMED_DAY = (
+    r"^[A-Z][a-z]{2},? (?P<b>[A-Z][a-z]{2}) +(?P<a>\d{1,2}),? (?P<hour>\d{1,2}):(?P<minute>\d{2}):(?P<second>\d{2})"
+    r"(?:(?P<mark>[.,])(?P<fraction>\d{1,9}))? (?:[A-Z]{3,4})?(?P<zone>[+-]\d{2}:?\d{2})? ?(?P<c>\d{4})$"
+)
+_TIME_OF_DAY = rf"^{_TIME}{_ZONE}$"
+_MINUTES = r"^(?P<minute>\d{1,3}):(?P<second>\d{2})(?P<mark>[.,])(?P<fraction>\d{1,9})$"
+_FORMS = (_DATE_FIRST, _COMPACT, _NAMED_DAY, _TIME_OF_DAY, _MINUTES)
+_MONTHS = {
+    name: number
+    for number, names in enumerate(
+        (
+            "jan ene gen january janv",
+            "feb fev february fevr",
+            "mar mrz mär mars",
+            "apr abr avr",
+            "may mai mag",
+            "jun juin giu",
+            "jul juil lug",
+            "aug ago aou aoû",
+            "sep set",
+            "oct okt ott",
+            "nov",
+            "dec dez dic déc",
+        ),
+        start=1,
+    )
+    for name in names.split()
+}
+_SMALLEST_SHARE = 0.9
+_DAY_S = 86400
+_LONGEST_MS_DIGITS = 3
+_MISSING_NS = np.iinfo(np.int64).min
+
+
+@dataclass(frozen=True)
+class DateTimes:
+    """Times that were read from texts.
+
+    Attributes
+    ----------
+    ns
+        (n,) int64 nanoseconds since 1970, or since midnight of the first row for times of day.
+    known
+        (n,) False for the cells that are no date or time.
+    has_date
+        True for dates, False for times of day.
+    has_zone
+        True when the texts state their time zone, so that `ns` is Unix time.
+    """
+
+    ns: NDArray[np.int64]
+    known: NDArray[np.bool_]
+    has_date: bool
+    has_zone: bool
+
+
+def parse_dates(texts: NDArray[np.str_]) -> DateTimes | None:
+    """Read a column of dates or times of day; None when fewer than 90 % of its cells that are not empty are any."""
+    column = pl.Series("t", [str(text).strip() for text in texts], dtype=pl.String)
+    column = column.str.replace_all("[年月]", "-").str.replace_all("日", " ").str.replace_all("  ", " ", literal=True)
+    present = int((column != "").sum())
+    for form in _FORMS:
+        groups = column.str.extract_groups(form).struct.unnest()
+        matched = int(groups["minute"].is_not_null().sum())
+        if present and matched >= _SMALLEST_SHARE * present:
+            return _from_groups(groups)
+    return None
+
+
+def _from_groups(groups: pl.DataFrame) -> DateTimes:
+    second_ns = _integers(groups, "second") * 10**9 + _fraction_ns(groups)
+    hour = _integers(groups, "hour")
+    if "half" in groups.columns:
+        half = groups["half"].str.to_lowercase()
+        hour = np.where((half == "p").fill_null(False).to_numpy() & (hour < 12), hour + 12, hour)
+        hour = np.where((half == "a").fill_null(False).to_numpy() & (hour == 12), 0, hour)
+    minute = _integers(groups, "minute")
+    of_day = (hour * 3600 + minute * 60) * 10**9 + second_ns
+    known = groups["minute"].is_not_null().to_numpy() & (hour < 24) & (second_ns < 61 * 10**9)
+    if "a" not in groups.columns:
+        known &= (minute < 60) | ("hour" not in groups.columns)
+        period_s = _DAY_S if "hour" in groups.columns else 3600
+        return DateTimes(_over_midnight(of_day, known, period_s), known, has_date=False, has_zone=False)
+    days, valid = _days(groups)
+    zones = groups["zone"] if "zone" in groups.columns else pl.Series([None] * len(groups), dtype=pl.String)
+    known &= valid & (minute < 60)
+    has_zone = bool(known.any()) and zones.filter(pl.Series(known)).null_count() == 0
+    ns = days * (_DAY_S * 10**9) + of_day - (_zone_s(zones) * 10**9 if has_zone else 0)
+    return DateTimes(np.where(known, ns, _MISSING_NS), known, has_date=True, has_zone=has_zone)
+
+
+def _integers(groups: pl.DataFrame, name: str) -> NDArray[Any]:
+    if name not in groups.columns:
+        return np.zeros(len(groups), dtype=np.int64)
+    return groups[name].cast(pl.Int64, strict=False).fill_null(0).to_numpy()
+
+
+def _fraction_ns(groups: pl.DataFrame) -> NDArray[Any]:
+    """Convert the digits behind the seconds: a decimal fraction, or unpadded milliseconds behind a colon."""
+    digits = groups["fraction"].fill_null("0")
+    lengths = digits.str.len_chars()
+    marks = groups["mark"].fill_null("") if "mark" in groups.columns else pl.Series([""] * len(groups))
+    after_colon = bool(marks.is_in([":", "_", "-"]).any())
+    longest = int(lengths.max() or 0)  # type: ignore[arg-type]
+    if after_colon and longest <= _LONGEST_MS_DIGITS and lengths.n_unique() > 1:
+        return digits.cast(pl.Int64).to_numpy() * 10**6
+    return digits.str.pad_end(9, "0").cast(pl.Int64).to_numpy()
+
+
+def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Compute the days since 1970 from three numbers, one of which may be the name of a month.
+
+    Returns
+    -------
+    days : (n,) int
+    valid : (n,) bool
+        False where the numbers are no date.
+    """
+    first, third = _integers(groups, "a"), _integers(groups, "c")
+    names = groups["b"].fill_null("0")
+    named = names.str.contains(r"^[^\d]").any()
+    if named:
+        prefix = names.str.to_lowercase()
+        months = prefix.str.slice(0, 4).replace_strict(_MONTHS, default=None, return_dtype=pl.Int64)
+        short = prefix.str.slice(0, 3).replace_strict(_MONTHS, default=None, return_dtype=pl.Int64)
+        second = months.fill_null(short).fill_null(0).to_numpy()
+    else:
+        second = _integers(groups, "b")
+    if (first > 31).any():
+        year, month, day = first, second, third
+    elif (not named and (second > 12).any()) or (not named and _american(groups) and not (first > 12).any()):
+        year, month, day = third, first, second
+    else:
+        year, month, day = third, second, first
+    year = np.where(year < 100, year + 2000, year)
+    valid = (month >= 1) & (month <= 12) & (day >= 1) & (day <= 31) & (year >= 1970) & (year < 2200)
+    month_index = np.where(valid, (year - 1970) * 12 + month - 1, 0)
+    days = month_index.astype("datetime64[M]").astype("datetime64[D]").astype(np.int64) + np.where(valid, day - 1, 0)
+    return days, valid
+
+
+def _american(groups: pl.DataFrame) -> bool:
+    """Tell whether the times have AM or PM, with which the month comes first."""
+    return "half" in groups.columns and bool(groups["half"].is_not_null().any())
+
+
+def _zone_s(zones: pl.Series) -> NDArray[Any]:
+    """Compute the offsets from UTC, s."""
+    digits = (
+        zones.fill_null("Z").str.extract_groups(r"(?P<sign>[+-])(?P<hours>\d{2}):?(?P<minutes>\d{2})").struct.unnest()
+    )
+    seconds = _integers(digits, "hours") * 3600 + _integers(digits, "minutes") * 60
+    negative = (digits["sign"] == "-").fill_null(False).to_numpy()
+    offsets: NDArray[Any] = np.where(negative, -seconds, seconds)
+    return offsets
+
+
+def _over_midnight(of_day: NDArray[Any], known: NDArray[np.bool_], period_s: int) -> NDArray[Any]:
+    """Add a day (or hour) wherever the time falls back by more than half of it."""
+    period_ns = period_s * 10**9
+    index = np.flatnonzero(known)
+    result = np.full(len(of_day), _MISSING_NS)
+    if len(index):
+        times = of_day[index]
+        turns = np.concatenate([[0], np.cumsum(np.diff(times) < -period_ns // 2)])
+        result[index] = times + turns * period_ns
+    return result

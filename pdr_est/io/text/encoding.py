@@ -1,0 +1,60 @@
+"""Bring the text of a table to UTF-8 with plain line ends, whatever encoding it was saved in."""
+
+_UTF8_MARK = b"\xef\xbb\xbf"
+_UTF16_MARKS = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
+_SAMPLE_BYTES = 2000
+_NUL_SHARE = 0.3  # every second byte of UTF-16 text in Latin letters and digits is NUL
+_BROKEN_SIGNS = {"Â²": "²", "Â°": "°", "Âµ": "µ", "Î¼": "μ", "â°": "°", "Âº": "º"}
+
+
+def as_utf8(data: bytes) -> bytes:
+    """Return the bytes of a text in UTF-8, without byte-order mark and NUL, with LF at the ends of lines.
+
+    UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are taken as Windows-1252, which
+    contains Latin-1. A text that is plain UTF-8 already is returned as it is, so that nothing is copied.
+    """
+    encoding = _utf16_encoding(data)
+    if encoding is not None:
+        data = data.decode(encoding, "replace").removeprefix("\ufeff").encode()
+    elif data.startswith(_UTF8_MARK):
+        data = data[len(_UTF8_MARK) :]
+    if b"\0" in data:
+        data = data.replace(b"\0", b"")
+    if not data.isascii():
+        data = _from_single_bytes(data)
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return data
+
+
+def repair_signs(text: str) -> str:
+    """Return a text with the signs ², °, µ that were once read in the wrong encoding."""
+    for broken, sign in _BROKEN_SIGNS.items():
+        if broken in text:
+            text = text.replace(broken, sign)
+    return text
+
+
+def _utf16_encoding(data: bytes) -> str | None:
+    if data[:2] in _UTF16_MARKS:
+        return _UTF16_MARKS[data[:2]]
+    sample = data[:_SAMPLE_BYTES]
+    if len(sample) < 4 or sample.count(0) < _NUL_SHARE * len(sample):
+        return None
+    if sample[1::2].count(0) > 0.8 * len(sample[1::2]) and not sample[::2].count(0):
+        return "utf-16-le"
+    if sample[::2].count(0) > 0.8 * len(sample[::2]) and not sample[1::2].count(0):
+        return "utf-16-be"
+    return None
+
+
+def _from_single_bytes(data: bytes) -> bytes:
+    """Return the data as they are if they are UTF-8, else read from Windows-1252."""
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        # A text that is cut in the middle of a letter, as the head of a file is, is still UTF-8.
+        if error.end >= len(data) and len(data) - error.start < 4:
+            return data[: error.start]
+        return data.decode("cp1252", "replace").encode()
+    return data

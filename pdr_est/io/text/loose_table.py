@@ -1,0 +1,273 @@
+"""Parse a table whose layout was detected: fast where it is clean, and with damaged rows left out where it is not.
+
+The ordinary way is one pass of polars over the wanted columns. Only where that fails, the cells are read as text:
+words for a missing value, decimal commas, blanks and quotes are then understood, and rows that are cut, too long or
+hold text where the others hold numbers are left out and told with their line numbers.
+"""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from pdr_est.errors import RecordingError
+from pdr_est.io.text.cells import MISSING_SPELLINGS
+from pdr_est.io.text.finite_values import discard_huge_values
+from pdr_est.io.text.number_table import NumberTable
+from pdr_est.io.text.table_layout import BLANKS, TableLayout
+from pdr_est.io.text.text_columns import ParsedColumn, parse_text_column
+
+_LARGEST_DAMAGED_SHARE = 0.05
+_LINES_NAMED = 3
+_LAYOUT_ROWS = 100
+
+
+@dataclass(frozen=True)
+class LooseTable:
+    """Table with what was noticed while it was read.
+
+    Attributes
+    ----------
+    table
+        The wanted columns: numbers, or text where a column that may hold times has dates.
+    text_columns
+        Titles of the columns that are text.
+    warnings
+        Rows that were left out, in words.
+    """
+
+    table: NumberTable
+    text_columns: frozenset[str]
+    warnings: tuple[str, ...] = ()
+
+
+def read_loose_table(
+    data: bytes, place: str, layout: TableLayout, numbers: Sequence[str], times: Sequence[str] = ()
+) -> LooseTable:
+    """Read the wanted columns of a table.
+
+    Parameters
+    ----------
+    data
+        Whole content in UTF-8 (`encoding.as_utf8`).
+    place
+        Name of the file, for messages.
+    layout
+        How the table is written.
+    numbers
+        Titles of the columns that hold numbers.
+    times
+        Titles of the columns that hold numbers or, if not, text such as dates.
+
+    Raises
+    ------
+    RecordingError
+        When there are no rows, or more than 5 % of them are damaged.
+    """
+    body = _body(data, layout)
+    if not len(body):
+        raise RecordingError(f"{place}: the table has no rows below its header; record again")
+    wanted = [title for title in layout.titles if title in set(numbers) | set(times)]
+    frame = _fast(_in_place(data, body, layout), body, layout, wanted, set(times))
+    if frame is not None:
+        table, texts = _from_frame(frame, place, wanted)
+        return LooseTable(table, texts)
+    columns = _as_text(body, layout, wanted)
+    parsed = (
+        None if columns is None else {title: parse_text_column(columns[title], title in times) for title in wanted}
+    )
+    if parsed is not None and not any(one.wrong.any() for one in parsed.values()):
+        return _assembled(parsed, place, ())
+    return _repaired(body, place, layout, wanted, set(times))
+
+
+def _body(data: bytes, layout: TableLayout) -> memoryview:
+    """Cut off what stands above the first row and the blank end, and bring runs of blanks to one."""
+    start = 0
+    for _ in range(layout.first_line):
+        start = data.find(b"\n", start) + 1
+    end = len(data)
+    while end > start and data[end - 1] in b"\n \t":
+        end -= 1
+    if layout.separator == BLANKS:
+        body = data[start:end].replace(b"\t", b" ")
+        while b"  " in body:
+            body = body.replace(b"  ", b" ")
+        return memoryview(body.replace(b"\n ", b"\n").replace(b" \n", b"\n").lstrip(b" "))
+    return memoryview(data)[start:end]
+
+
+def _names(layout: TableLayout) -> list[str]:
+    return [f"c{i}" for i in range(len(layout.titles))]
+
+
+def _in_place(data: bytes, body: memoryview, layout: TableLayout) -> tuple[bytes, list[str]]:
+    """Return what polars parses and its names of the columns: the file as it is if possible, to copy nothing."""
+    top = data.find(b"\n") + 1
+    plain = layout.header_line == 0 and layout.first_line == 1 and layout.separator != BLANKS
+    if plain and len(data) - top <= len(body) + 1:
+        names = pl.read_csv(data[:top], separator=layout.separator, n_rows=0).columns
+        if len(names) == len(layout.titles):
+            return data, names
+    return _with_plain_header(body, layout), _names(layout)
+
+
+def _with_plain_header(body: memoryview, layout: TableLayout) -> bytes:
+    return b"".join((layout.separator.join(_names(layout)).encode(), b"\n", body))
+
+
+def _fast(
+    source: tuple[bytes, list[str]], body: memoryview, layout: TableLayout, wanted: Sequence[str], times: set[str]
+) -> pl.DataFrame | None:
+    """Parse the wanted columns in one pass; None where a cell is no number or a row has another length."""
+    if layout.decimal_comma and layout.separator == ",":
+        return None
+    content, in_file = source
+    names = dict(zip(layout.titles, in_file, strict=True))
+    last = in_file[-1]
+    types: dict[str, Any] = {names[title]: pl.Float64 for title in wanted if title not in times}
+    if all(names[title] != last for title in wanted):
+        types[last] = pl.String
+    try:
+        frame = pl.read_csv(
+            content,
+            separator=layout.separator,
+            columns=list(dict.fromkeys([*(names[title] for title in wanted), last])),
+            schema_overrides=types,
+            decimal_comma=layout.decimal_comma,
+            infer_schema_length=_LAYOUT_ROWS,
+        )
+    except (pl.exceptions.PolarsError, ValueError):
+        return None
+    if frame[last].null_count() and _has_short_rows(body, layout, frame[last]):
+        return None
+    return frame.select(names[title] for title in wanted)
+
+
+def _has_short_rows(body: memoryview, layout: TableLayout, last: pl.Series) -> bool:
+    """Tell whether rows whose last cell is empty lack separators, too, or whether rows are blank."""
+    lines = bytes(body).split(b"\n")
+    if len(lines) != len(last):
+        return True
+    separator = layout.separator.encode()
+    fewest = len(layout.titles) - 1
+    return any(lines[i].count(separator) < fewest for i in np.flatnonzero(last.is_null().to_numpy()))
+
+
+def _from_frame(frame: pl.DataFrame, place: str, wanted: Sequence[str]) -> tuple[NumberTable, frozenset[str]]:
+    arrays: dict[str, NDArray[Any]] = {}
+    empty: dict[str, NDArray[np.bool_]] = {}
+    texts = set()
+    for title, column in zip(wanted, frame.get_columns(), strict=True):
+        if column.dtype == pl.String:
+            parsed = parse_text_column(column, may_be_text=True)
+            arrays[title] = parsed.values
+            if parsed.is_text:
+                texts.add(title)
+            cells = parsed.empty
+        else:
+            nulls = column.is_null() if column.null_count() else None
+            arrays[title] = _as_array(column)
+            cells = np.zeros(0, dtype=np.bool_) if nulls is None else nulls.to_numpy()
+        if cells.any():
+            empty[title] = cells
+    return NumberTable(place, arrays, empty), frozenset(texts)
+
+
+def _as_array(column: pl.Series) -> NDArray[Any]:
+    """Return int64 where all values are integers, else float64 with NaN for missing values."""
+    if column.dtype.is_integer() and not column.null_count():
+        return column.cast(pl.Int64).to_numpy()
+    return discard_huge_values(column.cast(pl.Float64).to_numpy().astype(np.float64))
+
+
+def _as_text(body: memoryview, layout: TableLayout, wanted: Sequence[str]) -> dict[str, pl.Series] | None:
+    """Read the wanted columns as text; None where rows differ in length or are blank."""
+    names = dict(zip(layout.titles, _names(layout), strict=True))
+    last = _names(layout)[-1]
+    columns = list(dict.fromkeys([*(names[title] for title in wanted), last]))
+    try:
+        frame = pl.read_csv(
+            _with_plain_header(body, layout),
+            separator=layout.separator,
+            columns=columns,
+            infer_schema=False,
+            null_values=list(MISSING_SPELLINGS),
+        )
+    except (pl.exceptions.PolarsError, ValueError):
+        return None
+    if frame[last].null_count() and _has_short_rows(body, layout, frame[last]):
+        return None
+    return {title: frame[names[title]] for title in wanted}
+
+
+def _assembled(parsed: Mapping[str, ParsedColumn], place: str, warnings: tuple[str, ...]) -> LooseTable:
+    arrays = {title: one.values for title, one in parsed.items()}
+    empty = {title: one.empty for title, one in parsed.items() if one.empty.any()}
+    texts = frozenset(title for title, one in parsed.items() if one.is_text)
+    return LooseTable(NumberTable(place, arrays, empty), texts, warnings)
+
+
+def _repaired(
+    body: memoryview, place: str, layout: TableLayout, wanted: Sequence[str], times: set[str]
+) -> LooseTable:
+    """Read the table line by line and leave out the damaged rows."""
+    rows, lines, damaged = _rows(body, layout)
+    at = {title: i for i, title in enumerate(layout.titles)}
+    columns = {title: pl.Series([row[at[title]] for row in rows], dtype=pl.String) for title in wanted}
+    parsed = {title: parse_text_column(column, title in times) for title, column in columns.items()}
+    wrong = np.zeros(len(rows), dtype=np.bool_)
+    for title, one in parsed.items():
+        wrong |= one.wrong
+        for i in np.flatnonzero(one.wrong & ~one.empty)[:_LINES_NAMED]:
+            damaged.setdefault(lines[i], f"{columns[title][int(i)]!r} in column {title!r}")
+    number = len(rows) - int((~wrong).sum()) + sum(line not in set(lines) for line in damaged)
+    total = number + int((~wrong).sum())
+    named = ", ".join(f"line {line}: {fault}" for line, fault in sorted(damaged.items())[:_LINES_NAMED])
+    if number > max(1.0, _LARGEST_DAMAGED_SHARE * total):
+        raise RecordingError(f"{place}: {number} of {total} rows are damaged ({named}); export the recording again")
+    kept = ~wrong
+    clean = {
+        title: ParsedColumn(one.values[kept], one.empty[kept], one.wrong[kept], one.is_text)
+        for title, one in parsed.items()
+    }
+    warnings = (f"{number} of {total} rows are damaged and left out ({named})",) if number else ()
+    return _assembled(clean, place, warnings)
+
+
+def _rows(body: memoryview, layout: TableLayout) -> tuple[list[list[str]], list[int], dict[int, str]]:
+    """Split the rows into cells.
+
+    Returns
+    -------
+    rows : list of list of str
+        Rows with as many cells as there are titles; empty cells too many at their end are cut off.
+    lines : list of int
+        Line numbers of those rows.
+    damaged : dict
+        Line number -> fault of the other rows.
+    """
+    text = io.StringIO(str(body, "utf-8", "replace"), newline="\n")
+    reader = csv.reader(text, delimiter=layout.separator)
+    width = len(layout.titles)
+    rows, lines, damaged = [], [], {}
+    try:
+        for row in reader:
+            line = layout.first_line + reader.line_num
+            if not any(cell.strip() for cell in row) or row[0].startswith("#"):
+                continue
+            while len(row) > width and not row[-1].strip():
+                row.pop()
+            if len(row) == width:
+                rows.append(row)
+                lines.append(line)
+            else:
+                damaged[line] = f"{len(row)} cells instead of {width}"
+    except csv.Error as error:
+        damaged[layout.first_line + reader.line_num] = str(error)
+    return rows, lines, damaged
