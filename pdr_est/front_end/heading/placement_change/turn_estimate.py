@@ -18,7 +18,8 @@ import numpy as np
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.phone_posture import angle_between, mean_yaw, yaw_between_postures
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
-from pdr_est.front_end.heading.placement_change.direction_cues import direction_density, stride_cues
+from pdr_est.front_end.heading.placement_change.direction_cues import direction_density
+from pdr_est.front_end.heading.placement_change.stride_cues import stride_cues
 from pdr_est.front_end.heading.placement_change.turn_density import (
     difference,
     gaussian,
