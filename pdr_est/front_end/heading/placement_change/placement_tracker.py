@@ -113,11 +113,14 @@ class PlacementTracker:
 
         A wide swing of the arm takes the phone to another posture at the next step, and back at the one after.
         """
-        for back, one in enumerate(reversed(self.training[-2:]), start=1):
-            swings = back == 1 and step.event.mode is one.event.mode is CarryingMode.SWING
-            limit_rad = self._parameters.swung_rad if swings else self._parameters.moved_rad
-            if angle_between(up, mean_up(one.samples)) >= limit_rad:
-                return self.training[len(self.training) - back + 1 :]
+        off_rad = [angle_between(up, mean_up(one.samples)) for one in self.training[-2:]]
+        if not off_rad:
+            return []
+        swings = step.event.mode is self.training[-1].event.mode is CarryingMode.SWING
+        if off_rad[-1] >= (self._parameters.swung_rad if swings else self._parameters.moved_rad):
+            return []
+        if off_rad[0] >= self._parameters.moved_rad and len(off_rad) == 2:
+            return self.training[-1:] if swings else []
         return self.training
 
 
