@@ -17,8 +17,8 @@ from pdr_est.types.steps import CarryingMode, Step
 
 LIMB_MODES = (CarryingMode.SWING, CarryingMode.POCKET)
 _DISTINCT_MODES = (CarryingMode.HOLDING, *LIMB_MODES)
-# Turn of the phone from one step to the next, of a walker who goes straight on with a phone on a limb, and in a corner
-# or at any time; and the probability that a hand still moves a phone that seems to have settled. Ours.
+# Turn of the phone from one step to the next: of a walker who goes straight on with a phone on a limb, in a corner,
+# and by any angle; and the probability that a hand still moves a phone that seems to have settled. Ours.
 _SIGMA_STRAIGHT_RAD, _SIGMA_CORNER_RAD = 0.2, 0.6
 _CORNER, _ANY, _HANDLED = 0.15, 0.01, 0.05
 
