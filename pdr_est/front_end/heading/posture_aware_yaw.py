@@ -114,7 +114,7 @@ class PostureAwareYaw:
         self._before = PlacedSteps(steps, before.up) if steps else None
         self._recent.clear()
         if steps:
-            heading = np.array([step.heading_rad for step in steps[-2:]])
+            heading = np.array([step.heading_rad for step in steps])
             self._heading_rad = last_heading(heading, self._parameters.bend_rad)
 
     def _settle(self, step: Step) -> Step:

@@ -283,6 +283,26 @@ def test_of_a_walker_who_goes_straight_the_mean_of_two_steps_is_kept() -> None:
     np.testing.assert_allclose(directed(steps)[10:], -3.0, atol=0.1)  # less the first one, which is at 3
 
 
+def test_what_a_limb_turns_from_step_to_step_is_no_turn_of_the_walker() -> None:
+    steps = [
+        carried(number, 12.0 * (-1) ** number) for number in range(10)
+    ]  # by more than the walker turns in a bend
+    steps += [carried(number, 0.0, about_x(1.5)) for number in range(10, 20)]
+    np.testing.assert_allclose(directed(steps)[10:], -12.0, atol=0.1)  # less the first one, which is at 12
+
+
+def test_first_steps_at_which_the_hand_still_turns_the_phone_teach_nothing() -> None:
+    steps = [carried(number, 20.0) for number in range(10)]
+    steps += [carried(10, 20.0, about_x(1.5)), carried(11, 130.0, about_x(1.5))]  # upright, but not yet as it stays
+    steps += [carried(number, 20.0, about_x(1.5)) for number in range(12, 20)]
+    np.testing.assert_allclose(directed(steps)[12:], 0.0, atol=1.0)
+
+
+def test_a_phone_settles_in_a_hand_that_swings_widely() -> None:
+    swings = [carried(k, 20.0, about_x(1.5 + 0.55 * (-1) ** k), mode=SWING) for k in range(10, 24)]
+    assert learnt_at([carried(number, 20.0) for number in range(10)] + swings) == [14]
+
+
 def test_the_first_step_in_a_new_posture_teaches_nothing() -> None:
     steps = [carried(number, 20.0) for number in range(10)]
     steps += [carried(10, 70.0, about_x(1.5))]  # the hand has not let go yet

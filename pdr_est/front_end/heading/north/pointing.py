@@ -16,7 +16,7 @@ import numpy as np
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.north.usual_azimuth import usual_azimuth
 from pdr_est.front_end.heading.phone_posture import angle_between, mean_up, mean_yaw, yaw_between_postures
-from pdr_est.front_end.heading.placement_change.direction_cues import StrideCue, stride_cues
+from pdr_est.front_end.heading.placement_change.stride_cues import StrideCue, stride_cues
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD, CELLS, gaussian, mixed, normalised
 from pdr_est.types.steps import CarryingMode, Step, begins_walk
 

@@ -30,6 +30,10 @@ class AutoHeadingParams:
     """Number of steps in a row in another carrying mode after which the phone was put elsewhere in any posture:
     a hand at the thigh and a trouser pocket may hold it alike.
     """
+    swung_rad: _Angle = 1.4
+    """Change of the direction of gravity, rad, from one step to the next below which a phone in a swinging hand was
+    not moved.
+    """
     returned_rad: _Angle = 0.4
     """Posture change, rad, below which the phone counts as back in its old posture."""
     bend_rad: _Angle = 0.26

@@ -10,13 +10,17 @@ from enum import Enum, auto
 
 import numpy as np
 
-from pdr_est.frames import Array
-from pdr_est.front_end.heading.phone_posture import angle_between, mean_up
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.phone_posture import angle_between, mean_up, mean_yaw
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.types.steps import CarryingMode, Step
 
 LIMB_MODES = (CarryingMode.SWING, CarryingMode.POCKET)
 _DISTINCT_MODES = (CarryingMode.HOLDING, *LIMB_MODES)
+# Turn of the phone from one step to the next: of a walker who goes straight on with a phone on a limb, in a corner,
+# and by any angle; and the probability that a hand still moves a phone that seems to have settled. Ours.
+_SIGMA_STRAIGHT_RAD, _SIGMA_CORNER_RAD = 0.2, 0.6
+_CORNER, _ANY, _HANDLED = 0.15, 0.01, 0.05
 
 
 class Placing(Enum):
@@ -95,17 +99,29 @@ class PlacementTracker:
         return step.event.mode is not self._mode and {step.event.mode, self._mode} <= set(_DISTINCT_MODES)
 
     def _settle(self, step: Step, up: Array, handled: bool) -> Placing:
-        latest = self.training[-2:]
-        steady = all(angle_between(up, mean_up(one.samples)) < self._parameters.moved_rad for one in latest)
-        if handled or not steady:
-            self.training = []
+        self.training = [] if handled else self._steady(step, up)
         if not handled:
             self.training.append(step)
         if len(self.training) <= self._parameters.training_steps:
             return Placing.AWAY
-        self.training = self.training[1:]
+        self.training = _in_place(self.training[1:])
         self.up, self._mode, self._away = common_up(self.training), step.event.mode, False
         return Placing.SETTLES
+
+    def _steady(self, step: Step, up: Array) -> list[Step]:
+        """Return the steps since the hand let go of the phone that have the same posture as a step.
+
+        A wide swing of the arm takes the phone to another posture at the next step, and back at the one after.
+        """
+        off_rad = [angle_between(up, mean_up(one.samples)) for one in self.training[-2:]]
+        if not off_rad:
+            return []
+        swings = step.event.mode is self.training[-1].event.mode is CarryingMode.SWING
+        if off_rad[-1] >= (self._parameters.swung_rad if swings else self._parameters.moved_rad):
+            return []
+        if off_rad[0] >= self._parameters.moved_rad and len(off_rad) == 2:
+            return self.training[-1:] if swings else []
+        return self.training
 
 
 @dataclass(frozen=True)
@@ -155,6 +171,21 @@ def placements_of(steps: Sequence[Step], parameters: AutoHeadingParams) -> list[
     if inside and first < len(steps):
         found.append(Placement(first, len(steps), up, returned, settled, steps[-1].event.mode))
     return found
+
+
+def _in_place(steps: Sequence[Step]) -> list[Step]:
+    """Return some steps, at least two, without the first ones at which a hand may still have turned the phone.
+
+    A hand turns it about the vertical by any angle, a walker mostly by a small one.
+    """
+    yaw = [mean_yaw(step.samples, common_up(steps)) for step in steps]
+    change = wrap_angle(np.diff(yaw))
+    straight = np.exp(-0.5 * (change / _SIGMA_STRAIGHT_RAD) ** 2) / _SIGMA_STRAIGHT_RAD
+    corner = np.exp(-0.5 * (change / _SIGMA_CORNER_RAD) ** 2) / _SIGMA_CORNER_RAD
+    walking = np.sqrt(2.0 * np.pi) * ((1.0 - _CORNER) * straight + _CORNER * corner)  # over the uniform density
+    gain = np.cumsum(np.log(_HANDLED) - np.log(walking + _ANY))[: len(steps) - 2]  # of leaving out so many steps
+    best = int(np.argmax(gain)) if len(gain) else 0
+    return list(steps[best + 1 :] if len(gain) and gain[best] > 0.0 else steps)
 
 
 def is_handled(step: Step) -> bool:

@@ -18,7 +18,8 @@ import numpy as np
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.phone_posture import angle_between, mean_yaw, yaw_between_postures
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
-from pdr_est.front_end.heading.placement_change.direction_cues import direction_density, stride_cues
+from pdr_est.front_end.heading.placement_change.direction_cues import direction_density
+from pdr_est.front_end.heading.placement_change.stride_cues import stride_cues
 from pdr_est.front_end.heading.placement_change.turn_density import (
     difference,
     gaussian,
@@ -34,6 +35,7 @@ _SPREAD_TURN_RAD = 0.65
 _SIGMA_ANY_TURN_RAD = 0.9
 _SLOW_TURN_RAD = 0.48  # turn before and after, extrapolated, at which going straight on is half as likely
 _SHARE_ONWARD = 0.88  # of those that turn, so many turn on the way that they turned before or turn after
+_SWAY_STEPS, _LEAST_SWAY_STEPS = 8, 4  # most and least steps that tell what a limb turns from step to step
 _EDGE_STEPS = 4  # steps before and after that tell how fast the walker turns
 
 
@@ -155,10 +157,19 @@ def last_heading(heading_rad: Array, bend_rad: float) -> float:
     """Return the heading at the end of some steps with continuous headings (n,).
 
     It is the mean of the last two, because that cancels the motion of a limb, but the last one where the walker turns
-    by more than `bend_rad` in between.
+    by more than `bend_rad` in between. What a limb turns from step to step and back is no turn of the walker.
     """
-    latest = heading_rad[-2:]
+    latest = _without_sway(heading_rad[-_SWAY_STEPS:])[-2:]
     return float(latest[-1] if abs(latest[-1] - latest[0]) > bend_rad else latest.mean())
+
+
+def _without_sway(heading_rad: Array) -> Array:
+    """Take off headings (n,) what changes its sign from step to step, by the median over the steps."""
+    if len(heading_rad) < _LEAST_SWAY_STEPS:
+        return heading_rad
+    sign = 1.0 - 2.0 * (np.arange(len(heading_rad)) % 2)
+    bends = heading_rad[:-2] - 2.0 * heading_rad[1:-1] + heading_rad[2:]
+    return np.asarray(heading_rad + 0.25 * float(np.median(bends * sign[1:-1])) * sign)
 
 
 def first_heading(heading_rad: Array, bend_rad: float) -> float:

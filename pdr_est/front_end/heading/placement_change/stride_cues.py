@@ -1,0 +1,69 @@
+"""Motion of each stride of a walker, as the phone felt it: what tells the walking direction."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+from pdr_est.front_end.heading.level_frame import to_level
+from pdr_est.front_end.heading.phone_posture import mean_yaw
+from pdr_est.front_end.heading.principal_axis import StrideMotion, is_walking_stride
+from pdr_est.front_end.heading.stride_pairing import StridePairing
+from pdr_est.types.steps import CarryingMode, Step
+
+
+@dataclass(frozen=True)
+class StrideCue:
+    """Motion of a stride in the level frame turned by the yaw of the phone.
+
+    Attributes
+    ----------
+    motion : StrideMotion
+        First harmonic of the acceleration over the steps; its yaw is that of the phone in its posture.
+    rotation_radps : ndarray of complex, shape (2,)
+        Horizontal rotation rate at the stride frequency.
+    rotation_at_steps_radps : ndarray of complex, shape (2,)
+        Horizontal rotation rate at the step frequency, twice that.
+    twist_radps : complex
+        Rotation rate about the vertical at the stride frequency.
+    lift_mps2 : complex
+        Vertical acceleration at the stride frequency.
+    mode : CarryingMode
+        Carrying mode.
+    """
+
+    motion: StrideMotion
+    rotation_radps: NDArray[np.complex128]
+    rotation_at_steps_radps: NDArray[np.complex128]
+    twist_radps: complex
+    lift_mps2: complex
+    mode: CarryingMode
+
+
+def stride_cues(steps: Sequence[Step], up: Array) -> list[StrideCue]:
+    """Compute the motion of each stride of some steps, in which the phone had the posture `up` (3,)."""
+    strides = StridePairing()
+    return [_cue(pair, up) for step in steps for pair in strides.add(step) if is_walking_stride(pair)]
+
+
+def _cue(pair: Sequence[Step], up: Array) -> StrideCue:
+    phasor = sum(len(step.samples) * np.exp(1j * mean_yaw(step.samples, up)) for step in pair)
+    yaw_rad = float(np.angle(phasor))
+    horizontal, rotation, at_steps = (np.zeros(2, dtype=np.complex128) for _ in range(3))
+    vertical, twist, lift, count = 0j, 0j, 0j, sum(len(step.samples) for step in pair)
+    for number, step in enumerate(pair):
+        samples = step.samples
+        phase = (np.arange(len(samples)) + 0.5) / len(samples)
+        once_a_step, once_a_stride = np.exp(-2j * np.pi * phase), np.exp(-1j * np.pi * (phase + number))
+        acceleration = to_level(samples.acceleration_mps2, samples.up, samples.yaw_rad - yaw_rad)
+        rate = to_level(samples.rotation_rate_radps, samples.up, samples.yaw_rad - yaw_rad)
+        horizontal += np.sum(once_a_step[:, None] * acceleration, axis=0)
+        rotation += np.sum(once_a_stride[:, None] * rate, axis=0)
+        at_steps += np.sum(once_a_step[:, None] * rate, axis=0)
+        vertical += complex(np.sum(once_a_step * samples.vertical_mps2))
+        lift += complex(np.sum(once_a_stride * samples.vertical_mps2))
+        twist += complex(np.sum(once_a_stride * samples.turn_rate_radps))
+    motion = StrideMotion(horizontal / count, vertical / count, yaw_rad)
+    return StrideCue(motion, rotation / count, at_steps / count, twist / count, lift / count, pair[0].event.mode)
