@@ -30,7 +30,8 @@ class DominantDirections:
     drift_per_sqrt_s
         Drift of the heading of the phone that fits the walk best, rad/√s.
     rate_radps
-        Constant rate of the drift, by the bias of the gyroscope, rad/s.
+        Constant rate of the drift, by the bias of the gyroscope, rad/s: the most probable one where the directions
+        are used, else its mean with the probability of such directions.
     drift_rad
         (n,) rad, heading drift since the first piece without that of the constant rate.
     sigma_rad

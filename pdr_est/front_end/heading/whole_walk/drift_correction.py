@@ -14,6 +14,7 @@ from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingPa
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
 from pdr_est.front_end.heading.placement_change.turn_estimate import TurnEstimate
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
+from pdr_est.front_end.heading.whole_walk.later_standing import with_later_standing
 from pdr_est.front_end.heading.whole_walk.offset_evidence import offset_evidence
 from pdr_est.front_end.heading.whole_walk.placement_turns import placed_walk
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
@@ -21,6 +22,7 @@ from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
 
 _LEAST_PROBABILITY = 0.5  # that a section follows a dominant direction, for a prior
+_LEAST_DRIFT_RAD = 0.02  # over a walk, that is corrected
 _DECIDED = 0.995  # least probability of the nearest direction after a change of place, for priors on both sides
 
 
@@ -29,7 +31,8 @@ class WholeWalkHeading:
 
     The turns while the phone was put elsewhere are estimated again, from all strides in each place and from the
     directions of the building. Steps of sideways and backward walking get the direction of motion. Then the headings
-    are corrected by the directions of the building, if it has some.
+    are corrected by what standing tells of the gyroscope's bias, and by the directions of the building, if it has
+    some.
 
     Parameters
     ----------
@@ -101,13 +104,16 @@ class WholeWalkHeading:
         steps = self._with_turns(found)
         if self._course is not None:
             steps = with_courses(steps, self._course)
+        steps = with_later_standing(steps)
         if self._parameters is None:
             return steps
         sections = straight_leg_sections(steps, self._parameters.straight)
         self.directions = directions = dominant_directions(sections, self._parameters)
-        if directions is None or not directions.used:
+        if directions is None:
             return steps
         steps = _without_rate(steps, directions.rate_radps)
+        if not directions.used:
+            return steps
         if not self._as_priors:
             return _without_drift(steps, sections, directions)
         return _with_drift_noise(_with_priors(steps, sections, directions), directions.drift_per_sqrt_s)
@@ -165,6 +171,8 @@ def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
 def _without_rate(steps: Sequence[Step], rate_radps: float) -> list[Step]:
     """Take a constant rate off the headings."""
     start_s = steps[0].event.time_s
+    if abs(rate_radps) * (steps[-1].event.time_s - start_s) < _LEAST_DRIFT_RAD:
+        return list(steps)
     return [
         replace(step, heading_rad=float(wrap_angle(step.heading_rad - rate_radps * (step.event.time_s - start_s))))
         for step in steps
