@@ -8,7 +8,7 @@ probabilities follow from the walk.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
 from pdr_est.front_end.heading.stride_pairing import stride_averages
+from pdr_est.records import changed
 from pdr_est.types.steps import Step
 
 # Probability per step that the body begins to turn alone, and of each such rate: few people ever do, some often.
@@ -83,7 +84,7 @@ def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
         mean_rad, sigma_rad = _offsets(run, parameters)
         for k in np.flatnonzero(np.hypot(mean_rad, sigma_rad) > _LEAST_RAD).tolist():
             turned = float(wrap_angle(steps[first + k].heading_rad + mean_rad[k]))
-            done[first + k] = replace(
+            done[first + k] = changed(
                 steps[first + k],
                 heading_rad=turned,
                 course_offset_rad=float(mean_rad[k]),

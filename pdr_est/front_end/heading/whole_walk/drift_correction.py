@@ -1,7 +1,6 @@
 """The stage that corrects headings at the end of the walk: by all strides, and by the dominant directions."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import erf, sqrt
 
 import numpy as np
@@ -18,6 +17,7 @@ from pdr_est.front_end.heading.whole_walk.later_standing import with_later_stand
 from pdr_est.front_end.heading.whole_walk.offset_evidence import offset_evidence
 from pdr_est.front_end.heading.whole_walk.placement_turns import placed_walk
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
+from pdr_est.records import changed
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
 
@@ -127,7 +127,7 @@ def _with_priors(steps: Sequence[Step], sections: LegSections, directions: Domin
     chosen = int(np.argmax(np.bincount(run, weights=follows * (sections.last - sections.first))))
     for i in np.flatnonzero(follows & (run == chosen)):
         for k in range(sections.first[i], sections.last[i]):
-            marked[k] = replace(
+            marked[k] = changed(
                 marked[k],
                 path_heading_rad=float(wrap_angle(directions.path_heading_rad[i])),
                 sigma_path_heading_rad=float(directions.sigma_rad[i]),
@@ -163,7 +163,7 @@ def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
     times = [step.event.time_s for step in steps]
     elapsed_s = np.diff(times, prepend=times[0])
     return [
-        replace(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
+        changed(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
         for step, passed in zip(steps, elapsed_s, strict=True)
     ]
 
@@ -174,7 +174,7 @@ def _without_rate(steps: Sequence[Step], rate_radps: float) -> list[Step]:
     if abs(rate_radps) * (steps[-1].event.time_s - start_s) < _LEAST_DRIFT_RAD:
         return list(steps)
     return [
-        replace(step, heading_rad=float(wrap_angle(step.heading_rad - rate_radps * (step.event.time_s - start_s))))
+        changed(step, heading_rad=float(wrap_angle(step.heading_rad - rate_radps * (step.event.time_s - start_s))))
         for step in steps
     ]
 
@@ -182,6 +182,6 @@ def _without_rate(steps: Sequence[Step], rate_radps: float) -> list[Step]:
 def _without_drift(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
     drift = np.interp([step.event.time_s for step in steps], sections.time_s, directions.drift_rad)
     return [
-        replace(step, heading_rad=float(wrap_angle(step.heading_rad - off)))
+        changed(step, heading_rad=float(wrap_angle(step.heading_rad - off)))
         for step, off in zip(steps, drift, strict=True)
     ]

@@ -6,11 +6,11 @@ it is another one in a phone that was turned over, by as much as the direction o
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.records import changed
 from pdr_est.types.steps import Step
 
 _WALK_RADPS_PER_SQRT_S = np.deg2rad(0.01)  # random walk of the bias, as VQF's
@@ -37,11 +37,11 @@ def with_later_standing(steps: Sequence[Step]) -> list[Step]:
     if np.abs(total).max() < _LEAST_RAD:
         return list(steps)
     return [
-        replace(
+        changed(
             step,
             heading_rad=float(wrap_angle(step.heading_rad - off)),
             turn_hypotheses=tuple(
-                replace(one, heading_change_rad=float(wrap_angle(one.heading_change_rad - here)))
+                changed(one, heading_change_rad=float(wrap_angle(one.heading_change_rad - here)))
                 for one in step.turn_hypotheses
             ),
         )
