@@ -3,7 +3,6 @@
 Without gyroscope there is no yaw, and gravity comes from the accelerometer alone.
 """
 
-from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -17,6 +16,7 @@ from pdr_est.front_end.signal.filters import CausalLowPass
 from pdr_est.front_end.signal.standing_bias import StandingBias, StandingBiasParams
 from pdr_est.front_end.signal.vectors import dot, norm, specific_force
 from pdr_est.params import Positive, params
+from pdr_est.records import changed
 from pdr_est.types.sensors import ImuBlock, LevelBlock
 from pdr_est.types.steps import CarryingMode
 
@@ -133,7 +133,7 @@ class VqfAttitude:
         # The carry is the first term of the sum, so that the additions and their order do not depend on the cuts.
         offset = np.cumsum(np.concatenate([[self._yaw_offset_rad], -self._settings["gyrTs"] * excess]))[1:]
         self._yaw_offset_rad = float(offset[-1])
-        return replace(
+        return changed(
             level,
             yaw_rad=wrap_angle(level.yaw_rad + offset),
             rotation_rate_radps=level.rotation_rate_radps - excess[:, None] * level.up,

@@ -71,9 +71,9 @@ class DeviceWalk:
     odometry
         Motion step by step, as a causal front end computes it.
     whole_walk_odometry
-        The same with corrections that need the whole walk; for estimators that smooth.
+        The same with corrections that need the whole walk, for estimators that smooth.
     directions
-        Dominant directions of the building; None where none were sought.
+        Dominant directions of the building; None where none were sought, as for a filter.
     has_heading
         False for a device without gyroscope: its steps have a length but no heading, and there is no odometry.
     clock

@@ -188,8 +188,8 @@ def _predictive_likelihoods(
 ) -> tuple[Array, Array]:
     """Compute the likelihoods (n, drifts) of the sections given those before, relative to the uniform density.
 
-    The first ones are those of directions that may be any in each leg, the second ones those of directions that may be
-    any after each turn that is evidence.
+    The first ones are those of directions that may be any in each leg, the second ones those of directions that may
+    be any after each turn that is evidence.
     """
     of_leg, of_turn = np.empty(along.shape[:2]), np.empty(along.shape[:2])
     anywhere = np.ones(along.shape[1:])
