@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.course.course_offsets import with_courses
+from pdr_est.front_end.heading.course.course_offsets import moves_ahead, with_courses, without_courses
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
@@ -101,9 +101,9 @@ class WholeWalkHeading:
         return steps if refined is None else refined.oriented(self._placement.bend_rad)
 
     def _correct(self, found: list[Step]) -> list[Step]:
-        steps = self._with_turns(found)
+        steps = self._with_turns(without_courses(found))
         if self._course is not None:
-            steps = with_courses(steps, self._course)
+            steps = with_courses(steps, self._course, moves_ahead(found))
         steps = with_later_standing(steps)
         if self._parameters is None:
             return steps
