@@ -60,6 +60,6 @@ def angle_and_doubt(probability: Array, log_evidence: Array) -> tuple[Array, Arr
         Logarithm of the evidence of each rate.
     """
     weight = _RATE_PROBABILITY * np.exp(log_evidence - log_evidence.max())
-    angle = np.einsum("r,nrj,j->n", weight / weight.sum(), probability, _PHASORS)
+    angle = (probability @ _PHASORS) @ (weight / weight.sum())
     spread = np.sqrt(-2.0 * np.log(np.clip(np.abs(angle), 1e-3, 1.0)))
     return np.angle(angle), np.minimum(spread, SIGMA_UNIFORM_RAD)

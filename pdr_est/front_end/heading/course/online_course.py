@@ -5,10 +5,11 @@ of the acceleration of the steps before, and ends when the walker moves ahead ag
 yet, a few steps after each turn, is told as doubt.
 """
 
+import cmath
 from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.course.course_likelihood import (
@@ -16,13 +17,12 @@ from pdr_est.front_end.heading.course.course_likelihood import (
     LEAST_TURN_RAD,
     RATES,
     TURNS_WITHIN,
-    AheadMoments,
     angle_and_doubt,
     log_likelihood,
     robust_moments,
 )
 from pdr_est.front_end.heading.course.course_params import CourseParams
-from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
+from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration_of, shows_course
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES_RAD, moved_on, walking_ahead
 from pdr_est.front_end.heading.stride_pairing import stride_averages
 from pdr_est.records import changed
@@ -30,7 +30,9 @@ from pdr_est.types.steps import Step
 
 _REMEMBERED = 60  # steps ahead that tell mean and noise
 _LEAST_RAD = 0.02  # angle and doubt together, below which the walker moves ahead
+_NO_DOUBT = 1e-4  # probability of moving otherwise that is not told
 _CERTAIN = 0.01  # probability of moving otherwise below which the chain ends
+_LOG_GOES_ON = np.log1p(-RATES)
 _PHASORS = np.exp(1j * ANGLES_RAD)
 _AHEAD = np.abs(ANGLES_RAD) < 0.6  # by so little the hand may turn against the body
 
@@ -58,8 +60,11 @@ class OnlineCourse:
         """Forget the steps in another place of the phone."""
         self._steps: deque[Step] = deque(maxlen=_REMEMBERED)
         self._headings: deque[float] = deque(maxlen=_REMEMBERED)
+        self._counts: deque[bool] = deque(maxlen=_REMEMBERED)
+        self._accelerations: deque[complex | None] = deque(maxlen=_REMEMBERED)  # None where not computed yet
+        self._latest_headings: deque[float] = deque(maxlen=TURNS_WITHIN + 1)
         self._state: Array | None = None  # probabilities (2, r, 72)
-        self._moments: AheadMoments | None = None
+        self._expected, self._variance = _PHASORS, 1.0  # acceleration for each angle, and its variance
         self._waits = 0  # steps until another turn may begin a chain
 
     def push(self, item: Step, /) -> list[Step]:
@@ -68,15 +73,19 @@ class OnlineCourse:
             self._segment = item.event.segment
             self._begin()
         last = self._headings[-1] if self._headings else item.heading_rad
-        self._headings.append(last + float(wrap_angle(item.heading_rad - last)))
+        heading = last + (item.heading_rad - last + np.pi) % (2.0 * np.pi) - np.pi
+        self._headings.append(heading)
+        self._latest_headings.append(heading)
         self._steps.append(item)
+        self._counts.append(shows_course(item))
+        self._accelerations.append(None)
         self._waits = max(self._waits - 1, 0)
         if self._state is None:
             if not self._turns() or self._waits:
-                self._log_evidence = self._log_evidence + np.log1p(-RATES)
+                self._log_evidence = self._log_evidence + _LOG_GOES_ON
                 return [item]
             return [self._first(item)]
-        self._observe(*self._latest(self._steps))
+        self._observe(*self._latest())
         return [self._described(item)]
 
     def flush(self) -> list[Step]:
@@ -85,43 +94,50 @@ class OnlineCourse:
 
     def _turns(self) -> bool:
         """Return True for a phone that turned over the last steps."""
-        latest = list(self._headings)[-TURNS_WITHIN - 1 :]
-        return max(abs(latest[-1] - one) for one in latest) > LEAST_TURN_RAD
+        last = self._headings[-1]
+        return any(abs(last - one) > LEAST_TURN_RAD for one in self._latest_headings)
 
     def _first(self, item: Step) -> Step:
         """Begin a chain before the turn."""
         self._waits = TURNS_WITHIN
-        steps, heading = list(self._steps), np.array(self._headings)
-        acceleration = stride_averages(leading_acceleration(steps) * np.exp(-1j * heading))
-        counts = np.array([shows_course(step) for step in steps])
+        heading, counts = np.array(self._headings), np.array(self._counts)
+        acceleration = stride_averages(self._all_accelerations() * np.exp(-1j * heading))
         before = counts[: -TURNS_WITHIN - 1]
         if np.count_nonzero(before) < LEAST_STEPS:
             return item
         moments = robust_moments(acceleration[: len(before)][before])
         if abs(moments.mean[0]) < self._parameters.least_clearness * np.sqrt(moments.variance[0]):
             return item
-        self._moments, self._state = moments, walking_ahead(len(RATES))
+        self._expected, self._variance = moments.mean[0] * _PHASORS, float(moments.variance[0])
+        self._state = walking_ahead(len(RATES))
         turns = np.diff(heading)
-        for k in range(len(before), len(steps)):
+        for k in range(len(before), len(heading)):
             self._observe(acceleration[k], bool(counts[k]), float(turns[k - 1]))
         return self._described(item)
 
-    def _latest(self, steps: Sequence[Step]) -> tuple[complex, bool, float]:
+    def _all_accelerations(self) -> NDArray[np.complex128]:
+        """Return the leading accelerations of all remembered steps, of which only the latest are not computed yet."""
+        known = [one for one in self._accelerations if one is not None]
+        new = map(leading_acceleration_of, list(self._steps)[len(known) :])
+        self._accelerations = deque([*known, *new], maxlen=_REMEMBERED)
+        return np.array(self._accelerations)
+
+    def _latest(self) -> tuple[complex, bool, float]:
         """Return the acceleration of the last stride, whether it counts, and the turn since the step before."""
-        pair, heading = [steps[-2], steps[-1]], np.array([self._headings[-2], self._headings[-1]])
-        acceleration = (leading_acceleration(pair) * np.exp(-1j * heading)).mean()
-        return complex(acceleration), all(map(shows_course, pair)), float(heading[1] - heading[0])
+        self._accelerations[-1] = leading_acceleration_of(self._steps[-1])
+        (before, last), headings = (self._accelerations[k] or 0.0 for k in (-2, -1)), self._headings
+        acceleration = 0.5 * (before * cmath.exp(-1j * headings[-2]) + last * cmath.exp(-1j * headings[-1]))
+        return acceleration, self._counts[-2] and self._counts[-1], headings[-1] - headings[-2]
 
     def _observe(self, acceleration: complex, counts: bool, turn_rad: float) -> None:
         """Move the chain on by a step."""
-        if self._state is None or self._moments is None:
+        if self._state is None:
             raise ValueError("a step was observed before the chain began")
         state = moved_on(self._state, turn_rad, RATES)
-        mean, variance = self._moments.mean, self._moments.variance
         if counts:
-            expected = mean[:, None] * _PHASORS
-            density = log_likelihood(np.abs(acceleration - expected) ** 2, variance[:, None], self._parameters)
-            state = state * np.exp(density - density[:, :1])
+            distance2 = np.abs(acceleration - self._expected) ** 2
+            density = log_likelihood(distance2, self._variance, self._parameters)
+            state *= np.exp(density - density[0])
         total = state.sum(axis=(0, 2))
         self._state = state / total[:, None]
         self._log_evidence = self._log_evidence + np.log(total)
@@ -130,13 +146,16 @@ class OnlineCourse:
         """Give a step its direction of motion and doubt, and end the chain when the walker moves ahead."""
         if self._state is None:
             return item
-        probability = self._state.sum(axis=0)
+        probability = self._state[0] + self._state[1]
         ahead = probability[:, _AHEAD].sum(axis=1)
+        least = float(ahead.min())
+        if least > 1.0 - _CERTAIN and not self._turns():
+            self._state = None
+        if least > 1.0 - _NO_DOUBT:
+            return item
         probability[:, _AHEAD] = 0.0
         probability[:, 0] = ahead
         mean_rad, sigma_rad = (float(one[0]) for one in angle_and_doubt(probability[None], self._log_evidence))
-        if not self._turns() and float(ahead.min()) > 1.0 - _CERTAIN:
-            self._state = self._moments = None
         if float(np.abs(mean_rad)) < sigma_rad:  # ahead as likely as not
             mean_rad, sigma_rad = 0.0, float(np.hypot(mean_rad, sigma_rad))
         if np.hypot(mean_rad, sigma_rad) < _LEAST_RAD:
