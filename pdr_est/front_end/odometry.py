@@ -222,5 +222,7 @@ def course_covariance(length_m: float, sigma_course_rad: float) -> Array:
         Standard deviation of the direction, rad.
     """
     variance = sigma_course_rad**2
+    if not variance:
+        return np.zeros((3, 3))
     along, across = 0.5 * (1.0 - np.exp(-variance)) ** 2, 0.5 * (1.0 - np.exp(-2.0 * variance))
     return length_m**2 * np.diag([along, across, 0.0])

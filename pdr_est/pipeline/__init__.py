@@ -45,7 +45,8 @@ def smooth_recording(
     refuse_unusable_inputs(recording, fixes)
     estimator = chosen_estimator(config, parts)
     started = time.process_time()
-    devices = analyse_recording(recording, config, parts)
+    by_the_end = estimator.spec.smooths or config.heading.dominant.direction_rad is not None
+    devices = analyse_recording(recording, config, parts, by_the_end)
     analysed = time.process_time()
     track = estimate_tracks(devices, config, fixes, parts)
     estimated = time.process_time()
@@ -63,8 +64,10 @@ def smooth_recording(
     )
 
 
-def analyse_recording(recording: Recording, config: Config, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
-    """Run the front end on every device of a recording; one without gyroscope has steps without heading.
+def analyse_recording(
+    recording: Recording, config: Config, parts: Parts = NO_PARTS, at_the_end: bool = True
+) -> tuple[DeviceWalk, ...]:
+    """Run the front end on every device, for filters not `at_the_end`; without gyroscope steps have no heading.
 
     A device with an acceleration without gravity has steps without heading, too.
 
@@ -80,7 +83,7 @@ def analyse_recording(recording: Recording, config: Config, parts: Parts = NO_PA
     recording = replace(recording, devices=tuple(with_stand_in_gravity(device) for device in recording.devices))
     for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
         north = north_of(device, recording, config)
-        walk = analyse_device(device, recording.place_of(device), config, parts, north)
+        walk = analyse_device(device, recording.place_of(device), config, parts, north, at_the_end)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))
     return tuple(walks)
 

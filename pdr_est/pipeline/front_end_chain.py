@@ -38,6 +38,7 @@ def analyse_device(
     config: Config,
     parts: Parts = NO_PARTS,
     north: NorthReference | None = None,
+    at_the_end: bool = True,
 ) -> DeviceWalk:
     """Run the front end on the recording of one device; one without gyroscope has steps without heading.
 
@@ -51,6 +52,8 @@ def analyse_device(
         Choice of the stages and their parameters.
     north
         Source of headings against north, as `north_of` gives it; None for none.
+    at_the_end
+        False to leave out the corrections that need the whole walk.
 
     Raises
     ------
@@ -68,7 +71,8 @@ def analyse_device(
     causal = measuring(device.name, config, north)
     odometry = _run(causal, steps) if has_heading else []
     whole_walk_odometry, directions = odometry, None
-    whole_walk = whole_walk_stage(config.heading) if has_heading and parts.heading is None else None
+    corrects = at_the_end and has_heading and parts.heading is None
+    whole_walk = whole_walk_stage(config.heading) if corrects else None
     if whole_walk is not None:
         whole_walk_odometry = _run(measuring(device.name, config, north, at_the_end=True), _run(whole_walk, steps))
         directions = whole_walk.directions

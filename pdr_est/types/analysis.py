@@ -30,7 +30,8 @@ class DominantDirections:
     drift_per_sqrt_s
         Drift of the heading of the phone that fits the walk best, rad/√s.
     rate_radps
-        Constant rate of the drift, by the bias of the gyroscope, rad/s.
+        Constant rate of the drift, by the bias of the gyroscope, rad/s: the most probable one where the directions
+        are used, else its mean with the probability of such directions.
     drift_rad
         (n,) rad, heading drift since the first piece without that of the constant rate.
     sigma_rad
@@ -70,9 +71,9 @@ class DeviceWalk:
     odometry
         Motion step by step, as a causal front end computes it.
     whole_walk_odometry
-        The same with corrections that need the whole walk; for estimators that smooth.
+        The same with corrections that need the whole walk, for estimators that smooth.
     directions
-        Dominant directions of the building; None where none were sought.
+        Dominant directions of the building; None where none were sought, as for a filter.
     has_heading
         False for a device without gyroscope: its steps have a length but no heading, and there is no odometry.
     clock

@@ -173,6 +173,10 @@ class LevelBlock:
     recorded_yaw_rad
         (n,) rad, rotation about the vertical by the attitude that the device recorded, wrapped, NaN where there is
         none; None where that attitude is not used.
+    turn_bias_radps
+        (n, 2) rad/s, the bias of the gyroscope about the vertical by standing, which yaw and turn rate are corrected
+        by beside that of the attitude filter, and its standard deviation, both as known from the samples so far; None
+        where they are not estimated.
     """
 
     first_index: int
@@ -188,6 +192,7 @@ class LevelBlock:
     mode_probability: Array
     magnetic_field_ut: Array | None = None
     recorded_yaw_rad: Array | None = None
+    turn_bias_radps: Array | None = None
     hole: Hole | None = None
 
     def __len__(self) -> int:

@@ -1,10 +1,9 @@
 """The stages that fill in the gait of each step."""
 
-from dataclasses import replace
-
 from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import GaitModel
 from pdr_est.front_end.gait.svm_scorer import GaitScorer, decide_gait, is_gait_change
+from pdr_est.records import changed
 from pdr_est.types.steps import Step, begins_walk
 
 
@@ -44,7 +43,7 @@ class GaitClassifier:
             pooled = 0.5 * (scores[0] + self._scores[0]), 0.5 * (scores[1] + self._scores[1])
         self._previous, self._scores = item, scores
         probabilities = self._scorer.probabilities(pooled)
-        return [replace(item, gait=decide_gait(probabilities), gait_probability=probabilities)]
+        return [changed(item, gait=decide_gait(probabilities), gait_probability=probabilities)]
 
     def flush(self) -> list[Step]:
         """Return nothing: no step is held back."""

@@ -20,6 +20,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
 from pdr_est.front_end.heading.course.course_params import CourseParams
+from pdr_est.front_end.heading.course.online_course import OnlineCourse
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
@@ -34,7 +35,7 @@ from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantPar
 from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
 from pdr_est.params import params
 from pdr_est.parts import STAGE, PartName, is_external, loaded, named_part
-from pdr_est.stage import Stage
+from pdr_est.stage import Chain, Stage
 
 HeadingName = Literal[
     "auto", "step-yaw", "mmpdr", "gyro", "hde", "psp", "acceleration-integration", "principal-axis", "magnetometer"
@@ -107,7 +108,8 @@ def heading_stage(rate_hz: float, parameters: HeadingParams) -> Stage:
     priors = parameters.use == "priors"
     match parameters.method:
         case "auto":
-            return PostureAwareYaw(parameters.auto, parameters.principal_axis)
+            yaw = PostureAwareYaw(parameters.auto, parameters.principal_axis)
+            return Chain([yaw, OnlineCourse(parameters.course)]) if parameters.course.enabled else yaw
         case "step-yaw":
             return StepYaw()
         case "mmpdr":

@@ -4,7 +4,8 @@ import numpy as np
 
 from pdr_est.frames import Array, rotate_vectors
 
-_LEAST_UPRIGHT = 1e-9  # least 1 + cos: a device exactly upside down has no shortest way upright, and no yaw
+LEAST_UPRIGHT = 1e-9
+"""Least 1 + cos of the tilt: a device exactly upside down has no shortest way upright, and no yaw."""
 
 
 def to_level(vectors: Array, up: Array, yaw_rad: Array) -> Array:
@@ -29,5 +30,5 @@ def to_level(vectors: Array, up: Array, yaw_rad: Array) -> Array:
     """
     x, y, z = vectors.T
     up_x, up_y, up_z = up.T
-    tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, _LEAST_UPRIGHT)
+    tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, LEAST_UPRIGHT)
     return rotate_vectors(np.stack([x - up_x * tilted, y - up_y * tilted], axis=1), yaw_rad)

@@ -7,16 +7,17 @@ posture, its yaw is well defined for anything less than half a turn away from th
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.level_frame import to_level
+from pdr_est.front_end.heading.level_frame import LEAST_UPRIGHT
 from pdr_est.types.sensors import LevelBlock
 
 _LEAST_LENGTH = 1e-9
+_AXES = np.eye(3)
 
 
 def mean_up(samples: LevelBlock) -> Array:
     """Compute the mean unit vector (3,) upwards in device axes over some samples."""
     total = samples.up.sum(axis=0)
-    return np.asarray(total / max(float(np.linalg.norm(total)), 1e-9))
+    return np.asarray(total / max(float(np.sqrt(total.dot(total))), 1e-9))
 
 
 def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
@@ -38,19 +39,32 @@ def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
         Yaw, rad in (-pi, pi].
     """
     first, second = level_axes(reference_up)
-    ahead = to_level(np.broadcast_to(first, samples.up.shape), samples.up, samples.yaw_rad)
-    aside = to_level(np.broadcast_to(second, samples.up.shape), samples.up, samples.yaw_rad)
-    east = np.sum(ahead[:, 0] + aside[:, 1])
-    north = np.sum(ahead[:, 1] - aside[:, 0])
+    # Written out, for it is done at every step: `to_level` of both axes, and the sums of what is along and across.
+    up_x, up_y, up_z = samples.up.T
+    upright = np.maximum(1.0 + up_z, LEAST_UPRIGHT)
+    c, s = np.cos(samples.yaw_rad), np.sin(samples.yaw_rad)
+    (first_x, first_y), (second_x, second_y) = (
+        _levelled(axis.tolist(), up_x, up_y, upright) for axis in (first, second)
+    )
+    east = np.add.reduce((c * first_x - s * first_y) + (s * second_x + c * second_y))
+    north = np.add.reduce((s * first_x + c * first_y) - (c * second_x - s * second_y))
     return float(np.arctan2(north, east))
+
+
+def _levelled(axis: list[float], up_x: Array, up_y: Array, upright: Array) -> tuple[Array, Array]:
+    """Turn an axis of the phone upright by the shortest way, at each of some samples (n,)."""
+    x, y, z = axis
+    tilted = z + (up_x * x + up_y * y) / upright
+    return x - up_x * tilted, y - up_y * tilted
 
 
 def level_axes(up: Array) -> tuple[Array, Array]:
     """Return two unit vectors (3,) that make a right-handed frame with `up`; the first is near a device axis."""
-    axis = np.eye(3)[int(np.argmin(np.abs(up)))]
+    axis = _AXES[int(np.argmin(np.abs(up)))]
     first = axis - (axis @ up) * up
-    first = first / np.linalg.norm(first)
-    return first, np.cross(up, first)
+    first = first / np.sqrt(first.dot(first))
+    (a, b, c), (x, y, z) = up.tolist(), first.tolist()
+    return first, np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def yaw_between_postures(before: Array, after: Array) -> float:
@@ -80,4 +94,4 @@ def yaw_between_postures(before: Array, after: Array) -> float:
 
 def angle_between(a: Array, b: Array) -> float:
     """Compute the angle, rad, between two unit vectors (3,)."""
-    return float(np.arccos(np.clip(a @ b, -1.0, 1.0)))
+    return float(np.arccos(min(max(float(a @ b), -1.0), 1.0)))

@@ -10,7 +10,6 @@ has its old offset.
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -31,6 +30,7 @@ from pdr_est.front_end.heading.placement_change.turn_estimate import (
 )
 from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
 from pdr_est.front_end.heading.stride_pairing import stride_average
+from pdr_est.records import changed
 from pdr_est.types.steps import Step, TurnHypothesis
 
 _MOST_PLACES = 8  # so many places of the phone are remembered
@@ -95,7 +95,7 @@ class PostureAwareYaw:
             self._leave(PlacedSteps(tuple(self._recent), up_before))
         if placing in (Placing.LEAVES, Placing.AWAY):
             self._between += 1
-            return replace(step, heading_rad=self._heading_rad)
+            return changed(step, heading_rad=self._heading_rad)
         if placing is Placing.SETTLES:
             return self._settle(step)
         return self._oriented(step, self._offset_rad)
@@ -103,7 +103,7 @@ class PostureAwareYaw:
     def _oriented(self, step: Step, offset_rad: float) -> Step:
         raw = mean_yaw(step.samples, self._tracker.up) - offset_rad
         self._heading_rad += float(wrap_angle(raw - self._heading_rad))
-        oriented = replace(step, heading_rad=self._heading_rad)
+        oriented = changed(step, heading_rad=self._heading_rad)
         self._recent.append(oriented)
         return oriented
 
@@ -132,7 +132,7 @@ class PostureAwareYaw:
             turn_rad = hypotheses[0].heading_change_rad
         self._offset_rad = straight_rad - turn_rad
         oriented = self._oriented(step, self._offset_rad)
-        return replace(oriented, turn_hypotheses=_turned(hypotheses, -turn_rad))
+        return changed(oriented, turn_hypotheses=_turned(hypotheses, -turn_rad))
 
     def _average_pending(self, step: Step) -> list[Step]:
         """Return the step before, averaged with its neighbours: they cancel the swing of a limb, once in two steps.
@@ -153,7 +153,7 @@ class PostureAwareYaw:
             heading_rad = stride_average(before_rad, heading_rad, after_rad)
         since_rad = heading_rad - (heading_rad if self._emitted_rad is None else self._emitted_rad)
         self._emitted_rad = heading_rad
-        return replace(
+        return changed(
             step,
             heading_rad=float(wrap_angle(heading_rad)),
             turn_hypotheses=_turned(step.turn_hypotheses, since_rad),
@@ -164,5 +164,5 @@ class PostureAwareYaw:
 def _turned(hypotheses: Sequence[TurnHypothesis], by_rad: float) -> tuple[TurnHypothesis, ...]:
     """Add an angle to the heading changes of hypotheses."""
     return tuple(
-        replace(one, heading_change_rad=float(wrap_angle(one.heading_change_rad + by_rad))) for one in hypotheses
+        changed(one, heading_change_rad=float(wrap_angle(one.heading_change_rad + by_rad))) for one in hypotheses
     )

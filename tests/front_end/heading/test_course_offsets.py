@@ -17,6 +17,7 @@ from pdr_est.front_end.heading.course.leading_acceleration import leading_accele
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.simulate import BodyParams, BodyTurn, PathParams, Scenario, simulate_walk
 from pdr_est.types.analysis import SmoothedWalk
+from pdr_est.types.measurements import StepOdometry
 from pdr_est.types.steps import CarryingMode, Step
 
 PARAMETERS = CourseParams()
@@ -138,6 +139,22 @@ def test_a_simulated_walker_who_goes_on_sideways_or_backwards_is_followed(angle_
     with_m, found = walked(angle_deg, enabled=True)
     assert without_m > of_lengths_m + 1.0
     assert with_m < of_lengths_m + 0.4 * (without_m - of_lengths_m)
-    causal = sum(one.heading_change_rad for one in found.devices[0].odometry)
-    whole = sum(one.heading_change_rad for one in found.devices[0].whole_walk_odometry)
+    causal, whole = (
+        sum(one.heading_change_rad for one in odometry if isinstance(one, StepOdometry))
+        for odometry in (found.devices[0].odometry, found.devices[0].whole_walk_odometry)
+    )
     assert wrap_angle(causal - whole) == pytest.approx(0.0, abs=0.06)
+
+
+@pytest.mark.parametrize("name", ["dead-reckoning", "factor-graph"])
+def test_half_a_minute_of_sideways_walking_is_followed_online_and_at_the_end(name: str) -> None:
+    body = BodyParams(turns=(BodyTurn(start_s=14.0, end_s=44.0, angle_rad=-0.5 * np.pi),))
+    walk = simulate_walk(Scenario(path=PathParams(vertices_m=((0.0, 0.0), (75.0, 0.0))), body=body, seed=3))
+    config = replace(Config(), estimator=replace(Config().estimator, name=name))
+    track = pipeline.smooth_recording(walk.recording, config).track
+    place = track.position_m - track.position_m[0]
+    true = walk.position_at(track.time_s)
+    before = np.searchsorted(track.time_s, 13.0)
+    error_rad = np.arctan2(*(true[before] - true[0])[::-1]) - np.arctan2(*place[before][::-1])
+    turn = np.array([[np.cos(error_rad), -np.sin(error_rad)], [np.sin(error_rad), np.cos(error_rad)]])
+    assert np.linalg.norm(place @ turn.T + true[0] - true, axis=1).max() < 8.0  # 55 m by the headings of the phone

@@ -8,28 +8,33 @@ probabilities follow from the walk.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.heading.course.course_likelihood import (
+    LEAST_STEPS,
+    LEAST_TURN_RAD,
+    LEAST_VARIANCE,
+    RATES,
+    TURNS_WITHIN,
+    AheadMoments,
+    angle_and_doubt,
+    log_likelihood,
+    robust_moments,
+)
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
 from pdr_est.front_end.heading.stride_pairing import stride_averages
+from pdr_est.records import changed
 from pdr_est.types.steps import Step
 
-# Probability per step that the body begins to turn alone, and of each such rate: few people ever do, some often.
-_RATES = np.array([3e-4, 3e-3, 3e-2])
-_RATE_PROBABILITY = np.array([0.7, 0.25, 0.05])
 _ROUNDS = 2  # of estimating mean and noise, and the angles
-_LEAST_STEPS = 10  # that tell a direction, for a mean
-_TURNS_WITHIN, _LEAST_TURN_RAD = 6, 0.25  # steps of a turn that is searched, and least angle
 _WITHIN = 24  # steps since that turn over which the acceleration is compared
-_MARGIN_BEFORE, _MARGIN_AFTER = 6, 20  # steps around it that are searched
-_WILD, _WILDER = 0.1, 3.0  # share of steps with larger errors, and how much larger
-_LEAST_VARIANCE = 1e-4  # (m/s^2)^2
+_MARGIN_BEFORE, _MARGIN_AFTER = 6, 150  # steps around it that are searched
 _LEAST_RAD = 1e-3  # angle and doubt together, below which the walker moves ahead
 
 
@@ -37,24 +42,25 @@ _LEAST_RAD = 1e-3  # angle and doubt together, below which the walker moves ahea
 class _Run:
     """Steps with the phone in one place: accelerations (n,) turned back by the headings, and which of them count.
 
-    The last place of the walk is the only one at whose end the walker need not move ahead.
+    `ahead` (n,) are those that tell the acceleration of a walker who moves ahead. The last place of the walk is the
+    only one at whose end the walker need not move ahead.
     """
 
     acceleration: NDArray[np.complex128]
     heading_rad: Array
     counts: NDArray[np.bool_]
+    ahead: NDArray[np.bool_]
     is_last: bool
 
 
-@dataclass(frozen=True)
-class _Moments:
-    """Mean (r,) and variance in one direction (r,) of the acceleration of a walker who moves ahead, for each rate."""
-
-    mean: NDArray[np.complex128]
-    variance: Array
+def moves_ahead(steps: Sequence[Step]) -> NDArray[np.bool_]:
+    """Tell at which steps (n,) the walker moved ahead as far as was known online."""
+    return np.array([not step.course_offset_rad for step in steps], dtype=bool)
 
 
-def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
+def with_courses(
+    steps: Sequence[Step], parameters: CourseParams, ahead: NDArray[np.bool_] | None = None
+) -> list[Step]:
     """Turn the headings of steps on which the walker moved sideways or backwards.
 
     Parameters
@@ -63,6 +69,8 @@ def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
         All steps of a walk, with headings that follow the phone.
     parameters : CourseParams
         Parameters.
+    ahead : ndarray of bool, shape (n,), optional
+        Steps that tell the acceleration of a walker who moves ahead; by default all.
 
     Returns
     -------
@@ -71,25 +79,41 @@ def with_courses(steps: Sequence[Step], parameters: CourseParams) -> list[Step]:
         `course_offset_rad` and `sigma_course_rad`.
     """
     done = list(steps)
-    if not parameters.enabled or len(steps) < _LEAST_STEPS:
+    if not parameters.enabled or len(steps) < LEAST_STEPS:
         return done
     heading = np.unwrap([step.heading_rad for step in steps])
     acceleration = leading_acceleration(steps) * np.exp(-1j * heading)
     counts = np.array([shows_course(step) for step in steps])
+    if ahead is None:
+        ahead = np.ones(len(steps), dtype=bool)
     for first, last in _places(steps):
-        run = _Run(
-            stride_averages(acceleration[first:last]), heading[first:last], counts[first:last], last == len(steps)
-        )
+        part = slice(first, last)
+        run = _Run(stride_averages(acceleration[part]), heading[part], counts[part], ahead[part], last == len(steps))
         mean_rad, sigma_rad = _offsets(run, parameters)
         for k in np.flatnonzero(np.hypot(mean_rad, sigma_rad) > _LEAST_RAD).tolist():
             turned = float(wrap_angle(steps[first + k].heading_rad + mean_rad[k]))
-            done[first + k] = replace(
+            done[first + k] = changed(
                 steps[first + k],
                 heading_rad=turned,
                 course_offset_rad=float(mean_rad[k]),
                 sigma_course_rad=float(sigma_rad[k]),
             )
     return done
+
+
+def without_courses(steps: Sequence[Step]) -> list[Step]:
+    """Return steps whose headings follow the phone again, without what was told of sideways walking online."""
+    return [
+        changed(
+            step,
+            heading_rad=float(wrap_angle(step.heading_rad - step.course_offset_rad)),
+            course_offset_rad=0.0,
+            sigma_course_rad=0.0,
+        )
+        if step.course_offset_rad or step.sigma_course_rad
+        else step
+        for step in steps
+    ]
 
 
 def _places(steps: Sequence[Step]) -> list[tuple[int, int]]:
@@ -106,35 +130,28 @@ def _offsets(run: _Run, parameters: CourseParams) -> tuple[Array, Array]:
     """Compute mean and standard deviation, rad, of the angle between motion and body at each step (n,)."""
     count = len(run.heading_rad)
     nothing = np.zeros(count), np.zeros(count)
-    if np.count_nonzero(run.counts) < _LEAST_STEPS:
+    tells = run.counts & run.ahead
+    if np.count_nonzero(tells) < LEAST_STEPS:
         return nothing
-    moments = _robust_moments(run)
+    moments = robust_moments(run.acceleration[tells])
     if abs(moments.mean[0]) < parameters.least_clearness * np.sqrt(moments.variance[0]):
         return nothing
     regions = _regions(run, moments, parameters)
     return _search(run, moments, regions, parameters) if regions else nothing
 
 
-def _log_likelihood(distance2: Array, variance: Array | float, parameters: CourseParams) -> Array:
-    """Compute the logarithm of the likelihood of squared distances from the expected acceleration."""
-    near = (1.0 - _WILD) * np.exp(-distance2 / (2.0 * variance))
-    far = _WILD / _WILDER**2 * np.exp(-distance2 / (2.0 * _WILDER**2 * variance))
-    density: Array = np.log((near + far) / variance + 1e-300)
-    return density / parameters.correlated_steps
-
-
-def _regions(run: _Run, moments: _Moments, parameters: CourseParams) -> list[tuple[int, int]]:
+def _regions(run: _Run, moments: AheadMoments, parameters: CourseParams) -> list[tuple[int, int]]:
     """Find the runs of steps, from and to (exclusive), around turns that the phone may have made alone."""
     count = len(run.heading_rad)
     mean, variance = moments.mean[0], moments.variance[0]
-    soon = run.heading_rad[np.minimum(np.arange(count)[:, None] + np.arange(1, _TURNS_WITHIN + 1), count - 1)]
-    turning = np.flatnonzero(np.abs(soon - run.heading_rad[:, None]).max(axis=1) > _LEAST_TURN_RAD)
+    soon = run.heading_rad[np.minimum(np.arange(count)[:, None] + np.arange(1, TURNS_WITHIN + 1), count - 1)]
+    turning = np.flatnonzero(np.abs(soon - run.heading_rad[:, None]).max(axis=1) > LEAST_TURN_RAD)
     index = turning[:, None] + np.arange(1, _WITHIN + 1)
     counted = run.counts[np.minimum(index, count - 1)] & (index < count)
     index = np.minimum(index, count - 1)
     straight_on = mean * np.exp(1j * (run.heading_rad[turning, None] - run.heading_rad[index]))
-    ahead = _log_likelihood(np.abs(run.acceleration - mean) ** 2, variance, parameters)
-    aside = _log_likelihood(np.abs(run.acceleration[index] - straight_on) ** 2, variance, parameters)
+    ahead = log_likelihood(np.abs(run.acceleration - mean) ** 2, variance, parameters)
+    aside = log_likelihood(np.abs(run.acceleration[index] - straight_on) ** 2, variance, parameters)
     gain = np.cumsum(np.where(counted, aside - ahead[index], 0.0), axis=1).max(axis=1)
     searched = np.zeros(count + 1, dtype=np.int64)
     for k in turning[gain >= parameters.least_log_likelihood_ratio].tolist():
@@ -144,46 +161,35 @@ def _regions(run: _Run, moments: _Moments, parameters: CourseParams) -> list[tup
 
 
 def _search(
-    run: _Run, moments: _Moments, regions: Sequence[tuple[int, int]], parameters: CourseParams
+    run: _Run, moments: AheadMoments, regions: Sequence[tuple[int, int]], parameters: CourseParams
 ) -> tuple[Array, Array]:
     """Compute mean and standard deviation of the angle from the regions of the run that are searched."""
     count = len(run.heading_rad)
     turn_rad = np.diff(run.heading_rad, prepend=run.heading_rad[0])
-    probability = np.zeros((count, len(_RATES), ANGLES))
+    probability = np.zeros((count, len(RATES), ANGLES))
     probability[:, :, 0] = 1.0
-    log_evidence = np.zeros(len(_RATES))
+    log_evidence = np.zeros(len(RATES))
     for number in range(_ROUNDS):
         moments = _moments(run, probability) if number else moments
         mean, variance = moments.mean, moments.variance
-        ahead = _log_likelihood(np.abs(run.acceleration[:, None] - mean) ** 2, variance, parameters)
-        log_evidence = np.where(run.counts[:, None], ahead, 0.0).sum(axis=0) + count * np.log1p(-_RATES)
+        ahead = log_likelihood(np.abs(run.acceleration[:, None] - mean) ** 2, variance, parameters)
+        log_evidence = np.where(run.counts[:, None], ahead, 0.0).sum(axis=0) + count * np.log1p(-RATES)
         for first, last in regions:
             expected = mean[:, None] * np.exp(1j * ANGLES_RAD)
             distance2 = np.abs(run.acceleration[first:last, None, None] - expected) ** 2
-            density = _log_likelihood(distance2, variance[:, None], parameters) - ahead[first:last, :, None]
+            density = log_likelihood(distance2, variance[:, None], parameters) - ahead[first:last, :, None]
             likelihood = np.exp(np.where(run.counts[first:last, None, None], density, 0.0))
             returns = last < count or not run.is_last
-            found = sideways_chain(likelihood, turn_rad[first:last], _RATES, returns)
+            found = sideways_chain(likelihood, turn_rad[first:last], RATES, returns)
             probability[first:last] = found.probability
-            log_evidence += found.log_evidence - (last - first) * np.log1p(-_RATES)
-    weight = _RATE_PROBABILITY * np.exp(log_evidence - log_evidence.max())
-    angle = np.einsum("r,nrj,j->n", weight / weight.sum(), probability, np.exp(1j * ANGLES_RAD))
-    spread = np.sqrt(-2.0 * np.log(np.clip(np.abs(angle), 1e-3, 1.0)))
-    return np.angle(angle), np.minimum(spread, SIGMA_UNIFORM_RAD)
+            log_evidence += found.log_evidence - (last - first) * np.log1p(-RATES)
+    return angle_and_doubt(probability, log_evidence)
 
 
-def _robust_moments(run: _Run) -> _Moments:
-    """Compute mean and variance, the same for each rate, from medians: most steps lead ahead."""
-    seen = run.acceleration[run.counts]
-    mean = complex(np.median(seen.real), np.median(seen.imag))
-    variance = max(float(np.median(np.abs(seen - mean) ** 2)) / (2.0 * np.log(2.0)), _LEAST_VARIANCE)
-    return _Moments(np.full(len(_RATES), mean), np.full(len(_RATES), variance))
-
-
-def _moments(run: _Run, probability: Array) -> _Moments:
+def _moments(run: _Run, probability: Array) -> AheadMoments:
     """Compute mean and variance for each rate from the angles that it gives, with the probabilities (n, r, 72)."""
     seen = run.acceleration[run.counts]
     turned_back = seen[:, None] * (probability[run.counts] @ np.exp(-1j * ANGLES_RAD))
     mean = turned_back.mean(axis=0)
     total = np.mean(np.abs(seen) ** 2) - np.abs(mean) ** 2
-    return _Moments(mean, np.maximum(0.5 * total, _LEAST_VARIANCE))
+    return AheadMoments(mean, np.maximum(0.5 * total, LEAST_VARIANCE))

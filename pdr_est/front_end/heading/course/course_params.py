@@ -12,7 +12,7 @@ class CourseParams:
     """Parameters of the search for stretches in which the walker moves sideways or backwards; all values are ours."""
 
     enabled: bool = True
-    """True to look for such stretches at the end of the walk, for the method "auto"."""
+    """True to look for such stretches, at the step and again at the end of the walk, for the method "auto"."""
     correlated_steps: Annotated[float, Ge(1.0), Le(100.0)] = 3.0
     """Number of neighbouring steps whose accelerations count as one observation, because their errors are alike.
     Measured: the correlation time of the errors of people who walk ahead has a median of 2.8 to 6.4 steps on four

@@ -7,11 +7,12 @@ points to where the walker moves.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.front_end.heading.level_frame import to_level
+from pdr_est.front_end.heading.level_frame import LEAST_UPRIGHT, to_level
 from pdr_est.types.steps import CarryingMode, Step
 
 _LEAST_SAMPLES = 4  # for a first harmonic
@@ -51,6 +52,28 @@ def leading_acceleration(steps: Sequence[Step]) -> NDArray[np.complex128]:
     along, across = (np.add.reduceat(wave * axis, first) / count * in_phase for axis in level.T)
     found[usable] = along.imag + 1j * across.imag
     return found
+
+
+def leading_acceleration_of(step: Step) -> complex:
+    """Compute the same for one step at a fraction of the cost."""
+    samples = step.samples
+    count = len(samples)
+    if count < _LEAST_SAMPLES:
+        return 0.0
+    wave = _wave(count)
+    x, y, z = samples.acceleration_mps2.T
+    up_x, up_y, up_z = samples.up.T
+    tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, LEAST_UPRIGHT)
+    level = ((x - up_x * tilted) + 1j * (y - up_y * tilted)) * np.exp(1j * samples.yaw_rad)
+    vertical = complex(wave.dot(samples.vertical_mps2)) / count
+    in_phase = vertical.conjugate() / max(abs(vertical), _LEAST_VERTICAL) / count
+    return complex((wave.dot(level.real) * in_phase).imag, (wave.dot(level.imag) * in_phase).imag)
+
+
+@lru_cache(maxsize=256)
+def _wave(count: int) -> NDArray[np.complex128]:
+    wave: NDArray[np.complex128] = np.exp(-2j * np.pi * (np.arange(count) + 0.5) / count)
+    return wave
 
 
 def shows_course(step: Step) -> bool:

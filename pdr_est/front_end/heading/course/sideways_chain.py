@@ -76,17 +76,23 @@ def sideways_chain(likelihood: Array, turn_rad: Array, rates: Array, returns: bo
 def _forward(likelihood: Array, turns_rad: list[float], rates: Array) -> tuple[Array, Array]:
     """Compute the probabilities (n, 2, r, 72) given the steps so far, and the densities (n, r) of each step."""
     forward, scale = np.empty((len(likelihood), 2, *likelihood.shape[1:])), np.empty(likelihood.shape[:2])
-    state = np.zeros((2, *likelihood.shape[1:]))
-    state[0, :, 0] = 1.0
+    state = walking_ahead(len(rates))
     for k, observed in enumerate(likelihood):
-        state = (_after(state, turns_rad[k], rates) if k else state) * observed
+        state = (moved_on(state, turns_rad[k], rates) if k else state) * observed
         scale[k] = total = state.sum(axis=(0, 2))
         state /= total[:, None]
         forward[k] = state
     return forward, scale
 
 
-def _after(state: Array, turn_rad: float, rates: Array) -> Array:
+def walking_ahead(count: int) -> Array:
+    """Return the probabilities (2, count, 72), for so many rates, of a walker who moves ahead."""
+    state = np.zeros((2, count, ANGLES))
+    state[0, :, 0] = 1.0
+    return state
+
+
+def moved_on(state: Array, turn_rad: float, rates: Array) -> Array:
     """Move probabilities (2, r, 72) to the next step.
 
     The first ones are those of a walker who turns with the body, the second ones those of a body that turns alone.
@@ -104,7 +110,7 @@ def _after(state: Array, turn_rad: float, rates: Array) -> Array:
 
 
 def _before(later: Array, turn_rad: float, rates: Array) -> Array:
-    """Move densities (2, r, 72) of all later observations to the step before; the transpose of `_after`."""
+    """Move densities (2, r, 72) of all later observations to the step before; the transpose of `moved_on`."""
     together, alone = later[0], _shifted(later[1], turn_rad)
     ahead = together[:, 0]
     moved = np.empty(later.shape)

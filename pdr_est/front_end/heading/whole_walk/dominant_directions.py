@@ -16,6 +16,7 @@ beforehand.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated
 
@@ -72,13 +73,35 @@ def dominant_directions(sections: LegSections, parameters: DominantParams) -> Do
     """Estimate the most probable dominant directions of a walk; None for one without straight legs."""
     if not len(sections):
         return None
-    number, log_odds, fitted = best_fit(sections, parameters)
-    used = parameters.given_number is not None or log_odds >= parameters.least_log_odds
-    return _smooth(sections, fitted, number, log_odds, bool(used))
+    best = best_fit(sections, parameters)
+    used = parameters.given_number is not None or best.log_odds >= parameters.least_log_odds
+    return _smooth(sections, best, bool(used))
 
 
-def best_fit(sections: LegSections, parameters: DominantParams) -> tuple[int, float, ForwardPass]:
-    """Find the most probable number of directions, its log odds against all else, and the forward pass of its drift.
+@dataclass(frozen=True)
+class BestFit:
+    """The most probable number of directions, and how the headings drift with it.
+
+    Attributes
+    ----------
+    number : int
+        Number of directions.
+    log_odds : float
+        Its log odds against all else.
+    fitted : ForwardPass
+        Forward pass of the most probable drift.
+    mean_rate_radps : float
+        Mean of the constant rate, rad/s, over the drifts with this number and over all else, where it is zero.
+    """
+
+    number: int
+    log_odds: float
+    fitted: ForwardPass
+    mean_rate_radps: float
+
+
+def best_fit(sections: LegSections, parameters: DominantParams) -> BestFit:
+    """Find the most probable number of directions and drift of the headings.
 
     Parameters
     ----------
@@ -101,7 +124,9 @@ def best_fit(sections: LegSections, parameters: DominantParams) -> tuple[int, fl
     }
     number = max(log_odds, key=lambda one: log_odds[one])
     best = max(usable[number], key=lambda run: run.log_evidence + run.drift.log_prior)
-    return number, float(log_odds[number]), best
+    weight = np.exp([run.log_evidence + run.drift.log_prior - best.log_evidence for run in usable[number]])
+    rate = weight @ [run.drift.rate_radps for run in usable[number]] / weight.sum()
+    return BestFit(number, float(log_odds[number]), best, float(rate / (1.0 + np.exp(-log_odds[number]))))
 
 
 def _drifts(sections: LegSections, number: int) -> list[Drift]:
@@ -134,10 +159,9 @@ def _log_probability_else(passes: Sequence[ForwardPass], prior: float) -> float:
     return float(np.logaddexp.reduce([*none, *drifting]))
 
 
-def _smooth(
-    sections: LegSections, fitted: ForwardPass, number: int, log_odds: float, used: bool
-) -> DominantDirections:
+def _smooth(sections: LegSections, best: BestFit, used: bool) -> DominantDirections:
     """Compute the directions of the sections given all sections, by a backward pass."""
+    fitted = best.fitted
     belief = fitted.forward * backward_pass(fitted)
     mean, sigma = fitted.grid.mean_and_sigma(belief.sum(axis=1))
     straight = belief[:, 0].sum(axis=1) / belief.sum(axis=(1, 2))
@@ -153,13 +177,13 @@ def _smooth(
         / (fitted.drift.level.of_section * np.sqrt(2.0 * np.pi))
     )
     return DominantDirections(
-        number=number,
-        log_odds=log_odds,
+        number=best.number,
+        log_odds=best.log_odds,
         used=used,
         spacing_rad=spacing,
         drift_per_sqrt_s=fitted.drift.level.per_sqrt_s,
         drift_rad=drift - drift[0],
-        rate_radps=fitted.drift.rate_radps,
+        rate_radps=fitted.drift.rate_radps if used else best.mean_rate_radps,
         sigma_rad=sigma,
         path_heading_rad=along + drift[0] + sections.heading_rad[0],
         follows=straight * gaussian / (gaussian + OUTLIER_SHARE),

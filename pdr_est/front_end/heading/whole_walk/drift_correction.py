@@ -1,26 +1,28 @@
 """The stage that corrects headings at the end of the walk: by all strides, and by the dominant directions."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import erf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import wrap_angle
-from pdr_est.front_end.heading.course.course_offsets import with_courses
+from pdr_est.front_end.heading.course.course_offsets import moves_ahead, with_courses, without_courses
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
 from pdr_est.front_end.heading.placement_change.turn_estimate import TurnEstimate
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, dominant_directions
+from pdr_est.front_end.heading.whole_walk.later_standing import with_later_standing
 from pdr_est.front_end.heading.whole_walk.offset_evidence import offset_evidence
 from pdr_est.front_end.heading.whole_walk.placement_turns import placed_walk
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, straight_leg_sections
+from pdr_est.records import changed
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.steps import Step
 
 _LEAST_PROBABILITY = 0.5  # that a section follows a dominant direction, for a prior
+_LEAST_DRIFT_RAD = 0.02  # over a walk, that is corrected
 _DECIDED = 0.995  # least probability of the nearest direction after a change of place, for priors on both sides
 
 
@@ -29,7 +31,8 @@ class WholeWalkHeading:
 
     The turns while the phone was put elsewhere are estimated again, from all strides in each place and from the
     directions of the building. Steps of sideways and backward walking get the direction of motion. Then the headings
-    are corrected by the directions of the building, if it has some.
+    are corrected by what standing tells of the gyroscope's bias, and by the directions of the building, if it has
+    some.
 
     Parameters
     ----------
@@ -98,16 +101,19 @@ class WholeWalkHeading:
         return steps if refined is None else refined.oriented(self._placement.bend_rad)
 
     def _correct(self, found: list[Step]) -> list[Step]:
-        steps = self._with_turns(found)
+        steps = self._with_turns(without_courses(found))
         if self._course is not None:
-            steps = with_courses(steps, self._course)
+            steps = with_courses(steps, self._course, moves_ahead(found))
+        steps = with_later_standing(steps)
         if self._parameters is None:
             return steps
         sections = straight_leg_sections(steps, self._parameters.straight)
         self.directions = directions = dominant_directions(sections, self._parameters)
-        if directions is None or not directions.used:
+        if directions is None:
             return steps
         steps = _without_rate(steps, directions.rate_radps)
+        if not directions.used:
+            return steps
         if not self._as_priors:
             return _without_drift(steps, sections, directions)
         return _with_drift_noise(_with_priors(steps, sections, directions), directions.drift_per_sqrt_s)
@@ -121,7 +127,7 @@ def _with_priors(steps: Sequence[Step], sections: LegSections, directions: Domin
     chosen = int(np.argmax(np.bincount(run, weights=follows * (sections.last - sections.first))))
     for i in np.flatnonzero(follows & (run == chosen)):
         for k in range(sections.first[i], sections.last[i]):
-            marked[k] = replace(
+            marked[k] = changed(
                 marked[k],
                 path_heading_rad=float(wrap_angle(directions.path_heading_rad[i])),
                 sigma_path_heading_rad=float(directions.sigma_rad[i]),
@@ -157,7 +163,7 @@ def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
     times = [step.event.time_s for step in steps]
     elapsed_s = np.diff(times, prepend=times[0])
     return [
-        replace(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
+        changed(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
         for step, passed in zip(steps, elapsed_s, strict=True)
     ]
 
@@ -165,8 +171,10 @@ def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
 def _without_rate(steps: Sequence[Step], rate_radps: float) -> list[Step]:
     """Take a constant rate off the headings."""
     start_s = steps[0].event.time_s
+    if abs(rate_radps) * (steps[-1].event.time_s - start_s) < _LEAST_DRIFT_RAD:
+        return list(steps)
     return [
-        replace(step, heading_rad=float(wrap_angle(step.heading_rad - rate_radps * (step.event.time_s - start_s))))
+        changed(step, heading_rad=float(wrap_angle(step.heading_rad - rate_radps * (step.event.time_s - start_s))))
         for step in steps
     ]
 
@@ -174,6 +182,6 @@ def _without_rate(steps: Sequence[Step], rate_radps: float) -> list[Step]:
 def _without_drift(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
     drift = np.interp([step.event.time_s for step in steps], sections.time_s, directions.drift_rad)
     return [
-        replace(step, heading_rad=float(wrap_angle(step.heading_rad - off)))
+        changed(step, heading_rad=float(wrap_angle(step.heading_rad - off)))
         for step, off in zip(steps, drift, strict=True)
     ]

@@ -145,7 +145,7 @@ def forward_passes(
     along = grid.likelihood(heading, of_section, OUTLIER_SHARE)  # (n, drifts, cells)
     sigma = np.stack([_sigma_between(sections, transitions, drift.level) for drift in drifts], axis=1)
     damping = grid.damping(sigma)
-    diagonal = _predictive_likelihoods(grid, along, damping, transitions.new_leg)
+    diagonal, of_none = _predictive_likelihoods(grid, along, damping, transitions)
     likelihood = np.stack([along, np.broadcast_to(diagonal[..., None], along.shape)], axis=2)
     belief = np.broadcast_to(LEG_PRIOR[:, None] * grid.uniform(), likelihood.shape[1:])
     log_evidence = np.zeros(len(drifts))
@@ -154,12 +154,12 @@ def forward_passes(
         if i:
             belief = grid.damp(belief, damping[i - 1][:, None])
             if transitions.new_leg[i - 1]:
-                belief = LEG_PRIOR[:, None] * belief.sum(axis=1, keepdims=True)
+                belief = LEG_PRIOR[:, None] * (belief[:, 0] + belief[:, 1])[:, None]
         belief = belief * row
-        evidence = belief.sum(axis=1).mean(axis=-1)
+        evidence = np.add.reduce(belief[:, 0] + belief[:, 1], axis=-1) / grid.cells
         log_evidence += np.log(evidence)
         forward[i] = belief = belief / evidence[:, None, None]
-    of_none = np.log(_predictive_likelihoods(grid, along, damping, transitions.informative)).sum(axis=0)
+    log_of_none = np.log(of_none).sum(axis=0)
     return [
         ForwardPass(
             grid,
@@ -170,7 +170,7 @@ def forward_passes(
             sigma[:, k],
             transitions.new_leg,
             float(log_evidence[k]),
-            float(of_none[k]),
+            float(log_of_none[k]),
         )
         for k, drift in enumerate(drifts)
     ]
@@ -183,22 +183,39 @@ def _sigma_between(sections: LegSections, transitions: SectionTransitions, level
     return sigma
 
 
-def _predictive_likelihoods(grid: CircularGrid, along: Array, damping: Array, resets: NDArray[np.bool_]) -> Array:
+def _predictive_likelihoods(
+    grid: CircularGrid, along: Array, damping: Array, transitions: SectionTransitions
+) -> tuple[Array, Array]:
     """Compute the likelihoods (n, drifts) of the sections given those before, relative to the uniform density.
 
-    `resets` (n - 1,) marks the transitions after which the direction may be any.
+    The first ones are those of directions that may be any in each leg, the second ones those of directions that may
+    be any after each turn that is evidence.
     """
-    probability = np.empty(along.shape[:2])
-    belief = np.ones(along.shape[1:])
+    of_leg, of_turn = np.empty(along.shape[:2]), np.empty(along.shape[:2])
+    anywhere = np.ones(along.shape[1:])
+    in_leg = since_turn = anywhere
     for i, row in enumerate(along):
-        if i and resets[i - 1]:
-            belief = np.ones(along.shape[1:])
+        alike = since_turn is in_leg
+        if i and transitions.new_leg[i - 1]:
+            turn = transitions.informative[i - 1]
+            since_turn = anywhere if turn else grid.damp(since_turn, damping[i - 1])
+            in_leg = anywhere
         elif i:
-            belief = grid.damp(belief, damping[i - 1])
-        belief = belief * row
-        probability[i] = belief.mean(axis=-1)
-        belief = belief / probability[i][:, None]
-    return probability
+            in_leg = grid.damp(in_leg, damping[i - 1])
+            since_turn = in_leg if alike else grid.damp(since_turn, damping[i - 1])
+        alike = since_turn is in_leg
+        in_leg, of_leg[i] = _normalised(in_leg * row, grid.cells)
+        if alike:
+            since_turn, of_turn[i] = in_leg, of_leg[i]
+        else:
+            since_turn, of_turn[i] = _normalised(since_turn * row, grid.cells)
+    return of_leg, of_turn
+
+
+def _normalised(belief: Array, cells: int) -> tuple[Array, Array]:
+    """Return densities (drifts, cells) over their means, and the means."""
+    mean = np.add.reduce(belief, axis=-1) / cells
+    return belief / mean[:, None], mean
 
 
 def backward_pass(fitted: ForwardPass) -> Array:

@@ -64,11 +64,12 @@ def offset_evidence(
     inside = [border for border in borders if len(sections) and sections.first[0] < border <= sections.first[-1]]
     if not inside:
         return {}
-    number, log_odds, fitted = best_fit(sections, parameters)
-    building = 1.0 if parameters.given_number is not None else 1.0 / (1.0 + np.exp(-log_odds))
+    best = best_fit(sections, parameters)
+    number, fitted = best.number, best.fitted
+    building = 1.0 if parameters.given_number is not None else 1.0 / (1.0 + np.exp(-best.log_odds))
     passes = [(building, fitted)]
     if parameters.given_number is None:
-        _, _, halved = best_fit(sections, replace(parameters, number=2 * number))
+        halved = best_fit(sections, replace(parameters, number=2 * number)).fitted
         passes = [(building * (1.0 - _HALVED_SHARE), fitted), (building * _HALVED_SHARE, halved)]
     error = np.arange(0.0, 2.0 * np.pi / number, np.deg2rad(1.0))
     likelihood = {border: np.full(len(error), 1.0 - building) for border in inside}

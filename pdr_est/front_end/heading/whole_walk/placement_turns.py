@@ -6,7 +6,7 @@ belong to the first step in the new place. Later steps in the walk change nothin
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from pdr_est.front_end.heading.placement_change.turn_estimate import (
     last_heading,
 )
 from pdr_est.front_end.heading.stride_pairing import stride_average
+from pdr_est.records import changed
 from pdr_est.types.steps import Step, TurnHypothesis
 
 
@@ -56,7 +57,7 @@ class PlacedWalk:
         """Return the steps with headings by the most probable turns, and with the other possible turns."""
         averaged = _stride_averaged(self.steps, self.heading_rad, bend_rad)
         done = [
-            replace(step, heading_rad=float(wrap_angle(angle)), turn_hypotheses=(), placement_tracked=True)
+            changed(step, heading_rad=float(wrap_angle(angle)), turn_hypotheses=(), placement_tracked=True)
             for step, angle in zip(self.steps, averaged.tolist(), strict=True)
         ]
         for number, turn in self.turns.items():
@@ -72,13 +73,13 @@ class PlacedWalk:
         first, last_before = self.places[number].first, self.places[number - 1].last
         share = min(one.sigma_rad for one in hypotheses) ** 2 / (first - last_before + 1)
         for k in range(last_before, first):
-            steps[k] = replace(steps[k], sigma_turn_rad=float(np.hypot(steps[k].sigma_turn_rad, np.sqrt(share))))
+            steps[k] = changed(steps[k], sigma_turn_rad=float(np.hypot(steps[k].sigma_turn_rad, np.sqrt(share))))
         spent = share * (first - last_before)
         change = heading[first] - heading[first - 1] - hypotheses[0].heading_change_rad
-        steps[first] = replace(
+        steps[first] = changed(
             steps[first],
             turn_hypotheses=tuple(
-                replace(
+                changed(
                     one,
                     heading_change_rad=float(wrap_angle(one.heading_change_rad + change)),
                     sigma_rad=float(np.sqrt(one.sigma_rad**2 - spent)),
