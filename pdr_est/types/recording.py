@@ -84,8 +84,9 @@ class DeviceRecording:
 
     @property
     def span_s(self) -> tuple[float, float] | None:
-        """Times of the first and the last sample of any channel of the front end, s; None without samples."""
-        times = [block.time_s[np.isfinite(block.time_s)] for block in self.blocks()]
+        """Times of the first and the last sample of any channel but the air pressure, s; None without samples."""
+        moving = [block for block in self.blocks() if block.channel is not Channel.PRESSURE]
+        times = [block.time_s[np.isfinite(block.time_s)] for block in moving]
         known = [time_s for time_s in times if len(time_s)]
         if not known:
             return None
@@ -108,6 +109,7 @@ class DeviceRecording:
         for channel, signal in (
             (Channel.MAGNETIC_FIELD, self.magnetic_field),
             (Channel.ATTITUDE, self.attitude),
+            (Channel.PRESSURE, self.pressure),
             (Channel.SPECIFIC_FORCE, self.specific_force),
             (Channel.ROTATION_RATE, self.rotation_rate),
         ):

@@ -1,6 +1,5 @@
 """The stage that gives each step its length and the standard deviation of it."""
 
-import math
 from collections.abc import Callable
 from dataclasses import field, replace
 from functools import partial
@@ -18,6 +17,8 @@ from pdr_est.front_end.step_length.harmonic_model import (
     TurnMeter,
     harmonic_length_m,
 )
+from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
+from pdr_est.front_end.step_length.stairs import StairParams
 from pdr_est.front_end.step_length.walk_run_model import (
     RunningParams,
     running_length_m,
@@ -63,6 +64,8 @@ class StepLengthParams:
     """Window of the running mean, s, before the extremes and the mean are taken; ours."""
     running: RunningParams = RunningParams()
     """Parameters of running steps in "walk-run"."""
+    stairs: StairParams = StairParams()
+    """Length of steps on stairs, with "auto" and "harmonic"; for estimators that use the whole walk."""
     sigma_walking: Positive = 0.07
     """Standard deviation of a walking step over its length, taken for independent from step to step; ours."""
     sigma_running: Positive = 0.20
@@ -114,7 +117,7 @@ class StepLength:
         turn_rad = self._turn.at(item)
         walking_m, running_m = self._lengths_m(item, pace, turn_rad)
         mean_m, sigma_m = mixture_mean_and_sigma(
-            share_of_running(item, pace),
+            share_of_running(item, pace.cadence_hz),
             (walking_m, self._parameters.sigma_walking * walking_m),
             (running_m, self._parameters.sigma_running * running_m),
         )
@@ -174,24 +177,6 @@ class StepLength:
         if len(step.samples) < self._window + _LEAST_MEANS:
             return self._static_length_m()
         return model(windowed_mean(step.samples.vertical_mps2, self._window))
-
-
-def mixture_mean_and_sigma(
-    share: float, first: tuple[float, float], second: tuple[float, float]
-) -> tuple[float, float]:
-    """Compute mean and standard deviation of a mixture of two distributions.
-
-    Parameters
-    ----------
-    share : float
-        Weight of the second distribution.
-    first, second : tuple of float
-        Mean and standard deviation of each. Where the weight lies in between, the difference of the means adds to the
-        result.
-    """
-    mean = (1.0 - share) * first[0] + share * second[0]
-    between = share * (1.0 - share) * (second[0] - first[0]) ** 2
-    return mean, math.sqrt((1.0 - share) * first[1] ** 2 + share * second[1] ** 2 + between)
 
 
 def windowed_mean(samples: Array, window: int) -> Array:
