@@ -16,6 +16,7 @@ from pdr_est.front_end.step_length.harmonic_model import (
     HarmonicParams,
     TurnMeter,
     harmonic_length_m,
+    walked_part,
 )
 from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
 from pdr_est.front_end.step_length.stairs import StairParams
@@ -81,7 +82,8 @@ class StepLength:
     """Stage Step -> Step that fills in the length and its standard deviation.
 
     Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier, as far
-    as the cadence allows for running (`share_of_running`). In all models but `walk-run` the two have the same length.
+    as the cadence allows for running (`share_of_running`). In published models the two have the same length, and in
+    `harmonic` as well, if the step is not shorter than any of a walker (`walked_part`).
 
     The standard deviation is that of one step by itself, and users take the steps of a walk for independent. It is
     too small for an error that all of them share: constants that do not fit the walker, or somebody who is in doubt
@@ -133,8 +135,11 @@ class StepLength:
         """Compute the lengths of this step if it is a walking one and if it is a running one."""
         p, height_m, law = self._parameters, self._walker.height_m, length_law(self._parameters)
         if law != "walk-run":
-            of_any = self._harmonic_length_m if law == "harmonic" else self._published_length_m
-            length_m = of_any(step, turn_rad)
+            if law == "harmonic":
+                length_m = self._harmonic_length_m(step, turn_rad)
+                part = walked_part(p.harmonic, step.event.time_s - step.start_s)
+                return part * length_m, length_m
+            length_m = self._published_length_m(step, turn_rad)
             return length_m, length_m
         walking_m = self._length_from_acceleration(
             step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)

@@ -134,8 +134,8 @@ def test_a_lasting_change_of_the_velocity_is_in_doubt_and_the_air_pressure_decid
     climbing = probabilities(walk(climbs, pressure_of=climbs))[-6:]
     staying = probabilities(walk(climbs, pressure_of=[LEVEL] * len(climbs)))[-6:]
     assert staying.max() < 0.1 < alone.min() < climbing.min()
-    assert climbing.min() > 0.98
-    assert alone.max() < 0.98
+    assert climbing.min() > 0.95
+    assert alone.max() < 0.95
 
 
 def test_the_air_pressure_alone_of_a_lift_or_of_weather_is_no_stairs() -> None:

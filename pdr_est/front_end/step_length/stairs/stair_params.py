@@ -50,7 +50,9 @@ class StairParams:
     """Standard deviation of such a change of the velocity, m/s."""
     sigma_bias_jump_mps2: NonNegative = 0.03
     """Standard deviation of the change of the acceleration's error that comes with it, m/s^2."""
-    sigma_height_m: Positive = 0.06
-    """Standard deviation of the height by the air pressure, mean over a step, m; from ipin2023."""
-    sigma_height_drift_m_per_sqrt_s: Positive = 0.12
-    """Random walk of that height, m per root second, for wind, doors and ventilation; from ipin2023."""
+    sigma_height_m: Positive = 0.15
+    """Standard deviation of the height by the air pressure, mean over a step, m. Indoors it is 0.06 (ipin2023), and
+    in the wind some times as much.
+    """
+    sigma_height_drift_m_per_sqrt_s: Positive = 0.2
+    """Random walk of that height, m per root second, for wind, doors and ventilation; indoors 0.12 (ipin2023)."""
