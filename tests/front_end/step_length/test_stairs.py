@@ -206,7 +206,7 @@ def test_smoothing_estimators_get_the_shorter_steps_and_filters_do_not() -> None
     recording = corner_walk().recording
     device = recording.devices[0]
     force, time_s = device.specific_force, device.specific_force.time_s
-    begin_s = time_s[0] + 17.0
+    begin_s = time_s[0] + 18.0
     upwards = 0.3 * ((time_s > begin_s) & (time_s < begin_s + 0.5)) / 0.5
     upwards = upwards - 0.3 * ((time_s > begin_s + 5.0) & (time_s < begin_s + 5.5)) / 0.5
     up = force.values.mean(axis=0) / np.linalg.norm(force.values.mean(axis=0))

@@ -63,9 +63,11 @@ class VerticalMotionMeter:
             period_s = step_s / len(samples)
             if len(samples) > 1:
                 period_s = float(samples.time_s[-1] - samples.time_s[0]) / (len(samples) - 1)
-            velocity_mps = self._velocity_mps + np.cumsum(samples.vertical_mps2) * period_s
-            self._velocity_mps = float(velocity_mps[-1])
-            mean_mps = float(velocity_mps.mean()) if len(samples) >= _LEAST_SAMPLES else mean_mps
+            vertical = samples.vertical_mps2
+            if len(samples) >= _LEAST_SAMPLES:  # the mean of the running sum, in which the first sample counts most
+                weight = np.arange(len(samples), 0, -1)
+                mean_mps = self._velocity_mps + period_s * float(vertical @ weight) / len(samples)
+            self._velocity_mps += period_s * float(vertical.sum())
         return VerticalMotion(begins, mean_mps, step_s, pace_s, _height_m(step))
 
 
