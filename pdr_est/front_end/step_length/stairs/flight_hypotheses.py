@@ -88,11 +88,11 @@ class FlightHypotheses:
         bank = self._bank
         return 0.0 if bank is None else float(np.exp(bank.log_weight) @ (bank.mode != _LEVEL))
 
-    def push(self, motion: VerticalMotion) -> list[float]:
+    def add(self, motion: VerticalMotion) -> list[float]:
         """Take in the next step; return the probabilities of the steps that have become final, in their order."""
         final: list[float] = []
         if motion.begins or self._bank is None:
-            final = self.flush()
+            final = self.finish()
             self._bank, self._steps, self._known = self._start(), 0, 0
         self._steps += 1
         known = self._steps > UNSETTLED_STEPS and bool(np.isfinite(motion.velocity_mps))
@@ -109,7 +109,7 @@ class FlightHypotheses:
         self._bias = (mean, float(np.sqrt(variance)))
         return final
 
-    def flush(self) -> list[float]:
+    def finish(self) -> list[float]:
         """Return the probabilities of the steps that are not final yet: nothing more can be learnt about them.
 
         They are 0 for steps of a walk whose vertical velocity is not known at all.

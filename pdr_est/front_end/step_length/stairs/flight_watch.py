@@ -40,11 +40,11 @@ class FlightWatch:
         self._is_watched = False  # by the hypotheses
         self._known_already = 0  # first steps that they were given and whose probabilities were returned before
 
-    def push(self, motion: VerticalMotion) -> list[float]:
+    def add(self, motion: VerticalMotion) -> list[float]:
         """Take in the next step; return the probabilities of the steps that have become final."""
         final: list[float] = []
         if motion.begins:
-            final = self.flush()
+            final = self.finish()
             self._recent.clear()
             self._changes_mps.clear()
         if not self._awake and self._level == _RECENT_STEPS:
@@ -61,14 +61,14 @@ class FlightWatch:
             fresh = list(self._recent)
             self._known_already = len(fresh) - self._level
             self._is_watched = True
-        final += self._new([found for step in fresh for found in self._hypotheses.push(step)])
+        final += self._new([found for step in fresh for found in self._hypotheses.add(step)])
         self._level = 0
         self._awake = max(self._awake - 1, 1)
         if self._awake == 1 and self._hypotheses.probability < _LEVEL:
             final += self._sleep()
         return final
 
-    def flush(self) -> list[float]:
+    def finish(self) -> list[float]:
         """Return the probabilities of the other steps."""
         final = [*self._sleep(), *[0.0] * self._level]
         self._level = 0
@@ -77,7 +77,7 @@ class FlightWatch:
     def _sleep(self) -> list[float]:
         """Return what the hypotheses say of the steps that they were given."""
         self._awake, self._is_watched = 0, False
-        return self._new(self._hypotheses.flush())
+        return self._new(self._hypotheses.finish())
 
     def _new(self, found: list[float]) -> list[float]:
         """Leave out the probabilities of steps that are final."""

@@ -43,11 +43,11 @@ class StairLengths:
         if item.event.mode not in _TRUSTED:
             motion = replace(motion, velocity_mps=float("nan"))
         self._waiting.append(item)
-        return [self._with_length(probability) for probability in self._flights.push(motion)]
+        return [self._with_length(probability) for probability in self._flights.add(motion)]
 
     def flush(self) -> list[Step]:
         """Return the other steps."""
-        return [self._with_length(probability) for probability in self._flights.flush()]
+        return [self._with_length(probability) for probability in self._flights.finish()]
 
     def _with_length(self, on_stairs: float) -> Step:
         """Give the first waiting step its length."""
