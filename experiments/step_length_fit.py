@@ -27,7 +27,7 @@ from pdr_est.experiment.suites import suite_named
 from pdr_est.experiment.walks import find_walks
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import HarmonicParams, StepLengthParams
-from pdr_est.front_end.step_length.harmonic_model import LEAST_SAMPLES, TurnMeter, log_features
+from pdr_est.front_end.step_length.harmonic_model import LEAST_SAMPLES, TurnMeter, log_features, walked_part
 from pdr_est.io import read
 from pdr_est.pipeline.front_end_chain import analyse_device
 from pdr_est.types.ground_truth import TruePositions
@@ -63,7 +63,7 @@ class Case:
     features : Array
         Logarithms of first harmonic, upper values and duration of each step, (n, 3).
     offset : Array
-        Effect (n,) of turning on the logarithm of each length.
+        Known effects (n,) on the logarithm of each length: of turning, and of intervals shorter than any step.
     log_height : float
         Logarithm of the height over the model's, 0 where it is not known; a fit uses it, an error does not.
     earlier_m : Array
@@ -216,6 +216,8 @@ def cases_of(
         length_m, shares = true_length(data_set, name, recording, known, steps)
         meter = TurnMeter()
         turn_rad = np.array([meter.at(step) for step in steps])
+        part = np.array([walked_part(HarmonicParams(), step.event.time_s - step.start_s) for step in steps])
+        short = 0.0 if is_running(name) else np.log(part)
         height = float(np.log(float(str(known["height_m"])) / 1.73)) if "height_m" in known else 0.0
         kept = shares > 0.0
         yield Case(
@@ -225,7 +227,7 @@ def cases_of(
             length_m,
             shares[kept],
             np.array([features(step) for step in steps])[kept],
-            (-HarmonicParams().turn_per_rad * turn_rad)[kept],
+            (short - HarmonicParams().turn_per_rad * turn_rad)[kept],
             height,
             np.array([step.length_m for step in steps])[kept],
         )

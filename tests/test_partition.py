@@ -42,7 +42,8 @@ from pdr_est.front_end.mode import (
 )
 from pdr_est.front_end.odometry import Odometry, OdometryParams
 from pdr_est.front_end.signal.blocks import join
-from pdr_est.front_end.step_length import StepLength, StepLengthParams, WalkerParams
+from pdr_est.front_end.step_length import StairParams, StepLength, StepLengthParams, WalkerParams
+from pdr_est.front_end.step_length.stairs import StairLengths
 from pdr_est.front_end.steps import DETECTORS, DetectorName, StepsParams
 from pdr_est.front_end.steps.bandpass_peaks import AutoStepParams, BandpassPeakDetector
 from pdr_est.front_end.steps.local_variance import LocalVariance, LocalVarianceParams
@@ -141,6 +142,7 @@ CASES = {
         lambda: NorthPriors("device", NorthReference("magnetometer"), NorthParams(least_steps=1), 0.02),
         "complete steps with field",
     ),
+    "StairLengths": Case(lambda: StairLengths(StairParams()), "complete steps"),
     "Odometry": Case(lambda: Odometry("device", OdometryParams()), "complete steps"),
 }
 _TO_STEPS = ("VqfAttitude", "FixedMode", "StepSegmentation-AutoSteps")

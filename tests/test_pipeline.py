@@ -18,6 +18,7 @@ from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.heading import HeadingParams
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams
 from pdr_est.front_end.mode import ModeParams
+from pdr_est.front_end.step_length import StairParams, StepLengthParams
 from pdr_est.front_end.steps import StepsParams
 from pdr_est.io import read
 from pdr_est.pipeline import SmoothedWalk
@@ -102,9 +103,12 @@ def test_the_golden_walk_is_near_the_truth() -> None:
 
 @pytest.mark.parametrize("name", get_args(EstimatorName))
 def test_without_fixes_every_estimator_gives_the_dead_reckoned_positions(name: EstimatorName) -> None:
-    """But for a building's directions, of which only a smoother makes use."""
+    """But for a building's directions and its stairs, of which only a smoother makes use."""
     expected = pipeline.smooth_recording(simulated().recording, DEAD_RECKONING)
-    config = Config(heading=HeadingParams(dominant=DominantParams(enabled=False)))
+    config = Config(
+        heading=HeadingParams(dominant=DominantParams(enabled=False)),
+        step_length=StepLengthParams(stairs=StairParams(enabled=False)),
+    )
     walk = pipeline.smooth_recording(simulated().recording, config.with_estimator(name))
     np.testing.assert_allclose(walk.track.position_m, expected.track.position_m, atol=1e-5)
     assert walk.track.estimator == name

@@ -1,8 +1,10 @@
 """Definitions of the metrics, with their units and ideal values."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+
+from pdr_est.evaluate.statistics import Average
 
 
 @dataclass(frozen=True)
@@ -17,11 +19,14 @@ class Metric:
         Value of a perfect track; nearer values are better.
     with_fixes : bool
         True for a metric of a track that was given position fixes.
+    pooled_by : str or None
+        Name of the count of a walk by which means over walks are weighted; None if every walk has the same weight.
     """
 
     text: str
     ideal: float = 0.0
     with_fixes: bool = False
+    pooled_by: str | None = None
 
 
 _UNITS: Mapping[str, str] = MappingProxyType({"_m": "m", "_deg": "deg", "_per_min": "1/min"})
@@ -30,6 +35,22 @@ _UNITS: Mapping[str, str] = MappingProxyType({"_m": "m", "_deg": "deg", "_per_mi
 def unit_of(metric: str) -> str:
     """Return the unit of a metric, which is the end of its name; empty for ratios and shares."""
     return next((unit for ending, unit in _UNITS.items() if metric.endswith(ending)), "")
+
+
+def pooled_average(metric: str, rows: Iterable[tuple[float | None, Mapping[str, int]]]) -> Average:
+    """Average a metric over walks, weighted by a count of each walk where its definition says so.
+
+    Parameters
+    ----------
+    metric : str
+        Name of the metric.
+    rows : iterable of (float or None, Mapping)
+        Value of each walk, and its counts by name.
+    """
+    pooled_by = DEFINITIONS[metric].pooled_by if metric in DEFINITIONS else None
+    known = list(rows)
+    weights = None if pooled_by is None else [float(counts.get(pooled_by, 1)) for _, counts in known]
+    return Average.of((value for value, _ in known), weights)
 
 
 def with_unit(metric: str) -> str:
@@ -114,6 +135,21 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
         "error_gps_raw_m": Metric(
             "Mean distance of the GPS positions themselves to the surveyed points: the positions are interpolated "
             "linearly at the times of the points; a point before the first or after the last of them takes that one."
+        ),
+        "leg_length_mae_m": Metric(
+            "Mean difference of the distances between successive true positions, over all of them, from the sensors "
+            "alone.",
+            pooled_by="legs",
+        ),
+        "leg_vector_mae_m": Metric(
+            "Mean distance of the displacements between successive true positions, over all of them, after the best "
+            "rotation of each walk, from the sensors alone.",
+            pooled_by="legs",
+        ),
+        "leg_turn_mae_m": Metric(
+            "The same with each displacement as seen from the direction of the one before it, which is at least 1 m "
+            "long.",
+            pooled_by="leg_turns",
         ),
         "mode_accuracy": Metric("Share of the walking time that is labelled with the true carrying mode.", 1.0),
         "count_error": Metric("Difference of the detected and the true number of steps, per true number."),

@@ -77,6 +77,40 @@ def length_ratio(track: Track, truth_time_s: Array, truth_m: Array, least_leg_m:
     return length_between(track, float(truth_time_s[kept[0]]), float(truth_time_s[kept[-1]])) / length
 
 
+def leg_metrics(track_m: Array, truth_m: Array) -> tuple[dict[str, float], dict[str, int]]:
+    """Compute `LEG_METRICS`, the mean errors of the legs between successive true positions.
+
+    A leg is the displacement from one true position to the next. Its length does not depend on headings. Its vector
+    is compared after one rotation of all legs, the one that maximises the sum of their scalar products with the true
+    ones. Its turn is its vector as seen from the leg before it: both legs are rotated so that the leg before, of the
+    track and of the truth, points east. A leg after one shorter than 1 m, or 0.5 m of the track, has no turn.
+
+    Parameters
+    ----------
+    track_m, truth_m : ndarray
+        Paired positions (n, 2), m, in the order of time; n at least 2.
+
+    Returns
+    -------
+    values : dict
+        Mean error, m, by metric; a walk without any turn has no `leg_turn_mae_m`.
+    counts : dict
+        Number of legs and of turns, by which the means of several walks are pooled.
+    """
+    own, true = (_complex(np.diff(points_m, axis=0)) for points_m in (track_m, truth_m))
+    agreement = np.vdot(own, true)
+    rotation = agreement / abs(agreement) if agreement != 0.0 else 1.0
+    values = {
+        "leg_length_mae_m": float(np.mean(np.abs(np.abs(own) - np.abs(true)))),
+        "leg_vector_mae_m": float(np.mean(np.abs(rotation * own - true))),
+    }
+    turns = (np.abs(true[:-1]) >= _LEAST_LEG_BEFORE_M) & (np.abs(own[:-1]) >= _LEAST_OWN_LEG_BEFORE_M)
+    if turns.any():
+        own_turn, true_turn = (legs[1:][turns] * np.exp(-1j * np.angle(legs[:-1][turns])) for legs in (own, true))
+        values["leg_turn_mae_m"] = float(np.mean(np.abs(own_turn - true_turn)))
+    return values, {"legs": len(true), "leg_turns": int(turns.sum())}
+
+
 def polyline_length(points_m: Array) -> float:
     """Compute the length, m, of the polyline through points (n, 2)."""
     return float(np.linalg.norm(np.diff(points_m, axis=0), axis=1).sum())
@@ -146,13 +180,20 @@ def mode_accuracy(duration_s: Array, mode: Sequence[CarryingMode], true_mode: ND
     return float(np.sum(duration_s[right]) / total)
 
 
+def _complex(vectors_m: Array) -> NDArray[np.complex128]:
+    """Write vectors (n, 2) as complex numbers (n,), with which rotations are products."""
+    return np.asarray(vectors_m[:, 0] + 1j * vectors_m[:, 1])
+
+
 def _aligned_at_start(track_m: Array, truth_m: Array) -> Array:
     return start_alignment(track_m, truth_m).apply(track_m)
 
 
 OPEN_METRICS = ("error_open_m", "final_drift", "ate_rigid_m", "length_ratio")
+LEG_METRICS = ("leg_length_mae_m", "leg_vector_mae_m", "leg_turn_mae_m")
 LEAST_POINTS = 2  # true positions, for a direction
 
+_LEAST_LEG_BEFORE_M, _LEAST_OWN_LEG_BEFORE_M = 1.0, 0.5  # true and estimated, for a direction
 _LEAST_LEG_M = {"gps": 5.0}  # source of the truth -> least distance of the points that its length is taken from
 
 

@@ -1,8 +1,9 @@
 """Statistics of a metric over many walks."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 
@@ -14,7 +15,8 @@ class Average:
     Attributes
     ----------
     mean, median, p90 : float or None
-        Mean, median and 90th percentile (linear between walks); None if no walk has the metric.
+        Mean (which may be weighted), median and 90th percentile (linear between walks); None if no walk has the
+        metric.
     n : int
         Number of walks.
     """
@@ -25,9 +27,20 @@ class Average:
     n: int
 
     @classmethod
-    def of(cls, values: Iterable[float | None]) -> "Average":
-        """Compute the statistics of the values that are finite numbers."""
-        known = [value for value in values if value is not None and math.isfinite(value)]
+    def of(cls, values: Iterable[float | None], weights: Sequence[float] | None = None) -> "Average":
+        """Compute the statistics of the values that are finite numbers.
+
+        Parameters
+        ----------
+        values : iterable of float or None
+            Value of each walk.
+        weights : sequence of float or None
+            Weight of each walk in the mean, such as the number of legs that its value is the mean of; equal for None.
+        """
+        rows = zip(values, repeat(1.0) if weights is None else weights, strict=False)
+        known = [(value, weight) for value, weight in rows if value is not None and math.isfinite(value)]
         if not known:
             return cls(None, None, None, 0)
-        return cls(float(np.mean(known)), float(np.median(known)), float(np.percentile(known, 90.0)), len(known))
+        numbers, shares = (np.array(column) for column in zip(*known, strict=True))
+        mean = np.mean(numbers) if weights is None else np.average(numbers, weights=shares)
+        return cls(float(mean), float(np.median(numbers)), float(np.percentile(numbers, 90.0)), len(known))

@@ -131,6 +131,11 @@ class ProfileGroup:
     sigma_walk: float
 
 
+def unknown_height(_path: Path) -> float | None:
+    """Return None: `Suite.walker_height` of a suite that does not know the heights of its walkers."""
+    return None
+
+
 def as_recorded(recording: Recording) -> Recording:
     """Return the recording unchanged: `Suite.prepare` of most suites."""
     return recording
@@ -156,6 +161,8 @@ class Suite:
         Changes a recording before any stage sees it.
     truth_beside : Callable
         Reads the ground truth of a recording from files beside it, by the path of the recording.
+    walker_height : Callable
+        Reads the height of the walker, m, from files beside a recording, by its path; None where it is not known.
     fixes : "none", "heldout" or None
         Fixes of the benchmark; None for a suite whose metrics need no true positions.
     calibrated_on : int
@@ -176,6 +183,7 @@ class Suite:
     score: Callable[[AnalysedWalk], list[TrackScores]]
     prepare: Callable[[Recording], Recording] = as_recorded
     truth_beside: Callable[[Path], Truth] = nothing_beside
+    walker_height: Callable[[Path], float | None] = unknown_height
     fixes: FixesProtocol | None = None
     calibrated_on: int = 0
     calibrated: tuple[str, ...] = ()

@@ -52,6 +52,16 @@ class Walk:
             return _with_stated_truth(recording, suite.truth_beside(self.source.path))
         return _with_sparse_truth(simulate_walk(self.source).recording, self.truth_every_s)
 
+    def walker_height_m(self, suite: Suite) -> float | None:
+        """Read the height of the walker, m; None where it is not known beside the recording.
+
+        Raises
+        ------
+        RecordingError
+            If it is no height of a person.
+        """
+        return suite.walker_height(self.source.path) if isinstance(self.source, WalkFile) else None
+
 
 def find_walks(data: DataParams, folder: Path, suite: Suite | None, seed: int = 0) -> tuple[Walk, ...]:
     """Find the walks that the data section asks for.

@@ -241,6 +241,7 @@ class AccelerometerTilt:
                 mode=np.full(len(force), CarryingMode.UNKNOWN, dtype=np.int8),
                 mode_probability=np.zeros(len(force)),
                 magnetic_field_ut=item.magnetic_field_ut,
+                pressure_pa=item.pressure_pa,
                 hole=item.hole,
             )
         ]
@@ -273,6 +274,7 @@ def _level(block: ImuBlock, quaternion: Array, rotation_rate_radps: Array) -> Le
         mode=np.full(len(block.time_s), CarryingMode.UNKNOWN, dtype=np.int8),
         mode_probability=np.zeros(len(block.time_s)),
         magnetic_field_ut=block.magnetic_field_ut,
+        pressure_pa=block.pressure_pa,
         recorded_yaw_rad=None if block.attitude is None else _recorded_yaw(block.attitude, quaternion),
         hole=block.hole,
     )

@@ -20,7 +20,7 @@ from pdr_est.types.sensors import Channel, LevelBlock, SensorBlock
 _LOOK_S = 2.0  # samples of an undeclared device that are looked at to find out how it records
 _MOST_SPANS = 1000
 _NEEDED = (Channel.SPECIFIC_FORCE, Channel.ROTATION_RATE)
-_WIDTH = {channel: 4 if channel is Channel.ATTITUDE else 3 for channel in Channel}
+_WIDTH = {channel: channel.width for channel in Channel}
 
 
 @dataclass(frozen=True)

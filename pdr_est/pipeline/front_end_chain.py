@@ -14,7 +14,7 @@ from pdr_est.front_end.heading import heading_stage, needs_magnetometer, whole_w
 from pdr_est.front_end.heading.north import NorthPriors, NorthReference, north_reference
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
-from pdr_est.front_end.step_length import step_length_stage
+from pdr_est.front_end.step_length import stairs_stage, step_length_stage
 from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.parts import NO_PARTS, STAGE, Parts, StagePart, given_part
@@ -71,11 +71,14 @@ def analyse_device(
     causal = measuring(device.name, config, north)
     odometry = _run(causal, steps) if has_heading else []
     whole_walk_odometry, directions = odometry, None
-    corrects = at_the_end and has_heading and parts.heading is None
-    whole_walk = whole_walk_stage(config.heading) if corrects else None
-    if whole_walk is not None:
-        whole_walk_odometry = _run(measuring(device.name, config, north, at_the_end=True), _run(whole_walk, steps))
-        directions = whole_walk.directions
+    corrects = at_the_end and has_heading
+    whole_walk = whole_walk_stage(config.heading) if corrects and parts.heading is None else None
+    stairs = stairs_stage(config.step_length) if corrects and parts.step_length is None else None
+    if whole_walk is not None or stairs is not None:
+        corrected = [stage for stage in (stairs, whole_walk) if stage is not None]
+        measured = measuring(device.name, config, north, at_the_end=whole_walk is not None)
+        whole_walk_odometry = _run(measured, _run(Chain(corrected), steps))
+        directions = None if whole_walk is None else whole_walk.directions
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
@@ -122,15 +125,18 @@ def levelling(
 ) -> tuple[Resampler, Chain]:
     """Make the chain SensorBlock -> LevelBlock for a device, and return its first stage, which knows the gaps, too.
 
-    The magnetic field and the recorded attitude are resampled with the other channels where a heading needs them;
-    they do not change those.
+    The magnetic field and the recorded attitude are resampled with the other channels where a heading needs them, and
+    the air pressure where steps on stairs are searched for; they do not change those.
     """
     source = config.attitude.source
     own_attitude = source == "device" or (source == "auto" and prefers_recorded_attitude(device))
     channels = required_channels(device, place, with_attitude=own_attitude)
     if heading_needs_magnetometer(config, parts):
         require_magnetometer(device, place)
-    return level_chain(channels, optional_channels(channels, config, parts, north), own_attitude, config, parts)
+    optional = optional_channels(channels, config, parts, north)
+    if device.pressure is not None and stairs_stage(config.step_length) is not None:
+        optional = (*optional, Channel.PRESSURE)
+    return level_chain(channels, optional, own_attitude, config, parts)
 
 
 def optional_channels(

@@ -143,7 +143,7 @@ class ChannelIntegral:
     def integral_or_nan(self, edges: Array) -> Array:
         """Evaluate the integral (m, k) up to each time (m,); NaN where the channel was not recorded."""
         if len(self.time_s) < 2:
-            return np.full((len(edges), 4 if self._channel is Channel.ATTITUDE else 3), np.nan)
+            return np.full((len(edges), self._channel.width), np.nan)
         integral, inside = self.integral_at(edges)
         outside = inside | (edges < self.time_s[0]) | (edges >= self.time_s[-1])
         return np.where(outside[:, None], np.nan, integral)

@@ -17,6 +17,7 @@ from pdr_est.preprocessing.channel_integral import ChannelIntegral
 from pdr_est.types.sensors import Channel, Gap, Hole, ImuBlock, SensorBlock
 
 _OPTIONAL_LAG_S = 2.0  # how far an optional channel may lag behind the others
+_SLOW_GAP_S = {Channel.PRESSURE: 1.5}  # sampled once a second by many phones; less than the time to wait for it
 _MAX_POINTS = 1 << 16  # evaluated at once, which bounds the memory that a jump of the clock can ask for
 
 
@@ -43,7 +44,8 @@ class Resampler:
     Values of optional channels are NaN where those have no sample: in their gaps, before their beginning and after
     their end. Grid, segments and gaps do not depend on them. An optional channel may come any time before the
     required ones and up to 2 s after them without changing an output; what comes later is lost, because a channel
-    that has stopped cannot be waited for. Push a whole signal of an optional channel before the others.
+    that has stopped cannot be waited for. Push a whole signal of an optional channel before the others. Pauses of the
+    air pressure are interpolated up to 1.5 s.
 
     Parameters
     ----------
@@ -61,7 +63,9 @@ class Resampler:
         self._period_s = 1.0 / parameters.rate_hz
         self._max_gap_s = parameters.max_gap_s
         self._inputs = {channel: ChannelIntegral(channel, parameters.max_gap_s) for channel in channels}
-        self._optional = {channel: ChannelIntegral(channel, parameters.max_gap_s) for channel in optional}
+        self._optional = {
+            channel: ChannelIntegral(channel, _SLOW_GAP_S.get(channel, parameters.max_gap_s)) for channel in optional
+        }
         self._first_edge_s = float("nan")
         self._next_index = 0
         self._segment = 0
@@ -186,6 +190,7 @@ class Resampler:
                     rotation_rate_radps=_rows(means.get(Channel.ROTATION_RATE), start, stop),
                     attitude=_unit_quaternions(means.get(Channel.ATTITUDE), start, stop),
                     magnetic_field_ut=_rows(means.get(Channel.MAGNETIC_FIELD), start, stop),
+                    pressure_pa=_column(means.get(Channel.PRESSURE), start, stop),
                     hole=hole,
                 )
             )
@@ -203,6 +208,10 @@ class Resampler:
 
 def _rows(values: Array | None, start: int, stop: int) -> Array | None:
     return None if values is None else values[start:stop]
+
+
+def _column(values: Array | None, start: int, stop: int) -> Array | None:
+    return None if values is None else values[start:stop, 0]
 
 
 def _unit_quaternions(quaternion: Array | None, start: int, stop: int) -> Array | None:

@@ -87,8 +87,8 @@ class DeviceRecording:
 
     @property
     def span_s(self) -> tuple[float, float] | None:
-        """Times of the first and the last sample that the front end can use, s; None without samples."""
-        stamps = [block.time_s for block in self.blocks()]
+        """Times of the first and the last sample of any motion sensor or attitude, s; None without samples."""
+        stamps = [block.time_s for block in self.blocks() if block.channel is not Channel.PRESSURE]
         stamps += [] if self.linear_acceleration is None else [self.linear_acceleration.time_s]
         times = [time_s[np.isfinite(time_s)] for time_s in stamps]
         known = [time_s for time_s in times if len(time_s)]
@@ -113,6 +113,7 @@ class DeviceRecording:
         for channel, signal in (
             (Channel.MAGNETIC_FIELD, self.magnetic_field),
             (Channel.ATTITUDE, self.attitude),
+            (Channel.PRESSURE, self.pressure),
             (Channel.SPECIFIC_FORCE, self.specific_force),
             (Channel.ROTATION_RATE, self.rotation_rate),
         ):

@@ -24,6 +24,14 @@ class Channel(StrEnum):
     ATTITUDE = "attitude"
     """Attitude computed by the device, (n, 4) quaternion w x y z, device to level frame with z up."""
 
+    PRESSURE = "pressure"
+    """Air pressure, (n, 1) Pa."""
+
+    @property
+    def width(self) -> int:
+        """Return the number of columns of its values."""
+        return {Channel.ATTITUDE: 4, Channel.PRESSURE: 1}.get(self, 3)
+
 
 class AttitudeReference(StrEnum):
     """Direction that the yaw of a recorded attitude counts from."""
@@ -57,7 +65,7 @@ class SensorBlock:
     time_s
         (n,) s on the clock of the device.
     values
-        (n, 3), or (n, 4) for quaternions.
+        (n, 3), (n, 4) for quaternions, or (n, 1) for pressures.
     """
 
     channel: Channel
@@ -128,6 +136,8 @@ class ImuBlock:
         attitude is not used.
     magnetic_field_ut
         (n, 3) µT, NaN where it was not recorded; None where no stage needs it.
+    pressure_pa
+        (n,) air pressure, Pa, NaN where it was not recorded; None where no stage needs it.
     hole
         The gap before the first sample, where a segment after another one begins; else None.
     """
@@ -139,6 +149,7 @@ class ImuBlock:
     rotation_rate_radps: Array | None
     attitude: Array | None = None
     magnetic_field_ut: Array | None = None
+    pressure_pa: Array | None = None
     hole: Hole | None = None
 
 
@@ -177,6 +188,8 @@ class LevelBlock:
         (n, 2) rad/s, the bias of the gyroscope about the vertical by standing, which yaw and turn rate are corrected
         by beside that of the attitude filter, and its standard deviation, both as known from the samples so far; None
         where they are not estimated.
+    pressure_pa
+        (n,) air pressure, Pa, NaN where it was not recorded; None where it is not used.
     """
 
     first_index: int
@@ -193,6 +206,7 @@ class LevelBlock:
     magnetic_field_ut: Array | None = None
     recorded_yaw_rad: Array | None = None
     turn_bias_radps: Array | None = None
+    pressure_pa: Array | None = None
     hole: Hole | None = None
 
     def __len__(self) -> int:

@@ -138,6 +138,8 @@ class Step:
         Probabilities of walking, jogging and running; NaN while `gait` is UNKNOWN.
     sigma_length_m
         Standard deviation of the length, m, independent from step to step.
+    stairs_probability
+        Probability that the step lies on stairs, as far as the length takes it into account.
     recorded_share
         Recorded fraction of the movement; less than 1 for a step that began before its segment.
     """
@@ -158,6 +160,7 @@ class Step:
     gait: Gait = Gait.UNKNOWN
     gait_probability: tuple[float, float, float] = (float("nan"), float("nan"), float("nan"))
     sigma_length_m: float = float("nan")
+    stairs_probability: float = 0.0
     recorded_share: float = 1.0
     holes: tuple[Hole, ...] = ()
 

@@ -133,3 +133,41 @@ def test_mode_accuracy_without_steps_is_not_known():
 )
 def test_a_length_is_within_its_sigma_by_the_logarithm(total_m, covered):
     assert metrics.within_sigma(total_m, 100.0, 0.1) == covered
+
+
+def test_legs_by_hand():
+    # True legs (10, 0), (0, 10); the track's (11, 0), (0, 10), turned anyhow. Lengths: errors 1 and 0, mean 0.5.
+    # The best rotation leaves the angles as they are (dot product 110 + 100, cross product 0): vectors 1 and 0.
+    # Turn: the second leg is 10 m to the left of the first one in both: 0.
+    truth = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]])
+    track = ANYWHERE.apply(np.array([[0.0, 0.0], [11.0, 0.0], [11.0, 10.0]]))
+    values, counts = metrics.leg_metrics(track, truth)
+    expected = {"leg_length_mae_m": 0.5, "leg_vector_mae_m": 0.5, "leg_turn_mae_m": 0.0}
+    assert values == pytest.approx(expected, abs=1e-12)
+    assert counts == {"legs": 2, "leg_turns": 1}
+
+
+def test_a_leg_of_the_wrong_direction_is_half_as_wrong_after_the_rotation_but_its_turn_is_not():
+    # The track goes 10 m east and 10 m on; the truth turns left. Sum of the products with the true legs as complex
+    # numbers: 10 * 10 + 10 * 10i, so the track is turned by 45 degrees: each leg is off by 2 * 10 * sin(22.5 deg).
+    # Seen from the first leg, the second one is at (10, 0) and not at (0, 10): 10 * sqrt(2).
+    truth = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]])
+    values, _ = metrics.leg_metrics(np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]]), truth)
+    assert values["leg_length_mae_m"] == pytest.approx(0.0)
+    assert values["leg_vector_mae_m"] == pytest.approx(20.0 * math.sin(math.radians(22.5)))
+    assert values["leg_turn_mae_m"] == pytest.approx(10.0 * math.sqrt(2.0))
+
+
+def test_a_short_leg_has_a_length_but_gives_no_direction_to_the_next_one():
+    # Legs of 0.9 m (true), then 10 m: too short. Then 10 m of the truth, of which the track has 0.4 m: no direction.
+    truth = np.array([[0.0, 0.0], [0.9, 0.0], [10.9, 0.0], [10.9, 10.0]])
+    track = np.array([[0.0, 0.0], [0.9, 0.0], [1.3, 0.0], [1.3, 10.0]])
+    values, counts = metrics.leg_metrics(track, truth)
+    assert values["leg_length_mae_m"] == pytest.approx(9.6 / 3.0)
+    assert "leg_turn_mae_m" not in values
+    assert counts == {"legs": 3, "leg_turns": 0}
+
+
+def test_legs_of_a_track_that_never_moved():
+    values, _ = metrics.leg_metrics(np.zeros((2, 2)), np.array([[0.0, 0.0], [3.0, 4.0]]))
+    assert values == pytest.approx({"leg_length_mae_m": 5.0, "leg_vector_mae_m": 5.0})

@@ -44,6 +44,21 @@ def test_average_leaves_unknown_values_out_and_counts_the_others():
     assert Average.of([None]) == Average(None, None, None, 0)
 
 
+def test_a_weighted_average_by_hand():
+    # Legs: one of 4 m, three of 2 m on average, and a walk without the metric, whose weight counts for nothing.
+    average = Average.of([4.0, None, 2.0], weights=[1.0, 7.0, 3.0])
+    assert average == Average(mean=2.5, median=3.0, p90=pytest.approx(3.8), n=2)
+
+
+def test_leg_metrics_are_pooled_over_the_legs_of_all_walks():
+    rows = [
+        result_row("a", "ekf", {"leg_length_mae_m": 4.0, "ate_rigid_m": 4.0}, counts={"legs": 1}),
+        result_row("b", "ekf", {"leg_length_mae_m": 2.0, "ate_rigid_m": 2.0}, counts={"legs": 3}),
+    ]
+    summary = benchmark_result("ilc20", "estimator", ("ekf",), tuple(rows[0].metrics), rows).summary("ekf")
+    assert (summary["leg_length_mae_m"].mean, summary["ate_rigid_m"].mean) == (2.5, 3.0)
+
+
 def test_document_has_exactly_the_agreed_shape():
     document = result(
         rows=[row("a/imu1", "ekf", 2.0)],

@@ -55,6 +55,9 @@ def test_suite_runs_from_files_to_a_document_of_the_agreed_shape(data):
         assert (walk["track"], walk["mode"], walk["mode_accuracy"]) == ("device", "HOLDING", 1.0)
         assert walk["truth_points_not_scored"] == 0
         assert walk["seconds"] > 0.0
+        assert walk["legs"] == walk["truth_points"] - 1
+        assert walk["leg_turns"] == walk["legs"] - 1
+        assert walk["leg_length_mae_m"] == pytest.approx(3.9 * abs(walk["length_ratio"] - 1.0), abs=0.35)
         # A straight walk with an exact gyroscope: only the length of the steps is not known.
         assert walk["ate_rigid_m"] == pytest.approx(abs(walk["length_ratio"] - 1.0) * rms_from_mean(walk), abs=0.35)
 
@@ -124,6 +127,7 @@ def test_a_recording_without_steps_is_scored_by_its_errors(data, write_ilc20):
         # Waypoints 3.9 m apart, the track in one place: errors 3.9 to 6 * 3.9 m, mean 3.5 * 3.9.
         assert walk["error_open_m"] == pytest.approx(3.5 * 3.9)
     assert document["skipped"] == [
+        {"walk": "site1/F1/one", "reason": "leg_turn_mae_m: no leg long enough for the turn of the next one"},
         {"walk": "site1/F1/one", "reason": f"{', '.join(START_METRICS)}: no device of the walk knows north"},
         {"walk": "site1/F1/one", "reason": "mode_accuracy: no step found"},
     ]

@@ -222,3 +222,17 @@ def test_damaged_files_are_refused(tmp_path: Path) -> None:
 
 def test_steps_per_second_of_the_made_up_walk_are_those_of_the_annotation() -> None:
     assert np.diff(crests_s()).mean() == pytest.approx(1.0 / STEP_HZ)
+
+
+def test_a_walker_has_the_height_that_is_given_beside_the_recording(tmp_path: Path) -> None:
+    names = ("usual", "tall")
+    for name, height in zip(names, ({}, {"height_m": 1.9}), strict=True):
+        truth_of(walk_ahead(tmp_path / f"{name}.csv.gz", person="p1", **height), np.arange(1.0, 19.0))
+    usual, tall = (row_of(benchmark(tmp_path), name).metrics["length_ratio"] for name in names)
+    assert tall == pytest.approx(usual * 1.9 / 1.73, rel=1e-3)
+
+
+def test_a_height_in_other_units_is_refused(tmp_path: Path) -> None:
+    truth_of(walk_ahead(tmp_path / "walk.csv.gz", height_m=186), np.arange(1.0, 19.0))
+    (failure,) = benchmark(tmp_path).failures
+    assert "walk.json: height_m = 186 is no height of a person in metres" in failure.reason

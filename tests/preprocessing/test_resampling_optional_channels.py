@@ -143,3 +143,29 @@ def test_signals_of_a_device_come_with_the_optional_one_first() -> None:
     device = messy_device(50.0, seed=1)
     assert isinstance(device.magnetic_field, Signal)
     assert next(device.blocks()).channel is FIELD
+
+
+def test_the_air_pressure_is_one_column_and_changes_nothing_else() -> None:
+    """A barometer that gives a value each second, as many phones do, is interpolated."""
+    second_s = np.arange(11.0)
+    pressure = SensorBlock(Channel.PRESSURE, second_s, (100_000.0 + second_s)[:, None])
+    with_it = Resampler((FORCE, RATE), ResampleParams(), optional=(Channel.PRESSURE,))
+    blocks, stage = run_stage(with_it, (pressure, *NEEDED))
+    pressure_pa = np.concatenate([block.pressure_pa for block in blocks])
+    time_s = np.concatenate([block.time_s for block in blocks])
+    np.testing.assert_allclose(pressure_pa[:-2], 100_000.0 + time_s[:-2], atol=1e-6)
+    alone, _ = run_stage(Resampler((FORCE, RATE), ResampleParams()), NEEDED)
+    assert others(blocks) == others(alone)
+    assert all(block.pressure_pa is None for block in alone)
+    assert stage.gaps == ()
+
+
+def test_a_long_pause_of_the_barometer_stays_unknown() -> None:
+    recorded_s = np.array([0.0, 1.0, 2.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0])
+    pressure = SensorBlock(Channel.PRESSURE, recorded_s, np.full((len(recorded_s), 1), 1e5))
+    with_it = Resampler((FORCE, RATE), ResampleParams(), optional=(Channel.PRESSURE,))
+    blocks, _ = run_stage(with_it, (pressure, *NEEDED))
+    time_s = np.concatenate([block.time_s for block in blocks])
+    known = np.isfinite(np.concatenate([block.pressure_pa for block in blocks]))
+    assert not known[(time_s > 2.02) & (time_s < 4.98)].any()
+    assert known[(time_s < 1.98) | ((time_s > 5.02) & (time_s < 9.9))].all()

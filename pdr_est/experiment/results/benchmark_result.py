@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from pdr_est import __version__
-from pdr_est.evaluate.metric_definitions import DEFINITIONS
+from pdr_est.evaluate.metric_definitions import DEFINITIONS, pooled_average
 from pdr_est.evaluate.statistics import Average
 from pdr_est.experiment.results.walk_result import Failure
 from pdr_est.experiment.suite import ConfusionMatrix, Suite, WalkFile
@@ -125,7 +125,10 @@ class BenchmarkResult:
 
     def _averages(self, rows: Iterable[TrackOutcome]) -> Summary:
         chosen = list(rows)
-        return {metric: Average.of(row.metrics[metric] for row in chosen) for metric in self.suite.metrics}
+        return {
+            metric: pooled_average(metric, ((row.metrics[metric], row.counts) for row in chosen))
+            for metric in self.suite.metrics
+        }
 
 
 def _plain(summary: Summary) -> Json:

@@ -92,7 +92,8 @@ def _score(job: ScoringJob, walk: Walk) -> WalkResult:
     reasons: list[str] = []
     seconds: dict[str, float] = {}
     protocol = replace(job.protocol, walk=walk.name)
-    for scored in score_variants(job.suite, walk.recording(job.suite), job.variants, protocol):
+    variants = _for_walker(job.variants, walk.walker_height_m(job.suite))
+    for scored in score_variants(job.suite, walk.recording(job.suite), variants, protocol):
         tracks += track_outcomes(scored, walk.name, walk.labels, job.suite.metrics)
         cases += [of_track.calibration for of_track in scored.scores]
         reasons += scored.reasons
@@ -100,6 +101,16 @@ def _score(job: ScoringJob, walk: Walk) -> WalkResult:
     # A reason that depends neither on the variant nor on the track is given once.
     failures = tuple(Failure(walk.name, reason, whole=not tracks) for reason in dict.fromkeys(reasons))
     return WalkResult(walk.name, tuple(tracks), failures, seconds, calibration_cases=tuple(cases))
+
+
+def _for_walker(variants: Sequence[Variant], height_m: float | None) -> Sequence[Variant]:
+    """Give the walker of all variants a height, where it is known."""
+    if height_m is None:
+        return variants
+    return [
+        replace(variant, config=replace(variant.config, walker=replace(variant.config.walker, height_m=height_m)))
+        for variant in variants
+    ]
 
 
 def _grouped_by_front_end(variants: Sequence[Variant]) -> tuple[Variant, ...]:

@@ -1,9 +1,11 @@
 """Scores of tracks against true positions."""
 
+import numpy as np
+
 from pdr_est.errors import RecordingError
 from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.evaluate.held_out_fixes import LEAST_POINTS as LEAST_WAYPOINTS
-from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_errors
+from pdr_est.evaluate.position_errors import LEAST_POINTS, LEG_METRICS, leg_metrics, open_metrics, point_errors
 from pdr_est.evaluate.time_association import Association, associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.held_out import HeldOut
@@ -78,6 +80,18 @@ def position_parts(walk: AnalysedWalk, name: str, track: Track, truth: TruePosit
         return [open_part]
     learning = [profile_part(walk, name, pairs, held_out, open_part.values["length_ratio"])] if walk.learns else []
     return [open_part, _held_out_part(walk, name, pairs, held_out), *learning]
+
+
+def leg_part(walk: AnalysedWalk, name: str, track: Track, truth: TruePositions) -> MetricPart:
+    """Compute `LEG_METRICS` of one device, or of the person, between successive true positions.
+
+    The parameters are those of `position_parts`, which refuses a walk with fewer than two true positions.
+    """
+    pairs = associate(track.of_device(name), truth.time_s, truth.position_m, walk.span_of(name))
+    in_order = np.argsort(pairs.time_s, kind="stable")
+    values, counts = leg_metrics(pairs.track_m[in_order], pairs.truth_m[in_order])
+    missing = {name: "no leg long enough for the turn of the next one" for name in LEG_METRICS if name not in values}
+    return MetricPart(values, counts, missing)
 
 
 def _held_out_part(walk: AnalysedWalk, name: str, pairs: Association, held_out: HeldOut) -> MetricPart:

@@ -10,6 +10,8 @@ there is: positions, steps, the carrying mode, the speed of a treadmill. Walks o
 * With `step_ends_s`: `count_error`, `steps_missed` and `steps_extra` within the annotated spans; with `steps_true`
   alone, `count_error` of the whole recording.
 * With `speed_mps`: `speed_ratio`, the length of the track per duration of the recording over that speed.
+
+A walker whose `height_m` is given gets it in all variants, in place of `walker.height_m`.
 """
 
 from functools import partial
@@ -34,7 +36,12 @@ from pdr_est.experiment.scoring.track_scores import (
 )
 from pdr_est.experiment.suite import Suite, TrackScores, WalkFile
 from pdr_est.frames import Array
-from pdr_est.io.side_tables.surveyed_walks import TRUTH_SUFFIX, read_truth_beside, walk_description
+from pdr_est.io.side_tables.surveyed_walks import (
+    TRUTH_SUFFIX,
+    read_truth_beside,
+    walk_description,
+    walker_height_beside,
+)
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.steps import CarryingMode
@@ -164,6 +171,7 @@ SUITE = Suite(
     find=_find,
     score=_score,
     truth_beside=read_truth_beside,
+    walker_height=walker_height_beside,
     fixes="heldout",
     calibrated=PROFILE_METRICS,
     profile_group=person_or_folder,

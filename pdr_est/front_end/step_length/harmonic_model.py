@@ -35,6 +35,7 @@ _HEIGHT_M = 1.73  # height of a person for whom the constants hold
 _LEAST_AMPLITUDE_MPS2 = 0.1  # keeps a step without movement finite
 _MOST_QUOTIENT = 1.5  # of first harmonic and upper values; more is a knock, shorter than a tenth of the step
 _LEAST_DURATION_S = 0.1
+_QUICKEST_S = 0.4  # 2.5 steps per second, as in `walker`
 _UPPER = 0.9
 _TURN_STEPS = 4  # two strides: a phone in a pocket turns to and fro once per stride
 _MOST_TURN_RAD = 1.0  # per step; quicker is the phone and not the walker
@@ -88,6 +89,16 @@ def harmonic_length_m(
         - p.turn_per_rad * turn_rad
     )
     return p.length_m * height_m / _HEIGHT_M * math.exp(exponent)
+
+
+def walked_part(parameters: HarmonicParams, duration_s: float) -> float:
+    """Compute the factor of a walker's step that took less time than that of the quickest walk, else 1.
+
+    The detector has cut a step in two, or has found one where the foot only moved. Such an interval counts for its
+    time: with the factor its length is proportional to the duration.
+    """
+    part = max(duration_s, _LEAST_DURATION_S) / _QUICKEST_S
+    return float(min(part, 1.0) ** (1.0 - parameters.duration_exponent))
 
 
 def log_features(duration_s: float, vertical_mps2: Array) -> tuple[float, float, float]:

@@ -1,6 +1,5 @@
 """The stage that gives each step its length and the standard deviation of it."""
 
-import math
 from collections.abc import Callable
 from dataclasses import field, replace
 from functools import partial
@@ -17,7 +16,10 @@ from pdr_est.front_end.step_length.harmonic_model import (
     HarmonicParams,
     TurnMeter,
     harmonic_length_m,
+    walked_part,
 )
+from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
+from pdr_est.front_end.step_length.stairs import StairParams
 from pdr_est.front_end.step_length.walk_run_model import (
     RunningParams,
     running_length_m,
@@ -63,6 +65,8 @@ class StepLengthParams:
     """Window of the running mean, s, before the extremes and the mean are taken; ours."""
     running: RunningParams = RunningParams()
     """Parameters of running steps in "walk-run"."""
+    stairs: StairParams = StairParams()
+    """Length of steps on stairs, with "auto" and "harmonic"; for estimators that use the whole walk."""
     sigma_walking: Positive = 0.07
     """Standard deviation of a walking step over its length, taken for independent from step to step; ours."""
     sigma_running: Positive = 0.20
@@ -78,7 +82,8 @@ class StepLength:
     """Stage Step -> Step that fills in the length and its standard deviation.
 
     Both are those of a mixture of a walking and a running step with the probabilities of the gait classifier, as far
-    as the cadence allows for running (`share_of_running`). In all models but `walk-run` the two have the same length.
+    as the cadence allows for running (`share_of_running`). In published models the two have the same length, and in
+    `harmonic` as well, if the step is not shorter than any of a walker (`walked_part`).
 
     The standard deviation is that of one step by itself, and users take the steps of a walk for independent. It is
     too small for an error that all of them share: constants that do not fit the walker, or somebody who is in doubt
@@ -114,7 +119,7 @@ class StepLength:
         turn_rad = self._turn.at(item)
         walking_m, running_m = self._lengths_m(item, pace, turn_rad)
         mean_m, sigma_m = mixture_mean_and_sigma(
-            share_of_running(item, pace),
+            share_of_running(item, pace.cadence_hz),
             (walking_m, self._parameters.sigma_walking * walking_m),
             (running_m, self._parameters.sigma_running * running_m),
         )
@@ -130,8 +135,11 @@ class StepLength:
         """Compute the lengths of this step if it is a walking one and if it is a running one."""
         p, height_m, law = self._parameters, self._walker.height_m, length_law(self._parameters)
         if law != "walk-run":
-            of_any = self._harmonic_length_m if law == "harmonic" else self._published_length_m
-            length_m = of_any(step, turn_rad)
+            if law == "harmonic":
+                length_m = self._harmonic_length_m(step, turn_rad)
+                part = walked_part(p.harmonic, step.event.time_s - step.start_s)
+                return part * length_m, length_m
+            length_m = self._published_length_m(step, turn_rad)
             return length_m, length_m
         walking_m = self._length_from_acceleration(
             step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
@@ -174,24 +182,6 @@ class StepLength:
         if len(step.samples) < self._window + _LEAST_MEANS:
             return self._static_length_m()
         return model(windowed_mean(step.samples.vertical_mps2, self._window))
-
-
-def mixture_mean_and_sigma(
-    share: float, first: tuple[float, float], second: tuple[float, float]
-) -> tuple[float, float]:
-    """Compute mean and standard deviation of a mixture of two distributions.
-
-    Parameters
-    ----------
-    share : float
-        Weight of the second distribution.
-    first, second : tuple of float
-        Mean and standard deviation of each. Where the weight lies in between, the difference of the means adds to the
-        result.
-    """
-    mean = (1.0 - share) * first[0] + share * second[0]
-    between = share * (1.0 - share) * (second[0] - first[0]) ** 2
-    return mean, math.sqrt((1.0 - share) * first[1] ** 2 + share * second[1] ** 2 + between)
 
 
 def windowed_mean(samples: Array, window: int) -> Array:

@@ -50,7 +50,7 @@ class RunningParams:
     """Power of the range of the vertical acceleration; ours."""
 
 
-def share_of_running(step: Step, pace: Pace) -> float:
+def share_of_running(step: Step, cadence_hz: float) -> float:
     """Compute the weight of running in the length of a step; 0 where the gait is unknown.
 
     It is the classifier's probability of jogging or running, where the cadence allows for it. The classifier was
@@ -61,7 +61,7 @@ def share_of_running(step: Step, pace: Pace) -> float:
     _, jogging, running = step.gait_probability
     if math.isnan(jogging + running):
         return 0.0
-    return min(jogging + running, 1.0) * float(np.interp(pace.cadence_hz, _SLOWEST_RUN_HZ, (0.0, 1.0)))
+    return min(jogging + running, 1.0) * float(np.interp(cadence_hz, _SLOWEST_RUN_HZ, (0.0, 1.0)))
 
 
 def walking_length_m(k: float, exponent: float, height_m: float, vertical_mps2: Array) -> float:

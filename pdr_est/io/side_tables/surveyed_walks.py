@@ -6,8 +6,8 @@ Beside `NAME.csv` (plain or gzipped) lie, both optional and plain or gzipped,
   their own;
 * `NAME.json` with any of `mode_true` (name of a carrying mode), `steps_true` (number of steps), `step_ends_s` (times
   of the foot contacts, in any order), `speed_mps` (belt of a treadmill), `truth_kind` (words; with "GPS" in them the
-  true positions are those of a satellite receiver) and `sigma_m` (standard deviation of the true positions per
-  axis). Other keys are read by `walk_description` only.
+  true positions are those of a satellite receiver), `sigma_m` (standard deviation of the true positions per axis) and
+  `height_m` (of the walker). Other keys are read by `walk_description` only.
 """
 
 import json
@@ -28,6 +28,7 @@ from pdr_est.types.steps import CarryingMode
 TRUTH_SUFFIX = ".truth.csv"
 
 _COLUMNS = ("time_s", "x_m", "y_m")
+_LEAST_HEIGHT_M, _MOST_HEIGHT_M = 0.5, 2.6  # of a person, as in the parameters of the walker
 _WAYPOINT_SIGMA_M = 0.7  # per axis, of points that somebody tapped while passing
 
 
@@ -55,6 +56,21 @@ def read_truth_beside(recording: Path) -> Truth:
         modes=None if mode is None else TrueModes(np.array([-np.inf]), np.array([_mode(mode, place)], dtype=np.int8)),
         speed_mps=_positive(described, "speed_mps", place),
     )
+
+
+def walker_height_beside(recording: Path) -> float | None:
+    """Read the height of the walker, m, from the file beside a recording; None where it is not given.
+
+    Raises
+    ------
+    RecordingError
+        For a height that nobody has; the message names file and value.
+    """
+    described, place = _described(recording)
+    height_m = _positive(described, "height_m", place)
+    if height_m is not None and not _LEAST_HEIGHT_M <= height_m <= _MOST_HEIGHT_M:
+        raise RecordingError(f"{place}: height_m = {height_m:g} is no height of a person in metres: correct it")
+    return height_m
 
 
 def walk_description(recording: Path) -> Mapping[str, str]:

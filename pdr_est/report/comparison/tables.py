@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, marked, with_unit
+from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, marked, pooled_average, with_unit
 from pdr_est.evaluate.paired_comparison import ROUNDING, PairedComparison
 from pdr_est.evaluate.statistics import Average
 from pdr_est.report.walk.page import NO_VALUE, format_number, format_percent
@@ -240,7 +240,8 @@ def format_difference(difference: float) -> str:
 
 
 def _average(outcomes: Iterable[TrackOutcome], variant: str, metric: str) -> Average:
-    return Average.of(outcome.metrics[metric] for outcome in outcomes if outcome.variant == variant)
+    rows = [outcome for outcome in outcomes if outcome.variant == variant]
+    return pooled_average(metric, ((outcome.metrics[metric], outcome.counts) for outcome in rows))
 
 
 def _best(metric: str, means: Sequence[float | None]) -> int | None:

@@ -15,6 +15,7 @@ from pdr_est.front_end.step_length.harmonic_model import (
     first_harmonic_mps2,
     harmonic_length_m,
     upper_values_mps2,
+    walked_part,
 )
 from pdr_est.pipeline.front_end_chain import stepping
 from pdr_est.types.steps import Step
@@ -126,3 +127,24 @@ def test_lengths_stay_those_of_people(blow_mps2: float) -> None:
     for amplitude in (0.0, 0.1, 1.0, 5.0, 15.0, 30.0):
         signal = sine(amplitude, 30) + np.where(np.arange(30) == 11, blow_mps2, 0.0)
         assert 0.15 < harmonic_length_m(CONSTANTS, 1.73, 0.5, 0.0, signal) < 1.3
+
+
+def test_an_interval_shorter_than_any_step_counts_for_its_time() -> None:
+    assert walked_part(CONSTANTS, 0.4) == walked_part(CONSTANTS, 0.7) == 1.0
+    halves = [
+        walked_part(CONSTANTS, duration_s) * harmonic_length_m(CONSTANTS, 1.73, duration_s, 0.0, sine(3.0, 20))
+        for duration_s in (0.15, 0.3)
+    ]
+    assert halves[1] == pytest.approx(2.0 * halves[0])
+
+
+@pytest.mark.parametrize(("gait", "expected"), [((1.0, 0.0, 0.0), 0.9**0.6), ((0.0, 0.0, 1.0), 1.0)])
+def test_a_runner_takes_such_steps_and_a_walker_does_not(gait: tuple[float, float, float], expected: float) -> None:
+    short = replace(
+        step(1.0, 0.64, frequency_hz=1.0 / 0.36, vertical_mps2=sine(6.0, 18)),
+        gait_probability=gait,
+        recorded_share=1.0,
+    )
+    (sized,) = StepLength(RATE_HZ, WalkerParams(), StepLengthParams()).push(short)
+    whole = harmonic_length_m(CONSTANTS, 1.73, 0.36, 0.0, short.samples.vertical_mps2)
+    assert sized.length_m == pytest.approx(expected * whole)

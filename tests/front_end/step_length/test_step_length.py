@@ -8,7 +8,7 @@ from signals import RATE_HZ, run, step
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length import LENGTH_MODELS, StepLength, StepLengthParams, WalkerParams
-from pdr_est.front_end.step_length.cadence import Pace, PaceMeter
+from pdr_est.front_end.step_length.cadence import PaceMeter
 from pdr_est.front_end.step_length.equations import (
     gait_table_length_m,
     kim_length_m,
@@ -18,7 +18,8 @@ from pdr_est.front_end.step_length.equations import (
     static_length_m,
     weinberg_length_m,
 )
-from pdr_est.front_end.step_length.step_length_stage import mixture_mean_and_sigma, windowed_mean
+from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
+from pdr_est.front_end.step_length.step_length_stage import windowed_mean
 from pdr_est.front_end.step_length.walk_run_model import share_of_running
 from pdr_est.types.steps import Gait, Step
 
@@ -272,14 +273,14 @@ def test_a_mixture_by_hand() -> None:
     [(UNKNOWN, 0.0), (WALKING, 0.0), (RUNNING, 1.0), ((0.6, 0.3, 0.1), 0.4), ((0.0, 0.6, 0.4000001), 1.0)],
 )
 def test_jogging_counts_as_running(probability: tuple[float, float, float], expected: float) -> None:
-    share = share_of_running(in_gait(with_vertical(PLATEAUS), probability), Pace(cadence_hz=2.6, range_mps2=27.0))
+    share = share_of_running(in_gait(with_vertical(PLATEAUS), probability), cadence_hz=2.6)
     assert share == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("cadence_hz", "expected"), [(1.5, 0.0), (2.0, 0.0), (2.125, 0.5), (2.25, 1.0), (3.2, 1.0)])
 def test_nobody_runs_at_the_cadence_of_a_walk(cadence_hz: float, expected: float) -> None:
     running = in_gait(with_vertical(PLATEAUS), RUNNING)
-    assert share_of_running(running, Pace(cadence_hz=cadence_hz, range_mps2=27.0)) == pytest.approx(expected)
+    assert share_of_running(running, cadence_hz) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("model", LENGTH_MODELS)

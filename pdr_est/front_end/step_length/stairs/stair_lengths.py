@@ -1,0 +1,65 @@
+"""The stage that gives steps on stairs their length at the end of the walk."""
+
+from collections import deque
+from dataclasses import replace
+
+from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
+from pdr_est.front_end.step_length.stairs.flight_watch import FlightWatch
+from pdr_est.front_end.step_length.stairs.stair_params import StairParams
+from pdr_est.front_end.step_length.stairs.vertical_motion import VerticalMotionMeter
+from pdr_est.front_end.step_length.walk_run_model import share_of_running
+from pdr_est.types.steps import CarryingMode, Step
+
+_TRUSTED = (CarryingMode.HOLDING, CarryingMode.UNKNOWN)  # the vertical velocity is that of the body
+_LEAST_DURATION_S = 0.1
+
+
+class StairLengths:
+    """Stage Step -> Step that makes the length a mixture of the given one and that of a tread.
+
+    The weight is the probability that the step lies on stairs, from the vertical motion before and after it; nobody
+    runs there. Only steps with a held phone tell anything themselves. In a pocket or bag sharp turns look like short
+    flights, and no walk on stairs with a phone there was at hand to learn the difference.
+
+    A step comes out when no later one can change its probability, at the end of the recording at the latest.
+
+    Parameters
+    ----------
+    parameters : StairParams
+        Dimensions of stairs, and the noise of the vertical motion.
+    """
+
+    latency_s = float("inf")  # the end of the recording
+
+    def __init__(self, parameters: StairParams) -> None:
+        self._parameters = parameters
+        self._meter = VerticalMotionMeter()
+        self._flights = FlightWatch(parameters)
+        self._waiting: deque[Step] = deque()
+
+    def push(self, item: Step, /) -> list[Step]:
+        """Take in a step; return those whose probability is final."""
+        motion = self._meter.at(item)
+        if item.event.mode not in _TRUSTED:
+            motion = replace(motion, velocity_mps=float("nan"))
+        self._waiting.append(item)
+        return [self._with_length(probability) for probability in self._flights.add(motion)]
+
+    def flush(self) -> list[Step]:
+        """Return the other steps."""
+        return [self._with_length(probability) for probability in self._flights.finish()]
+
+    def _with_length(self, on_stairs: float) -> Step:
+        """Give the first waiting step its length."""
+        p = self._parameters
+        step = self._waiting.popleft()
+        if not on_stairs:
+            return step
+        cadence_hz = 1.0 / max(step.event.time_s - step.start_s, _LEAST_DURATION_S)
+        on_stairs *= 1.0 - share_of_running(step, cadence_hz)
+        length_m, sigma_m = mixture_mean_and_sigma(
+            on_stairs,
+            (step.length_m, step.sigma_length_m),
+            (p.tread_m * step.recorded_share, p.sigma_tread_m),
+        )
+        return replace(step, length_m=length_m, sigma_length_m=sigma_m, stairs_probability=on_stairs)
