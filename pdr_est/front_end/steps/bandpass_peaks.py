@@ -20,17 +20,17 @@ import numpy as np
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.event_detection import has_elapsed, local_maxima
 from pdr_est.front_end.steps.sample_buffer import SampleBuffer
-from pdr_est.front_end.steps.step_evidence.step_intervals import StepIntervals
-from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
-from pdr_est.front_end.steps.step_evidence.step_signal import StepSignal
-from pdr_est.front_end.steps.step_evidence.walking_belief import (
+from pdr_est.front_end.steps.step_evidence.movement import (
     MOVEMENT_COLUMNS,
     Movement,
     MovementSums,
-    WalkingBelief,
     movement_between,
     strength_between,
 )
+from pdr_est.front_end.steps.step_evidence.step_intervals import StepIntervals
+from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
+from pdr_est.front_end.steps.step_evidence.step_signal import StepSignal
+from pdr_est.front_end.steps.step_evidence.walking_belief import PeakRhythm, WalkingBelief, walking_evidence
 from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.types.sensors import LevelBlock
@@ -67,7 +67,7 @@ class AutoStepParams:
     """Least height of the first of them as a share of the second one's height, to be a step itself."""
     walking_window_s: Positive = 2.0
     """Length of the movement before a peak, s, that tells whether somebody walks."""
-    patience_s: NonNegative = 1.8
+    patience_s: NonNegative = 2.0
     """Longest time, s, that a step waits until it is certain enough that somebody walks."""
     strike_lead_s: NonNegative = 0.08
     """Time, s, from the foot's strike on the ground to the peak of the trunk's acceleration; a step's time is that of
@@ -86,6 +86,7 @@ class AutoStepParams:
 _SIGNAL, _SUMS = 0, slice(1, 1 + MOVEMENT_COLUMNS)  # columns of the buffered samples
 _IMPACT_S = 0.4  # length of the movement before a peak that tells whether the phone still moves
 _ON_TIME = 0.9  # times the recent interval: too late for a peak between two steps
+_NO_RHYTHM = PeakRhythm(math.inf, math.inf, math.inf, 0.0)
 _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between two steps
 
 
@@ -141,6 +142,7 @@ class BandpassPeakDetector:
         self._sums.reset()
         self._stride.clear()
         self._walking.reset()
+        self._rhythm = _NO_RHYTHM
         self._decided = 0  # position of the first buffered sample that is not decided about
         self._last_peak_s = -np.inf
         self._usual: PeakShape | None = None  # of the present walk; None before its second step
@@ -166,8 +168,8 @@ class BandpassPeakDetector:
         accepted = self._accept_peak(i)
         if not accepted:
             return []
-        self._walking.add(self._movement_before(i))
-        waiting = self._waiting + [step for event in accepted for step in self._intervals.fill_hidden_step(event)]
+        self._walking.add(walking_evidence(self._movement_before(i), self._rhythm))
+        waiting = self._waiting + [step for event in accepted for step in self._with_hidden_step(event, i)]
         latest_s, patience_s = accepted[-1].time_s, self._parameters.patience_s
         waiting = [event for event in waiting if has_elapsed(patience_s, latest_s - event.time_s)]
         is_walk = self._walking.log_odds > 0.0
@@ -181,9 +183,7 @@ class BandpassPeakDetector:
         if not has_elapsed(elapsed, self._min_interval_s()):
             return []
         if elapsed > p.standstill_s:
-            self._usual = self._first = None
-            self._walking.stand()
-            self._waiting = []
+            self._stand()
         usual = self._usual
         if usual is None and height < p.threshold_mps2:
             return []
@@ -192,11 +192,19 @@ class BandpassPeakDetector:
         if log_odds < 0.0 or self._is_intermediate_peak(i, elapsed, height):
             return []
         self._last_peak_s = time_s
+        self._rhythm = self._rhythm.followed_by(elapsed if elapsed <= p.standstill_s else math.inf, peak.rise)
         event = self._samples.event(i, confidence=probability(log_odds))
         if usual is None:
             return self._begin_walk(event, peak)
         self._usual = usual.blended(peak, p.memory)
         return [event]
+
+    def _stand(self) -> None:
+        """Forget the walk before a standstill."""
+        if self._usual is not None or self._first is not None:
+            self._walking.stand()
+        self._usual = self._first = None
+        self._waiting = []
 
     def _begin_walk(self, event: StepEvent, peak: PeakShape) -> list[StepEvent]:
         """Return the steps of the first two peaks of a walk at the second one."""
@@ -219,6 +227,16 @@ class BandpassPeakDetector:
         samples = min(self._impact, i)
         strength = strength_between(signal[i - samples, _SUMS], signal[i, _SUMS], max(samples, 1))
         return PeakShape(height, height - lowest, strength)
+
+    def _with_hidden_step(self, event: StepEvent, i: int) -> list[StepEvent]:
+        """Return a step, and before it the one that did not show; i is the position of the latest peak."""
+        if self._usual is None or not self._intervals.is_pause(event.time_s):
+            return self._intervals.fill_hidden_step(event, 1.0)
+        # The middle half of the pause; the steps at its ends shake the phone in any case.
+        quarter = min(round(0.25 * self._rhythm.interval_s * self._rate_hz), i // 3)
+        sums: Array = self._samples.signal[:, _SUMS]
+        strength = strength_between(sums[i - 3 * quarter], sums[i - quarter], max(2 * quarter, 1))
+        return self._intervals.fill_hidden_step(event, strength / self._usual.strength)
 
     def _movement_before(self, i: int) -> Movement:
         sums: Array = self._samples.signal[:, _SUMS]

@@ -5,7 +5,6 @@ stride, two steps, and only roughly after one. Not from a paper; all values are 
 """
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
@@ -102,9 +101,8 @@ class StridePeriod:
 def autocorrelation(signal: Array, longest: int) -> Array:
     """Compute the unbiased autocorrelation of a signal (n,) at lags 0 to `longest`, which is below n; 1 at lag 0."""
     centred = signal - signal.mean()
-    count = next_fast_len(len(centred) + longest, real=True)
-    spectrum = np.fft.rfft(centred, count)
-    products = np.fft.irfft(spectrum * np.conj(spectrum), count)[: longest + 1]
+    # For the few seconds that matter here, the direct sums cost half of what a Fourier transform does.
+    products = np.correlate(np.concatenate([centred, np.zeros(longest)]), centred, "valid")
     overlap = 1.0 - np.arange(longest + 1) / len(centred)
     correlation: Array = products / (max(float(products[0]), 1e-12) * overlap)
     return correlation

@@ -69,7 +69,8 @@ def test_the_step_that_a_change_of_mode_hides_is_filled_in() -> None:
     changed = events(with_modes(block, CarryingMode.HOLDING, CarryingMode.POCKET))
     same = events(with_modes(block, CarryingMode.POCKET, CarryingMode.POCKET))
     assert len(changed) == len(same) + 1
-    (hidden,) = [event for event in changed if event.confidence == 0.0]
+    (added_s,) = {event.time_s for event in changed} - {event.time_s for event in same}
+    (hidden,) = [event for event in changed if event.time_s == added_s]
     neighbours = [event for event in changed if abs(event.time_s - hidden.time_s) < 0.8]
     np.testing.assert_allclose(np.diff([event.time_s for event in neighbours]), 0.6, atol=0.03)
     np.testing.assert_allclose(np.diff([event.index for event in neighbours]), 30, atol=2)
@@ -81,13 +82,13 @@ def test_who_stands_while_the_mode_changes_takes_no_hidden_step() -> None:
     assert len(events(block)) == len(at_s)
 
 
-def with_hidden_steps(*steps: tuple[float, CarryingMode]) -> list[StepEvent]:
-    """Steps at some times in some modes, with those that a change of mode hid."""
+def with_hidden_steps(*steps: tuple[float, CarryingMode], strength_ratio: float = 0.05) -> list[StepEvent]:
+    """Steps at some times in some modes, with those that did not show; by default the phone rests between them."""
     found = StepIntervals(memory=0.8, standstill_s=2.0)
     return [
         event
         for time_s, mode in steps
-        for event in found.fill_hidden_step(StepEvent(round(time_s * RATE_HZ), time_s, 0, mode))
+        for event in found.fill_hidden_step(StepEvent(round(time_s * RATE_HZ), time_s, 0, mode), strength_ratio)
     ]
 
 
@@ -150,7 +151,7 @@ WALK_S = [time_s for time_s, _ in WALK]
 
 
 @pytest.mark.parametrize(
-    ("time_s", "height", "counts"), [(5.8, 1.6, True), (5.53, 1.4, False), (5.53, 4.0, True), (5.8, 0.5, False)]
+    ("time_s", "height", "counts"), [(5.8, 1.6, True), (5.41, 1.4, False), (5.53, 4.0, True), (5.8, 0.5, False)]
 )
 def test_a_weak_peak_is_a_step_when_the_rhythm_lets_one_expect_it(time_s: float, height: float, counts: bool) -> None:
     """The steps before it are 0.6 s apart and 4 m/s^2 high; the walk goes on after it."""
@@ -182,14 +183,16 @@ def test_a_single_jolt_after_a_standstill_is_no_step() -> None:
     assert step_times(*WALK, (7.1, 4.0)) == [*WALK_S, 7.1]  # a pause within the walk
 
 
-@pytest.mark.parametrize(("apart_s", "found"), [(1.2, [1.0, 2.2, 2.8]), (1.4, [2.4, 3.0])])
+@pytest.mark.parametrize(("apart_s", "found"), [(1.2, [1.0, 2.2]), (1.4, [2.4])])
 def test_a_walk_begins_with_two_peaks_at_most_1_3_s_apart(apart_s: float, found: list[float]) -> None:
-    assert step_times((1.0, 4.0), (1.0 + apart_s, 4.0), (1.6 + apart_s, 4.0)) == pytest.approx(found)
+    later_s = [round(1.0 + apart_s + 0.6 * k, 1) for k in range(1, 4)]
+    peaks = [(time_s, 4.0) for time_s in (1.0, 1.0 + apart_s, *later_s)]
+    assert step_times(*peaks) == pytest.approx([*found, *later_s])
 
 
-@pytest.mark.parametrize(("first", "found"), [(1.8, [1.0, 1.6, 2.2]), (1.4, [1.6, 2.2])])
+@pytest.mark.parametrize(("first", "found"), [(1.8, [1.0, 1.6, 2.2, 2.8]), (1.4, [1.6, 2.2, 2.8])])
 def test_the_first_peak_is_a_step_if_it_has_two_fifths_of_the_second(first: float, found: list[float]) -> None:
-    assert step_times((1.0, first), (1.6, 4.0), (2.2, 4.0)) == found
+    assert step_times((1.0, first), (1.6, 4.0), (2.2, 4.0), (2.8, 4.0)) == found
 
 
 def test_the_confidence_is_the_probability_that_the_peak_is_a_step() -> None:
@@ -236,7 +239,7 @@ def test_a_phone_that_is_turned_over_and_over_takes_no_steps() -> None:
 
 @pytest.mark.parametrize(("weak", "found"), [(2, 8), (6, 6)])
 def test_steps_that_waited_for_too_long_are_none(weak: int, found: int) -> None:
-    """A walk begins with weak peaks that only the strong ones after them explain; those wait for 1.8 s at most."""
+    """A walk begins with weak peaks that only the strong ones after them explain; those wait for 2 s at most."""
     heights = [0.5] * weak + [5.0] * 5
     assert len(steps_of(*[(1.0 + 0.6 * k, height) for k, height in enumerate(heights)], first_share=0.0)) <= found
 
@@ -270,6 +273,7 @@ def test_steps_of_a_swinging_hand_are_where_it_turns_back() -> None:
         rotation_rate_radps=np.outer(3.0 * np.cos(2.0 * np.pi * t / 1.1), [0.0, 1.0, 0.0]),
         mode=np.full(len(t), CarryingMode.SWING, dtype=np.int8),
     )
+    swing.acceleration_mps2[:, 2] = 2.0 * np.sin(4.0 * np.pi * t / 1.1)  # of the trunk
     found = run(BandpassPeakDetector(RATE_HZ, AutoStepParams(**OPEN)), [swing])  # type: ignore[arg-type]
     assert len(found) >= 25
     np.testing.assert_allclose([event.time_s % 0.55 for event in found], 0.275, atol=0.03)
@@ -280,4 +284,4 @@ def test_a_hidden_step_makes_a_pause_of_about_two_intervals(pause_s: float, hidd
     """The interval is 0.5 s; 1.5 to 2.5 times as long is a pause with one step in it."""
     found = with_hidden_steps((0.0, HOLDING), (0.5, HOLDING), (1.0, HOLDING), (1.0 + pause_s, POCKET))
     assert len(found) == 4 + hidden
-    assert [event.time_s for event in found if event.confidence == 0.0] == [1.0 + 0.5 * pause_s] * hidden
+    assert [event.time_s for event in found if 1.0 < event.time_s < 1.0 + pause_s] == [1.0 + 0.5 * pause_s] * hidden

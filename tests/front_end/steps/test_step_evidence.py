@@ -9,21 +9,15 @@ from signals import RATE_HZ, level
 
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.blocks import part
+from pdr_est.front_end.steps.step_evidence.movement import Movement
+from pdr_est.front_end.steps.step_evidence.step_intervals import hidden_step_log_odds
 from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
 from pdr_est.front_end.steps.step_evidence.step_signal import StepSignal
-from pdr_est.front_end.steps.step_evidence.walking_belief import (
-    Movement,
-    MovementSums,
-    WalkingBelief,
-    movement_between,
-    strength_between,
-)
+from pdr_est.front_end.steps.step_evidence.walking_belief import PeakRhythm, WalkingBelief, walking_evidence
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode
 
 USUAL = PeakShape(height=2.0, rise=3.0, strength=2.0)
-WALKING = Movement(acceleration_mps2=1.5, tilting=0.03, turning=0.0)
-RIDING = Movement(acceleration_mps2=0.4, tilting=0.01, turning=0.0)
 
 
 def times(count_s: float) -> Array:
@@ -62,94 +56,97 @@ def test_the_usual_shape_follows_slowly() -> None:
     assert USUAL.blended(PeakShape(1.0, 1.0, 1.0), 0.75) == pytest.approx((1.75, 2.5, 1.75))
 
 
-def moving(acceleration: Array, up: Array | None = None) -> LevelBlock:
-    block = level(np.zeros(len(acceleration)))
-    return replace(block, acceleration_mps2=acceleration, up=block.up if up is None else up)
-
-
-def sums_of(block: LevelBlock) -> Array:
-    return MovementSums(RATE_HZ).push(block)
-
-
-def movement_of(block: LevelBlock) -> Movement:
-    """Movement in the last 2 s."""
-    sums = sums_of(block)
-    return movement_between(sums[-101], sums[-51], sums[-1], 100)
-
-
-def test_the_strength_is_that_of_the_vibration_in_all_directions() -> None:
-    """Sines of 3 and 4 m/s^2 have a standard deviation of 5 / sqrt(2); the average over 0.1 s takes 6.5 % at 2 Hz."""
-    t = times(5.0)
-    wave = np.sin(4.0 * np.pi * t)
-    block = moving(np.stack([3.0 * wave, np.zeros(len(t)), 4.0 * wave], axis=1))
-    assert movement_of(block).acceleration_mps2 == pytest.approx(0.935 * 5.0 / np.sqrt(2.0), rel=0.01)
-    sums = sums_of(block)
-    assert strength_between(sums[-101], sums[-1], 100) == pytest.approx(0.935 * 5.0 / np.sqrt(2.0), rel=0.01)
-
-
-def test_a_braking_vehicle_is_no_vibration() -> None:
-    """Whoever brakes for a second and rolls for the next one is not shaken."""
-    braking = np.outer(np.repeat([0.0, -2.0], [101, 50]), [1.0, 0.0, 0.0])
-    assert movement_of(moving(braking)).acceleration_mps2 < 0.3
-    assert strength_between(*sums_of(moving(braking))[[-101, -1]], 100) > 0.9
-
-
-def test_tilting_there_and_back_is_not_turning_over() -> None:
-    t = times(4.0)
-    for angle, is_turned in ((0.5 * np.sin(2.0 * np.pi * t), False), (np.where(t < 3.0, 0.0, 1.2), True)):
-        up = np.stack([np.sin(angle), np.zeros(len(t)), np.cos(angle)], axis=1)
-        movement = movement_of(moving(np.zeros((len(t), 3)), up))
-        assert movement.tilting == pytest.approx(np.sqrt(1.0 - np.linalg.norm(up[-100:].mean(axis=0))))
-        assert (movement.turning > 0.5) is is_turned
-        assert is_turned or movement.turning < 1e-3
-
-
-def test_running_sums_do_not_depend_on_the_cuts() -> None:
-    rng = np.random.default_rng(0)
-    block = moving(rng.normal(size=(400, 3)) + 1e3, rng.normal(size=(400, 3)))
-    whole = sums_of(block)
-    cuts = [0, 1, 2, 7, 8, 150, 151, 400]
-    pieces = MovementSums(RATE_HZ)
-    in_parts = np.concatenate([pieces.push(part(block, start, stop)) for start, stop in pairwise(cuts)])
-    np.testing.assert_array_equal(in_parts, whole)
-    assert len(pieces.push(part(block, 0, 0))) == 0
-
-
-def test_a_new_segment_has_sums_of_its_own() -> None:
-    block = moving(np.random.default_rng(1).normal(size=(60, 3)))
-    sums = MovementSums(RATE_HZ)
-    first = sums.push(block)
-    sums.reset()
-    np.testing.assert_array_equal(sums.push(block), first)
+STEADY = PeakRhythm(interval_s=0.5, previous_s=0.5, one_before_s=0.5, rise_mps2=3.0)
+WALKING = Movement(acceleration_mps2=1.5, vertical_share=0.5, sideways_tilt_rad=0.03)
+RIDING = Movement(acceleration_mps2=0.4, vertical_share=0.5, sideways_tilt_rad=0.01)
+SURE = 2.7 - 3.5 * 0.05  # the constant, and the steadiest rhythm
 
 
 def test_evidence_of_walking_by_hand() -> None:
-    assert Movement(1.0, 0.1, 0.0).log_odds == pytest.approx(1.6)
-    assert Movement(0.5, 0.1, 0.0).log_odds == pytest.approx(1.6 - 3.19 * np.log(2.0))
-    assert Movement(1.0, 0.5, 0.0).log_odds == pytest.approx(1.6 - 7.34 * np.log(0.5 / 0.4))
-    assert Movement(1.0, 0.1, 0.2).log_odds == pytest.approx(1.6 - 13.19 * 0.2)
-    assert Movement(9.0, 0.1, 0.0).log_odds == 2.0
-    assert Movement(0.01, 0.9, 1.0).log_odds == -2.0
+    assert walking_evidence(WALKING, STEADY) == 2.0  # no peak tells more
+    slow = STEADY._replace(interval_s=1.4, previous_s=1.4)
+    assert walking_evidence(WALKING, slow) == pytest.approx(SURE - 0.9 * np.log(1.4 / 0.6))
+    weak = WALKING._replace(acceleration_mps2=0.6)
+    assert walking_evidence(weak, STEADY) == pytest.approx(SURE + 6.0 * np.log(0.6 / 0.9))
+    level_ = WALKING._replace(vertical_share=0.1)
+    assert walking_evidence(level_, STEADY) == pytest.approx(SURE + 1.2 * np.log(0.1 / 0.4))
+    assert walking_evidence(RIDING, STEADY) == -2.0
+
+
+def test_a_hand_that_turns_the_phone_over_reaches_further_than_a_walker() -> None:
+    """Neither a high bounce nor a tilt to the side speaks against walking, but both together do."""
+    high = STEADY._replace(rise_mps2=12.0)
+    assert high.bounce_m == pytest.approx(12.0 * (0.5 / (2.0 * np.pi)) ** 2)
+    turned = WALKING._replace(sideways_tilt_rad=0.2)
+    assert walking_evidence(WALKING, high) == walking_evidence(turned, STEADY._replace(rise_mps2=2.0)) == 2.0
+    reach = high.bounce_m * 0.2 / (0.045 * 0.07)
+    assert walking_evidence(turned, high) == pytest.approx(SURE - 1.9 * np.log(reach))
+
+
+@pytest.mark.parametrize(
+    ("interval_s", "previous_s", "one_before_s", "change"),
+    [
+        (0.6, 0.5, np.inf, np.log(1.2)),
+        (0.6, 0.5, 0.6, 0.05),  # feet that differ
+        (0.5, 0.5, 0.5, 0.05),
+        (1.5, 0.5, 0.5, 0.6),
+        (0.5, np.inf, np.inf, 0.3),
+        (np.inf, 0.5, 0.5, 0.3),
+    ],
+)
+def test_change_of_the_rhythm(interval_s: float, previous_s: float, one_before_s: float, change: float) -> None:
+    assert PeakRhythm(interval_s, previous_s, one_before_s, 1.0).change == pytest.approx(change)
+
+
+def test_the_rhythm_passes_on() -> None:
+    assert STEADY.followed_by(0.7, 2.0) == PeakRhythm(0.7, 0.5, 0.5, 2.0)
 
 
 def test_belief_needs_more_to_change_than_to_begin() -> None:
     belief = WalkingBelief()
     assert belief.log_odds < 0.0
-    belief.add(WALKING)
+    belief.add(walking_evidence(WALKING, STEADY))
     assert belief.log_odds > 0.0
     for _ in range(20):
-        belief.add(WALKING)
+        belief.add(walking_evidence(WALKING, STEADY))
     settled = belief.log_odds
-    belief.add(RIDING)
+    belief.add(walking_evidence(RIDING, STEADY))
     assert 0.0 < belief.log_odds < settled
     for _ in range(20):
-        belief.add(RIDING)
-    assert belief.log_odds < -2.0
-    for _ in range(5):
-        belief.add(WALKING)
+        belief.add(walking_evidence(RIDING, STEADY))
+    ridden = belief.log_odds
+    assert ridden < -4.0
+    belief.stand()
+    assert ridden < belief.log_odds < -2.0
+    for _ in range(4):
+        belief.add(walking_evidence(WALKING, STEADY))
     assert belief.log_odds > 0.0
     belief.stand()
-    assert belief.log_odds < 0.0
+    assert belief.log_odds == WalkingBelief().log_odds
+
+
+REGULAR = {"ratio": 2.0, "last_ratio": 1.0, "same_foot_ratio": 2.0, "strength_ratio": 1.0}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"ratio": 1.5},
+        {"ratio": 3.0},  # of two steps
+        {"last_ratio": 0.6},  # after a step that was found too early
+        {"same_foot_ratio": 1.0},  # of somebody who limps
+        {"strength_ratio": 0.3},  # of somebody who stands for a moment
+    ],
+)
+def test_a_pause_hides_a_step_if_it_fits_the_rhythm(changes: dict[str, float]) -> None:
+    regular = hidden_step_log_odds(**REGULAR)
+    assert regular > 3.0
+    assert hidden_step_log_odds(**(REGULAR | changes)) < regular - 1.0
+
+
+def test_hidden_step_by_hand() -> None:
+    expected = -1.2 + 1.8 * np.log(2.1) - 8.5 * np.log(1.05) + 5.5 * np.log(1.9) + 12.0 * np.log(2.9 / 3.0)
+    assert hidden_step_log_odds(2.1, 0.8, 1.9, 0.8) == pytest.approx(expected + 3.0 * np.log(0.8))
 
 
 def swinging(rotation_radps: float, vertical_mps2: float, duration_s: float = 20.0) -> LevelBlock:

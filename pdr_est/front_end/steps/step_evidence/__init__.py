@@ -2,6 +2,7 @@
 
 * `step_signal`: the signal that has one peak per step.
 * `step_probability`: the probability that a peak is a step, from its rise and from the rhythm.
-* `walking_belief`: the probability that the phone's carrier walks, from all its movement.
-* `step_intervals`: the rhythm, and the steps that a change of the carrying mode hid.
+* `movement`: how the phone moved in any span, from running sums.
+* `walking_belief`: the probability that the phone's carrier walks, from its movement and the rhythm of peaks.
+* `step_intervals`: the rhythm, and the steps that did not show.
 """

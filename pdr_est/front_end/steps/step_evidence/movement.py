@@ -1,0 +1,129 @@
+"""Measure the movement of a phone in any span of the recent past, from running sums."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.types.sensors import LevelBlock
+
+MOVEMENT_COLUMNS = 14
+_ACCELERATION, _VERTICAL, _SQUARE, _VERTICAL_SQUARE, _UP = slice(0, 3), 3, 4, 5, slice(6, 9)
+_FIRST_PRODUCTS, _SECOND_PRODUCTS = slice(9, 12), slice(12, 14)  # of the upward components: xx, xy, xz; yy, yz
+_HALVED = 4  # columns of which each half of a span has a mean of its own
+_LEAST_STRENGTH_MPS2 = 0.02  # below the noise of phones
+_SMOOTHING_S = 0.1  # averages out what engines and wheels shake above the frequencies of gait
+
+
+class Movement(NamedTuple):
+    """Movement of a phone in the recent past.
+
+    Attributes
+    ----------
+    acceleration_mps2 : float
+        Standard deviation of the acceleration within half of the time, all directions together, m/s^2.
+    vertical_share : float
+        Share of the vertical direction in its square, 0 to 1.
+    sideways_tilt_rad : float
+        Standard deviation of the tilt across the direction in which the phone tilts most, rad. A limb swings in one
+        plane, so that a phone on it has little of it; a phone that is turned over in a hand has much.
+    """
+
+    acceleration_mps2: float
+    vertical_share: float
+    sideways_tilt_rad: float
+
+
+class MovementSums:
+    """Running sums over a segment, from differences of which the movement in any span follows.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Sampling rate.
+    """
+
+    def __init__(self, rate_hz: float) -> None:
+        self._width = max(round(_SMOOTHING_S * rate_hz), 1)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past, for a new segment."""
+        self._plain: Array | None = None  # (3, width) running sums of the acceleration at the latest samples
+        self._last: Array = np.zeros((MOVEMENT_COLUMNS, 1))
+
+    def push(self, block: LevelBlock) -> Array:
+        """Return the sums (n, MOVEMENT_COLUMNS) up to and with each sample of a block."""
+        rows = np.empty((MOVEMENT_COLUMNS, len(block) + 1))
+        rows[:, :1] = self._last
+        acceleration, up = rows[_ACCELERATION, 1:], rows[_UP, 1:]
+        acceleration[...] = self._smoothed(block.acceleration_mps2)
+        up[...] = block.up.T
+        np.einsum("ij,ij->j", acceleration, acceleration, out=rows[_SQUARE, 1:])
+        vertical = rows[_VERTICAL, 1:]
+        np.einsum("ij,ij->j", acceleration, up, out=vertical)
+        np.multiply(vertical, vertical, out=rows[_VERTICAL_SQUARE, 1:])
+        # The products of the components; that of the third one follows from the length of the unit vector.
+        np.multiply(up[0], up, out=rows[_FIRST_PRODUCTS, 1:])
+        np.multiply(up[1], up[1:], out=rows[_SECOND_PRODUCTS, 1:])
+        # The carry is the first term of the sum, so that the order of the additions does not depend on the cuts.
+        sums: Array = np.cumsum(rows, axis=1)
+        self._last = sums[:, -1:]
+        return sums[:, 1:].T
+
+    def _smoothed(self, acceleration: Array) -> Array:
+        """Average the latest samples of the acceleration (n, 3); the first one lasted for ever. Return (3, n)."""
+        width = self._width
+        if not len(acceleration):
+            return np.empty((3, 0))
+        if self._plain is None:
+            self._plain = np.cumsum(np.repeat(acceleration[:1].T, width, axis=1), axis=1)
+        known = np.concatenate([self._plain, acceleration.T], axis=1)
+        np.cumsum(known[:, width - 1 :], axis=1, out=known[:, width - 1 :])
+        self._plain = known[:, -width:]
+        mean: Array = (known[:, width:] - known[:, :-width]) / width
+        return mean
+
+
+def movement_between(before: Array, middle: Array, end: Array, samples: int) -> Movement:
+    """Compute the movement in a span from the running sums before it, in its middle and at its end.
+
+    Parameters
+    ----------
+    before, middle, end : ndarray, shape (MOVEMENT_COLUMNS,)
+        Rows that `MovementSums` returned.
+    samples : int
+        Number of samples of the span, at least 1.
+    """
+    first, second, third = before.tolist(), middle.tolist(), end.tolist()
+    # Each half has its own mean, so that a slow acceleration, such as a vehicle's, does not count.
+    halved = [(b - a) ** 2 + (c - b) ** 2 for a, b, c in zip(first[:_HALVED], second[:_HALVED], third, strict=False)]
+    per_half = 2.0 / (samples * samples)
+    squares, vertical_squares, x, y, z, xx, xy, xz, yy, yz = [
+        (c - a) / samples for a, c in zip(first[_HALVED:], third[_HALVED:], strict=True)
+    ]
+    variance = max(squares - per_half * (halved[0] + halved[1] + halved[2]), _LEAST_STRENGTH_MPS2**2)
+    vertical = vertical_squares - per_half * halved[_VERTICAL]
+    zz = 1.0 - xx - yy - z * z
+    xx, xy, xz, yy, yz = xx - x * x, xy - x * y, xz - x * z, yy - y * y, yz - y * z
+    # The third principal axis is along the vectors, where unit vectors hardly vary: two eigenvalues are left.
+    total, product = xx + yy + zz, xx * yy + (xx + yy) * zz - xy * xy - yz * yz - xz * xz
+    least = 0.5 * (total - math.sqrt(max(total * total - 4.0 * product, 0.0)))
+    return Movement(math.sqrt(variance), min(max(vertical / variance, 0.0), 1.0), math.sqrt(max(least, 0.0)))
+
+
+def strength_between(before: Array, end: Array, samples: int) -> float:
+    """Compute the standard deviation of the acceleration in a span, all directions together, m/s^2.
+
+    Parameters
+    ----------
+    before, end : ndarray, shape (MOVEMENT_COLUMNS,)
+        Rows that `MovementSums` returned.
+    samples : int
+        Number of samples of the span, at least 1.
+    """
+    first, last = before.tolist(), end.tolist()
+    x, y, z, square = last[0] - first[0], last[1] - first[1], last[2] - first[2], last[_SQUARE] - first[_SQUARE]
+    variance = (square - (x * x + y * y + z * z) / samples) / samples
+    return math.sqrt(max(variance, _LEAST_STRENGTH_MPS2**2))
