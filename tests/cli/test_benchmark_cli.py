@@ -17,6 +17,7 @@ DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-varianc
 DETECTORS += ["magnitude-peaks"]
 METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
+    *("leg_length_mae_m", "leg_vector_mae_m", "leg_turn_mae_m"),
     *("error_start_m", "heading_start_error_deg", "coverage95_start"),
     "mode_accuracy",
     *("ate_rigid_profile_m", "length_ratio_profile", "scale_coverage68_profile"),
