@@ -7,6 +7,8 @@ bag, belt, leg and arm, standing, walking, running and stairs; it lies between -
 radians add 4.05 to it, whether the person walks or stands.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -148,10 +150,9 @@ def _mean_squares(signal: Signal, edges_s: Array, about_mean: bool) -> tuple[Arr
     values = np.where(np.isfinite(values).all(axis=1, keepdims=True), values, 0.0)
     ends = np.searchsorted(time_s, edges_s)
     counts = np.diff(ends)
-    squares = np.concatenate([[0.0], np.cumsum(np.square(values).sum(axis=1))])
-    mean_square: Array = np.diff(squares[ends]) / np.maximum(counts, 1)
+    # Sums of each interval alone, not differences of one long sum, which a single damaged number would spoil.
+    within = [values[first:last] for first, last in pairwise(ends)]
     if about_mean:
-        sums = np.concatenate([np.zeros((1, 3)), np.cumsum(values, axis=0)])
-        means = np.diff(sums[ends], axis=0) / np.maximum(counts, 1)[:, None]
-        mean_square = np.maximum(mean_square - np.square(means).sum(axis=1), 0.0)
-    return mean_square, counts >= _LEAST_SAMPLES
+        within = [part - part.mean(axis=0) if len(part) else part for part in within]
+    mean_squares = np.array([np.square(part).sum() / max(len(part), 1) for part in within])
+    return mean_squares, counts >= _LEAST_SAMPLES

@@ -40,7 +40,7 @@ _AXES = "xyz"
 
 @dataclass(frozen=True)
 class _Explanation:
-    """What could be wrong with the gyroscope.
+    """Explanation of a contradiction by one fault of the gyroscope.
 
     Attributes
     ----------

@@ -9,6 +9,7 @@ import numpy as np
 
 from pdr_est.io.conversion.signs import gravity_cosine
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
+from pdr_est.preprocessing.quality.sampling_rate import slow_sampling_warnings
 from pdr_est.preprocessing.quality.sensor_checks import (
     ClockCheck,
     Interval,
@@ -16,7 +17,6 @@ from pdr_est.preprocessing.quality.sensor_checks import (
     check_clock,
     clipped_axes,
     effective_rate,
-    mean_rate_hz,
     stuck_intervals,
 )
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
@@ -25,7 +25,6 @@ _AXES = ("x", "y", "z")
 _CLIPPING = ("specific_force", "rotation_rate")
 _VECTORS = ("specific_force", "rotation_rate", "magnetic_field", "attitude")
 _CHANNELS = (*_VECTORS, "linear_acceleration", "pressure")
-_SLOWEST_STEPS_HZ = 8.0  # four samples a step
 _LEAST_CORRELATION = 0.3  # of gyroscope and attitude, below which their axes or signs do not agree
 
 
@@ -250,12 +249,9 @@ def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tu
     """Describe what the sensors allow to compute, and what a missing one prevents."""
     force, attitude = "specific_force" in signals, "attitude" in signals
     acceleration = signals.get("specific_force") or signals.get("linear_acceleration")
-    rate_hz = 0.0 if acceleration is None else mean_rate_hz(acceleration.time_s)
-    if 0.0 < rate_hz < _SLOWEST_STEPS_HZ:
-        return (
-            f"the accelerometer has only {rate_hz:.1f} samples a second: steps cannot be seen well enough for their "
-            "number or a track; record at 20 Hz or more",
-        )
+    slow = () if acceleration is None else slow_sampling_warnings(acceleration)
+    if slow:
+        return slow
     rate = "rotation_rate" in signals and bool(signals["rotation_rate"].values.any())
     if force and rate and overlap is None:
         return ("accelerometer and gyroscope never run at the same time: a track is not possible",)
