@@ -78,6 +78,8 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
         raise RecordingError(f"{first.place}: neither accelerometer nor gyroscope has values{reasons}; record again")
     device.signals = {_SENSORS[quantity]: one.raw for quantity, one in placed.items() if quantity in _SENSORS}
     gnss = _fixes(placed, device)
+    device.fixes = gnss.fixes
+    device.latitude_deg = None if gnss.origin is None else gnss.origin.latitude_deg
     true = placed.get(Quantity.TRUE_POSITION)
     positions = None if true is None else TruePositions(true.raw.signal.time_s, true.raw.signal.values, 0.0, "poses")
     return DeviceReading(device.convert(), gnss, first.clock.epoch_s, positions)

@@ -8,6 +8,7 @@ sampling_rate        sampling rates that are too low for steps
 gyroscope_check      gyroscope against gravity: axes, signs and clock
 accelerometer_check  length of gravity in every posture: gain and offset of the axes
 consistency          the checks of the sensors of a device against each other
+capabilities         what can be computed from the sensors of a device
 inspection           all checks of a recording as one record (`pdr-est inspect`)
 inspection_text      that record as readable text
 requirements         refuse recordings from which steps or a track cannot be computed

@@ -16,8 +16,8 @@ import numpy as np
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.io.conversion.gravity_windows import GravityWindows, hann_means
 
-_GAIN_SIGMA = 0.03  # of an axis of a good sensor
-_OFFSET_SIGMA_MPS2 = 0.15
+_GAIN_SIGMA = 0.02  # of an axis of a good sensor
+_OFFSET_SIGMA_MPS2 = 0.12
 _FREE_GAIN_SIGMA = 0.5
 _FREE_OFFSET_SIGMA_MPS2 = 2.0
 _FAULTY_SHARE = 0.01
