@@ -83,6 +83,10 @@ def test_windows_with_a_pause_are_left_out() -> None:
     assert holed is not None
     assert len(holed) < len(full)
     assert not ((holed.start_s < 11.0) & (holed.start_s > 4.1)).any()
+    long = np.concatenate([force.time_s[:1500], force.time_s[1500:] + 600.0])
+    apart = gravity_windows(Signal(long, force.values), Signal(long, rate.values))
+    assert apart is not None
+    assert ((apart.start_s <= 9.1) | (apart.start_s >= 614.9)).all()
 
 
 def test_damaged_rows_and_a_clock_that_jumps_back_do_no_harm() -> None:
