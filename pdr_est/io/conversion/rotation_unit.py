@@ -46,7 +46,7 @@ def motion_log_ratio(rate: Signal, acceleration: Signal) -> float | None:
     start_s = max(rate.time_s.min(), acceleration.time_s.min())
     end_s = min(rate.time_s.max(), acceleration.time_s.max())
     count = int((end_s - start_s) / _INTERVAL_S) if end_s > start_s else 0
-    if count < _LEAST_INTERVALS:
+    if not _LEAST_INTERVALS <= count <= len(rate):  # beyond, a time stamp is wrong
         return None
     edges_s = start_s + np.arange(count + 1) * _INTERVAL_S
     turning, often = _mean_squares(rate, edges_s, about_mean=False)

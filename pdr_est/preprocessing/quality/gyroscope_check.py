@@ -3,8 +3,9 @@
 See `pdr_est.io.conversion.gravity_windows` for the comparison, and for what it cannot see. The explanations are
 compared by their likelihood: the gyroscope is right but for a constant bias; its axes are ordered or signed
 otherwise; its clock is late or early. One recording in fifty is taken to be faulty beforehand, each explanation
-equally often. Constants are ours. Eight of 358 real recordings have a window in which gravity moves by as much as is
-suspicious, and no explanation fits better than the gyroscope as it is by more than a fifth. (The unit shows without gravity, see `pdr_est.io.conversion.rotation_unit`.)
+equally often. Constants are ours. Eight of 358 real recordings have a window in which gravity moves suspiciously, and
+in none of them an explanation fits better than the gyroscope as it is by more than a fifth. (The unit shows without
+gravity, see `pdr_est.io.conversion.rotation_unit`.)
 """
 
 import itertools

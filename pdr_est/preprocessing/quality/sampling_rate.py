@@ -11,6 +11,7 @@ SLOWEST_STEPS_HZ = 8.0
 """Rate below which steps are missed, Hz: four samples a step. Of a walk thinned to 5 Hz a quarter is missed."""
 
 _LEAST_RATE_HZ = 4.0  # two samples for each of two steps a second; below, what looks like steps is another frequency
+_NO_RATE_HZ = 1.0  # of no recorder; the clock is in another unit
 _FEWEST_SAMPLES = 5
 
 
@@ -44,7 +45,7 @@ def refuse_slow_sampling(acceleration: Signal, label: str) -> None:
         Name of the device in messages.
     """
     rate_hz = mean_rate_hz(acceleration.time_s)
-    if 0.0 < rate_hz < _LEAST_RATE_HZ and len(acceleration) >= _FEWEST_SAMPLES:
+    if _NO_RATE_HZ < rate_hz < _LEAST_RATE_HZ and len(acceleration) >= _FEWEST_SAMPLES:
         raise RecordingError(
             f"{label}: the accelerometer has only {rate_hz:.1f} samples a second, which cannot show steps, of which "
             "a person makes about two a second: record at 20 Hz or more"
