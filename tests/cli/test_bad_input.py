@@ -12,7 +12,6 @@ from cli_recordings import (
     ACC,
     GYR,
     Walk,
-    as_folder,
     as_zip,
     columns_of,
     lines_of,
@@ -290,14 +289,6 @@ def test_two_walks_in_one_archive(export: dict[str, bytes], tmp_path: Path, outs
     members = {f"{folder}/{name}": data for folder in ("monday", "sunday") for name, data in export.items()}
     path = as_zip(tmp_path / "walks.zip", members)
     both_refuse(path, outs, r"contains 2 Sensor Logger recordings \(monday, sunday\); choose one of them")
-
-
-def test_gravity_of_another_time(walk: Walk, export: dict[str, bytes], tmp_path: Path, outs: Path) -> None:
-    late = sensor_logger(walk, {"TotalAcceleration": 3600.0})["TotalAcceleration.csv"]
-    members = {name: data for name, data in export.items() if name != "TotalAcceleration.csv"}
-    members |= {"Accelerometer.csv": export["TotalAcceleration.csv"], "Gravity.csv": late}
-    path = as_folder(tmp_path / "walk", members)
-    only_inspected(path, outs, r"no accelerometer \(.*accelerometer and gravity do not overlap in time")
 
 
 # --- clocks ----------------------------------------------------------------------------------------------------

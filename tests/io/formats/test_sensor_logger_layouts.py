@@ -186,6 +186,24 @@ def test_without_gravity_there_are_steps_and_advice(tmp_path: Path, walk: Walk, 
         assert any("switch on Gravity" in warning for warning in device.warnings)
 
 
+def test_gravity_of_another_time_leaves_the_steps(tmp_path: Path, walk: Walk) -> None:
+    sensors = with_metadata(walk)
+    del sensors["Orientation"]
+    sensors["Gravity"]["time"] = [tick + 3600 * 10**9 for tick in sensors["Gravity"]["time"]]
+    device = read(as_folder(tmp_path, sensor_logger_files(sensors))).devices[0]
+    assert device.specific_force is None
+    assert device.linear_acceleration is not None
+    assert "accelerometer and gravity do not overlap in time: no specific force" in device.warnings
+
+
+def test_an_accelerometer_with_gravity_needs_no_other(tmp_path: Path, walk: Walk) -> None:
+    sensors = with_metadata(walk)
+    sensors["Accelerometer"] |= xyz(walk.force)
+    device = read(as_folder(tmp_path, sensor_logger_files(sensors))).devices[0]
+    assert_is_walk(device, walk)
+    assert "specific force is Accelerometer: by its values it is with gravity" in device.decisions
+
+
 def test_a_sample_measured_days_before_is_left_out(tmp_path: Path, walk: Walk) -> None:
     sensors = with_metadata(walk)
     for sensor in ("Accelerometer", "Gravity", "Gyroscope"):
