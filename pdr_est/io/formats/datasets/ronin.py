@@ -45,6 +45,8 @@ def read_source(source: Source) -> Recording:
     place = source.place(member)
     arrays = _arrays(source.read(member), place)
     first = _start_frame(source, member)
+    if first >= len(arrays["time"]):
+        raise RecordingError(f"{place}: start_frame {first} of info.json lies behind the last row; copy both again")
     ticks = arrays["time"][first:]
     time_s = ticks - ticks[0]
     device = RawDevice({}, platform="android", sign=1.0, sign_reason="Android's sign")
@@ -88,8 +90,11 @@ def _arrays(data: bytes, place: str) -> dict[str, Array]:
             arrays = {name: np.asarray(file[_GRID][name], dtype=np.float64) for name in file[_GRID]}
             if _POSES in file:
                 arrays["poses"] = np.asarray(file[_POSES], dtype=np.float64)
-    except OSError as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
         raise RecordingError(f"{place}: damaged HDF5 file ({error}); copy it again") from error
+    shorter = [name for name, values in arrays.items() if len(values) != len(arrays["time"])]
+    if shorter:
+        raise RecordingError(f"{place}: {shorter[0]} has not as many rows as {_GRID}/time; copy the file again")
     return arrays
 
 

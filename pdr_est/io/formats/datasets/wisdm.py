@@ -67,6 +67,7 @@ def _read(source: Source, member: str) -> tuple[str, Array, Array]:
     frame = pl.read_csv(
         header + b"\n" + source.read(member).replace(b";", b""),
         infer_schema=False,
+        quote_char=None,
         truncate_ragged_lines=True,
         encoding="utf8-lossy",
     ).filter(pl.col("activity").is_not_null())

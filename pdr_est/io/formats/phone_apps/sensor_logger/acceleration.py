@@ -11,8 +11,8 @@ from pdr_est.types.recording import Signal
 
 _FORCE_SENSORS = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated")
 _WITHOUT_GRAVITY = (
-    "Accelerometer is without gravity, and Gravity, TotalAcceleration, AccelerometerUncalibrated and Orientation are "
-    "absent: steps can be counted from it; switch on Gravity (or Total Acceleration on Android) for a track"
+    "Accelerometer is without gravity, and none of Gravity, TotalAcceleration, AccelerometerUncalibrated and "
+    "Orientation adds it: steps can be counted; switch on Gravity (or Total Acceleration on Android) for a track"
 )
 
 
