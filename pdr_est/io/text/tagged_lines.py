@@ -84,7 +84,7 @@ class TaggedLog:
             For text in a number field, naming line, tag and value.
         """
         rows = self._rows.filter(pl.col(self._tag_column) == tag)
-        text = rows.select(f"field_{i}" for i in fields)
+        text = rows.select(pl.col(f"field_{i}").alias(f"value_{k}") for k, i in enumerate(fields))
         numbers = text.cast(pl.Float64, strict=False)
         for name in numbers.columns:
             if numbers[name].null_count() == text[name].null_count():

@@ -15,7 +15,7 @@ from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.signs import gravity_cosine
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.finite_values import finite_signal
+from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
 from pdr_est.io.text.members import find_members, require_single_walk
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import Recording, Signal
@@ -87,15 +87,19 @@ def _arrays(data: bytes, place: str) -> dict[str, Array]:
                     f"{place}: an HDF5 file without {_GRID}/time and {_GRID}/acce (it has {listed}); only RoNIN's "
                     "layout is known, give other recordings as CSV"
                 )
-            arrays = {name: np.asarray(file[_GRID][name], dtype=np.float64) for name in file[_GRID]}
+            arrays = {name: _numbers(file[_GRID][name]) for name in file[_GRID]}
             if _POSES in file:
-                arrays["poses"] = np.asarray(file[_POSES], dtype=np.float64)
+                arrays["poses"] = _numbers(file[_POSES])
     except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
         raise RecordingError(f"{place}: damaged HDF5 file ({error}); copy it again") from error
     shorter = [name for name, values in arrays.items() if len(values) != len(arrays["time"])]
     if shorter:
         raise RecordingError(f"{place}: {shorter[0]} has not as many rows as {_GRID}/time; copy the file again")
     return arrays
+
+
+def _numbers(dataset: Any) -> Array:
+    return discard_huge_values(np.asarray(dataset, dtype=np.float64))
 
 
 def _start_frame(source: Source, member: str) -> int:
