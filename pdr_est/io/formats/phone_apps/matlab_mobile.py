@@ -15,7 +15,7 @@ from pdr_est.frames import Array
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.finite_values import finite_signal
+from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
 from pdr_est.types.recording import Recording, Signal
 
@@ -62,7 +62,7 @@ def read_source(source: Source) -> Recording:
     device = RawDevice({}, sign=1.0, sign_reason="MATLAB Mobile writes Android's sign on every platform")
     for name, sensor in _SENSORS.items():
         if name in tables:
-            values = tables[name][_AXES].to_numpy(dtype=np.float64)
+            values = discard_huge_values(tables[name][_AXES].to_numpy(dtype=np.float64))
             signal, dropped = finite_signal(_seconds(tables[name], zero), values, name, place)
             device.signals[sensor] = RawSignal(Signal(signal.time_s, signal.values), name, 1.0)
             device.warnings += dropped

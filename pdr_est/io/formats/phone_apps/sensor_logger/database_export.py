@@ -92,6 +92,7 @@ class DatabaseExport:
         content[_VERSION_BYTES] = _ROLLBACK_JOURNAL
         try:
             with closing(sqlite3.connect(":memory:")) as database:
+                database.text_factory = lambda text: text.decode("utf-8", "replace")
                 database.deserialize(bytes(content))
                 return database.execute(query).fetchall()
         except sqlite3.Error as error:
