@@ -90,7 +90,9 @@ def _arrays(data: bytes, place: str) -> dict[str, Array]:
             arrays = {name: _numbers(file[_GRID][name]) for name in file[_GRID]}
             if _POSES in file:
                 arrays["poses"] = _numbers(file[_POSES])
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+    except RecordingError:
+        raise
+    except Exception as error:  # the package raises whatever went wrong inside
         raise RecordingError(f"{place}: damaged HDF5 file ({error}); copy it again") from error
     shorter = [name for name, values in arrays.items() if len(values) != len(arrays["time"])]
     if shorter:
