@@ -77,5 +77,18 @@ def test_single_bytes_are_latin_1_unless_a_letter_is_cut() -> None:
     assert as_utf8("30 °".encode()[:-1]) == b"30 "
 
 
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [("时间,加速度X(g),角速度Y(°/s)\n", "gb18030"), ("時刻,加速度センサーX,ジャイロY\n", "cp932")],
+)
+def test_chinese_and_japanese_titles(text: str, encoding: str) -> None:
+    assert as_utf8((text + "0,1,2\n").encode(encoding)).decode() == text + "0,1,2\n"
+
+
+def test_german_titles_are_latin_1() -> None:
+    text = "Zeit,Größe,Länge,Höhe (m)\n0,1,2,3\n"
+    assert as_utf8(text.encode("latin-1")).decode() == text
+
+
 def test_signs_in_the_wrong_encoding() -> None:
     assert repair_signs("acc (m/sÂ²), field (Î¼T), gyro (Â°/s)") == "acc (m/s²), field (μT), gyro (°/s)"
