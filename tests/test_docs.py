@@ -29,6 +29,7 @@ from pdr_est.front_end.heading import HEADINGS
 from pdr_est.io.formats.registry import FORMATS
 from pdr_est.io.side_tables.position_fixes import read_position_fixes
 from pdr_est.io.tables.header import understand_titles
+from pdr_est.io.tables.mapping_file import load_mapping
 from pdr_est.io.tables.quantities import Quantity
 
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
@@ -117,6 +118,8 @@ def check_yaml(block: Block, folder: Path) -> None:
     path.write_text(block.code, encoding="utf-8")
     if re.search(r"^data:", block.code, flags=re.MULTILINE):
         assert len(load_experiment(path).variants) > 1, "an experiment compares something"
+    elif re.search(r"^accelerometer:", block.code, flags=re.MULTILINE):
+        assert load_mapping(path).has_motion
     else:
         load_config(path)
 
@@ -131,7 +134,7 @@ def check_csv(block: Block, folder: Path) -> None:
     known = understand_titles(header.split(","))
     assert known.has_time
     assert Quantity.FORCE in known.columns
-    assert sum(len(columns.titles) for columns in known.values()) == len(header.split(",")), "an unknown column"
+    assert known.unused == (), "an unknown column"
 
 
 def test_the_pages_have_code_of_every_kind() -> None:

@@ -45,7 +45,7 @@ def _strongest_direction(linear: Signal) -> Array:
     time_s, values = linear.time_s[order], linear.values[order]
     if len(order) < _LEAST_SAMPLES:
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), linear.values.shape)
-    count = max(int((time_s[-1] - time_s[0]) / _HOP_S), 1)
+    count = max(min(int((time_s[-1] - time_s[0]) / _HOP_S), len(order)), 1)
     edges = np.searchsorted(time_s, np.linspace(time_s[0], time_s[-1], count + 1))
     edges[-1] = len(order)
     before, after = (_at(time_s, values, time_s + lag_s) for lag_s in (-_LAG_S, _LAG_S))

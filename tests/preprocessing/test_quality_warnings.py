@@ -12,7 +12,7 @@ from pdr_est.types.recording import DeviceRecording, Signal
 TIME_S = np.arange(3001) / 50.0
 NOISE = np.random.default_rng(3).normal(size=(2, 3001, 3))
 FORCE = Signal(TIME_S, np.array([0.0, 0.0, 9.8]) + NOISE[0])
-RATE = Signal(TIME_S, NOISE[1])
+RATE = Signal(TIME_S, 0.2 * NOISE[1])
 FULL = DeviceRecording(specific_force=FORCE, rotation_rate=RATE)
 
 

@@ -213,6 +213,16 @@ def browser(walk: TableWalk) -> bytes:
     return text(rows(columns))
 
 
+def browser_in_order(walk: TableWalk) -> bytes:
+    """DeviceMotion events of a browser whose alpha turns about x."""
+    columns = {
+        "timeStamp": 1000.0 * walk.time_s,
+        **xyz("accelerationIncludingGravity.{}", walk.force),
+        **{f"rotationRate.{name}": walk.rate[:, i] / DEG for i, name in enumerate(("alpha", "beta", "gamma"))},
+    }
+    return text(rows(columns))
+
+
 def quoted_decimal_commas(walk: TableWalk) -> bytes:
     lines = rows(plain(walk), separator="|", decimal=",")
     return text([lines[0].replace("|", ","), *('"' + line.replace("|", '","') + '"' for line in lines[1:])])
@@ -281,6 +291,24 @@ CLEAN: Mapping[str, Callable[[TableWalk], bytes]] = {
     "French": table_of("accélération {}", "vitesse angulaire {}", time="temps (s)"),
     "brackets count axes": table_of("accel[{}]", "gyro[{}]", names="012"),
     "browser": browser,
+    "browser that counts x, y, z": browser_in_order,
+    "Chinese in GB 18030": lambda w: text(
+        rows(
+            {
+                "时间": dates(w.time_s),
+                **xyz("加速度{}(g)", w.force / G, "XYZ"),
+                **xyz("角速度{}(°/s)", w.rate / DEG, "XYZ"),
+            }
+        ),
+        "gb18030",
+    ),
+    "days of a spreadsheet": lambda w: text(rows(plain(w, [f"{47882.17 + t / 86400.0:.9f}" for t in w.time_s]))),
+    "axes without a name beside gx": table_of("{}", "g{}"),
+    "row numbers in front": edited(lambda lines: ["," + lines[0], *(f"{i},{x}" for i, x in enumerate(lines[1:]))]),
+    "quoted cells": edited(lambda lines: ['"' + line.replace(",", '","') + '"' for line in lines]),
+    "blanks between date and time": lambda w: text(
+        [line.replace(",", " ") for line in rows({"stamp": dates(w.time_s), **plain(w, title="t")} | {"t": w.time_s})]
+    ),
     "quoted decimal commas": quoted_decimal_commas,
     "semicolon and decimal comma": lambda w: text(rows(plain(w), ";", ",")),
     "pipes": lambda w: text(rows(plain(w), "|")),

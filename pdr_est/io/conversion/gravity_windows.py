@@ -131,8 +131,10 @@ class _Integral:
     def means(self, edges_s: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return the means (k, n, 3) between edges (k, n + 1), and tell which windows (k,) have no pause."""
         at_edges = np.stack([np.interp(edges_s, self.time_s, column) for column in self.integral.T], axis=-1)
-        ends = np.searchsorted(self.time_s, edges_s[:, [0, -1]]).clip(0, len(self.time_s) - 1)
-        whole = self.pauses[ends[:, 0]] == self.pauses[ends[:, 1]]
+        last = len(self.time_s) - 1
+        before = (np.searchsorted(self.time_s, edges_s[:, 0], side="right") - 1).clip(0, last)
+        after = np.searchsorted(self.time_s, edges_s[:, -1]).clip(0, last)
+        whole = self.pauses[before] == self.pauses[after]
         return np.diff(at_edges, axis=1) / (edges_s[0, 1] - edges_s[0, 0]), whole
 
 

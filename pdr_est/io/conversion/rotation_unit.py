@@ -19,6 +19,7 @@ _SIGMA = 0.6  # of the median of a recording; wider than measured, for devices a
 _OTHER_UNIT = 0.002  # probability that the values are in none of the units, spread over the width below
 _OTHER_WIDTH = 20.0
 _INTERVAL_S = 2.0
+_MOST_INTERVALS = 100  # spread over longer recordings
 _LEAST_SAMPLES = 4  # in an interval
 _LEAST_INTERVALS = 1
 _DECISIVE = 0.99
@@ -44,11 +45,12 @@ def motion_log_ratio(rate: Signal, acceleration: Signal) -> float | None:
     start_s = max(rate.time_s.min(), acceleration.time_s.min())
     end_s = min(rate.time_s.max(), acceleration.time_s.max())
     count = int((end_s - start_s) / _INTERVAL_S) if end_s > start_s else 0
-    if count < _LEAST_INTERVALS:
+    if not _LEAST_INTERVALS <= count <= len(rate):  # beyond, a time stamp is wrong
         return None
-    edges_s = start_s + np.arange(count + 1) * _INTERVAL_S
-    turning, often = _mean_squares(rate, edges_s, about_mean=False)
-    shaking, also_often = _mean_squares(acceleration, edges_s, about_mean=True)
+    chosen = np.arange(count) if count <= _MOST_INTERVALS else np.linspace(0, count - 1, _MOST_INTERVALS).round()
+    begins_s = start_s + _INTERVAL_S * chosen
+    turning, often = _mean_squares(rate, begins_s, about_mean=False)
+    shaking, also_often = _mean_squares(acceleration, begins_s, about_mean=True)
     usable = often & also_often & (turning > 0.0) & (shaking > 0.0)
     if usable.sum() < _LEAST_INTERVALS:
         return None
@@ -139,19 +141,17 @@ def _likelihood(log_ratio: float) -> float:
     return float(np.exp(-0.5 * away * away) / (_SIGMA * np.sqrt(2.0 * np.pi)))
 
 
-def _mean_squares(signal: Signal, edges_s: Array, about_mean: bool) -> tuple[Array, NDArray[np.bool_]]:
-    """Compute the mean square norm (k,) of a signal between edges (k + 1,), and tell where samples are enough."""
+def _mean_squares(signal: Signal, begins_s: Array, about_mean: bool) -> tuple[Array, NDArray[np.bool_]]:
+    """Compute the mean square norm (k,) of a signal in intervals that begin at (k,), and where samples are enough."""
     time_s, values = signal.time_s, signal.values
     if (np.diff(time_s) < 0.0).any():
         order = np.argsort(time_s, kind="stable")
         time_s, values = time_s[order], values[order]
     values = np.where(np.isfinite(values).all(axis=1, keepdims=True), values, 0.0)
-    ends = np.searchsorted(time_s, edges_s)
-    counts = np.diff(ends)
-    squares = np.concatenate([[0.0], np.cumsum(np.square(values).sum(axis=1))])
-    mean_square: Array = np.diff(squares[ends]) / np.maximum(counts, 1)
+    first, last = (np.searchsorted(time_s, times_s) for times_s in (begins_s, begins_s + _INTERVAL_S))
+    # Sums of each interval alone, not differences of one long sum, which a single damaged number would spoil.
+    within = [values[a:b] for a, b in zip(first, last, strict=True)]
     if about_mean:
-        sums = np.concatenate([np.zeros((1, 3)), np.cumsum(values, axis=0)])
-        means = np.diff(sums[ends], axis=0) / np.maximum(counts, 1)[:, None]
-        mean_square = np.maximum(mean_square - np.square(means).sum(axis=1), 0.0)
-    return mean_square, counts >= _LEAST_SAMPLES
+        within = [part - part.mean(axis=0) if len(part) else part for part in within]
+    mean_squares = np.array([np.square(part).sum() / max(len(part), 1) for part in within])
+    return mean_squares, last - first >= _LEAST_SAMPLES

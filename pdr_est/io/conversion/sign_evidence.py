@@ -26,6 +26,7 @@ _BY_DIP = 1.2
 _LEAST_DIP_COSINE = 0.25
 _EQUATOR_DEG = 20.0  # within this latitude the dip may be of either sign
 _UP_S = 2.0  # the acceleration is averaged over this time for the axis of yaw
+_DAMAGED = 20.0  # times the usual acceleration
 _LEG_M = 12.0
 _LEG_SIGMAS = 3.0
 _SIGMA_TURN_RAD = 0.4  # of the difference of a turn by fixes and by gyroscope, besides the accuracy of the fixes
@@ -175,7 +176,8 @@ def _yaw(force: Signal, rate: Signal) -> tuple[Array, Array]:
     """Integrate the rotation rate about the direction of the averaged acceleration; times and angles (m,)."""
     order = np.argsort(rate.time_s, kind="stable")
     time_s, values = rate.time_s[order], rate.values[order]
-    sums = np.cumsum(force.values, axis=0)
+    largest = _DAMAGED * float(np.median(np.abs(force.values).max(axis=1)))
+    sums = np.cumsum(np.clip(force.values, -largest, largest), axis=0)
     half = 0.5 * _UP_S
     integral = [
         np.interp(time_s + half, force.time_s, column) - np.interp(time_s - half, force.time_s, column)

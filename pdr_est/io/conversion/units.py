@@ -26,6 +26,8 @@ _PRESSURE_UNITS = (("Pa", 1.0), ("hPa", 1e2), ("kPa", 1e3))
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
 _CLOCK_UNITS = (("ns", 1e9), ("us", 1e6), ("ms", 1e3), ("s", 1.0))
 _UNIX_RANGE_S = (9e8, 4e9)  # 1998 to 2096
+_DAY_S = 86400.0
+_DAY_NUMBERS = (25_569.0, 80_000.0)  # days since 1899-12-30, from 1970 on
 _SAMPLING_RATE_HZ = (2.0, 1500.0)
 
 
@@ -131,7 +133,7 @@ def detect_pressure_unit(values: Array) -> Conversion:
 
 
 def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Conversion:
-    """Detect the unit of a numeric clock: s, ms, us or ns.
+    """Detect the unit of a numeric clock: s, ms, us or ns, or the days of a spreadsheet.
 
     The rate of the rows decides, which must be that of a sensor with 2 to 1500 samples a second: the units differ by
     a factor of 1000, so that at most one fits. Rows that share a stamp count, too. A first value that is a Unix time
@@ -152,6 +154,8 @@ def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Convers
         if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]
     ]
     per_second = dict(_CLOCK_UNITS)
+    if _DAY_NUMBERS[0] <= first <= _DAY_NUMBERS[1] and 0.0 < step * _DAY_S < 1.0 / _SAMPLING_RATE_HZ[0]:
+        return Conversion(_DAY_S, f"the clock counts days, as spreadsheets do: the first value is {first:.6f}")
     if unix and (unix == by_rate or not by_rate):
         factor = 1.0 / per_second[unix[0]]
         return Conversion(factor, f"the clock counts Unix time in {unix[0]}: the first value is {ticks[0]}")

@@ -8,6 +8,7 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor
+from pdr_est.io.tables.browser_axes import settle_browser_axes
 from pdr_est.io.tables.placed import PlacedSignal, first_motion, place_signals
 from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.tables.settling import settle_quantities, settle_sign
@@ -78,9 +79,14 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
         raise RecordingError(f"{first.place}: neither accelerometer nor gyroscope has values{reasons}; record again")
     device.signals = {_SENSORS[quantity]: one.raw for quantity, one in placed.items() if quantity in _SENSORS}
     gnss = _fixes(placed, device)
+    device.fixes = gnss.fixes
+    device.latitude_deg = None if gnss.origin is None else gnss.origin.latitude_deg
     true = placed.get(Quantity.TRUE_POSITION)
     positions = None if true is None else TruePositions(true.raw.signal.time_s, true.raw.signal.values, 0.0, "poses")
-    return DeviceReading(device.convert(), gnss, first.clock.epoch_s, positions)
+    converted = device.convert()
+    if Quantity.RATE in placed and "alpha" in placed[Quantity.RATE].raw.title.casefold():
+        converted = settle_browser_axes(converted)
+    return DeviceReading(converted, gnss, first.clock.epoch_s, positions)
 
 
 def _fixes(placed: Mapping[Quantity, PlacedSignal], device: RawDevice) -> GnssFixes:

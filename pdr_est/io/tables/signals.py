@@ -16,8 +16,8 @@ from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
+from pdr_est.io.tables.times.bursts import spread_bursts
 from pdr_est.io.tables.times.clock import TableClock, read_clock
-from pdr_est.io.tables.timing import spread_bursts
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table

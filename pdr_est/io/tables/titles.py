@@ -190,6 +190,8 @@ def _time(words: Sequence[str], unit: str) -> TitleMeaning | None:
     for rest, suffix in _without_unit_suffix(words, unit):
         if "".join(rest) in TIMES:
             return TitleMeaning(word, "", suffix)
+    if Quantity.TIME in quantities_of_unit(unit) and not set(words) & BLOCKED:
+        return TitleMeaning(Word(Quantity.TIME, 3), "", unit, "".join(words))
     if set(words) & TIME_WORDS:
         units = [one for one in words if Quantity.TIME in quantities_of_unit(one) and len(one) > 1]
         return TitleMeaning(Word(Quantity.TIME, 2), "", unit or (units[-1] if units else ""), "".join(words))

@@ -7,6 +7,11 @@ container       open a file, a folder or a zip archive, plain or gzipped, and re
 single_archive  a folder that holds nothing but one archive
 workbook        an Excel workbook as a folder of tables
 members         find the member that holds the recording
+encoding        bring any encoding to UTF-8
+cells           tell what a cell holds: a number, a date, nothing or text
+table_layout    separator, decimal mark, header, units and first row of any table
+loose_table     parse such a table, with damaged rows left out and told
+text_columns    convert columns that were read as text to numbers
 csv_dialect     detect separator, decimal mark and column titles of a table
 number_table    parse a table of numbers, with errors that name line, column and value
 tagged_lines    parse a log that mixes the rows of many sensors, each tagged with its type

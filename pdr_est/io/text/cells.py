@@ -19,6 +19,7 @@ MISSING = frozenset(
         "undefined",
         "?",
         "missing",
+        "n.a.",
         "keine",
         "-nan",
     }

@@ -1,17 +1,24 @@
 """Bring the text of a table to UTF-8 with plain line ends, whatever encoding it was saved in."""
 
+import re
+
 _UTF8_MARK = b"\xef\xbb\xbf"
 _UTF16_MARKS = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 _SAMPLE_BYTES = 2000
 _NUL_SHARE = 0.3  # every second byte of UTF-16 text in Latin letters and digits is NUL
+_HIGH_BYTES = re.compile(rb"[\x80-\xff]+")
+_KANA = re.compile("[\u30a1-\u30fc]")
+_IDEOGRAPHS = re.compile("[\u4e00-\u9fff]")
+_FEWEST_LETTERS = 2
 _BROKEN_SIGNS = {"Â²": "²", "Â°": "°", "Âµ": "µ", "Î¼": "μ", "â°": "°", "Âº": "º"}
 
 
 def as_utf8(data: bytes) -> bytes:
     """Return the bytes of a text in UTF-8, without byte-order mark and NUL, with LF at the ends of lines.
 
-    UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are taken as Windows-1252, which
-    contains Latin-1. A text that is plain UTF-8 already is returned as it is, so that nothing is copied.
+    UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are Chinese (GB 18030) or
+    Japanese (Shift JIS) if they come in pairs, else Windows-1252, which contains Latin-1. A text that is plain UTF-8
+    already is returned as it is, so that nothing is copied.
     """
     encoding = _utf16_encoding(data)
     if encoding is not None:
@@ -56,5 +63,17 @@ def _from_single_bytes(data: bytes) -> bytes:
         # A text that is cut in the middle of a letter, as the head of a file is, is still UTF-8.
         if error.end >= len(data) and len(data) - error.start < 4:
             return data[: error.start]
-        return data.decode("cp1252", "replace").encode()
+        return data.decode(_encoding_of_bytes(data[:_SAMPLE_BYTES]), "replace").encode()
     return data
+
+
+def _encoding_of_bytes(sample: bytes) -> str:
+    """Tell Chinese and Japanese text, whose letters are pairs of bytes, from Western text with single signs."""
+    runs = [run for run in _HIGH_BYTES.findall(sample) if len(run) > 1]
+    if 2 * len(runs) < len(_HIGH_BYTES.findall(sample)):
+        return "cp1252"
+    for encoding, script in (("cp932", _KANA), ("gb18030", _IDEOGRAPHS)):
+        text = sample.decode(encoding, "ignore")
+        if len(script.findall(text)) >= _FEWEST_LETTERS and "\ufffd" not in sample[:-2].decode(encoding, "replace"):
+            return encoding
+    return "cp1252"

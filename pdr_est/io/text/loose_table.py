@@ -5,8 +5,6 @@ words for a missing value, decimal commas, blanks and quotes are then understood
 hold text where the others hold numbers are left out and told with their line numbers.
 """
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -19,7 +17,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.io.text.cells import MISSING_SPELLINGS
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.number_table import NumberTable
-from pdr_est.io.text.table_layout import BLANKS, TableLayout
+from pdr_est.io.text.table_layout import BLANKS, TableLayout, split_line
 from pdr_est.io.text.text_columns import ParsedColumn, parse_text_column
 
 _LARGEST_DAMAGED_SHARE = 0.05
@@ -226,7 +224,8 @@ def _repaired(
         wrong |= one.wrong
         for i in np.flatnonzero(one.wrong & ~one.empty)[:_LINES_NAMED]:
             damaged.setdefault(lines[i], f"{columns[title][int(i)]!r} in column {title!r}")
-    number = len(rows) - int((~wrong).sum()) + sum(line not in set(lines) for line in damaged)
+    whole = set(lines)
+    number = int(wrong.sum()) + sum(line not in whole for line in damaged)
     total = number + int((~wrong).sum())
     named = ", ".join(f"line {line}: {fault}" for line, fault in sorted(damaged.items())[:_LINES_NAMED])
     if number > max(1.0, _LARGEST_DAMAGED_SHARE * total):
@@ -252,22 +251,18 @@ def _rows(body: memoryview, layout: TableLayout) -> tuple[list[list[str]], list[
     damaged : dict
         Line number -> fault of the other rows.
     """
-    text = io.StringIO(str(body, "utf-8", "replace"), newline="\n")
-    reader = csv.reader(text, delimiter=layout.separator)
     width = len(layout.titles)
     rows, lines, damaged = [], [], {}
-    try:
-        for row in reader:
-            line = layout.first_line + reader.line_num
-            if not any(cell.strip() for cell in row) or row[0].startswith("#"):
-                continue
-            while len(row) > width and not row[-1].strip():
-                row.pop()
-            if len(row) == width:
-                rows.append(row)
-                lines.append(line)
-            else:
-                damaged[line] = f"{len(row)} cells instead of {width}"
-    except csv.Error as error:
-        damaged[layout.first_line + reader.line_num] = str(error)
+    # Line by line, so that a quote that is not closed spoils no other line.
+    for number, text in enumerate(str(body, "utf-8", "replace").split("\n"), start=layout.first_line + 1):
+        if not text.strip() or text.startswith("#"):
+            continue
+        row = split_line(text, layout.separator)
+        while len(row) > width and not row[-1].strip():
+            row.pop()
+        if len(row) == width:
+            rows.append(row)
+            lines.append(number)
+        elif any(cell.strip() for cell in row):
+            damaged[number] = f"{len(row)} cells instead of {width}"
     return rows, lines, damaged

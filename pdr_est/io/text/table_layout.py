@@ -24,6 +24,7 @@ _LINES_LOOKED_AT = 200
 _LINES_SCORED = 40
 _HEADER_SEARCH_LINES = 6
 _TEXT_PENALTY = 2.0
+_FEWEST_VALUES = 2.0  # numbers or dates in a row, on average
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,18 @@ class TableLayout:
 
 @dataclass(frozen=True)
 class _Split:
-    """Lines split by one separator."""
+    """Lines split by one separator, with the usual number of cells; `values`: numbers and dates in a row."""
 
     separator: str
     cells: Sequence[list[str]]
     width: int
     score: float
+    values: float
+
+    @property
+    def holds_values(self) -> bool:
+        """Tell whether the rows are of a table of numbers."""
+        return self.values >= _FEWEST_VALUES or self.score > 0.0
 
 
 def detect_layout(head: bytes, is_unit: Callable[[str], bool] = lambda cell: False) -> TableLayout | None:
@@ -132,7 +139,7 @@ def _best_split(lines: Sequence[str]) -> _Split | None:
     """Find the separator that gives the most numbers and dates and the least text."""
     candidates: list[_Split] = []
     for separator in _SEPARATORS:
-        if separator == BLANKS and any(split.score > 0.0 for split in candidates):
+        if separator == BLANKS and any(split.holds_values for split in candidates):
             break  # a blank inside a date or a title must not decide
         if separator != BLANKS and not any(separator in line for line in lines):
             continue
@@ -143,11 +150,12 @@ def _best_split(lines: Sequence[str]) -> _Split | None:
             continue
         width = max(widths, key=lambda n: (widths[n], n))
         rows = [row for row in likely if len(row) == width]
-        candidates.append(_Split(separator, cells, width, sum(map(_score, rows)) / max(1, len(rows))))
+        score, values = (sum(map(rate, rows)) / len(rows) for rate in (_score, _count_values))
+        candidates.append(_Split(separator, cells, width, score, values))
     if not candidates:
         return None
     best = max(candidates, key=lambda split: split.score)
-    return best if best.score > 0.0 else None
+    return best if best.holds_values else None
 
 
 def _is_row(cells: Sequence[str]) -> bool:
@@ -155,6 +163,10 @@ def _is_row(cells: Sequence[str]) -> bool:
     kinds = [kind_of_cell(cell) for cell in cells]
     known = sum(kind is not Cell.TEXT for kind in kinds)
     return Cell.NUMBER in kinds and 2 * known >= len(kinds)
+
+
+def _count_values(cells: Sequence[str]) -> int:
+    return sum(kind_of_cell(cell) in (Cell.NUMBER, Cell.DATE) for cell in cells)
 
 
 def _score(cells: Sequence[str]) -> float:
@@ -206,7 +218,9 @@ def _find_header(
 def _header_cells(line: str, split: _Split) -> list[str] | None:
     """Split a line into as many titles as the rows have cells; None when it is no header."""
     bare = _COMMENT.sub("", line)
-    for separator in (split.separator, *(other for other in _SEPARATORS if other != split.separator)):
+    others = [other for other in _SEPARATORS if other != split.separator]
+    # The titles above rows with blanks may be separated by commas.
+    for separator in (*others, BLANKS) if split.separator == BLANKS else (split.separator, *others):
         cells = [cell.strip().strip("\"'") for cell in split_line(bare.strip("\n"), separator)]
         fitted = _fitted(cells, split)
         if fitted is not None and any(any(c.isalpha() for c in cell) for cell in fitted):

@@ -16,14 +16,14 @@ import numpy as np
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.io.conversion.gravity_windows import GravityWindows, hann_means
 
-_GAIN_SIGMA = 0.03  # of an axis of a good sensor
-_OFFSET_SIGMA_MPS2 = 0.15
+_GAIN_SIGMA = 0.02  # of an axis of a good sensor
+_OFFSET_SIGMA_MPS2 = 0.12
 _FREE_GAIN_SIGMA = 0.5
 _FREE_OFFSET_SIGMA_MPS2 = 2.0
 _FAULTY_SHARE = 0.01
 _LEAST_ODDS = 19.0
 _AS_GOOD = 2.0  # difference of log evidence of explanations that are told together
-_MOST_TOLD = 3
+_MOST_TOLD = 4
 _MOST_INDEPENDENT = 20  # windows: more of one walk repeat the same error
 _LARGEST_RESIDUAL = 3.0  # standard deviations; beyond, a phone was thrown about
 _STEADY_MPS2 = 3.5  # motion up to which a window without gyroscope shows gravity

@@ -6,7 +6,10 @@ from pdr_est.io.conversion.gravity_windows import gravity_windows
 from pdr_est.io.conversion.rotation_unit import rotation_unit_warnings
 from pdr_est.preprocessing.quality.accelerometer_check import accelerometer_warnings
 from pdr_est.preprocessing.quality.gyroscope_check import gyroscope_warnings
+from pdr_est.preprocessing.quality.sensor_checks import stuck_intervals
+from pdr_est.preprocessing.sensor_ranges import out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
+from pdr_est.types.sensors import Channel
 
 
 def consistency_warnings(device: DeviceRecording) -> tuple[str, ...]:
@@ -14,13 +17,18 @@ def consistency_warnings(device: DeviceRecording) -> tuple[str, ...]:
 
     A gyroscope in another unit contradicts gravity, too, and its unit alone is told.
     """
-    force, rate = device.specific_force, device.rotation_rate
-    acceleration = force if force is not None and len(force) else device.linear_acceleration
-    if acceleration is None or not len(acceleration):
+    force = _usable(Channel.SPECIFIC_FORCE, device.specific_force)
+    acceleration = force or _usable(Channel.SPECIFIC_FORCE, device.linear_acceleration)
+    if acceleration is None:
         return ()
-    gyroscope = rate if rate is not None and len(rate) and rate.values.any() else None
+    gyroscope = _usable(Channel.ROTATION_RATE, device.rotation_rate)
+    if gyroscope is not None and not gyroscope.values.any():
+        gyroscope = None
+    # A sensor that stands still is told elsewhere, and contradicts everything.
+    if gyroscope is not None and _stand_still(gyroscope, acceleration):
+        return ()
     unit = () if gyroscope is None else rotation_unit_warnings(gyroscope, acceleration)
-    if force is None or not len(force):
+    if force is None:
         return unit
     if gyroscope is None or unit:
         return (*unit, *_without_gyroscope(force))
@@ -29,6 +37,21 @@ def consistency_warnings(device: DeviceRecording) -> tuple[str, ...]:
         return ()
     axes = gyroscope_warnings(windows, force, gyroscope)
     return (*axes, *(_without_gyroscope(force) if axes else accelerometer_warnings(windows, with_gyroscope=True)))
+
+
+def _stand_still(gyroscope: Signal, acceleration: Signal) -> bool:
+    """Tell whether one of two sensors does not change for a while although the other does."""
+    return bool(stuck_intervals(gyroscope, (acceleration,)) or stuck_intervals(acceleration, (gyroscope,)))
+
+
+def _usable(channel: Channel, signal: Signal | None) -> Signal | None:
+    """Leave out the samples that no phone can measure; None when nothing is left."""
+    if signal is None or not len(signal):
+        return None
+    damaged = out_of_range(channel, signal.values) | ~np.isfinite(signal.values).all(axis=1)
+    if not damaged.any():
+        return signal
+    return None if damaged.all() else Signal(signal.time_s[~damaged], signal.values[~damaged])
 
 
 def _without_gyroscope(force: Signal) -> tuple[str, ...]:

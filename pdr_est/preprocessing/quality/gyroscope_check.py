@@ -1,9 +1,11 @@
-"""Check the gyroscope against the accelerometer: axes, signs, unit and clock, by gravity that must stay where it is.
+"""Check the gyroscope against the accelerometer: axes, signs and clock, by gravity that must stay where it is.
 
 See `pdr_est.io.conversion.gravity_windows` for the comparison, and for what it cannot see. The explanations are
 compared by their likelihood: the gyroscope is right but for a constant bias; its axes are ordered or signed
-otherwise; its clock is late or early. One recording in a hundred is taken to be faulty beforehand, each explanation
-equally often. Constants are ours. (The unit shows without gravity, see `pdr_est.io.conversion.rotation_unit`.)
+otherwise; its clock is late or early. One recording in fifty is taken to be faulty beforehand, each explanation
+equally often. Constants are ours. Eight of 358 real recordings have a window in which gravity moves suspiciously, and
+in none of them an explanation fits better than the gyroscope as it is by more than a fifth. (The unit shows without
+gravity, see `pdr_est.io.conversion.rotation_unit`.)
 """
 
 import itertools
@@ -26,10 +28,10 @@ from pdr_est.io.conversion.gravity_windows import (
 from pdr_est.types.recording import Signal
 
 _BIAS_SIGMA_RADPS = 0.05  # raw gyroscopes of belts have up to 0.1 rad/s
-_FAULTY_SHARE = 0.01
-_LEAST_PROBABILITY = 0.95
-_SUSPICIOUS_MPS2 = 0.6  # movement of gravity below which nothing is compared
-_LEAST_IMPROVEMENT = 2.0  # of that movement: a slightly better fit is chance, however many windows repeat it
+_FAULTY_SHARE = 0.02
+_LEAST_PROBABILITY = 0.8
+_SUSPICIOUS_MPS2 = 0.8  # movement of gravity in a window: without one like that nothing is compared
+_LEAST_IMPROVEMENT = 1.5  # of that movement: a slightly better fit is chance, however many windows repeat it
 _NOTHING_FITS_MPS2 = 2.0
 _ARC = 4.0  # length of an arc by the standard deviation of a component of four points that are spread over it evenly
 _AS_GOOD = 4.0  # difference of log likelihoods of explanations that are told together
@@ -40,7 +42,7 @@ _AXES = "xyz"
 
 @dataclass(frozen=True)
 class _Explanation:
-    """What could be wrong with the gyroscope.
+    """Explanation of a contradiction by one fault of the gyroscope.
 
     Attributes
     ----------
@@ -69,11 +71,11 @@ def gyroscope_warnings(windows: GravityWindows, force: Signal, rate: Signal) -> 
     """
     # The bias is fitted only where it matters, because most gyroscopes pass without.
     own = gravity_scatter(windows.turned, windows)
-    if _movement_mps2(own) < _SUSPICIOUS_MPS2:
+    if np.sqrt(own.max()) < _SUSPICIOUS_MPS2:
         return ()
     own = _scatter_without_bias(windows)
     moved_mps2 = _movement_mps2(own)
-    if moved_mps2 < _SUSPICIOUS_MPS2:
+    if np.sqrt(own.max()) < _SUSPICIOUS_MPS2:
         return ()
     others = sorted(_explanations(windows, force, rate), key=lambda one: -one.log_likelihood)
     best_mps2 = max(_movement_mps2(others[0].variance), 1e-3)
@@ -93,7 +95,7 @@ def gyroscope_warnings(windows: GravityWindows, force: Signal, rate: Signal) -> 
     if better < _LEAST_IMPROVEMENT or odds < _LEAST_PROBABILITY / (1.0 - _LEAST_PROBABILITY):
         return ()
     return (
-        f"{contradiction}; the gyroscope fits {better:.0f} times better {_told(others)}: correct its columns, or "
+        f"{contradiction}; the gyroscope fits {better:.1f} times better {_told(others)}: correct its columns, or "
         "do not trust headings and track",
     )
 

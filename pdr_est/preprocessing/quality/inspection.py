@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pdr_est.io.conversion.signs import gravity_cosine
+from pdr_est.preprocessing.quality.capabilities import describe_capabilities
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
 from pdr_est.preprocessing.quality.sensor_checks import (
     ClockCheck,
@@ -16,7 +17,6 @@ from pdr_est.preprocessing.quality.sensor_checks import (
     check_clock,
     clipped_axes,
     effective_rate,
-    mean_rate_hz,
     stuck_intervals,
 )
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
@@ -25,7 +25,6 @@ _AXES = ("x", "y", "z")
 _CLIPPING = ("specific_force", "rotation_rate")
 _VECTORS = ("specific_force", "rotation_rate", "magnetic_field", "attitude")
 _CHANNELS = (*_VECTORS, "linear_acceleration", "pressure")
-_SLOWEST_STEPS_HZ = 8.0  # four samples a step
 _LEAST_CORRELATION = 0.3  # of gyroscope and attitude, below which their axes or signs do not agree
 
 
@@ -190,7 +189,7 @@ def _inspect_device(device: DeviceRecording) -> DeviceInspection:
         force_norm_mps2=None if force is None else float(np.median(np.linalg.norm(force.values, axis=1))),
         gravity_cosine=None if force is None or attitude is None else gravity_cosine(force, attitude),
         rate_correlation=correlation,
-        capabilities=_capabilities(signals, overlap),
+        capabilities=describe_capabilities(signals, overlap is not None),
         findings=tuple(findings),
         decisions=device.decisions,
         warnings=device.warnings,
@@ -244,30 +243,6 @@ def _channel_findings(channel: ChannelInspection) -> list[str]:
     if clock.backward_steps:
         findings.append(f"{name}: {clock.backward_steps} backward steps of the clock")
     return findings
-
-
-def _capabilities(signals: Mapping[str, Signal], overlap: Interval | None) -> tuple[str, ...]:
-    """Describe what the sensors allow to compute, and what a missing one prevents."""
-    force, attitude = "specific_force" in signals, "attitude" in signals
-    acceleration = signals.get("specific_force") or signals.get("linear_acceleration")
-    rate_hz = 0.0 if acceleration is None else mean_rate_hz(acceleration.time_s)
-    if 0.0 < rate_hz < _SLOWEST_STEPS_HZ:
-        return (
-            f"the accelerometer has only {rate_hz:.1f} samples a second: steps cannot be seen well enough for their "
-            "number or a track; record at 20 Hz or more",
-        )
-    rate = "rotation_rate" in signals and bool(signals["rotation_rate"].values.any())
-    if force and rate and overlap is None:
-        return ("accelerometer and gyroscope never run at the same time: a track is not possible",)
-    if force and rate:
-        return ("steps, headings and a track",)
-    if force:
-        return ("no gyroscope: steps and distance are possible, headings and a track are not",)
-    if acceleration is not None:
-        return ("acceleration without gravity: steps can be counted, headings and a track are not possible",)
-    if rate or attitude:
-        return ("no accelerometer: rotations of the device are possible, steps and a track are not",)
-    return ("no accelerometer and no gyroscope: nothing can be estimated",)
 
 
 def _summarise_truth(recording: Recording) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit, detect_rotation_rate_unit
 from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
-from pdr_est.preprocessing.quality.sensor_checks import mean_rate_hz
+from pdr_est.preprocessing.quality.sampling_rate import refuse_slow_sampling
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
@@ -21,7 +21,6 @@ fast."""
 _LONGEST_WALK_S = 366 * 86400.0  # time stamps further apart are wrong
 _MOST_OUT_OF_RANGE = 0.5  # of the samples: more are not damaged, their unit is another one
 _LATE_S = 1.0
-_LEAST_RATE_HZ = 4.0  # two samples for each of two steps a second; below, what looks like steps is another frequency
 _MANY_SAMPLES = 5
 _SENSOR_NAMES = {
     Channel.SPECIFIC_FORCE: "accelerometer",
@@ -126,7 +125,7 @@ def required_channels(device: DeviceRecording, label: str, with_attitude: bool) 
     for channel, signal in signals.items():
         _check_clock(signal, _SENSOR_NAMES[channel], label)
         _check_unit(channel, signal, label)
-    _check_rate(signals[Channel.SPECIFIC_FORCE], label)
+    refuse_slow_sampling(signals[Channel.SPECIFIC_FORCE], label)
     start_s = max(float(signal.time_s.min()) for signal in signals.values())
     end_s = min(float(signal.time_s.max()) for signal in signals.values())
     if start_s >= end_s:
@@ -271,16 +270,6 @@ def _check_clock(signal: Signal, sensor: str, label: str) -> None:
             f"{label}: the time stamps of the {sensor} span {_format_time(time_s.min())} to "
             f"{_format_time(time_s.max())} s, more than a year: correct the time of sample {wrong + 1}, "
             f"{_format_time(time_s[wrong])} s, or give the time in seconds"
-        )
-
-
-def _check_rate(force: Signal, label: str) -> None:
-    """Refuse an accelerometer that is too slow to see steps."""
-    rate_hz = mean_rate_hz(force.time_s)
-    if 0.0 < rate_hz < _LEAST_RATE_HZ and len(force) >= _MANY_SAMPLES:
-        raise RecordingError(
-            f"{label}: the accelerometer has only {rate_hz:.1f} samples a second, which cannot show steps, of which "
-            "a person makes about two a second: record at 20 Hz or more"
         )
 
 

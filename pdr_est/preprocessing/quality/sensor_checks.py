@@ -89,25 +89,6 @@ def check_clock(time_s: Array) -> ClockCheck:
     )
 
 
-def mean_rate_hz(time_s: Array) -> float:
-    """Compute the number of samples a second while a sensor records, in Hz; 0 when its clock does not advance.
-
-    Gaps do not lower it, and stamps that several samples share do not raise it.
-
-    Parameters
-    ----------
-    time_s
-        (n,) time stamps, s.
-    """
-    period_s = np.diff(time_s)
-    forward_s = period_s[period_s > 0.0]
-    if not len(forward_s):
-        return 0.0
-    usual_s = float(np.median(forward_s))
-    recorded_s = float(forward_s[forward_s <= max(LONGEST_PERIOD_S, 5.0 * usual_s)].sum())
-    return float((period_s >= 0.0).sum()) / recorded_s
-
-
 def effective_rate(signal: Signal, rate_hz: float) -> tuple[float, str]:
     """Find the rate at which new values really come.
 

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
-from pdr_est.preprocessing.quality.sensor_checks import check_clock, mean_rate_hz, stuck_intervals
+from pdr_est.preprocessing.quality.sampling_rate import slow_sampling_warnings
+from pdr_est.preprocessing.quality.sensor_checks import check_clock, stuck_intervals
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
@@ -15,7 +16,6 @@ _GUESSED = (
     "the acceleration is without gravity, and the direction of the strongest motion was taken for the vertical: take "
     "the number of steps with care"
 )
-_SLOWEST_PERIOD_S = 0.125  # of a held phone's samples; of a walk thinned to 5 Hz a quarter of the steps is missed
 
 
 def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
@@ -23,11 +23,11 @@ def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
     force, rate = (_non_empty(signal) for signal in (device.specific_force, device.rotation_rate))
     if force is None and needs_stand_in(device):
         force = device.linear_acceleration
-        return (*_coarse_warnings(force), _GUESSED) if force is not None else ()
+        return (*slow_sampling_warnings(force), _GUESSED) if force is not None else ()
     found = [*_range_warnings("accelerometer", Channel.SPECIFIC_FORCE, force)]
     found += _range_warnings("gyroscope", Channel.ROTATION_RATE, rate)
     if force is not None:
-        found += _coarse_warnings(force)
+        found += slow_sampling_warnings(force)
         found += _stuck_warnings("accelerometer", force, rate, "steps cannot be seen there")
     if rate is not None and not rate.values.any():
         found.append("all values of the gyroscope are zero, the sensor is missing or faulty: turns cannot be seen")
@@ -50,16 +50,6 @@ def _range_warnings(sensor: str, channel: Channel, signal: Signal | None) -> Ite
         yield (
             f"{count} of {len(signal)} samples of the {sensor} are beyond {limit.largest:g} {limit.unit}, "
             "which no phone can measure, and are left out"
-        )
-
-
-def _coarse_warnings(force: Signal) -> Iterator[str]:
-    """Compare the sampling period with the time that a step takes."""
-    rate_hz = mean_rate_hz(force.time_s)
-    if 0.0 < rate_hz < 1.0 / _SLOWEST_PERIOD_S:
-        yield (
-            f"the accelerometer has only {rate_hz:.1f} samples a second: many steps are missed; record at "
-            "20 Hz or more"
         )
 
 

@@ -5,6 +5,7 @@ import pytest
 from fabricated import Walk, make_walk
 
 from pdr_est.frames import Array
+from pdr_est.io.conversion.sign_evidence import SignEvidence
 from pdr_est.io.conversion.signs import detect_force_sign, gravity_cosine, resolve_attitude_direction
 from pdr_est.types.recording import Signal
 
@@ -42,12 +43,33 @@ def test_an_attitude_that_contradicts_gravity_leaves_it_to_the_metadata(walk: Wa
     assert "do not agree" in conversion.warning
 
 
+def along(walk: Walk, direction: tuple[float, float, float]) -> Signal:
+    return Signal(walk.time_s, np.tile(9.8 * np.array(direction), (len(walk.time_s), 1)))
+
+
 def test_without_attitude_and_metadata_only_face_up_is_certain(walk: Walk) -> None:
     assert detect_force_sign(force(walk), None, None, "").warning == ""
-    for axis in (np.array([0.0, 0.0, -9.8]), np.array([0.0, 9.8, 0.0])):
-        conversion = detect_force_sign(Signal(walk.time_s, np.tile(axis, (len(walk.time_s), 1))), None, None, "")
-        assert conversion.factor == 1.0
-        assert "cannot be determined" in conversion.warning
+    for direction, sign in (((0.0, 1.0, 0.0), 1.0), ((0.0, -0.9, -0.3), 1.0), ((0.0, 0.0, -1.0), -1.0)):
+        conversion = detect_force_sign(along(walk, direction), None, None, "")
+        assert conversion.factor == sign
+        assert "the track is mirrored: state the sign with --map" in conversion.warning
+
+
+@pytest.mark.parametrize(
+    ("log_odds", "sign", "certain"), [(4.0, 1.0, True), (0.5, 1.0, False), (-0.5, -1.0, False), (-4.0, -1.0, True)]
+)
+def test_the_evidence_is_summed(walk: Walk, log_odds: float, sign: float, certain: bool) -> None:
+    evidence = (SignEvidence(2.0, "one reason"), SignEvidence(log_odds - 2.0, "another"))
+    conversion = detect_force_sign(along(walk, (0.0, 0.0, 1.0)), None, None, "", evidence)
+    assert conversion.factor == sign
+    assert (conversion.warning == "") == certain
+    assert "one reason; another" in conversion.decision
+
+
+def test_neither_attitude_nor_metadata_wait_for_evidence(walk: Walk) -> None:
+    down = (SignEvidence(-9.0, "a reason"),)
+    assert detect_force_sign(force(walk), attitude(walk), None, "", down).factor == 1.0
+    assert detect_force_sign(force(walk), None, 1.0, "the metadata name android", down).factor == 1.0
 
 
 def conjugated(quaternion: Array) -> Array:

@@ -44,6 +44,14 @@ def test_a_constant_of_unknown_unit_is_doubted() -> None:
     assert detect_acceleration_unit(np.full((100, 3), 981.0)).warning
 
 
+def test_thousandths_are_found(walk: Walk) -> None:
+    acceleration = detect_acceleration_unit(walk.force / STANDARD_GRAVITY_MPS2 * 1e3)
+    assert acceleration.factor == pytest.approx(1e-3 * STANDARD_GRAVITY_MPS2)
+    rotation = detect_rotation_rate_unit(1e3 * np.degrees(walk.rate))
+    assert rotation.factor == pytest.approx(np.pi / 180e3)
+    assert acceleration.warnings + rotation.warnings == ()
+
+
 def test_the_unit_of_rotation_is_found_for_a_walk(walk: Walk) -> None:
     assert detect_rotation_rate_unit(walk.rate) == detect_rotation_rate_unit(walk.rate)
     assert (detect_rotation_rate_unit(walk.rate).factor, detect_rotation_rate_unit(walk.rate).warning) == (1.0, "")

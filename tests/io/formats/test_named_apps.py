@@ -76,6 +76,14 @@ def test_linear_acceleration_alone_is_kept_for_steps(tmp_path: Path, walk: Walk)
     assert any("without gravity" in warning and "g-Force Meter" in warning for warning in device.warnings)
 
 
+def test_a_signal_is_named_by_its_file(tmp_path: Path, walk: Walk) -> None:
+    files = sensor_record(walk)
+    del files["Accelerometer.csv"]
+    device = read(as_folder(tmp_path, files)).devices[0]
+    assert device.linear_acceleration is not None
+    assert any(warning.startswith("AccelerometerLinear is without gravity") for warning in device.warnings)
+
+
 def test_two_files_of_one_sensor_are_two_walks(tmp_path: Path, walk: Walk) -> None:
     files = sensor_record(walk)
     files["second Accelerometer.csv"] = files["Accelerometer.csv"]

@@ -71,8 +71,10 @@ def read_sensor_files(source: Source, files: Sequence[SensorFile]) -> Recording:
 
 
 def _read(source: Source, file: SensorFile) -> TableSignals:
-    """Read a file; that its columns have no titles is no fault where its name tells the sensor."""
+    """Read a file, whose name names its signals; columns without titles are no fault where it tells the sensor."""
     table = read_table_signals(source.read(file.member), source.place(file.member), hint=file.quantity)
+    stem = member_stem(file.member)
+    table = replace(table, signals={q: replace(raw, title=stem) for q, raw in table.signals.items()})
     if file.layout.has_header:
         return table
     expected = tuple(text for text in table.warnings if text.startswith(_NO_HEADER))

@@ -1,1 +1,10 @@
-"""Times of the rows of a table: `dates` reads texts, `clock` chooses column and unit, `counter` undoes overflows."""
+"""Times of the rows of a table.
+
+======  ============================================
+file    content
+======  ============================================
+dates   dates and times of day
+clock   the column that tells the time, and its unit
+bursts  samples that share a stamp, spread evenly
+======  ============================================
+"""

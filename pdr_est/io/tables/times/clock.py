@@ -80,8 +80,10 @@ def read_clock(loose: LooseTable, mapping: TableMapping) -> TableClock:
         return TableClock(np.arange(len(table)) / mapping.rate_hz, Fraction(0), None, (decision,))
     documented = next((column for column in mapping.clocks if column.canonical), None)
     if documented is not None and documented.title not in loose.text_columns:
-        decision = "the clock counts seconds, by the documented header"
-        return TableClock(table.numbers(documented.title), Fraction(0), None, (decision,))
+        time_s = table.numbers(documented.title)
+        known = time_s[np.isfinite(time_s)]
+        if not len(known) or known[0] < _EARLIEST_UNIX_S:
+            return TableClock(time_s, Fraction(0), None, ("the clock counts seconds, by the documented header",))
     columns = _with_fractions(loose, mapping.clocks)
     candidates = [one for column in columns if (one := _candidate(loose, column, mapping.given)) is not None]
     if not candidates:
@@ -129,8 +131,8 @@ def _candidate(loose: LooseTable, column: ClockColumn, given: bool) -> _Candidat
         return None
     unit = _unit(column, ticks[known], given)
     if column.fraction:
-        ticks, unit = _joined_ticks(loose, column, ticks, unit)
-        known = np.isfinite(ticks)
+        known &= np.isfinite(loose.table.numbers(column.fraction))
+        ticks, unit = _joined_ticks(loose, column, ticks, known)
     first_s = float(ticks[known][0]) * unit.factor
     return _Candidate(column, ticks, known, unit, first_s > _EARLIEST_UNIX_S, _count_stamps(ticks[known]))
 
@@ -243,25 +245,22 @@ def _counts_up(loose: LooseTable, coarse: str, fine: str) -> bool:
 
 
 def _joined_ticks(
-    loose: LooseTable, column: ClockColumn, seconds: NDArray[Any], unit: Conversion
+    loose: LooseTable, column: ClockColumn, seconds: NDArray[Any], known: NDArray[np.bool_]
 ) -> tuple[NDArray[Any], Conversion]:
-    """Join whole seconds and their fraction to nanoseconds, NaN where one of them is missing."""
-    fraction = loose.table.columns[column.fraction]
-    if column.fraction in loose.text_columns:
-        return seconds, unit
-    known = np.isfinite(seconds) & np.isfinite(fraction)
-    whole = np.floor(np.where(known, seconds, 0)).astype(np.int64) * 10**9
-    ticks: NDArray[Any] = whole + _fraction_ns(np.where(known, fraction, 0))
-    ticks = ticks if known.all() else np.where(known, ticks.astype(np.float64), np.nan)
+    """Join whole seconds and their fraction to nanoseconds; 0 in rows that are not known."""
+    fraction_ns = _fraction_ns(loose.table.columns[column.fraction])
+    ticks = np.floor(np.where(known, seconds, 0)).astype(np.int64) * 10**9 + fraction_ns
     return ticks, Conversion(
         1e-9, f"the clock counts seconds in {column.title} with their fraction in {column.fraction}"
     )
 
 
 def _fraction_ns(ticks: NDArray[Any]) -> NDArray[np.int64]:
-    largest = int(ticks.max()) if len(ticks) else 0
+    whole = np.where(np.isfinite(ticks), ticks, 0).astype(np.int64)
+    largest = int(whole.max()) if len(whole) else 0
     size = next((size for size in _FRACTIONS if largest < size), 10**9)
-    return np.asarray(ticks, dtype=np.int64) * (10**9 // size)
+    fraction: NDArray[np.int64] = whole * (10**9 // size)
+    return fraction
 
 
 def _no_time(loose: LooseTable, columns: Sequence[ClockColumn]) -> str:

@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 KNOWN_FORMS = "2031-02-03 04:05:06.789, 2031/02/03 04:05:06, 03.02.2031 04:05:06, 03-Feb-2031 04:05:06, 04:05:06.789"
 
 _TIME = (
-    r"(?P<hour>\d{1,2})[:.hH-](?P<minute>\d{2})(?:[:.mM-](?P<second>\d{2})(?:(?P<mark>[.,:_-])(?P<fraction>\d{1,9})\d*)?)?"
+    r"(?P<hour>\d{1,2})[:.hH-](?P<minute>\d{1,2})(?:[:.mM-](?P<second>\d{1,2})(?:(?P<mark>[.,:_-])(?P<fraction>\d{1,9})\d*)?)?"
     r"\s*(?P<half>[AaPp])?(?:\.?[Mm]\.?)?"
 )
 _ZONE = r"\s*(?P<zone>Z|UTC|GMT|(?:UTC|GMT)?[+-]\d{2}:?\d{2})?"
-_DATE_FIRST = rf"^(?P<a>\d{{1,4}})[-/.](?P<b>\d{{1,2}}|[^\W\d_]{{3,9}})\.?[-/.](?P<c>\d{{1,4}})[ T_,]+{_TIME}{_ZONE}$"
+_DATE_FIRST = (
+    rf"^(?P<a>\d{{1,4}})[-/.](?P<b>\d{{1,2}}|[^\W\d_]{{3,9}})\.?[-/.](?P<c>\d{{1,4}})[ T_,-]+{_TIME}{_ZONE}$"
+)
 _COMPACT = (
     r"^(?P<a>\d{4})(?P<b>\d{2})(?P<c>\d{2})[ T_-]?(?P<hour>\d{2})(?P<minute>\d{2})(?P<second>\d{2})"
     rf"(?:(?P<mark>[._:,-]?)(?P<fraction>\d{{1,9}}))?{_ZONE}$"
@@ -30,7 +32,7 @@ _NAMED_DAY = (
 )
 _TIME_OF_DAY = rf"^{_TIME}{_ZONE}$"
 _MINUTES = r"^(?P<minute>\d{1,3}):(?P<second>\d{2})(?P<mark>[.,])(?P<fraction>\d{1,9})$"
-_FORMS = (_DATE_FIRST, _COMPACT, _NAMED_DAY, _TIME_OF_DAY, _MINUTES)
+_FORMS = (_DATE_FIRST, _COMPACT, _NAMED_DAY, _MINUTES, _TIME_OF_DAY)
 _MONTHS = {
     name: number
     for number, names in enumerate(

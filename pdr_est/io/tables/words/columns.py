@@ -40,7 +40,8 @@ TIMES = _names(
     boottime elapsed elapsedtime timeelapsed secondselapsed timesincestart sincestart
     timeelapsedsincestart elapsedrealtime uptime
     stamp timemillis timenanos utctimemillis elapsedrealtimenanos unixtimemillis currenttimemillis
-    systemtimemillis timeinms timesincestartinms yyyymoddhhmiss yyyymmddhhmmss yyyymoddhhmisssss
+    systemtimemillis timeinms timesincestartinms recordedat createdat measuredat sampledat
+    receivedat timeofday yyyymoddhhmiss yyyymmddhhmmss yyyymoddhhmisssss
     zeit zeitstempel uhrzeit datum datumzeit laufzeit zeitpunkt abgelaufenezeit verstrichenezeit
     fecha hora fechahora tiempo marcatemporal marcadetiempo marcadeltiempo tiempotranscurrido
     temps heure horodatage tempsecoule tempo ora data
@@ -50,7 +51,7 @@ TIMES = _names(
 
 TIME_WORDS = _names(
     """time timestamp timestamps stamp clock datetime date elapsed epoch zeit uhrzeit loggingtime
-    millis nanos millisecond milliseconds microseconds nanoseconds seconds secs nsecs sec nsec nanosec
+    ms us ns millis nanos millisecond milliseconds microseconds nanoseconds seconds secs nsecs sec nsec nanosec
     sekunden millisekunden nanosekunden segundos milisegundos secondes millisecondes
     时间 時間 时间戳 時刻 秒 毫秒 纳秒 ミリ秒"""
 )

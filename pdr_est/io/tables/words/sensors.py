@@ -45,7 +45,7 @@ _ACCELEROMETER = {
     **_named(Word(Quantity.FORCE, 0, apple=True), "accelerometeracceleration"),
     **_named(
         Word(Quantity.FORCE),
-        """acc acce accl accel accele accelerometer accelerometers acceleratormeter accelerometro accelerometre
+        """acc acce accl ac accel accele accelerometer accelerometers acceleratormeter accelerometro accelerometre
         acelerometro akzelerometer beschleunigungssensor beschleunigungsmesser specificforce typeaccelerometer
         accelerometersensor accdata 加速度计 加速度計 加速计 加速度传感器 加速度感測器 加速度センサ 加速度センサー""",
     ),
@@ -86,7 +86,7 @@ _GRAVITY = _named(
 _GYROSCOPE = {
     **_named(
         Word(Quantity.RATE),
-        """gyr gyro gyroscope gyroscopes gyroscop giroscopio giroscope gyroskop kreisel gyrorotation rotationrate
+        """gyr gyro gy gyroscope gyroscopes gyroscop giroscopio giroscope gyroskop kreisel gyrorotation rotationrate
         motionrotationrate rotrate gyrorate angularvelocity angularrate angvel angvelocity angularvel angrate
         angularspeed typegyroscope gyrodata omega drehrate drehgeschwindigkeit winkelgeschwindigkeit
         velocidadangular vitesseangulaire vitesserotation vitessederotation velocitaangolare 陀螺仪 陀螺儀 陀螺 角速度

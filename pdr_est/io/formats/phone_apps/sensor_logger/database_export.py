@@ -95,7 +95,7 @@ class DatabaseExport:
                 database.text_factory = lambda text: text.decode("utf-8", "replace")
                 database.deserialize(bytes(content))
                 return database.execute(query).fetchall()
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:
             raise RecordingError(f"{self.place}: damaged SQLite database ({error}); export it again") from error
 
 

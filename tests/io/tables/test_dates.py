@@ -1,0 +1,82 @@
+"""Dates and times of day in the forms of recorders."""
+
+import numpy as np
+import pytest
+
+from pdr_est.io.tables.times.dates import parse_dates
+
+MOMENT = np.datetime64("2031-02-13T04:05:06.789", "ns").astype(np.int64)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "2031-02-13 04:05:06.789",
+        "2031-02-13T04:05:06,789",
+        "2031-02-13 4:05:06.7890",
+        "2031-02-13 04:05:06:789",
+        "2031/02/13 04:05:06.789",
+        "13.02.2031 04:05:06.789",
+        "13-02-2031 04:05:06.789",
+        "13/2/2031, 04:05:06.789",
+        "2/13/2031 4:05:06.789 AM",
+        "13-Feb-2031 04:05:06.789",
+        "13-feb.-2031 04:05:06.789",
+        "20310213_040506_789",
+        "20310213T040506.789",
+        "2031年2月13日 04:05:06.789",
+    ],
+)
+def test_dates_in_any_form(text: str) -> None:
+    found = parse_dates(np.array([text, text]))
+    assert found is not None
+    assert found.ns.tolist() == [MOMENT, MOMENT]
+    assert (found.has_date, found.has_zone, found.known.all()) == (True, False, True)
+
+
+@pytest.mark.parametrize("zone", ["Z", " UTC", "+00:00", "-0000"])
+def test_a_zone_gives_unix_time(zone: str) -> None:
+    found = parse_dates(np.array([f"2031-02-13T04:05:06.789{zone}", "2031-02-13T06:35:06.789+02:30"]))
+    assert found is not None
+    assert found.has_zone
+    assert found.ns.tolist() == [MOMENT, MOMENT]
+
+
+def test_a_date_with_the_name_of_the_day() -> None:
+    found = parse_dates(np.array(["Thu Feb 13 05:05:06 GMT+01:00 2031"]))
+    assert found is not None
+    assert found.ns.tolist() == [MOMENT - 789_000_000]
+
+
+def test_milliseconds_without_zeros_in_front() -> None:
+    found = parse_dates(np.array(["2031-02-13 04:05:06:9", "2031-02-13 04:05:06:19"]))
+    assert found is not None
+    assert np.diff(found.ns).tolist() == [10_000_000]
+
+
+@pytest.mark.parametrize(
+    ("texts", "steps_s"),
+    [
+        (["23:59:59.9", "0:00:00.1", "00:00:00.3"], [0.2, 0.2]),
+        (["11:59:59 AM", "12:00:01 PM", "1:00:00 PM"], [2.0, 3599.0]),
+        (["59:58.5", "00:01.0"], [2.5]),
+    ],
+)
+def test_times_of_day_go_on_over_midnight_and_noon(texts: list[str], steps_s: list[float]) -> None:
+    found = parse_dates(np.array(texts))
+    assert found is not None
+    assert not found.has_date
+    np.testing.assert_allclose(np.diff(found.ns) / 1e9, steps_s)
+
+
+def test_a_cell_that_is_no_date_among_others() -> None:
+    texts = ["2031-02-13 04:05:06.789"] * 30
+    texts[3], texts[7], texts[9] = "2031-02-13 04:65:06", "", "2031-13-02 04:05:06"
+    found = parse_dates(np.array(texts))
+    assert found is not None
+    assert np.flatnonzero(~found.known).tolist() == [3, 7, 9]
+
+
+def test_texts_that_are_no_dates() -> None:
+    assert parse_dates(np.array(["walking", "2031", "1.5", "x:y:z"])) is None
+    assert parse_dates(np.array(["", ""])) is None
