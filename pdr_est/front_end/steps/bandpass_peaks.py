@@ -1,12 +1,14 @@
 """Detect steps by the peaks of a signal in the band of walking cadences.
 
 Not from a paper. A steep low-pass below the second harmonic of slow walking leaves one peak per step whatever the
-shape of the raw signal (`StepSignal`), so that counting peaks needs no shape rules. Two probabilities decide:
+shape of the raw signal (`StepSignal`), so that counting peaks needs no shape rules. Three probabilities decide:
 
 1. Is the peak a step, if somebody walks? A high peak is one, and so is a low one that comes when the rhythm of the
    steps before it lets one expect it (`peak_log_odds`).
-2. Does somebody walk? All movement of the phone since a little before tells it (`WalkingBelief`). Until it is more
-   probable than not, steps wait; those that have waited for too long are none.
+2. Does somebody walk? The movement of the phone since a little before and the rhythm of the peaks tell it
+   (`WalkingBelief`). Until it is more probable than not, steps wait; those that have waited for too long are none.
+3. Did a step not show? A pause of two intervals within a walk is filled if the phone went on moving
+   (`StepIntervals`): phones that are sampled at 10 to 15 Hz miss the short shock of a foot in a pocket.
 
 In a pocket, a slow leg adds a third peak to the two of a stride: its swing has the third and fourth harmonics of the
 stride, which lie in the band of cadences of a slow walker. Peaks that follow too soon for a step of the strides that
@@ -93,8 +95,7 @@ _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between
 class BandpassPeakDetector:
     """Stage LevelBlock -> StepEvent by peaks in the band of cadences.
 
-    The confidence of a step is the probability that its peak is a step, if somebody walks. It is 0 for a step that a
-    change of the mode hid.
+    The confidence of a step is the probability that its peak is a step, if somebody walks, or that a pause hides it.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from pdr_est.types.sensors import LevelBlock
 MOVEMENT_COLUMNS = 14
 _ACCELERATION, _VERTICAL, _SQUARE, _VERTICAL_SQUARE, _UP = slice(0, 3), 3, 4, 5, slice(6, 9)
 _FIRST_PRODUCTS, _SECOND_PRODUCTS = slice(9, 12), slice(12, 14)  # of the upward components: xx, xy, xz; yy, yz
-_HALVED = 4  # columns of which each half of a span has a mean of its own
+_HALVED_COLUMNS, _WHOLE_COLUMNS = range(4), range(4, MOVEMENT_COLUMNS)  # columns by halves of a span, and as a whole
 _LEAST_STRENGTH_MPS2 = 0.02  # below the noise of phones
 _SMOOTHING_S = 0.1  # averages out what engines and wheels shake above the frequencies of gait
 
@@ -50,7 +50,7 @@ class MovementSums:
 
     def reset(self) -> None:
         """Forget the past, for a new segment."""
-        self._plain: Array | None = None  # (3, width) running sums of the acceleration at the latest samples
+        self._latest: Array | None = None  # (3, width - 1) acceleration at the latest samples
         self._last: Array = np.zeros((MOVEMENT_COLUMNS, 1))
 
     def push(self, block: LevelBlock) -> Array:
@@ -74,16 +74,19 @@ class MovementSums:
 
     def _smoothed(self, acceleration: Array) -> Array:
         """Average the latest samples of the acceleration (n, 3); the first one lasted for ever. Return (3, n)."""
-        width = self._width
-        if not len(acceleration):
+        count, width = len(acceleration), self._width
+        if not count:
             return np.empty((3, 0))
-        if self._plain is None:
-            self._plain = np.cumsum(np.repeat(acceleration[:1].T, width, axis=1), axis=1)
-        known = np.concatenate([self._plain, acceleration.T], axis=1)
-        np.cumsum(known[:, width - 1 :], axis=1, out=known[:, width - 1 :])
-        self._plain = known[:, -width:]
-        mean: Array = (known[:, width:] - known[:, :-width]) / width
-        return mean
+        if self._latest is None:
+            self._latest = np.repeat(acceleration[:1].T, width - 1, axis=1)
+        known = np.concatenate([self._latest, acceleration.T], axis=1)
+        self._latest = known[:, count:]
+        # Every mean has a sum of its own, so that it does not depend on the cuts.
+        total = known[:, :count].copy()
+        for first in range(1, width):
+            total += known[:, first : first + count]
+        total /= width
+        return total
 
 
 def movement_between(before: Array, middle: Array, end: Array, samples: int) -> Movement:
@@ -96,15 +99,13 @@ def movement_between(before: Array, middle: Array, end: Array, samples: int) -> 
     samples : int
         Number of samples of the span, at least 1.
     """
-    first, second, third = before.tolist(), middle.tolist(), end.tolist()
+    a, b, c = before.tolist(), middle.tolist(), end.tolist()
+    share = 1.0 / samples
+    squares, vertical_squares, x, y, z, xx, xy, xz, yy, yz = [(c[k] - a[k]) * share for k in _WHOLE_COLUMNS]
     # Each half has its own mean, so that a slow acceleration, such as a vehicle's, does not count.
-    halved = [(b - a) ** 2 + (c - b) ** 2 for a, b, c in zip(first[:_HALVED], second[:_HALVED], third, strict=False)]
-    per_half = 2.0 / (samples * samples)
-    squares, vertical_squares, x, y, z, xx, xy, xz, yy, yz = [
-        (c - a) / samples for a, c in zip(first[_HALVED:], third[_HALVED:], strict=True)
-    ]
-    variance = max(squares - per_half * (halved[0] + halved[1] + halved[2]), _LEAST_STRENGTH_MPS2**2)
-    vertical = vertical_squares - per_half * halved[_VERTICAL]
+    ax, ay, az, av = [(b[k] - a[k]) ** 2 + (c[k] - b[k]) ** 2 for k in _HALVED_COLUMNS]
+    variance = max(squares - 2.0 * share * share * (ax + ay + az), _LEAST_STRENGTH_MPS2**2)
+    vertical = vertical_squares - 2.0 * share * share * av
     zz = 1.0 - xx - yy - z * z
     xx, xy, xz, yy, yz = xx - x * x, xy - x * y, xz - x * z, yy - y * y, yz - y * z
     # The third principal axis is along the vectors, where unit vectors hardly vary: two eigenvalues are left.

