@@ -130,8 +130,10 @@ def _candidate(loose: LooseTable, column: ClockColumn, given: bool) -> _Candidat
     if known.sum() < max(1.0, _FEWEST_KNOWN * len(ticks)):
         return None
     unit = _unit(column, ticks[known], given)
-    if column.fraction:
+    if column.fraction and column.fraction not in loose.text_columns:
         known &= np.isfinite(loose.table.numbers(column.fraction))
+        if not known.any():
+            return None
         ticks, unit = _joined_ticks(loose, column, ticks, known)
     first_s = float(ticks[known][0]) * unit.factor
     return _Candidate(column, ticks, known, unit, first_s > _EARLIEST_UNIX_S, _count_stamps(ticks[known]))
