@@ -70,15 +70,11 @@ def analyse_device(
     has_heading = has_gyroscope(device)
     causal = measuring(device.name, config, north)
     odometry = _run(causal, steps) if has_heading else []
-    whole_walk_odometry, directions = odometry, None
-    corrects = at_the_end and has_heading
-    whole_walk = whole_walk_stage(config.heading) if corrects and parts.heading is None else None
-    stairs = stairs_stage(config.step_length) if corrects and parts.step_length is None else None
-    if whole_walk is not None or stairs is not None:
-        corrected = [stage for stage in (stairs, whole_walk) if stage is not None]
-        measured = measuring(device.name, config, north, at_the_end=whole_walk is not None)
-        whole_walk_odometry = _run(measured, _run(Chain(corrected), steps))
-        directions = None if whole_walk is None else whole_walk.directions
+    corrections = _corrections_at_the_end(config, parts) if at_the_end and has_heading else ()
+    whole_walk_odometry = odometry
+    if corrections:
+        measured = measuring(device.name, config, north, at_the_end=any(map(_tells_directions, corrections)))
+        whole_walk_odometry = _run(measured, _run(Chain(corrections), steps))
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
@@ -86,7 +82,7 @@ def analyse_device(
         steps=tuple(steps),
         odometry=tuple(odometry),
         whole_walk_odometry=tuple(whole_walk_odometry),
-        directions=directions,
+        directions=next((one.directions for one in corrections if _tells_directions(one)), None),
         has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
@@ -94,6 +90,17 @@ def analyse_device(
             found for stage in causal.stages if isinstance(stage, NorthPriors) for found in stage.findings
         ),
     )
+
+
+def _corrections_at_the_end(config: Config, parts: Parts) -> tuple[Any, ...]:
+    """Make the stages Step -> Step that need the whole walk; none that would change a part of the user's own."""
+    stairs = stairs_stage(config.step_length) if parts.step_length is None else None
+    whole_walk = whole_walk_stage(config.heading) if parts.heading is None else None
+    return tuple(stage for stage in (stairs, whole_walk) if stage is not None)
+
+
+def _tells_directions(stage: Any) -> bool:
+    return hasattr(stage, "directions")
 
 
 def north_of(device: DeviceRecording, recording: Recording, config: Config) -> NorthReference | None:

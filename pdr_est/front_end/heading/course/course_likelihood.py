@@ -41,7 +41,7 @@ def robust_moments(acceleration: NDArray[np.complex128]) -> AheadMoments:
     return AheadMoments(np.full(len(RATES), mean), np.full(len(RATES), variance))
 
 
-def log_likelihood(distance2: Array, variance: Array | float, parameters: CourseParams) -> Array:
+def course_log_likelihood(distance2: Array, variance: Array | float, parameters: CourseParams) -> Array:
     """Compute the logarithm of the likelihood of squared distances from the expected acceleration."""
     near = (1.0 - _WILD) * np.exp(-distance2 / (2.0 * variance))
     far = _WILD / _WILDER**2 * np.exp(-distance2 / (2.0 * _WILDER**2 * variance))

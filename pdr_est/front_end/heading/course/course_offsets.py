@@ -22,7 +22,7 @@ from pdr_est.front_end.heading.course.course_likelihood import (
     TURNS_WITHIN,
     AheadMoments,
     angle_and_doubt,
-    log_likelihood,
+    course_log_likelihood,
     robust_moments,
 )
 from pdr_est.front_end.heading.course.course_params import CourseParams
@@ -150,8 +150,8 @@ def _regions(run: _Run, moments: AheadMoments, parameters: CourseParams) -> list
     counted = run.counts[np.minimum(index, count - 1)] & (index < count)
     index = np.minimum(index, count - 1)
     straight_on = mean * np.exp(1j * (run.heading_rad[turning, None] - run.heading_rad[index]))
-    ahead = log_likelihood(np.abs(run.acceleration - mean) ** 2, variance, parameters)
-    aside = log_likelihood(np.abs(run.acceleration[index] - straight_on) ** 2, variance, parameters)
+    ahead = course_log_likelihood(np.abs(run.acceleration - mean) ** 2, variance, parameters)
+    aside = course_log_likelihood(np.abs(run.acceleration[index] - straight_on) ** 2, variance, parameters)
     gain = np.cumsum(np.where(counted, aside - ahead[index], 0.0), axis=1).max(axis=1)
     searched = np.zeros(count + 1, dtype=np.int64)
     for k in turning[gain >= parameters.least_log_likelihood_ratio].tolist():
@@ -172,12 +172,12 @@ def _search(
     for number in range(_ROUNDS):
         moments = _moments(run, probability) if number else moments
         mean, variance = moments.mean, moments.variance
-        ahead = log_likelihood(np.abs(run.acceleration[:, None] - mean) ** 2, variance, parameters)
+        ahead = course_log_likelihood(np.abs(run.acceleration[:, None] - mean) ** 2, variance, parameters)
         log_evidence = np.where(run.counts[:, None], ahead, 0.0).sum(axis=0) + count * np.log1p(-RATES)
         for first, last in regions:
             expected = mean[:, None] * np.exp(1j * ANGLES_RAD)
             distance2 = np.abs(run.acceleration[first:last, None, None] - expected) ** 2
-            density = log_likelihood(distance2, variance[:, None], parameters) - ahead[first:last, :, None]
+            density = course_log_likelihood(distance2, variance[:, None], parameters) - ahead[first:last, :, None]
             likelihood = np.exp(np.where(run.counts[first:last, None, None], density, 0.0))
             returns = last < count or not run.is_last
             found = sideways_chain(likelihood, turn_rad[first:last], RATES, returns)

@@ -18,7 +18,7 @@ from pdr_est.front_end.heading.course.course_likelihood import (
     RATES,
     TURNS_WITHIN,
     angle_and_doubt,
-    log_likelihood,
+    course_log_likelihood,
     robust_moments,
 )
 from pdr_est.front_end.heading.course.course_params import CourseParams
@@ -136,7 +136,7 @@ class OnlineCourse:
         state = moved_on(self._state, turn_rad, RATES)
         if counts:
             distance2 = np.abs(acceleration - self._expected) ** 2
-            density = log_likelihood(distance2, self._variance, self._parameters)
+            density = course_log_likelihood(distance2, self._variance, self._parameters)
             state *= np.exp(density - density[0])
         total = state.sum(axis=(0, 2))
         self._state = state / total[:, None]
