@@ -13,10 +13,11 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
-TURN_NAMES = "x90, x180, z90, … (axis and degrees) or random:SEED"
+TURN_NAMES = "x90, x180, z90, … (axis and degrees from -360 to 360) or random:SEED"
 
-_ABOUT_AXIS = re.compile(r"([xyz])(-?\d{1,3})")
-_RANDOM = re.compile(r"random:(\d{1,9})")
+_ABOUT_AXIS = re.compile(r"([xyz])(-?[0-9]{1,3})")
+_RANDOM = re.compile(r"random:([0-9]{1,9})")
+_MOST_DEG = 360
 
 
 def rotation_named(name: str) -> Rotation:
@@ -25,7 +26,8 @@ def rotation_named(name: str) -> Rotation:
     Parameters
     ----------
     name
-        Axis and degrees, such as "x90", or "random:SEED" for one that is drawn from all rotations alike.
+        Axis and whole degrees from -360 to 360, such as "x90", or "random:SEED" for one that is drawn from all
+        rotations alike.
 
     Raises
     ------
@@ -33,7 +35,7 @@ def rotation_named(name: str) -> Rotation:
         For any other name.
     """
     about, drawn = _ABOUT_AXIS.fullmatch(name), _RANDOM.fullmatch(name)
-    if about is not None:
+    if about is not None and abs(int(about[2])) <= _MOST_DEG:
         return Rotation.from_euler(about[1], float(about[2]), degrees=True)
     if drawn is not None:
         return Rotation.random(random_state=int(drawn[1]))

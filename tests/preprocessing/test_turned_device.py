@@ -63,3 +63,9 @@ def test_a_turn_and_its_opposite_leave_the_recording() -> None:
 def test_unknown_turns_are_refused(name: str) -> None:
     with pytest.raises(ConfigError, match="is unknown: give x90, x180, z90"):
         rotation_named(name)
+
+
+@pytest.mark.parametrize("name", ["x-999", "y361", "z\u0669\u0660", "random:\u0663"])
+def test_turns_beyond_a_circle_and_digits_of_other_scripts_are_refused(name: str) -> None:
+    with pytest.raises(ConfigError, match="axis and degrees from -360 to 360"):
+        rotation_named(name)
