@@ -14,6 +14,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.online import Tracker, Update
 from pdr_est.online.recording_stream import expected_devices, stream_slices
+from pdr_est.preprocessing.quality.requirements import explain_empty_grid
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
@@ -34,6 +35,11 @@ def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, re
         Wait so that the replay is as fast as the recording was.
     stream : TextIO
         Output, which receives one line for each estimate.
+
+    Raises
+    ------
+    RecordingError
+        If no device has samples that can be used.
     """
     devices = recorded.devices
     tracker = Tracker(config, expected_devices(recorded, config))
@@ -44,6 +50,9 @@ def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, re
             time.sleep(max(moment.time_s + begun_s - time.monotonic(), 0.0))
         _push(tracker, moment.fixes, moment.blocks, stream)
     _finish(tracker, stream)
+    unheard = [device for device in devices if device.name in tracker.unheard]
+    if len(unheard) == len(devices):
+        raise explain_empty_grid(unheard[0], recorded.place_of(unheard[0]), config.resample.max_gap_s)
 
 
 def follow_live(

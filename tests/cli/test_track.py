@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli_recordings import Walk
+from cli_recordings import Walk, save
 from cli_runs import refused, run
 from click.testing import CliRunner
 
@@ -97,6 +97,24 @@ def test_a_wrong_unit_is_refused_as_by_smooth(good: Path, tmp_path: Path) -> Non
     output = tmp_path / "track.jsonl"
     assert "acceleration is in g" in refused("track", wrong, "-o", output)
     assert not output.exists()
+
+
+@pytest.mark.parametrize("sparse", [False, True], ids=["backwards", "seconds apart"])
+def test_no_usable_sample_is_refused_as_by_smooth(sparse: bool, lines: list[str], tmp_path: Path) -> None:
+    wrong, output = tmp_path / "wrong.csv", tmp_path / "track.jsonl"
+    header, *rows = lines
+    save(wrong, [header, *(rows[::100] if sparse else reversed(rows))])
+    words = refused_after_warnings("track", wrong, "-o", output)
+    assert words == refused("smooth", wrong, "-o", tmp_path / "out")
+    assert ("lie 2 s apart" if sparse else "run backwards: sort its rows by time") in words
+    assert not output.exists()
+
+
+def refused_after_warnings(*arguments: object) -> str:
+    """The error of a call that warns first, and prints nothing."""
+    result = run(*arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    return result.stderr.splitlines()[-1].removeprefix("Error: ")
 
 
 def test_phones_that_did_not_record_together_are_refused(good: Path, tmp_path: Path) -> None:

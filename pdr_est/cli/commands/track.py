@@ -76,7 +76,7 @@ def track_command(
         words = "not every recording has a date: their times are assumed to count from the same moment"
         click.echo(f"warning: {words}; `pdr-est smooth` estimates the clocks from the walk instead", err=True)
     known = load_fixes(fixes, recorded, recordings[0])
-    with _output_stream(output, overwrite) as stream:
+    with _output_stream(output, overwrite) as stream, prefix_errors(", ".join(map(str, recordings))):
         replay(recorded, known, config, realtime, stream)
 
 
