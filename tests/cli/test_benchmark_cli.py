@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_recordings import Walk, ilc20_log
+from cli_recordings import Walk, ilc20_log, save
 from cli_runs import PROGRAM, interrupt, refused, run
 
 ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
@@ -240,6 +240,16 @@ def test_nothing_scored_is_refused_with_the_first_reasons(tmp_path: Path) -> Non
     line = refused("benchmark", "ilc20", "--data", tmp_path / "data", "--json", tmp_path / "result.json")
     assert "no walk of the suite ilc20 could be scored: site1/F1/a: " in line
     assert line.endswith("; and 2 more")
+    assert [path.name for path in tmp_path.iterdir()] == ["data"]
+
+
+def test_walks_without_any_number_are_refused_with_the_reasons(tmp_path: Path, lines: list[str]) -> None:
+    folder = tmp_path / "data" / "walks"
+    folder.mkdir(parents=True)
+    save(folder / "a.csv", lines)
+    (folder / "a.truth.csv").write_text("time_s,x_m,y_m\n900,0,0\n901,1,0\n902,2,0\n", encoding="utf-8")
+    line = refused("benchmark", "walks", "--data", tmp_path / "data", "--json", tmp_path / "result.json")
+    assert "no walk of the suite walks could be scored: a: " in line
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
 
 

@@ -97,8 +97,8 @@ def _is_result(path: Path) -> bool:
 
 
 def _refuse_empty(result: BenchmarkResult, data: Path) -> None:
-    """Raise RecordingError, with the first reasons, if no walk could be scored."""
-    if result.rows:
+    """Raise RecordingError, with the first reasons, if no walk could be scored by any metric."""
+    if any(value is not None for row in result.rows for value in row.metrics.values()):
         return
     reasons = [f"{failure.walk}: {failure.reason}" for failure in result.failures[:_REASONS]]
     more = len(result.failures) - len(reasons)
