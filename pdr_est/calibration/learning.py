@@ -1,18 +1,20 @@
 """Learning a walker's own step length from walks with position fixes, or of known length."""
 
 import hashlib
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
 
 from pdr_est.calibration.profile import LearntWalk, Profile, check_model_matches, new_profile
+from pdr_est.calibration.scale_by_distance import observe_known_distance
 from pdr_est.calibration.scale_by_fixes import observe_any_fixes, without_personal_constants
-from pdr_est.calibration.step_length_fit import CalibrationSteps, ScaleObservation, observe_distance
+from pdr_est.calibration.step_length_fit import NotLearnt, ScaleObservation
 from pdr_est.config import Config
 from pdr_est.pipeline import analyse_recording
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import PositionFix
-from pdr_est.types.recording import Recording
+from pdr_est.types.recording import DeviceRecording, Recording
 
 
 def learn(
@@ -26,7 +28,8 @@ def learn(
     """Learn a walker's step length from a recorded walk.
 
     The walk teaches what its fixes or its length tell beyond what is expected of people; without either the profile
-    stays as it is. A walk that the profile knows already is learnt anew in place of the earlier time.
+    stays as it is. A walk that the profile knows already, from one device or several, is learnt anew in place of the
+    earlier time. From fixes that disagree with the steps or with each other nothing is learnt, and a warning says so.
 
     Parameters
     ----------
@@ -58,7 +61,11 @@ def learn(
     known = new_profile(plain) if profile is None else profile
     check_model_matches(plain, known, "profile")
     walk = learnt_walk(recording, analyse_recording(recording, plain), plain, fixes, distance_m)
-    return known if walk is None else known.with_walk(walk)
+    if isinstance(walk, LearntWalk):
+        return known.with_walk(walk)
+    if walk.doubtful:
+        warnings.warn(f"{recording.name}: nothing learnt: {walk.reason}", stacklevel=2)
+    return known
 
 
 def learnt_walk(
@@ -67,8 +74,8 @@ def learnt_walk(
     config: Config,
     fixes: Sequence[PositionFix] = (),
     distance_m: float | None = None,
-) -> LearntWalk | None:
-    """Find what a walk shows of its walker; None if its fixes tell nothing of the step length.
+) -> LearntWalk | NotLearnt:
+    """Find what a walk shows of its walker, or why that is nothing.
 
     Parameters
     ----------
@@ -84,18 +91,15 @@ def learnt_walk(
         True length of the whole way, m.
     """
     if distance_m is not None:
-        steps = [CalibrationSteps.from_steps(device.steps) for device in devices]
-        seen = observe_distance(steps, distance_m, recording.name)
+        seen = observe_known_distance(devices, distance_m, recording.name)
     else:
-        told = observe_any_fixes(devices, config, fixes, recording.name)
-        if told is None:
-            return None
-        seen = told
-    return walk_record(recording, seen, distance_m)
+        seen = observe_any_fixes(devices, config, fixes, recording.name)
+    return seen if isinstance(seen, NotLearnt) else walk_record(recording, seen, distance_m)
 
 
 def walk_record(recording: Recording, seen: ScaleObservation, distance_m: float | None = None) -> LearntWalk:
     """Make the record of a walk for a profile from what it shows, and its true length if that was given, m."""
+    parts = device_digests(recording)
     return LearntWalk(
         sha256=recording_digest(recording),
         name=recording.name,
@@ -103,16 +107,27 @@ def walk_record(recording: Recording, seen: ScaleObservation, distance_m: float 
         sigma=seen.sigma,
         log_cadence=seen.log_cadence,
         distance_m=distance_m,
+        devices=parts if len(parts) > 1 else (),
     )
 
 
 def recording_digest(recording: Recording) -> str:
     """Compute the SHA-256 of the samples of all devices, whatever the names of files and devices and their order."""
-    of_devices = []
-    for device in recording.devices:
-        digest = hashlib.sha256()
-        for block in device.blocks():
-            for numbers in (block.time_s, block.values):
-                digest.update(np.ascontiguousarray(numbers, dtype="<f8").tobytes())
-        of_devices.append(digest.hexdigest())
-    return hashlib.sha256("".join(sorted(of_devices)).encode()).hexdigest()
+    return _digest_of([_samples_digest(device) for device in recording.devices])
+
+
+def device_digests(recording: Recording) -> tuple[str, ...]:
+    """Compute the checksum of each device as that of a recording of this device alone, in order."""
+    return tuple(sorted({_digest_of([_samples_digest(device)]) for device in recording.devices}))
+
+
+def _samples_digest(device: DeviceRecording) -> str:
+    digest = hashlib.sha256()
+    for block in device.blocks():
+        for numbers in (block.time_s, block.values):
+            digest.update(np.ascontiguousarray(numbers, dtype="<f8").tobytes())
+    return digest.hexdigest()
+
+
+def _digest_of(devices: Sequence[str]) -> str:
+    return hashlib.sha256("".join(sorted(devices)).encode()).hexdigest()

@@ -5,6 +5,7 @@ A profile keeps the observation of each walk, and computes the posterior from al
 is learnt again replaces itself, and a walk can be left out again.
 """
 
+from collections.abc import Collection
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from datetime import date as Date
@@ -48,6 +49,14 @@ class LearntWalk:
 
     distance_m: Positive | None = None
     """True length of the walk, m; None where fixes told the scale."""
+
+    devices: tuple[Digest, ...] = ()
+    """Checksums of the single devices, in order, of a walk of several; each is that of a recording of it alone."""
+
+    @property
+    def checksums(self) -> frozenset[str]:
+        """Return the checksums by which this walk, or a part of its devices, is recognised."""
+        return frozenset((self.sha256, *self.devices))
 
     @property
     def observation(self) -> ScaleObservation:
@@ -109,9 +118,9 @@ class Profile:
         """Standard deviation of the length scale that remains for the next walk, over the scale."""
         return Config().odometry.sigma_length_scale if self.posterior is None else self.posterior.sigma_next
 
-    def knows(self, sha256: str) -> bool:
-        """Tell whether the walk with that checksum is among those learnt."""
-        return any(walk.sha256 == sha256 for walk in self.walks)
+    def known(self, checksums: Collection[str]) -> tuple[LearntWalk, ...]:
+        """Return the walks learnt that share a checksum with these: the same walk by some or all of its devices."""
+        return tuple(walk for walk in self.walks if not walk.checksums.isdisjoint(checksums))
 
     def with_walk(self, walk: LearntWalk) -> "Profile":
         """Return the profile with a walk more, or with a new observation of one that it knows.
@@ -123,7 +132,7 @@ class Profile:
         """
         if walk in self.walks:
             return self
-        others = self.without(walk.sha256).walks
+        others = self.without(walk.checksums).walks
         walks = tuple(sorted((*others, walk), key=lambda one: one.sha256))
         learnt = replace(self, walks=walks, note=replace(self.note, date=datetime.now(UTC).date()))
         try:
@@ -135,9 +144,10 @@ class Profile:
             ) from error
         return learnt
 
-    def without(self, sha256: str) -> "Profile":
+    def without(self, checksums: Collection[str]) -> "Profile":
         """Return the profile without a walk, as the prior of that walk itself: its fixes must not count twice."""
-        return replace(self, walks=tuple(walk for walk in self.walks if walk.sha256 != sha256))
+        known = self.known(checksums)
+        return replace(self, walks=tuple(walk for walk in self.walks if walk not in known))
 
     def to_dict(self) -> dict[str, Any]:
         """Return what the profile holds and what follows from it, as numbers and texts by name."""
@@ -150,7 +160,10 @@ class Profile:
                 "cadence_exponent": self.walker.cadence_exponent,
                 "reference_cadence_hz": self.walker.reference_cadence_hz,
             }
-        walks = [{key: value for key, value in asdict(walk).items() if value is not None} for walk in self.walks]
+        walks = [
+            {key: value for key, value in asdict(walk).items() if value is not None and value != ()}
+            for walk in self.walks
+        ]
         return {"profile": asdict(self.note), "walks": walks, "learnt": learnt}
 
 

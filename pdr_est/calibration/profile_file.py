@@ -79,9 +79,16 @@ def load_profile(path: str | Path) -> Profile:
     walks = _validated(_WALKS, data["walks"], "walks", path)
     try:
         profile = Profile(note=note, walks=tuple(sorted(walks, key=lambda walk: walk.sha256)))
-        _check_learnt(data["learnt"], profile, path)
     except ConfigError as error:
-        raise ConfigError(str(error) if str(error).startswith(str(path)) else f"{path}: {error}") from error
+        raise ConfigError(f"{path}: {error}") from error
+    try:
+        _ = profile.walker
+    except ConfigError as error:
+        raise ConfigError(
+            f"{path}: walks: together they give constants that nobody has ({error}): remove the walks that are "
+            "wrong, and leave the section learnt empty"
+        ) from error
+    _check_learnt(data["learnt"], profile, path)
     return profile
 
 
@@ -109,7 +116,7 @@ def _validated(adapter: TypeAdapter[Any], data: Any, section: str, path: str | P
 
 def _check_learnt(written: Any, profile: Profile, path: str | Path) -> None:
     """Check that the numbers written for the reader follow from the walks, which a damaged file contradicts."""
-    computed = profile.to_dict()["learnt"]  # refuses constants that no walker has
+    computed = profile.to_dict()["learnt"]
     if written is None:
         return
     if not isinstance(written, Mapping) or set(written) != set(computed):

@@ -19,6 +19,7 @@ import numpy as np
 
 from pdr_est.calibration.step_length_fit import (
     CalibrationSteps,
+    NotLearnt,
     ScaleObservation,
     mean_length_m,
     observe_scale,
@@ -30,10 +31,16 @@ from pdr_est.estimators.fix_checks.explanations import SIGMA_UNUSUAL_SCALE
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.walker import MOST_SCALE
 from pdr_est.pipeline import DeviceWalk, estimate_tracks
+from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import PositionFix
+from pdr_est.types.track import Track
 
-_LARGEST_SIGMA_OF_FIXES = 0.2
+LARGEST_SIGMA = 0.2
+"""Standard deviation of the logarithm of a walk's scale from which the walk hardly determines it; ours."""
+
+_DISAGREEMENTS = (FindingKind.FIXES, FindingKind.STEPS)
 _SURE_SIGMAS = 2.0  # by which a scale lies beyond those of people before it is refused
+_NO_FIXES = NotLearnt("no fixes that tell the length of the way; give --fixes or --distance", doubtful=False)
 _LEAST_INFORMATION = 1e-3  # of a measurement over that of the prior; below it rounding decides
 
 
@@ -71,11 +78,13 @@ def observe_fixes(
     ConfigError
         For an estimator that does not use fixes.
     RecordingError
-        Without a step, if the fixes hardly determine the scale, or if it is out of range. Errors of
-        `pipeline.estimate_tracks` are passed on.
+        Without a step, if the fixes hardly determine the scale or disagree with the steps or each other, or if it is
+        out of range. Errors of `pipeline.estimate_tracks` are passed on.
     """
     seen = observe_any_fixes(walks, config, fixes, place)
-    if seen is None or seen.sigma > _LARGEST_SIGMA_OF_FIXES:
+    if isinstance(seen, NotLearnt) and seen.doubtful:
+        raise RecordingError(f"{place}: {seen.reason}")
+    if isinstance(seen, NotLearnt) or seen.sigma > LARGEST_SIGMA:
         raise RecordingError(
             f"{place}: its fixes hardly determine the step length: give fixes farther apart, or the distance"
         )
@@ -84,10 +93,11 @@ def observe_fixes(
 
 def observe_any_fixes(
     walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix], place: str
-) -> ScaleObservation | None:
+) -> ScaleObservation | NotLearnt:
     """Observe the scale of a walk as far as its fixes tell it.
 
     A walk that ends where it began does so at every scale; the closure tells something together with fixes only.
+    Fixes that disagree with the steps or with each other teach nothing: what is wrong about them may be the scale.
 
     Parameters
     ----------
@@ -102,8 +112,9 @@ def observe_any_fixes(
 
     Returns
     -------
-    ScaleObservation or None
-        None if the fixes tell nothing about the scale, as without any, or with a single one and an unknown start.
+    ScaleObservation or NotLearnt
+        The reason if the fixes tell nothing about the scale, as without any, or with a single one and an unknown
+        start, or if they disagree.
 
     Raises
     ------
@@ -114,7 +125,7 @@ def observe_any_fixes(
         passed on.
     """
     if not fixes:
-        return None
+        return _NO_FIXES
     if not config.estimator.make().spec.uses_fixes:
         raise ConfigError(
             f"estimator.name = {config.estimator.name}: makes no use of fixes: choose ekf or factor-graph, or give "
@@ -124,16 +135,18 @@ def observe_any_fixes(
     mean_length_m(steps, place)
     prior = LogScale(0.0, max(SIGMA_UNUSUAL_SCALE, config.odometry.sigma_length_scale))
     wide = replace(config, odometry=replace(config.odometry, sigma_length_scale=prior.sigma))
-    seen = [_log_scale_of(walk, wide, fixes).without(prior) for walk in walks]
+    tracks = [estimate_tracks([walk], wide, fixes) for walk in walks]
+    doubts = [finding for track in tracks for finding in track.findings if _disagrees(finding)]
+    seen = [_log_scale_of(track).without(prior) for track in tracks]
     told = [one for one in seen if one is not None]
     if not told:
-        return None
+        return _disagreement(doubts) if doubts else _NO_FIXES
     # The devices are carried along one way past the same fixes: together they know little more than one.
     mean, sigma = float(np.mean([one.mean for one in told])), max(one.sigma for one in told)
     if abs(mean) - _SURE_SIGMAS * sigma > math.log(MOST_SCALE):
         scale = math.exp(mean)
         refuse_scale(scale, place, f"the fixes make the steps {scale:.2f} times as long")
-    return replace(observe_scale(steps, 1.0, sigma), log_ratio=mean)
+    return _disagreement(doubts) if doubts else replace(observe_scale(steps, 1.0, sigma), log_ratio=mean)
 
 
 def without_personal_constants(config: Config) -> Config:
@@ -143,7 +156,14 @@ def without_personal_constants(config: Config) -> Config:
     return replace(config, walker=body, odometry=usual)
 
 
-def _log_scale_of(walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix]) -> LogScale:
-    """Estimate the scale of one device with fixes: the posterior of the smoother."""
-    track = estimate_tracks([walk], config, fixes)
+def _disagrees(finding: Finding) -> bool:
+    return finding.doubtful and finding.kind in _DISAGREEMENTS
+
+
+def _disagreement(doubts: Sequence[Finding]) -> NotLearnt:
+    return NotLearnt(f"its fixes disagree with its steps or with each other ({doubts[0].words}): correct the fixes")
+
+
+def _log_scale_of(track: Track) -> LogScale:
+    """Return the posterior of the smoother."""
     return LogScale(math.log(track.length_scale), track.sigma_length_scale / track.length_scale)

@@ -97,6 +97,23 @@ class ScaleObservation:
 
 
 @dataclass(frozen=True)
+class NotLearnt:
+    """Reason why a walk tells nothing of the step length of its walker.
+
+    Attributes
+    ----------
+    reason : str
+        The reason in words, with the remedy.
+    doubtful : bool
+        True where the walk should have told something, so that the user should look at it; False for a walk without
+        anything to learn from.
+    """
+
+    reason: str
+    doubtful: bool = True
+
+
+@dataclass(frozen=True)
 class Calibration:
     """Posterior of a walker's constants.
 
@@ -128,8 +145,13 @@ class Calibration:
         )
 
 
-def observe_distance(steps: Sequence[CalibrationSteps], distance_m: float, place: str) -> ScaleObservation:
+def observe_distance(
+    steps: Sequence[CalibrationSteps], distance_m: float, place: str, missing_share: float = 0.0
+) -> ScaleObservation:
     """Observe the scale of a walk of known length; the lengths of several devices are averaged.
+
+    Nobody knows how much of the way lies in the gaps of a recording: none of it if the walker stood, and as much as
+    in the rest of the time otherwise. Every part between these is taken as equally probable.
 
     Parameters
     ----------
@@ -139,6 +161,8 @@ def observe_distance(steps: Sequence[CalibrationSteps], distance_m: float, place
         True length, m.
     place : str
         Name of the walk in messages.
+    missing_share : float
+        Share of the walking that lies in gaps of the recording at most, from 0 to below 1.
 
     Raises
     ------
@@ -146,11 +170,11 @@ def observe_distance(steps: Sequence[CalibrationSteps], distance_m: float, place
         Without a step, for a distance that is not positive, and for one that is too far from the model's to be in
         metres.
     """
-    if not (math.isfinite(distance_m) and distance_m > 0.0):
-        raise RecordingError(f"{place}: a distance of {distance_m:g} m: give the length of the way in metres")
-    length_m = mean_length_m(steps, place)
+    refuse_distance(distance_m, place)
+    log_span = -math.log1p(-missing_share)
+    length_m = mean_length_m(steps, place) * math.exp(0.5 * log_span)
     refuse_scale(distance_m / length_m, place, f"{length_m:.1f} m by its steps and {distance_m:g} m as given")
-    return observe_scale(steps, distance_m / length_m)
+    return observe_scale(steps, distance_m / length_m, log_span / math.sqrt(12.0))
 
 
 def observe_scale(steps: Sequence[CalibrationSteps], scale: float, sigma: float = 0.0) -> ScaleObservation:
@@ -212,10 +236,16 @@ def mean_length_m(steps: Sequence[CalibrationSteps], place: str) -> float:
     return float(np.mean(lengths_m))
 
 
+def refuse_distance(distance_m: float, place: str) -> None:
+    """Raise RecordingError for a distance that is not positive."""
+    if not (math.isfinite(distance_m) and distance_m > 0.0):
+        raise RecordingError(f"{place}: a distance of {distance_m:g} m: give the length of the way in metres")
+
+
 def refuse_scale(scale: float, place: str, description: str) -> None:
     """Raise RecordingError for a scale that nobody has: it is an error of units, or of the recording."""
     if not LEAST_SCALE <= scale <= MOST_SCALE:
         raise RecordingError(
             f"{place}: {description}, a scale of {scale:.2f} that is not between {LEAST_SCALE:g} and "
-            f"{MOST_SCALE:g}: give metres, and the whole way of this recording"
+            f"{MOST_SCALE:g}: give metres, and the whole way of this recording, or leave this walk out"
         )

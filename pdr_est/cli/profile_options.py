@@ -2,23 +2,25 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
-from pdr_est.calibration.learning import learnt_walk, recording_digest
+from pdr_est.calibration.learning import device_digests, learnt_walk, recording_digest
 from pdr_est.calibration.profile import LearntWalk, Profile, new_profile
 from pdr_est.calibration.profile_file import load_profile, profile_to_yaml
 from pdr_est.calibration.scale_by_fixes import without_personal_constants
+from pdr_est.calibration.step_length_fit import NotLearnt
 from pdr_est.config import Config
 from pdr_est.io.writers.atomic_output import staged_file
-from pdr_est.pipeline import analyse_recording
+from pdr_est.io.writers.file_lock import locked
+from pdr_est.pipeline import DeviceWalk, analyse_recording
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
-Save = Callable[[LearntWalk | None], list[str]]
+Save = Callable[[LearntWalk | NotLearnt | None], list[str]]
 """Puts what a walk tells into the profile, and returns lines that say so."""
 
 
@@ -76,17 +78,31 @@ class WalkersProfile:
         """
         if self.profile is None:
             return None
-        sha256 = recording_digest(recording)
-        own = next((walk for walk in self.profile.walks if walk.sha256 == sha256), None)
-        twice = own is not None and (self.learns or (bool(fixes) and own.distance_m is None))
-        return self.profile.without(sha256) if twice else self.profile
+        checksums = {recording_digest(recording), *device_digests(recording)}
+        own = self.profile.known(checksums)
+        twice = self.learns or (bool(fixes) and any(walk.distance_m is None for walk in own))
+        return self.profile.without(checksums) if own and twice else self.profile
 
-    def learnt_from(self, recording: Recording, config: Config, fixes: Sequence[PositionFix]) -> LearntWalk | None:
-        """Find what the walk tells a profile that learns; None if there is nothing, or none that does."""
-        if not self.learns or (not fixes and self.distance_m is None):
+    def learnt_from(
+        self, recording: Recording, devices: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix]
+    ) -> LearntWalk | NotLearnt | None:
+        """Find what the walk tells a profile that learns, or why it tells nothing; None if no profile learns.
+
+        Parameters
+        ----------
+        recording, fixes
+            The walk.
+        devices
+            Result of the front end with `config`. It is used unless the profile had an influence on it.
+        config
+            Settings of the walk, with the constants of the profile.
+        """
+        if not self.learns:
             return None
         plain = without_personal_constants(config)
-        return learnt_walk(recording, analyse_recording(recording, plain), plain, fixes, self.distance_m)
+        if plain.walker != config.walker and (fixes or self.distance_m is not None):
+            devices = analyse_recording(recording, plain)
+        return learnt_walk(recording, devices, plain, fixes, self.distance_m)
 
     @contextmanager
     def saved(self, config: Config, inputs: Sequence[Path]) -> Iterator[Save]:
@@ -103,12 +119,13 @@ class WalkersProfile:
             yield lambda _walk: []
             return
         path = self.path
-        with staged_file(path, overwrite=True, inputs=inputs) as file:
+        with ExitStack() as lock, staged_file(path, overwrite=True, inputs=inputs) as file:
 
-            def save(walk: LearntWalk | None) -> list[str]:
-                # Read again, as another run may have learnt in the meantime.
+            def save(walk: LearntWalk | NotLearnt | None) -> list[str]:
+                # Another run may have learnt in the meantime, and none may until this one has written.
+                lock.enter_context(locked(path))
                 before = load_profile(path) if path.exists() else new_profile(config)
-                after = before if walk is None else before.with_walk(walk)
+                after = before.with_walk(walk) if isinstance(walk, LearntWalk) else before
                 file.write_text(profile_to_yaml(after), encoding="utf-8")
                 return [_learnt_words(walk, before), f"{describe_profile(after)} -> {path}"]
 
@@ -129,8 +146,8 @@ def describe_profile(profile: Profile) -> str:
     return f"{words}; {percent}"
 
 
-def _learnt_words(walk: LearntWalk | None, before: Profile) -> str:
-    if walk is None:
-        return "nothing learnt: no fixes that tell the length of the way; give --fixes or --distance"
-    again = " (known already, in place of the earlier time)" if before.knows(walk.sha256) else ""
+def _learnt_words(walk: LearntWalk | NotLearnt | None, before: Profile) -> str:
+    if not isinstance(walk, LearntWalk):
+        return f"nothing learnt: {'' if walk is None else walk.reason}"
+    again = " (known already, in place of the earlier time)" if before.known(walk.checksums) else ""
     return f"learnt from this walk: length scale {math.exp(walk.log_ratio):.3f} ± {100.0 * walk.sigma:.1f} %{again}"

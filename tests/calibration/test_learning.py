@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import pdr_est
-from pdr_est.calibration.learning import recording_digest
+from pdr_est.calibration.learning import device_digests, recording_digest
 from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE
 from pdr_est.front_end.steps import StepsParams
 from pdr_est.simulate import Scenario, simulate_walk
 from pdr_est.simulate.walker.walking_path import PathParams
+from pdr_est.types.recording import Signal
 
 
 def stretched(corner_m: float, scale: float):
@@ -87,3 +88,54 @@ def test_a_profile_of_another_model_does_not_learn(walks, both) -> None:
     other = replace(pdr_est.Config(), steps=StepsParams(detector="local-variance"))
     with pytest.raises(pdr_est.ConfigError, match=r"made for steps\.detector = auto, but local-variance is set"):
         pdr_est.learn(first, both, fixes, config=other)
+
+
+def with_a_hole(recording, share: float):
+    """The recording without the samples of a part of its time, from the middle on."""
+    begin_s, end_s = recording.devices[0].span_s
+    middle_s = 0.5 * (begin_s + end_s)
+    until_s = middle_s + share * (end_s - begin_s)
+
+    def kept(signal):
+        inside = (signal.time_s < middle_s) | (signal.time_s > until_s)
+        return Signal(signal.time_s[inside], signal.values[inside])
+
+    devices = tuple(
+        replace(one, specific_force=kept(one.specific_force), rotation_rate=kept(one.rotation_rate))
+        for one in recording.devices
+    )
+    return replace(recording, devices=devices)
+
+
+def test_a_distance_tells_less_of_a_recording_with_a_gap() -> None:
+    recording, _ = stretched(18.0, 1.0)
+    whole = pdr_est.learn(recording, distance_m=30.0).walks[0]
+    cut = pdr_est.learn(with_a_hole(recording, 0.2), distance_m=30.0).walks[0]
+    assert whole.sigma == 0.0
+    assert -np.log(0.8) / np.sqrt(12.0) < cut.sigma < 0.12
+    assert abs(cut.log_ratio - whole.log_ratio) < 2.0 * cut.sigma
+
+
+def test_a_mostly_missing_recording_does_not_learn_from_a_distance() -> None:
+    recording, _ = stretched(18.0, 1.0)
+    words = r"nothing learnt: up to \d\d % of the way lie in its gaps, .* give a recording without gaps, or --fixes"
+    with pytest.warns(UserWarning, match=words):
+        assert pdr_est.learn(with_a_hole(recording, 0.48), distance_m=25.0).walks == ()
+
+
+def test_fixes_that_disagree_are_told_and_not_learnt(walks, both) -> None:
+    (first, fixes), _ = walks
+    sides = (np.array([9.0, -7.0]), np.array([-8.0, 9.0]))
+    wrong = [replace(fix, position_m=fix.position_m + sides[number % 2]) for number, fix in enumerate(fixes)]
+    with pytest.warns(UserWarning, match="nothing learnt: its fixes disagree with its steps or with each other"):
+        assert pdr_est.learn(first, both, wrong) is both
+
+
+def test_a_pair_and_one_phone_of_it_are_one_walk(walks) -> None:
+    (first, fixes), (second, _) = walks
+    other = replace(second.devices[0], name="other")
+    pair = replace(first, devices=(first.devices[0], other))
+    assert set(device_digests(pair)) == {recording_digest(first), recording_digest(second)}
+    alone = pdr_est.learn(first, fixes=fixes)
+    record = replace(alone.walks[0], sha256=recording_digest(pair), devices=device_digests(pair))
+    assert pdr_est.learn(first, replace(alone, walks=(record,)), fixes) == alone

@@ -2,17 +2,16 @@
 
 import math
 from dataclasses import replace
-from datetime import date
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from profile_notes import NOTE
 
 from pdr_est.calibration.profile import (
     LearntWalk,
     Profile,
-    ProfileNote,
     apply_profile,
     check_model_matches,
     check_profile_matches,
@@ -22,17 +21,9 @@ from pdr_est.calibration.profile_file import profile_to_yaml
 from pdr_est.calibration.step_length_fit import SIGMA_EXPONENT, SIGMA_LOG_CADENCE, SIGMA_LOG_SCALE, SIGMA_WALK
 from pdr_est.config import Config, config_to_dict
 from pdr_est.errors import ConfigError, RecordingError
-from pdr_est.front_end.step_length import LAW_OF_AUTO, StepLengthParams, WalkerParams
+from pdr_est.front_end.step_length import LAW_OF_AUTO, WalkerParams
 from pdr_est.front_end.steps import StepsParams
 
-NOTE = ProfileNote(
-    step_length=StepLengthParams(model="weinberg", weinberg_k2=0.5),
-    law="weinberg",
-    detector="local-variance",
-    height_m=1.6,
-    gender="female",
-    date=date(2024, 2, 29),
-)
 CONFIG = Config(
     step_length=NOTE.step_length,
     steps=StepsParams(detector="local-variance"),
@@ -96,13 +87,24 @@ def test_a_walk_is_learnt_once_and_can_be_left_out(walks: list[LearntWalk]) -> N
     for walk in walks[1:]:
         profile = profile.with_walk(walk)
     first = walks[0]
-    assert not profile.knows(first.sha256)
+    assert profile.known(first.checksums) == ()
     learnt = profile.with_walk(first)
     assert learnt.with_walk(first) is learnt
-    assert learnt.without(first.sha256).walks == profile.walks
+    assert learnt.without(first.checksums).walks == profile.walks
     changed = learnt.with_walk(replace(first, log_ratio=first.log_ratio + 0.1))
     assert len(changed.walks) == len(learnt.walks)
     assert changed.walker.length_scale > learnt.walker.length_scale
+
+
+def test_a_walk_by_two_phones_and_by_one_of_them_counts_once() -> None:
+    one, other = f"{1:064x}", f"{2:064x}"
+    pair = replace(walk_of(7, log_ratio=-0.1), devices=(one, other))
+    alone, both = Profile(note=NOTE).with_walk(walk_of(1)), Profile(note=NOTE).with_walk(pair)
+    assert alone.known(pair.checksums) == alone.walks
+    assert alone.with_walk(pair) == both
+    assert both.with_walk(walk_of(1)) == alone
+    assert both.without(walk_of(2).checksums).walks == ()
+    assert len(both.with_walk(walk_of(3)).walks) == 2
 
 
 def test_a_walk_that_tells_nearly_nothing_changes_nearly_nothing() -> None:

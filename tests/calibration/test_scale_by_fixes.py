@@ -8,7 +8,13 @@ import pytest
 
 from pdr_est import pipeline
 from pdr_est.calibration.scale_by_fixes import LogScale, observe_any_fixes, observe_fixes, without_personal_constants
-from pdr_est.calibration.step_length_fit import SIGMA_LOG_SCALE, CalibrationSteps, observe_distance
+from pdr_est.calibration.step_length_fit import (
+    SIGMA_LOG_SCALE,
+    CalibrationSteps,
+    NotLearnt,
+    ScaleObservation,
+    observe_distance,
+)
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.front_end.step_length import WalkerParams
@@ -82,22 +88,40 @@ def test_fixes_that_tell_nothing_are_refused(simulated) -> None:
     walks, fixes, _ = simulated
     with pytest.raises(RecordingError, match="walk: its fixes hardly determine the step length"):
         observe_fixes(walks, Config(), fixes[:1], "walk")
-    assert observe_any_fixes(walks, Config(), fixes[:1], "walk") is None
+    told = observe_any_fixes(walks, Config(), fixes[:1], "walk")
+    assert isinstance(told, NotLearnt)
+    assert not told.doubtful
 
 
 def test_a_closed_walk_without_fixes_tells_nothing(simulated) -> None:
     walks, _, _ = simulated
     closed = replace(Config(), start=replace(Config().start, closed=True))
-    assert observe_any_fixes(walks, closed, (), "walk") is None
+    told = observe_any_fixes(walks, closed, (), "walk")
+    assert isinstance(told, NotLearnt)
+    assert not told.doubtful
+
+
+def test_fixes_that_disagree_teach_nothing(simulated) -> None:
+    walks, fixes, _ = simulated
+    elsewhere = [
+        replace(fix, position_m=fix.position_m + np.array([[9.0, -7.0], [-8.0, 9.0]][number % 2]))
+        for number, fix in enumerate(fixes)
+    ]
+    told = observe_any_fixes(walks, Config(), elsewhere, "walk")
+    assert isinstance(told, NotLearnt)
+    assert told.doubtful
+    assert "disagree with its steps or with each other (position fixes" in told.reason
+    with pytest.raises(RecordingError, match=r"walk: its fixes disagree with .*: correct the fixes"):
+        observe_fixes(walks, Config(), elsewhere, "walk")
 
 
 def test_a_further_fix_tells_more(simulated) -> None:
     walks, fixes, _ = simulated
     vague = [replace(fix, covariance_m2=np.eye(2) * 3.0**2) for fix in fixes[:4]]
     fewer = observe_any_fixes(walks, Config(), vague, "walk")
-    assert fewer is not None
+    assert isinstance(fewer, ScaleObservation)
     more = observe_any_fixes(walks, Config(), [*vague, fixes[-1]], "walk")
-    assert more is not None
+    assert isinstance(more, ScaleObservation)
     assert more.sigma < fewer.sigma
 
 

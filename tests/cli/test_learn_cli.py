@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +66,74 @@ def test_a_walk_counts_once_and_is_no_prior_of_itself(good: Path, fixes: Path, t
     smoothed(good, tmp_path / "d", "--profile", profile)  # without its fixes, what they taught is news
     summary = json.loads((tmp_path / "d" / "summary.json").read_text(encoding="utf-8"))
     assert summary["profile"]["learnt"]["walks"] == 1
+
+
+LEARNER = """
+import sys
+from pathlib import Path
+from pdr_est.calibration.profile import LearntWalk
+from pdr_est.cli.profile_options import WalkersProfile
+from pdr_est.config import Config
+path, first = Path(sys.argv[1]), int(sys.argv[2])
+for number in range(first, first + 12):
+    with WalkersProfile.of_options(path, True, None).saved(Config(), []) as save:
+        save(LearntWalk(sha256=f"{number:064x}", log_ratio=0.1, sigma=0.03, log_cadence=0.6))
+"""
+
+
+def test_no_walk_is_lost_when_several_processes_learn(tmp_path: Path) -> None:
+    profile = tmp_path / "me.yaml"
+    learners = [subprocess.Popen((sys.executable, "-c", LEARNER, str(profile), str(100 * i))) for i in range(3)]
+    assert [learner.wait(timeout=120) for learner in learners] == [0, 0, 0]
+    assert len(load_profile(profile).walks) == 36
+    assert [path.name for path in tmp_path.iterdir()] == ["me.yaml"]
+
+
+def test_the_front_end_runs_once_for_a_new_profile(good: Path, fixes: Path, tmp_path: Path, monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("the front end runs a second time")
+
+    monkeypatch.setattr("pdr_est.cli.profile_options.analyse_recording", refuse)
+    learnt(good, tmp_path / "a", tmp_path / "me.yaml", "--fixes", fixes)
+
+
+def test_fixes_that_disagree_are_told_and_not_learnt(walk: Walk, good: Path, tmp_path: Path) -> None:
+    at = np.linspace(0, len(walk.true_time_s) - 1, 6).astype(int)
+    rows = [
+        f"{walk.true_time_s[i] - walk.true_time_s[0]},{walk.true_m[i, 0] + (9 if k % 2 else -9)},{k % 3 * 7},0.1"
+        for k, i in enumerate(at)
+    ]
+    wrong = save(tmp_path / "wrong.csv", ["time_s,x_m,y_m,sigma_m", *rows])
+    result = run(
+        "smooth", good, "-o", tmp_path / "a", "--profile", tmp_path / "me.yaml", "--learn", "--fixes", wrong, "-q"
+    )
+    assert result.exit_code == 0
+    assert "warning: nothing learnt: its fixes disagree with its steps or with each other" in result.stderr
+    assert load_profile(tmp_path / "me.yaml").walks == ()
+
+
+def test_a_distance_and_a_recording_that_is_mostly_missing_teach_nothing(lines, tmp_path: Path) -> None:
+    header, *rows = lines
+    torn = save(tmp_path / "torn.csv", [header, *rows[: len(rows) // 3], *rows[-len(rows) // 12 :]])
+    options = ("--profile", tmp_path / "me.yaml", "--learn", "--distance", 12)
+    result = run("smooth", torn, "-o", tmp_path / "a", *options)
+    assert result.exit_code == 0
+    assert "warning: nothing learnt: up to " in result.stderr
+    assert load_profile(tmp_path / "me.yaml").walks == ()
+    line = refused("calibrate", torn, "--distance", 12, "-o", tmp_path / "c.yaml")
+    assert re.search(r"torn.csv: up to \d\d % of the way lie in its gaps, so that the distance of 12 m", line), line
+
+
+def test_a_pair_and_one_phone_of_it_count_once(good: Path, tmp_path: Path) -> None:
+    profile, other = tmp_path / "me.yaml", tmp_path / "other.csv"
+    other.write_text("\n".join(good.read_text(encoding="utf-8").splitlines()[:-2]) + "\n", encoding="utf-8")
+    learnt(good, tmp_path / "a", profile, "--distance", 13)
+    said = run("smooth", good, other, "-o", tmp_path / "b", "--profile", profile, "--learn", "--distance", 13).stdout
+    assert "known already" in said
+    (walk,) = load_profile(profile).walks
+    assert len(walk.devices) == 2
+    assert "known already" in learnt(other, tmp_path / "c", profile, "--distance", 13)
+    assert len(load_profile(profile).walks) == 1
 
 
 def test_nothing_is_learnt_without_fixes(good: Path, fixes: Path, tmp_path: Path) -> None:

@@ -10,8 +10,9 @@ from pdr_est import pipeline
 from pdr_est.calibration.learning import walk_record
 from pdr_est.calibration.profile import LearntWalk, Profile, new_profile
 from pdr_est.calibration.profile_file import profile_to_yaml
+from pdr_est.calibration.scale_by_distance import observe_known_distance
 from pdr_est.calibration.scale_by_fixes import observe_fixes, without_personal_constants
-from pdr_est.calibration.step_length_fit import CalibrationSteps, observe_distance
+from pdr_est.calibration.step_length_fit import NotLearnt
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.fix_options import RECORDED, load_fixes
 from pdr_est.cli.options import (
@@ -25,6 +26,7 @@ from pdr_est.cli.options import (
 )
 from pdr_est.cli.profile_options import describe_profile
 from pdr_est.config import Config
+from pdr_est.errors import RecordingError
 from pdr_est.io import read
 from pdr_est.io.writers.atomic_output import staged_file
 
@@ -100,7 +102,9 @@ def _by_distance(path: Path, distance_m: float, config: Config) -> LearntWalk:
     recording = read(path)
     with prefix_errors(path):
         walks = pipeline.analyse_recording(recording, config)
-    seen = observe_distance([CalibrationSteps.from_steps(walk.steps) for walk in walks], distance_m, str(path))
+    seen = observe_known_distance(walks, distance_m, str(path))
+    if isinstance(seen, NotLearnt):
+        raise RecordingError(f"{path}: {seen.reason}")
     return walk_record(recording, seen, distance_m)
 
 
@@ -117,7 +121,7 @@ def _profile(config: Config, recordings: Sequence[Path], seen: Sequence[LearntWa
     """Make the profile; raise UsageError for two files with the same samples."""
     profile = new_profile(config)
     for path, walk in zip(recordings, seen, strict=True):
-        if profile.knows(walk.sha256):
+        if profile.known(walk.checksums):
             raise click.UsageError(f"{path}: holds the same samples as a RECORDING before: give each walk once")
         profile = profile.with_walk(walk)
     return profile

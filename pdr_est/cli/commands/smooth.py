@@ -8,16 +8,16 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.calibration.profile import LearntWalk, apply_profile
+from pdr_est.calibration.step_length_fit import NotLearnt
 from pdr_est.cli.clock_options import apply_clock_messages, apply_clock_options, clock_options
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.fix_options import RECORDED, load_fixes
-from pdr_est.cli.options import PATH, config_option, estimation_options, given_paths, map_option, resolve_config
+from pdr_est.cli.options import PATH, config_option, estimation_options, given_paths, resolve_config
 from pdr_est.cli.profile_options import NO_PROFILE, WalkersProfile
 from pdr_est.cli.progress import ProgressBar, progress_bar
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config
 from pdr_est.io import read
-from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.writers.atomic_output import staged_folder
 from pdr_est.io.writers.checksums import file_digests
 from pdr_est.preprocessing.merge import merge_recordings
@@ -40,7 +40,6 @@ from pdr_est.preprocessing.merge import merge_recordings
     "--distance", "distance_m", type=float, metavar="M", help="True length of the way in metres, for --learn."
 )
 @config_option
-@map_option
 @estimation_options
 @clock_options
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
@@ -55,7 +54,6 @@ def smooth_command(
     clock: ClockMethod | None,
     clock_offsets: tuple[tuple[str, float], ...],
     messages: Path | None,
-    mapping: TableMapping | None,
     overwrite: bool,
     quiet: bool,
     **settings: Any,
@@ -74,9 +72,10 @@ def smooth_command(
         progress_bar("reading", total=4, quiet=quiet) as bar,
         staged_folder(output, overwrite) as folder,
     ):
-        summary, walk = smooth_into(folder, recordings, fixes, config, bar, messages, own, mapping)
+        summary, walk = smooth_into(folder, recordings, fixes, config, bar, messages, own)
         words = save(walk)  # before the results appear, so that there are none if the profile refuses the walk
-    for warning in summary["warnings"]:
+    doubt = [f"nothing learnt: {walk.reason}"] if isinstance(walk, NotLearnt) and walk.doubtful else []
+    for warning in (*summary["warnings"], *doubt):
         click.echo(f"warning: {warning}", err=True)
     if not quiet:
         click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {output / 'report.html'}")
@@ -92,8 +91,7 @@ def smooth_into(
     bar: ProgressBar,
     messages: Path | None = None,
     own: WalkersProfile = NO_PROFILE,
-    mapping: TableMapping | None = None,
-) -> tuple[dict[str, Any], LearntWalk | None]:
+) -> tuple[dict[str, Any], LearntWalk | NotLearnt | None]:
     """Read, smooth and write the recordings of one walk.
 
     Parameters
@@ -112,26 +110,24 @@ def smooth_into(
         Table of messages by which the devices compared their clocks.
     own : WalkersProfile
         Profile of the walker, and whether it learns this walk.
-    mapping : TableMapping or None
-        What the columns of the recordings mean; None to find it out.
 
     Returns
     -------
     summary : dict
         The summary.
-    walk : LearntWalk or None
-        What a profile that learns gets from this walk, if there is anything.
+    walk : LearntWalk, NotLearnt or None
+        What a profile that learns gets from this walk; None if no profile learns.
     """
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
-    recorded = apply_clock_messages(merge_recordings([read(path, mapping) for path in paths]), messages)
+    recorded = apply_clock_messages(merge_recordings([read(path) for path in paths]), messages)
     known = load_fixes(fixes, recorded, paths[0])
     prior = own.prior_of(recorded, known)
     config = config if prior is None else apply_profile(config, prior)
     bar.start_part("smoothing")
     with prefix_errors(", ".join(map(str, paths))):
         walk = pipeline.smooth_recording(recorded, config, known)
-        learnt = own.learnt_from(recorded, config, known)
+        learnt = own.learnt_from(recorded, walk.devices, config, known)
     bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
     return write_results(folder, walk, recorded, config, digests, prior), learnt

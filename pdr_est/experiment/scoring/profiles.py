@@ -19,6 +19,7 @@ from pdr_est.calibration.step_length_fit import (
     SIGMA_WALK,
     Calibration,
     CalibrationSteps,
+    NotLearnt,
     ScaleObservation,
     fit_calibration,
     observe_scale,
@@ -101,7 +102,8 @@ def profile_part(
     if not any(len(device.length_m) for device in steps):
         return MetricPart()
     try:
-        seen = observe_any_fixes(devices, walk.config, held_out.fixes(pairs), walk.recording.name)
+        told = observe_any_fixes(devices, walk.config, held_out.fixes(pairs), walk.recording.name)
+        seen = None if isinstance(told, NotLearnt) else told
     except PdrError:  # the fixes do not fit: nothing for others to learn
         seen = None
     log_cadence = observe_scale(steps, 1.0).log_cadence
