@@ -27,7 +27,7 @@ from pdr_est.calibration.step_length_fit import (
 )
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError, RecordingError
-from pdr_est.estimators.fix_checks.explanations import SIGMA_UNUSUAL_SCALE
+from pdr_est.estimators.fix_checks import SIGMA_UNUSUAL_SCALE
 from pdr_est.front_end.step_length import WalkerParams
 from pdr_est.front_end.step_length.walker import MOST_SCALE
 from pdr_est.pipeline import DeviceWalk, estimate_tracks

@@ -8,7 +8,7 @@ from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
 from pdr_est.estimators.common.length_scale_check import track_scale_finding
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
-from pdr_est.estimators.fix_checks.check import check_fixes
+from pdr_est.estimators.fix_checks import check_fixes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.kalman import ekf
 from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general

@@ -20,8 +20,6 @@ POSES_APART_M = 5.0
 track is on its own for 15 m.
 """
 
-_DENSE_S = 1.5  # median interval; waypoints are tapped or surveyed less often
-
 
 @dataclass(frozen=True)
 class HeldOut:
@@ -90,7 +88,7 @@ class HeldOutProtocol:
             return None
         own = self.fixes.protocol == "every"
         every, sigma_m = (self.fixes.every, self.fixes.sigma_m) if own else (HeldOut.every, HeldOut.sigma_m)
-        apart_m = 0.0 if own or not _is_dense(truth) else POSES_APART_M
+        apart_m = 0.0 if own or not truth.dense else POSES_APART_M
         if truth.sigma_m == 0.0:
             return HeldOut(every, sigma_m, 0.0, partial(_noise, self.seed, self.walk, sigma_m), apart_m)
         if truth.sigma_m > WAYPOINT_SIGMA_M and not own:
@@ -108,10 +106,6 @@ def spaced_along_way(points_m: Array, apart_m: float) -> NDArray[np.intp]:
         if way_m[i] - way_m[kept[-1]] >= apart_m:
             kept.append(i)
     return np.array(kept, dtype=np.intp)
-
-
-def _is_dense(truth: TruePositions) -> bool:
-    return len(truth.time_s) > 1 and float(np.median(np.diff(np.sort(truth.time_s)))) < _DENSE_S
 
 
 def _noise(seed: int, walk: str, sigma_m: float, count: int) -> Array:

@@ -7,7 +7,7 @@ from pdr_est.frames import Array
 from pdr_est.preprocessing.sensor_ranges import out_of_range
 from pdr_est.types.sensors import Channel, Gap
 
-_ROUNDING_S = 1e-6  # time stamps are rounded: a pause of exactly max_gap_s must not become a gap by that
+_ROUNDING_S = 1e-6  # time stamps are rounded: a time of exactly max_gap_s must not become a gap by that
 
 
 class ChannelIntegral:
@@ -22,7 +22,7 @@ class ChannelIntegral:
     channel
         Channel of the samples.
     max_gap_s
-        Longest pause between samples, s, that is interpolated.
+        Longest gap between samples, s, that is interpolated.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class ChannelIntegral:
     first_s
         Time of the first sample ever, s; NaN before it.
     gaps
-        Pauses longer than `max_gap_s`, and restarts of the clock.
+        Gaps longer than `max_gap_s`, and restarts of the clock.
     dropped
         Number of dropped samples by reason.
     """

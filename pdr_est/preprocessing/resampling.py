@@ -28,13 +28,13 @@ class ResampleParams:
     """Working rate, Hz, of the uniform grid."""
 
     max_gap_s: Positive = 0.5
-    """Longest pause between samples, s, that is interpolated; a longer one ends the segment."""
+    """Longest gap between samples, s, that is interpolated; a longer one ends the segment."""
 
 
 class Resampler:
     """Stage that resamples several channels of one device onto one grid.
 
-    A grid point needs all required channels. A pause of one of them longer than `max_gap_s`, or a restart of its
+    A grid point needs all required channels. A gap of one of them longer than `max_gap_s`, or a restart of its
     clock (a jump back by more than `max_gap_s`), ends the segment; after a restart the next segment begins two
     `max_gap_s` later. Samples that are not finite, beyond the range of any phone
     (`pdr_est.preprocessing.sensor_ranges`), or have a duplicate or slightly backward time stamp are dropped and
@@ -50,7 +50,7 @@ class Resampler:
     channels
         Required channels; the specific force must be among them.
     parameters
-        Rate and longest pause.
+        Rate and longest gap.
     optional
         Channels that may be absent.
     """
@@ -193,7 +193,7 @@ class Resampler:
         return blocks
 
     def _hole_before(self, time_s: float) -> Hole | None:
-        """Describe the pause before the first grid value of a segment; None if there was none before it."""
+        """Describe the gap before the first grid value of a segment; None if there was none before it."""
         last_s = self._last_s
         if last_s is None:
             return None

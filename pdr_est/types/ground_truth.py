@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.types.steps import CarryingMode
 
+DENSE_S = 1.5
+"""Median time between true positions, s, below which they are recorded poses: nobody taps or surveys so fast."""
+
 
 @dataclass(frozen=True)
 class TruePositions:
@@ -33,6 +36,16 @@ class TruePositions:
     position_m: Array
     sigma_m: float
     source: str
+
+    @property
+    def dense(self) -> bool:
+        """True for recorded poses, which follow each other faster than waypoints."""
+        return are_dense(self.time_s)
+
+
+def are_dense(time_s: Array) -> bool:
+    """Tell whether true positions at times (n,), s, in any order, are recorded poses and no waypoints."""
+    return len(time_s) > 1 and float(np.median(np.diff(np.sort(time_s)))) < DENSE_S
 
 
 @dataclass(frozen=True)

@@ -87,14 +87,14 @@ class Gap:
 
 @dataclass(frozen=True)
 class Hole:
-    """A pause between two segments on the working grid.
+    """The gap between two segments of the working grid, which some or all channels of the device have.
 
     Attributes
     ----------
     start_s, end_s
         Last sample before and first sample after it, s.
     duration_known
-        False where the clock restarted, so that nobody knows how long the pause was.
+        False where the clock restarted, so that nobody knows how long the gap was.
     """
 
     start_s: float
@@ -129,7 +129,7 @@ class ImuBlock:
     magnetic_field_ut
         (n, 3) µT, NaN where it was not recorded; None where no stage needs it.
     hole
-        The pause before the first sample, where a segment after another one begins; else None.
+        The gap before the first sample, where a segment after another one begins; else None.
     """
 
     first_index: int
@@ -159,7 +159,7 @@ class LevelBlock:
     vertical_mps2
         (n,) m/s², upward component of the acceleration.
     yaw_rad
-        (n,) rad, rotation about the vertical, wrapped, with an arbitrary zero; carried over pauses.
+        (n,) rad, rotation about the vertical, wrapped, with an arbitrary zero; carried over gaps.
     rotation_rate_radps
         (n, 3) rad/s, device axes, corrected by the gyroscope bias that the attitude filter estimates.
     turn_rate_radps

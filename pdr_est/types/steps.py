@@ -113,7 +113,7 @@ class Step:
     heading_rad
         Heading of the step, rad, with an arbitrary zero.
     holes
-        Pauses of the recording since the previous step.
+        Gaps of the recording since the previous step.
     sigma_turn_rad
         Standard deviation of the heading change since the previous step, rad, in addition to the noise that every
         step has.

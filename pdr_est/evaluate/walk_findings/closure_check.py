@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath
+from pdr_est.estimators.fix_checks import DeadReckonedPath
 from pdr_est.evaluate.walk_findings.fix_residuals import FALSE_ALARMS, chance_limit
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import DeviceMeasurements, LoopClosure, StepOdometry

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from pdr_est.config import Config, EstimatorParams, config_to_dict, config_with
 from pdr_est.config.front_ends import FRONT_ENDS, front_end_of, with_front_end
@@ -14,9 +15,41 @@ from pdr_est.front_end.steps import DETECTORS
 EVERY = "all"
 
 
+class Axis(Protocol):
+    """Something whose values can be compared.
+
+    Attributes
+    ----------
+    name : str
+        Name in options, tables and documents.
+    values : tuple of str
+        Values that it can have.
+    """
+
+    @property
+    def name(self) -> str:
+        """Return the name."""
+
+    @property
+    def values(self) -> tuple[str, ...]:
+        """Return the values."""
+
+    def value_in(self, config: Config) -> str:
+        """Return the value in a configuration."""
+
+    def with_value(self, config: Config, value: str) -> Config:
+        """Return the configuration with this value.
+
+        Raises
+        ------
+        ConfigError
+            For a value that is unknown or contradicts other settings.
+        """
+
+
 @dataclass(frozen=True)
-class Axis:
-    """A setting whose values can be compared.
+class SettingAxis:
+    """A single setting.
 
     Attributes
     ----------
@@ -38,18 +71,24 @@ class Axis:
         return str(config_to_dict(config)[self.section][self.key])
 
     def with_value(self, config: Config, value: str) -> Config:
-        """Return the configuration with this value.
-
-        Raises
-        ------
-        ConfigError
-            For a value that is unknown or contradicts other settings.
-        """
+        """Return the configuration with this value."""
         return config_with(config, {f"{self.section}.{self.key}": value}, f"--{self.name}")
 
 
-class FrontEndAxis(Axis):
-    """The choice among the named front ends, which stands for several settings."""
+@dataclass(frozen=True)
+class FrontEndAxis:
+    """The choice among the named front ends, which stands for several settings.
+
+    Attributes
+    ----------
+    name : str
+        Name in options, tables and documents.
+    values : tuple of str
+        Names of the front ends.
+    """
+
+    name: str = "front-end"
+    values: tuple[str, ...] = tuple(FRONT_ENDS)
 
     def value_in(self, config: Config) -> str:
         """Return the name of the front end of a configuration."""
@@ -61,11 +100,11 @@ class FrontEndAxis(Axis):
 
 
 AXES: tuple[Axis, ...] = (
-    Axis("estimator", ESTIMATORS, "estimator", "name"),
-    Axis("detector", DETECTORS, "steps", "detector"),
-    Axis("length-model", LENGTH_MODELS, "step_length", "model"),
-    Axis("heading", HEADINGS, "heading", "method"),
-    FrontEndAxis("front-end", tuple(FRONT_ENDS), "", ""),
+    SettingAxis("estimator", ESTIMATORS, "estimator", "name"),
+    SettingAxis("detector", DETECTORS, "steps", "detector"),
+    SettingAxis("length-model", LENGTH_MODELS, "step_length", "model"),
+    SettingAxis("heading", HEADINGS, "heading", "method"),
+    FrontEndAxis(),
 )
 
 

@@ -22,21 +22,20 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.number_table import read_table
-from pdr_est.types.ground_truth import TrueModes, TruePositions, TrueSteps, Truth
+from pdr_est.types.ground_truth import TrueModes, TruePositions, TrueSteps, Truth, are_dense
 from pdr_est.types.steps import CarryingMode
 
 TRUTH_SUFFIX = ".truth.csv"
 
 _COLUMNS = ("time_s", "x_m", "y_m")
-_DENSE_S = 1.5  # recorded poses follow each other faster than anybody taps waypoints
 _WAYPOINT_SIGMA_M = 0.7  # per axis, of points that somebody tapped while passing
 
 
 def read_truth_beside(recording: Path) -> Truth:
     """Read the ground truth of a recording from the files beside it; all of it is None where there are none.
 
-    Positions that follow each other within 1.5 s count as recorded poses, which have no error unless `sigma_m` says
-    so; others as waypoints with 0.7 m per axis.
+    Positions that follow each other quickly (`are_dense`) count as recorded poses, which have no error unless
+    `sigma_m` says so; others as waypoints with 0.7 m per axis.
 
     Raises
     ------
@@ -94,7 +93,7 @@ def _positions(recording: Path, described: Mapping[str, Any], described_in: str)
         raise RecordingError(f"{place}, line {unusable[0] + 2}: a number is missing: remove the line or complete it")
     rows = rows[np.argsort(rows[:, 0], kind="stable")]
     time_s = rows[:, 0]
-    is_dense = len(rows) > 1 and float(np.median(np.diff(time_s))) < _DENSE_S
+    is_dense = are_dense(time_s)
     is_gps = "gps" in str(described.get("truth_kind", "")).lower()
     sigma_m = _positive(described, "sigma_m", described_in)
     if sigma_m is None:

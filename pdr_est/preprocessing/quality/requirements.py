@@ -162,7 +162,7 @@ def explain_empty_grid(device: DeviceRecording, label: str, max_gap_s: float) ->
     label
         Name of the device in messages.
     max_gap_s
-        Longest pause, s, that resampling interpolates.
+        Longest gap, s, that resampling interpolates.
     """
     for channel, sensor in _SENSOR_NAMES.items():
         signal = _signal(device, channel)
@@ -174,12 +174,12 @@ def explain_empty_grid(device: DeviceRecording, label: str, max_gap_s: float) ->
                 f"{label}: the values of the {sensor} reach {np.abs(signal.values).max():.3g} {limit.unit}, "
                 f"more than {limit.largest:g}, which no phone can measure: write their unit into the header"
             )
-        pause_s = float(np.median(np.diff(signal.time_s)))
-        if pause_s < 0.0:
+        apart_s = float(np.median(np.diff(signal.time_s)))
+        if apart_s < 0.0:
             return RecordingError(f"{label}: the time stamps of the {sensor} run backwards: sort its rows by time")
-        if pause_s > max_gap_s:
+        if apart_s > max_gap_s:
             return RecordingError(
-                f"{label}: the samples of the {sensor} lie {pause_s:.6g} s apart, more than resample.max_gap_s = "
+                f"{label}: the samples of the {sensor} lie {apart_s:.6g} s apart, more than resample.max_gap_s = "
                 f"{max_gap_s:g}: give the time in seconds, or record at a higher rate"
             )
         if len(signal) >= _MANY_SAMPLES and _in_whole_seconds(signal):

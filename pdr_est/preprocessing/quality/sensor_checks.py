@@ -10,7 +10,7 @@ from pdr_est.frames import Array
 from pdr_est.types.recording import Signal
 
 LONGEST_PERIOD_S = 0.5
-"""A longer pause between two samples is a gap."""
+"""A longer time between two samples is a gap."""
 
 _STUCK_S = 2.0
 _STUCK_SAMPLES = 5
@@ -59,7 +59,7 @@ class ClockCheck:
     backward_steps
         Number of samples whose time goes back.
     gaps
-        Pauses longer than `LONGEST_PERIOD_S` and five median periods.
+        Times between samples longer than `LONGEST_PERIOD_S` and five median periods.
     """
 
     rate_hz: float
