@@ -13,6 +13,20 @@ class RecordingError(PdrError):
     """A recording cannot be used: its format is unknown, its file is damaged, or a sensor is missing."""
 
 
+class SeveralWalksError(RecordingError):
+    """A folder or an archive holds several recordings where one was asked for.
+
+    Attributes
+    ----------
+    walks
+        Their names: files or folders inside, or what the format calls a walk.
+    """
+
+    def __init__(self, message: str, walks: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.walks = walks
+
+
 class ConfigError(PdrError):
     """A configuration or an option has an unknown key or a value out of range."""
 

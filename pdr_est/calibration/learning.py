@@ -14,7 +14,8 @@ from pdr_est.config import Config
 from pdr_est.pipeline import analyse_recording
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import PositionFix
-from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
+from pdr_est.types.sensors import SensorBlock
 
 
 def learn(
@@ -123,8 +124,10 @@ def device_digests(recording: Recording) -> tuple[str, ...]:
 
 def _samples_digest(device: DeviceRecording) -> str:
     digest = hashlib.sha256()
-    for block in device.blocks():
-        for numbers in (block.time_s, block.values):
+    signals: list[SensorBlock | Signal] = list(device.blocks())
+    signals += [] if device.linear_acceleration is None else [device.linear_acceleration]
+    for signal in signals:
+        for numbers in (signal.time_s, signal.values):
             digest.update(np.ascontiguousarray(numbers, dtype="<f8").tobytes())
     return digest.hexdigest()
 

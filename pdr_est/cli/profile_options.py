@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from pdr_est.calibration.learning import device_digests, learnt_walk, recording_digest
+from pdr_est.calibration.learning import device_digests, learnt_walk, recording_digest, walk_record
 from pdr_est.calibration.profile import LearntWalk, Profile, new_profile
 from pdr_est.calibration.profile_file import load_profile, profile_to_yaml
 from pdr_est.calibration.scale_by_fixes import without_personal_constants
@@ -84,14 +84,21 @@ class WalkersProfile:
         return self.profile.without(checksums) if own and twice else self.profile
 
     def learnt_from(
-        self, recording: Recording, devices: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix]
+        self,
+        whole: Recording,
+        recording: Recording,
+        devices: Sequence[DeviceWalk],
+        config: Config,
+        fixes: Sequence[PositionFix],
     ) -> LearntWalk | NotLearnt | None:
         """Find what the walk tells a profile that learns, or why it tells nothing; None if no profile learns.
 
         Parameters
         ----------
+        whole
+            The whole recording, by which the walk is recognised: two parts of it do not count as two walks.
         recording, fixes
-            The walk.
+            The part of it that is the walk.
         devices
             Result of the front end with `config`. It is used unless the profile had an influence on it.
         config
@@ -102,7 +109,10 @@ class WalkersProfile:
         plain = without_personal_constants(config)
         if plain.walker != config.walker and (fixes or self.distance_m is not None):
             devices = analyse_recording(recording, plain)
-        return learnt_walk(recording, devices, plain, fixes, self.distance_m)
+        learnt = learnt_walk(recording, devices, plain, fixes, self.distance_m)
+        if whole is recording or isinstance(learnt, NotLearnt):
+            return learnt
+        return walk_record(whole, learnt.observation, self.distance_m)
 
     @contextmanager
     def saved(self, config: Config, inputs: Sequence[Path]) -> Iterator[Save]:

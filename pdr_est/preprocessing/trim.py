@@ -1,10 +1,11 @@
 """Cut a time span out of a recording."""
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from pdr_est.errors import RecordingError
-from pdr_est.types.ground_truth import TruePositions, TrueSteps, TrueTurns, Truth
+from pdr_est.types.ground_truth import TruePositions, TrueSteps, TrueStrides, TrueTurns, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 
@@ -12,7 +13,8 @@ def trim_recording(recording: Recording, start_s: float, end_s: float = math.inf
     """Keep what was recorded from start_s to end_s, both inclusive.
 
     Signals, annotated truth and fixes outside are removed; the time stamps stay as they are. Step count and distance
-    of the whole walk do not hold for a part of it and become None.
+    of the whole walk do not hold for a part of it and become None. Devices without a sample inside are left out, and
+    a note says so.
 
     Parameters
     ----------
@@ -26,8 +28,9 @@ def trim_recording(recording: Recording, start_s: float, end_s: float = math.inf
     RecordingError
         When no device has a sample inside.
     """
-    devices = tuple(_trim_device(device, start_s, end_s) for device in recording.devices)
-    if all(device.span_s is None for device in devices):
+    trimmed = [_trim_device(device, start_s, end_s) for device in recording.devices]
+    devices = tuple(device for device in trimmed if device.span_s is not None)
+    if not devices:
         raise RecordingError(
             f"{recording.name}: no sample between {start_s:.3f} and {end_s:.3f} s: choose a span inside the recording"
         )
@@ -36,8 +39,16 @@ def trim_recording(recording: Recording, start_s: float, end_s: float = math.inf
         devices=devices,
         truth=_trim_truth(recording.truth, start_s, end_s),
         fixes=tuple(fix for fix in recording.fixes if start_s <= fix.time_s <= end_s),
-        notes=(*recording.notes, f"cut to {start_s:.3f} to {end_s:.3f} s"),
+        waypoints=tuple(fix for fix in recording.waypoints if start_s <= fix.time_s <= end_s),
+        notes=(*recording.notes, f"cut to {start_s:.3f} to {end_s:.3f} s", *_absent(trimmed, devices)),
     )
+
+
+def _absent(trimmed: Sequence[DeviceRecording], kept: Sequence[DeviceRecording]) -> Iterator[str]:
+    """Say which devices have no sample inside."""
+    for device in trimmed:
+        if not any(device is other for other in kept):
+            yield f"{device.name}: no sample in this time, left out"
 
 
 def _trim_device(device: DeviceRecording, start_s: float, end_s: float) -> DeviceRecording:
@@ -66,6 +77,9 @@ def _trim_truth(truth: Truth, start_s: float, end_s: float) -> Truth:
         steps=_trim_steps(truth.steps, start_s, end_s),
         turns=_trim_turns(truth.turns, start_s, end_s),
         activity=truth.activity,
+        modes=truth.modes,
+        strides=_trim_strides(truth.strides, start_s, end_s),
+        speed_mps=truth.speed_mps,
     )
 
 
@@ -88,3 +102,10 @@ def _trim_turns(turns: TrueTurns | None, start_s: float, end_s: float) -> TrueTu
         return None
     inside = (turns.time_s >= start_s) & (turns.time_s <= end_s)
     return TrueTurns(turns.time_s[inside], turns.angle_rad[inside])
+
+
+def _trim_strides(strides: TrueStrides | None, start_s: float, end_s: float) -> TrueStrides | None:
+    if strides is None:
+        return None
+    inside = (strides.start_s >= start_s) & (strides.end_s <= end_s)
+    return TrueStrides(strides.start_s[inside], strides.end_s[inside], strides.length_m[inside])

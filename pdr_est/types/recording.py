@@ -183,6 +183,8 @@ class Recording:
         Remarks of the reader.
     messages
         Message exchanges by which the devices compared their clocks.
+    waypoints
+        Positions that the walker marked on the device while passing them, other than the reference data.
     """
 
     name: str
@@ -194,6 +196,7 @@ class Recording:
     epoch_s: float | None = None
     notes: tuple[str, ...] = ()
     messages: tuple[ClockMessages, ...] = ()
+    waypoints: tuple[PositionFix, ...] = ()
 
     @classmethod
     def from_arrays(
@@ -254,6 +257,14 @@ class Recording:
             decisions=("units and signs as the caller states them",),
         )
         return cls(name=name, format="arrays", devices=(recorded,))
+
+    @property
+    def span_s(self) -> tuple[float, float] | None:
+        """Times of the first and the last sample that any device has for the front end, s; None without samples."""
+        spans = [span for device in self.devices if (span := device.span_s) is not None]
+        if not spans:
+            return None
+        return min(begin for begin, _ in spans), max(end for _, end in spans)
 
     def place_of(self, device: DeviceRecording) -> str:
         """Name a device of this recording for error messages."""

@@ -109,7 +109,9 @@ def test_a_folder_of_several_walks_names_them(tmp_path: Path, outs: Path, lines:
     for name in ("b.csv", "a.csv"):
         (tmp_path / "walks").mkdir(exist_ok=True)
         save(tmp_path / "walks" / name, lines)
-    both_refuse(tmp_path / "walks", outs, r"contains 2 plain CSV recordings \(a\.csv, b\.csv\); choose one of them")
+    words = r"contains 2 plain CSV recordings \(a\.csv, b\.csv\); choose one of them"
+    assert re.search(words, refused("track", tmp_path / "walks"))
+    assert re.search(words, refused("calibrate", tmp_path / "walks", "--distance", 12, "-o", tmp_path / "c.yaml"))
 
 
 def test_a_folder_may_hold_links_to_itself_and_pipes(tmp_path: Path, lines: list[str]) -> None:

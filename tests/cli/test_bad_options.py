@@ -155,10 +155,10 @@ HEAD = "time_s,x_m,y_m"
         ([HEAD, "1,here,0"], r", line 2, column 'x_m': 'here' is not a number; correct or remove it"),
         ([HEAD, "1,1e12,0"], r", line 2: position 1e\+12, 0 is beyond 1e\+08 m: give metres"),
         ([HEAD], r": contains no fix: add a row or leave --fixes out"),
-        (["t,x_m,y_m", "1,0,0"], r": no column time_s among t, x_m, y_m: name the time column time_s"),
+        (["when,x_m,y_m", "1,0,0"], r": no column time_s among when, x_m, y_m: name the time column time_s"),
         (
-            ["time_s,x,y", "1,0,0"],
-            r": needs the columns x_m and y_m, or latitude_deg and longitude_deg; it has time_s, x, y",
+            ["time_s,u,v", "1,0,0"],
+            r": needs the columns x_m and y_m, or latitude_deg and longitude_deg; it has time_s, u, v",
         ),
         (["1 0 0"], r": no header line such as time_s,x_m,y_m: add one"),
         ([HEAD, "1718030737,0,0"], r": time_s is Unix time, but that of walk is unknown: give seconds on its own cl"),

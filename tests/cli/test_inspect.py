@@ -40,11 +40,16 @@ def test_json_of_one_and_of_several(good: Path, export_zip: Path) -> None:
 def test_the_same_recording_twice_is_described_twice(good: Path) -> None:
     text = run("inspect", good, good).stdout
     once = run("inspect", good).stdout.rstrip("\n")
-    assert text == f"{once}\n\n{once}\n"
+    assert text.startswith(f"{once}\n\n{once}\n\nwalk ")
 
 
 def test_one_bad_recording_among_good_ones_is_named(good: Path, tmp_path: Path) -> None:
-    assert refused("inspect", good, tmp_path / "nowhere.csv").startswith(str(tmp_path / "nowhere.csv"))
+    result = run("inspect", good, tmp_path / "nowhere.csv")
+    assert result.exit_code == 2
+    assert result.stdout.startswith("walk: plain CSV")
+    failed, error = result.stderr.splitlines()
+    assert failed == f"failed: {tmp_path / 'nowhere.csv'}: no such file or folder; check the path"
+    assert error.startswith("Error: 1 of 2 walks failed (")
     assert refused("inspect").startswith("Missing argument 'RECORDING...'; see pdr-est inspect --help")
 
 

@@ -107,7 +107,7 @@ def test_refusals(good: Path, walk: Walk, tmp_path: Path) -> None:
         "-o takes the steps of one RECORDING, but 2 are given: run the command once for each; "
         "see pdr-est steps --help"
     )
-    assert refused("steps", good, tmp_path / "nowhere.csv").startswith(str(tmp_path / "nowhere.csv"))
+    assert refused("steps", tmp_path / "nowhere.csv").startswith(str(tmp_path / "nowhere.csv"))
     assert "'magic' is not one of 'auto', 'mmpdr'" in refused("steps", good, "--detector", "magic")
     columns = columns_of(walk)
     rates = save(tmp_path / "rates.csv", lines_of({key: columns[key] for key in columns if key not in ACC}))

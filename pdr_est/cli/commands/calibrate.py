@@ -14,7 +14,7 @@ from pdr_est.calibration.scale_by_distance import observe_known_distance
 from pdr_est.calibration.scale_by_fixes import observe_fixes, without_personal_constants
 from pdr_est.calibration.step_length_fit import NotLearnt
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import RECORDED, load_fixes
+from pdr_est.cli.fix_options import METAVAR, RECORDED, WAYPOINTS, fix_tables, load_fixes
 from pdr_est.cli.options import (
     PATH,
     config_option,
@@ -25,10 +25,13 @@ from pdr_est.cli.options import (
     resolve_config,
 )
 from pdr_est.cli.profile_options import describe_profile
+from pdr_est.cli.recording_options import RecordingPart, recording_options
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
-from pdr_est.io import read
+from pdr_est.io.side_tables.position_fixes import fixes_within
+from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.preprocessing.moments import Moment
 
 
 @click.command("calibrate")
@@ -44,9 +47,10 @@ from pdr_est.io.writers.atomic_output import staged_file
 @click.option(
     "--fixes",
     multiple=True,
-    metavar="FILE.csv|recording",
-    help="Known positions instead: once for each RECORDING, or once `recording` for all.",
+    metavar=METAVAR,
+    help="Known positions instead: once for each RECORDING, or once `recording` or `waypoints` for all.",
 )
+@recording_options
 @click.option("-o", "--output", type=PATH, required=True, metavar="FILE.yaml", help="Profile to write.")
 @overwrite_option
 @length_model_option
@@ -56,6 +60,10 @@ def calibrate_command(
     recordings: tuple[Path, ...],
     distances_m: tuple[float, ...],
     fixes: tuple[str, ...],
+    begin: Moment | None,
+    end: Moment | None,
+    devices: tuple[str, ...],
+    mapping: TableMapping | None,
     output: Path,
     overwrite: bool,
     config_file: Path | None,
@@ -70,15 +78,15 @@ def calibrate_command(
         raise click.UsageError("give either --distance or --fixes")
     _refuse_repetition(recordings)
     config = without_personal_constants(resolve_config(config_file, **settings))
-    tables = [Path(choice) for choice in fixes if choice != RECORDED]
-    with staged_file(output, overwrite, [*given_paths(*recordings, config_file), *tables]) as file:
+    part = RecordingPart(begin, end, devices, mapping)
+    with staged_file(output, overwrite, [*given_paths(*recordings, config_file), *fix_tables(fixes)]) as file:
         if distances_m:
             _refuse_wrong_count("--distance", len(distances_m), len(recordings))
-            seen = [_by_distance(*pair, config) for pair in zip(recordings, distances_m, strict=True)]
+            seen = [_by_distance(*pair, config, part) for pair in zip(recordings, distances_m, strict=True)]
         else:
-            choices = fixes * len(recordings) if fixes == (RECORDED,) else fixes
+            choices = fixes * len(recordings) if fixes in ((RECORDED,), (WAYPOINTS,)) else fixes
             _refuse_wrong_count("--fixes", len(choices), len(recordings))
-            seen = [_by_fixes(*pair, config) for pair in zip(recordings, choices, strict=True)]
+            seen = [_by_fixes(*pair, config, part) for pair in zip(recordings, choices, strict=True)]
         profile = _profile(config, recordings, seen)
         file.write_text(profile_to_yaml(profile), encoding="utf-8")
     click.echo(f"{describe_profile(profile)} -> {output}")
@@ -98,23 +106,26 @@ def _refuse_wrong_count(option: str, count: int, recordings: int) -> None:
         )
 
 
-def _by_distance(path: Path, distance_m: float, config: Config) -> LearntWalk:
-    recording = read(path)
+def _by_distance(path: Path, distance_m: float, config: Config, part: RecordingPart) -> LearntWalk:
+    whole = part.read([path])
     with prefix_errors(path):
-        walks = pipeline.analyse_recording(recording, config)
+        walks = pipeline.analyse_recording(part.cut(whole), config)
     seen = observe_known_distance(walks, distance_m, str(path))
     if isinstance(seen, NotLearnt):
         raise RecordingError(f"{path}: {seen.reason}")
-    return walk_record(recording, seen, distance_m)
+    return walk_record(whole, seen, distance_m)
 
 
-def _by_fixes(path: Path, choice: str, config: Config) -> LearntWalk:
-    recording = read(path)
-    fixes = load_fixes(choice, recording, path)
+def _by_fixes(path: Path, choice: str, config: Config, part: RecordingPart) -> LearntWalk:
+    whole = part.read([path])
+    fixes = load_fixes(choice, whole, path)
     with prefix_errors(path):
+        recording = part.cut(whole)
         walks = pipeline.analyse_recording(recording, config)
-        # The place is named by `prefix_errors`, which knows the errors of the smoother as well.
-        return walk_record(recording, observe_fixes(walks, config, fixes, recording.name))
+        fixes = fixes if part.is_all else fixes_within(fixes, recording)
+        # The place is named by `prefix_errors`, which knows the errors of the smoother as well. The checksum is that
+        # of the whole recording, so that two parts of it do not count as two walks.
+        return walk_record(whole, observe_fixes(walks, config, fixes, recording.name))
 
 
 def _profile(config: Config, recordings: Sequence[Path], seen: Sequence[LearntWalk]) -> Profile:

@@ -1,34 +1,39 @@
 """`pdr-est smooth`: a recording becomes a folder with its track."""
 
-from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from pdr_est import pipeline
-from pdr_est.calibration.profile import LearntWalk, apply_profile
-from pdr_est.calibration.step_length_fit import NotLearnt
-from pdr_est.cli.clock_options import apply_clock_messages, apply_clock_options, clock_options
-from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import RECORDED, load_fixes
+from pdr_est.cli.clock_options import apply_clock_options, clock_options
+from pdr_est.cli.fix_options import fix_tables, fixes_option
+from pdr_est.cli.many_walks import (
+    SUMMARY,
+    jobs_option,
+    print_summary,
+    report_failures,
+    tell,
+    work_on,
+    write_summary,
+)
 from pdr_est.cli.options import PATH, config_option, estimation_options, given_paths, resolve_config
-from pdr_est.cli.profile_options import NO_PROFILE, WalkersProfile
-from pdr_est.cli.progress import ProgressBar, progress_bar
+from pdr_est.cli.profile_options import WalkersProfile
+from pdr_est.cli.progress import progress_bar
+from pdr_est.cli.recording_options import RecordingPart, recording_options
+from pdr_est.cli.smoothing import REPORT, SmoothRequest, smooth_one_of_many, smooth_to_folder
+from pdr_est.cli.walk_list import are_separate_walks, expand_paths, named_paths
 from pdr_est.clock_sync import ClockMethod
-from pdr_est.config import Config
-from pdr_est.io import read
-from pdr_est.io.writers.atomic_output import staged_folder
-from pdr_est.io.writers.checksums import file_digests
-from pdr_est.preprocessing.merge import merge_recordings
+from pdr_est.errors import OutputError
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.preprocessing.moments import Moment
 
 
 @click.command("smooth")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING…")
 @click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="Folder for the results.")
-@click.option(
-    "--fixes", metavar="FILE.csv|recording", help="Known positions: a table, or those in the recording itself."
-)
+@fixes_option
+@recording_options
 @click.option(
     "--profile",
     type=PATH,
@@ -42,100 +47,102 @@ from pdr_est.preprocessing.merge import merge_recordings
 @config_option
 @estimation_options
 @clock_options
+@click.option("--each", is_flag=True, help="Each RECORDING is a walk of its own, not a device of the same walk.")
+@jobs_option
+@click.option(
+    "--report/--no-report",
+    default=None,
+    help="Write report.html. Default: for one walk, as it takes most of the time.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
 @click.option("-q", "--quiet", is_flag=True, help="Show no progress bar and no summary; warnings are still shown.")
 def smooth_command(
     recordings: tuple[Path, ...],
     output: Path,
     fixes: str | None,
+    begin: Moment | None,
+    end: Moment | None,
+    devices: tuple[str, ...],
+    mapping: TableMapping | None,
     profile: Path | None,
     learn: bool,
     distance_m: float | None,
     clock: ClockMethod | None,
     clock_offsets: tuple[tuple[str, float], ...],
     messages: Path | None,
+    each: bool,
+    jobs: int,
+    report: bool | None,
     overwrite: bool,
     quiet: bool,
     **settings: Any,
 ) -> None:
     """Turn RECORDING (a file, a folder or a zip) into a track with uncertainty, its files and its report.
 
-    Give several recordings for devices that one person carried at the same time.
+    Several recordings are those of devices that one person carried at the same time. With --each, with a folder of
+    several recordings, with --jobs, and if three or more were made at different times by their dates, each is a walk
+    of its own: its results go to a folder of its name in OUT, and OUT/walks.csv has a row for each walk.
     """
     own = WalkersProfile.of_options(profile, learn, distance_m)
     own.require_outside(output)
     config = apply_clock_options(resolve_config(**settings, profile=own.profile), clock, clock_offsets, messages)
-    tables = [] if fixes in (None, RECORDED) else [Path(str(fixes))]
-    inputs = given_paths(*recordings, settings["config_file"], messages, *tables)
-    with (
-        own.saved(config, inputs) as save,
-        progress_bar("reading", total=4, quiet=quiet) as bar,
-        staged_folder(output, overwrite) as folder,
-    ):
-        summary, walk = smooth_into(folder, recordings, fixes, config, bar, messages, own)
-        words = save(walk)  # before the results appear, so that there are none if the profile refuses the walk
-    doubt = [f"nothing learnt: {walk.reason}"] if isinstance(walk, NotLearnt) and walk.doubtful else []
-    for warning in (*summary["warnings"], *doubt):
+    inputs = given_paths(*recordings, settings["config_file"], messages, *fix_tables([fixes]))
+    part = RecordingPart(begin, end, devices, mapping)
+    paths = expand_paths(recordings)
+    many = each or jobs > 1 or len(paths) > max(len(recordings), 1) or are_separate_walks(paths)
+    with_report = not many if report is None else report
+    request = SmoothRequest(config, fixes, part, messages, own, overwrite, tuple(inputs), with_report)
+    if many:
+        _smooth_many(paths, output, request, jobs, quiet)
+        return
+    result = smooth_to_folder(output, paths, request, quiet)
+    for warning in result.warnings:
         click.echo(f"warning: {warning}", err=True)
     if not quiet:
-        click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {output / 'report.html'}")
-        for line in words:
+        summary = result.summary
+        shown = output / REPORT if with_report else output
+        click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {shown}")
+        if config.start.pose().position_m is not None and summary["frame"] != "map":
+            click.echo(f"frame: {summary['frame_meaning']}; give --heading, a second position, or fixes")
+        for line in result.words:
             click.echo(line)
 
 
-def smooth_into(
-    folder: Path,
-    paths: Sequence[Path],
-    fixes: str | None,
-    config: Config,
-    bar: ProgressBar,
-    messages: Path | None = None,
-    own: WalkersProfile = NO_PROFILE,
-) -> tuple[dict[str, Any], LearntWalk | NotLearnt | None]:
-    """Read, smooth and write the recordings of one walk.
-
-    Parameters
-    ----------
-    folder : Path
-        Existing folder for the results.
-    paths : sequence of Path
-        Recordings of the walk.
-    fixes : str or None
-        Value of the option `--fixes`.
-    config : Config
-        Configuration, with the constants of the profile.
-    bar : ProgressBar
-        Progress bar.
-    messages : Path or None
-        Table of messages by which the devices compared their clocks.
-    own : WalkersProfile
-        Profile of the walker, and whether it learns this walk.
-
-    Returns
-    -------
-    summary : dict
-        The summary.
-    walk : LearntWalk, NotLearnt or None
-        What a profile that learns gets from this walk; None if no profile learns.
-    """
-    from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
-
-    recorded = apply_clock_messages(merge_recordings([read(path) for path in paths]), messages)
-    known = load_fixes(fixes, recorded, paths[0])
-    prior = own.prior_of(recorded, known)
-    config = config if prior is None else apply_profile(config, prior)
-    bar.start_part("smoothing")
-    with prefix_errors(", ".join(map(str, paths))):
-        walk = pipeline.smooth_recording(recorded, config, known)
-        learnt = own.learnt_from(recorded, walk.devices, config, known)
-    bar.start_part("writing")
-    digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
-    return write_results(folder, walk, recorded, config, digests, prior), learnt
+def _smooth_many(paths: tuple[Path, ...], output: Path, request: SmoothRequest, jobs: int, quiet: bool) -> None:
+    """Smooth each recording into a folder of its own, and write the table of all."""
+    if request.messages is not None or fix_tables([request.fixes]):
+        raise click.UsageError("--messages and --fixes FILE.csv belong to one walk: smooth it alone")
+    if request.own.distance_m is not None:
+        raise click.UsageError("--distance is the length of one walk: smooth it alone")
+    _prepare_folder(output, request)
+    walks = named_paths(list(dict.fromkeys(paths)))
+    outcomes = []
+    with progress_bar("smoothing", total=len(walks), quiet=quiet) as bar:
+        for outcome in work_on(partial(smooth_one_of_many, request, output), walks, jobs):
+            tell(outcome)
+            outcomes.append(outcome)
+            bar.set_progress(len(outcomes), len(walks))
+    write_summary(outcomes, output / SUMMARY)
+    if not quiet:
+        print_summary(outcomes)
+        done = sum(outcome.done is not None for outcome in outcomes)
+        click.echo(f"{done} of {len(walks)} walks -> {output}, {output / SUMMARY}")
+    report_failures(outcomes)
 
 
-def _digests(path: Path, several: bool) -> dict[str, str]:
-    """Compute checksums by file; of several recordings by their paths, since files of one app have the same names."""
-    digests = file_digests(path)
-    if not several:
-        return digests
-    return {str(path) if path.is_file() else str(path / name): digest for name, digest in digests.items()}
+def _prepare_folder(output: Path, request: SmoothRequest) -> None:
+    """Make the folder of all results; raise OutputError where it must not be."""
+    for source in request.inputs:
+        if source.is_dir() and output.resolve().is_relative_to(source.resolve()):
+            raise OutputError(f"{output}: lies inside the input {source}: choose a folder elsewhere")
+    if (output / SUMMARY).exists() and not request.overwrite:
+        raise OutputError(
+            f"{output}: contains the results of an earlier run: allow overwriting (--overwrite) or choose another "
+            "folder"
+        )
+    try:
+        output.mkdir(exist_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"{output}: the folder cannot be made ({error.strerror}): choose another output folder"
+        ) from error

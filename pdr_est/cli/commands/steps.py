@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,76 +11,93 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.options import (
-    PATH,
-    config_option,
-    detector_option,
-    given_paths,
-    map_option,
-    overwrite_option,
-    resolve_config,
-)
+from pdr_est.cli.many_walks import Done, finish_many, jobs_option, summary_option, work_on
+from pdr_est.cli.options import PATH, config_option, detector_option, given_paths, overwrite_option, resolve_config
+from pdr_est.cli.recording_options import RecordingPart, recording_options
+from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
 from pdr_est.config import Config
 from pdr_est.evaluate.carrying_modes import mode_shares
-from pdr_est.io import read
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.writers.atomic_output import staged_file
 from pdr_est.io.writers.track_files import write_steps_csv
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.pipeline.warnings import warnings_of
+from pdr_est.preprocessing.moments import Moment
 from pdr_est.types.steps import Step
 
 
 @click.command("steps")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING...")
+@recording_options
 @detector_option
 @config_option
-@map_option
 @click.option(
     "-o", "--output", type=PATH, metavar="FILE.csv", help="Write the table of steps to this file; for one RECORDING."
 )
 @overwrite_option
+@jobs_option
+@summary_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list with one object for each device.")
 def steps_command(
     recordings: tuple[Path, ...],
+    begin: Moment | None,
+    end: Moment | None,
+    devices: tuple[str, ...],
+    mapping: TableMapping | None,
     output: Path | None,
     overwrite: bool,
+    jobs: int,
+    summary: Path | None,
     as_json: bool,
     detector: str | None,
     config_file: Path | None,
-    mapping: TableMapping | None,
 ) -> None:
     """Find the steps in each RECORDING: their number, the cadence, and how the phone was carried.
 
-    An accelerometer is enough; how the phone was carried is recognised only with a gyroscope.
+    An accelerometer is enough; how the phone was carried is recognised only with a gyroscope. A folder of several
+    recordings stands for these, as does a pattern in quotation marks.
     """
-    if output is not None and len(recordings) > 1:
+    walks = named_paths(expand_paths(recordings))
+    if output is not None and len(walks) > 1:
         raise click.UsageError(
-            f"-o takes the steps of one RECORDING, but {len(recordings)} are given: run the command once for each"
+            f"-o takes the steps of one RECORDING, but {len(walks)} are given: run the command once for each"
         )
     config = resolve_config(config_file, detector=detector)
+    inputs = given_paths(*recordings, config_file)
     with ExitStack() as stack:
-        inputs = given_paths(*recordings, config_file)
         table = None if output is None else stack.enter_context(staged_file(output, overwrite, inputs))
-        found = [(path, walk) for path in recordings for walk in _walks(path, config, mapping)]
-        if table is not None:
-            write_steps_csv({walk.device: walk.steps for _, walk in found}, table)
-    documents = [_document(path, walk) for path, walk in found]
-    if as_json:
+        work = partial(_find_steps, config, RecordingPart(begin, end, devices, mapping), table)
+        outcomes = list(work_on(work, walks, jobs))
+        if output is not None:
+            finish_many(outcomes[:1], None, (), quiet=True)  # before the table appears, so that there is none
+    done = [outcome.done for outcome in outcomes if outcome.done is not None]
+    documents = [document for one in done for document in one.document]
+    if as_json and done:
         click.echo(json.dumps(documents, indent=2, ensure_ascii=False, allow_nan=False))
-        return
-    for document in documents:
-        click.echo(_format_line(document))
+    elif done:
+        click.echo("\n".join(one.text for one in done))
+    finish_many(outcomes if output is None else (), summary, recordings, quiet=True)
 
 
-def _walks(path: Path, config: Config, mapping: TableMapping | None) -> Sequence[DeviceWalk]:
-    """Run the front end on a recording; warnings go to stderr."""
-    recording = read(path, mapping)
+def _find_steps(config: Config, part: RecordingPart, table: Path | None, walk: NamedPath) -> Done:
+    """Run the front end on a recording."""
+    path = walk.path
+    recording = part.read([path])
     with prefix_errors(path):
-        walks = pipeline.analyse_recording(recording, config)
-    for warning in warnings_of(recording, walks):
-        click.echo(f"warning: {path}: {warning}", err=True)
-    return walks
+        recording = part.cut(recording)
+        devices = pipeline.analyse_recording(recording, config)
+    if table is not None:
+        write_steps_csv({device.device: device.steps for device in devices}, table)
+    documents = [_document(path, device) for device in devices]
+    row = {
+        "steps": max(document["steps"] for document in documents),
+        "duration_s": max(document["duration_s"] for document in documents),
+        "cadence_per_min": documents[0]["cadence_per_min"],
+        "mode": next(iter(documents[0]["modes"]), None),
+        "devices": len(documents),
+    }
+    text = "\n".join(_format_line(document) for document in documents)
+    return Done(row, warnings_of(recording, devices), text, documents)
 
 
 def _document(path: Path, walk: DeviceWalk) -> dict[str, Any]:

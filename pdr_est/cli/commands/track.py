@@ -9,15 +9,17 @@ from typing import Any, TextIO
 import click
 
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import load_fixes
+from pdr_est.cli.fix_options import RECORDED, fixes_option, load_fixes
 from pdr_est.cli.options import PATH, config_option, estimation_options, resolve_config
+from pdr_est.cli.recording_options import RecordingPart, recording_options
 from pdr_est.cli.tracking_streams import follow_live, replay
 from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_overlap
 from pdr_est.errors import OutputError, PdrError
 from pdr_est.estimators import SPECS
-from pdr_est.io import read
 from pdr_est.io.formats.phone_apps.sensor_logger.live import Platform
-from pdr_est.preprocessing.merge import merge_recordings
+from pdr_est.io.side_tables.position_fixes import fixes_within
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.preprocessing.moments import Moment
 from pdr_est.types.recording import Recording
 
 _LIVE = Path("-")
@@ -33,9 +35,8 @@ _LIVE = Path("-")
     type=click.Choice(("ios", "android")),
     help="Platform of the phones that send to -. Default: detected.",
 )
-@click.option(
-    "--fixes", metavar="FILE.csv|recording", help="Known positions: a table, or those in the recording itself."
-)
+@fixes_option
+@recording_options
 @config_option
 @estimation_options
 def track_command(
@@ -45,6 +46,10 @@ def track_command(
     realtime: bool,
     platform: Platform | None,
     fixes: str | None,
+    begin: Moment | None,
+    end: Moment | None,
+    devices: tuple[str, ...],
+    mapping: TableMapping | None,
     **settings: Any,
 ) -> None:
     """Track a walk online: print one line of JSON for each estimate, as soon as there is one.
@@ -53,14 +58,15 @@ def track_command(
     as device `fused`. With - the messages that Sensor Logger pushes are read from standard input, one a line. The
     filter is ekf; --estimator fixed-lag also prints delayed estimates.
     """
-    config = resolve_config(**settings)
+    config, part = resolve_config(**settings), RecordingPart(begin, end, devices, mapping)
     if settings["estimator"] is not None and not SPECS[settings["estimator"]].online:
         online = " or ".join(name for name, spec in SPECS.items() if spec.online)
         raise click.UsageError(f"{settings['estimator']} needs the whole walk: use --estimator {online}")
     if _LIVE in recordings:
-        if len(recordings) > 1 or realtime or fixes not in (None, "recording"):
+        if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all:
             raise click.UsageError(
-                "- cannot be combined with other recordings, --realtime, or --fixes other than recording"
+                "- cannot be combined with other recordings, --realtime, --from, --to, --device, or --fixes other "
+                "than recording"
             )
         with _output_stream(output, overwrite) as stream:
             follow_live(sys.stdin, config, platform, fixes is not None, stream)
@@ -69,15 +75,21 @@ def track_command(
         raise click.UsageError(
             "--platform is for phones that send to -; a recording knows its platform: leave the option out"
         )
-    read_in = [read(path) for path in recordings]
-    recorded = merge_recordings(read_in)
+    read_in = [part.read_file(path) for path in recordings]
+    whole = part.join(read_in, recordings)
+    with prefix_errors(", ".join(map(str, recordings))):
+        recorded = part.cut(whole)
     _refuse_apart(recorded, recordings)
-    if len(recorded.devices) > len(read_in[0].devices) and any(one.epoch_s is None for one in read_in):
-        words = "not every recording has a date: their times are assumed to count from the same moment"
-        click.echo(f"warning: {words}; `pdr-est smooth` estimates the clocks from the walk instead", err=True)
-    known = load_fixes(fixes, recorded, recordings[0])
+    if len(whole.devices) > len(read_in[0].devices) and any(one.epoch_s is None for one in read_in):
+        undated = "not every recording has a date: their times are assumed to count from the same moment"
+        click.echo(f"warning: {undated}; `pdr-est smooth` estimates the clocks from the walk instead", err=True)
+    known = load_fixes(fixes, whole, recordings[0])
+    known = known if part.is_all else fixes_within(known, recorded)
     with _output_stream(output, overwrite) as stream, prefix_errors(", ".join(map(str, recordings))):
         replay(recorded, known, config, realtime, stream)
+    for device in recorded.devices:
+        for words in device.warnings:
+            click.echo(f"warning: {device.name}: {words}", err=True)
 
 
 def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:

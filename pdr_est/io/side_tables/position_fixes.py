@@ -1,6 +1,6 @@
 """Position fixes from a table that the user wrote, or from the recording itself."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -11,9 +11,8 @@ from pymap3d import geodetic2enu
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
-from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.side_tables.fix_table import FIRST_LINE, GEODETIC_COLUMNS, MAP_COLUMNS, read_fix_table
+from pdr_est.io.text.number_table import NumberTable
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Recording
 
@@ -29,15 +28,13 @@ DEFAULT_WANDER_TIME_S = 60.0
 TIME_MARGIN_S = 1.0
 """A fix this far, s, outside the recording still belongs to its first or last pose."""
 
-_MAP_COLUMNS = ("x_m", "y_m")
-_GEODETIC_COLUMNS = ("latitude_deg", "longitude_deg")
-_FIRST_LINE = 2  # of the data; line 1 is the header
-_HEAD_BYTES = 4096
+MARKED_SOURCES = ("waypoints", "surveyed points")
+"""Sources of true positions that somebody marked on the device while passing them."""
+
 _EPOCH_FROM_S = 1e9  # larger times are Unix times
 _MILLISECONDS_FROM_S = 1e11  # larger times cannot be seconds
 _SIGMA_RANGE_M = (1e-3, 1e5)
 _WANDER_TIME_RANGE_S = (1e-3, 1e6)
-_OPTIONAL_COLUMNS = ("sigma_m", "robust", "sigma_wander_m", "wander_time_s")
 _FARTHEST_M = 1e8  # of map coordinates, which may be UTM
 _FARTHEST_FROM_ORIGIN_M = 1e5  # swapped latitude and longitude lie further away than anybody walks
 
@@ -58,6 +55,37 @@ def recorded_fixes(recording: Recording) -> tuple[PositionFix, ...]:
     return recording.fixes
 
 
+def waypoint_fixes(recording: Recording) -> tuple[PositionFix, ...]:
+    """Return the positions that the walker marked on the device: taps on a map, surveyed points, annotations.
+
+    Marked points of a data set, which are otherwise reference data, become fixes with the standard deviation that
+    they have there. Whoever uses them must not judge the track by them.
+
+    Raises
+    ------
+    RecordingError
+        When there is none.
+    """
+    truth = recording.truth.positions
+    marked: tuple[PositionFix, ...] = ()
+    if truth is not None and truth.source in MARKED_SOURCES:
+        covariance_m2 = truth.sigma_m**2 * np.eye(2)
+        pairs = zip(truth.time_s, truth.position_m, strict=True)
+        marked = tuple(PositionFix(float(t), p, covariance_m2, clock_known=True) for t, p in pairs)
+    if not (marked or recording.waypoints):
+        raise RecordingError(
+            f"{recording.name}: no waypoints: nobody marked positions on the device, in rows TYPE_WAYPOINT or POSI "
+            "or in annotations such as 12.5, -3: give a file with --fixes FILE.csv"
+        )
+    return tuple(sorted((*marked, *recording.waypoints), key=lambda fix: fix.time_s))
+
+
+def fixes_within(fixes: Sequence[PositionFix], recording: Recording) -> tuple[PositionFix, ...]:
+    """Keep the fixes in the time of a recording, up to `TIME_MARGIN_S`."""
+    start_s, end_s = _time_span_s(recording)
+    return tuple(fix for fix in fixes if start_s - TIME_MARGIN_S <= fix.time_s <= end_s + TIME_MARGIN_S)
+
+
 def read_position_fixes(path: str | Path, recording: Recording) -> tuple[PositionFix, ...]:
     """Read fixes from a table with a header.
 
@@ -65,15 +93,15 @@ def read_position_fixes(path: str | Path, recording: Recording) -> tuple[Positio
     (standard deviation of each axis, default 1 m), `robust` (1: may be an outlier), `source` (default "file"),
     `sigma_wander_m` (standard deviation of each axis, m, of an error that wanders and is common to the fixes of a
     source; 0 leaves it to the settings of the source) and `wander_time_s` (correlation time of that error, default
-    60 s). Empty cells have the default. Separators as in any CSV file. time_s is on the clock of the recording, or
-    Unix time. Latitude and longitude need a recording whose origin is known.
+    60 s). Empty cells have the default. `fix_table` knows other spellings and units of these titles. time_s is on the
+    clock of the recording, Unix time or a date. Latitude and longitude need a recording whose origin is known.
 
     Raises
     ------
     RecordingError
         For a missing or damaged table and for fixes outside the recording's time, naming file, line and remedy.
     """
-    table = _read_columns(path)
+    table = read_fix_table(path)
     rows = _Rows(
         time_s=_times(table, recording),
         position_m=_positions(table, recording),
@@ -123,46 +151,6 @@ class _Rows:
         return zip(*(getattr(self, one.name) for one in fields(self)), strict=True)
 
 
-def _read_columns(path: str | Path) -> NumberTable:
-    """Read the known columns, with their titles in lower case."""
-    source = Source.open(path)
-    if len(source.members) != 1:
-        raise RecordingError(
-            f"{source.path}: contains {len(source.members)} files: give the table of the fixes itself"
-        )
-    member = source.members[0]
-    data, place = source.read(member), source.place(member)
-    dialect = detect_dialect(data[:_HEAD_BYTES])
-    if dialect is None:
-        raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
-    titles = {title.casefold(): title for title in dialect.titles}
-    if "time_s" not in titles:
-        raise RecordingError(
-            f"{place}: no column time_s among {', '.join(dialect.titles)}: name the time column time_s"
-        )
-    if not (titles.keys() >= {*_MAP_COLUMNS} or titles.keys() >= {*_GEODETIC_COLUMNS}):
-        raise RecordingError(
-            f"{place}: needs the columns {' and '.join(_MAP_COLUMNS)}, or {' and '.join(_GEODETIC_COLUMNS)}; it has "
-            f"{', '.join(dialect.titles)}"
-        )
-    wanted = ("time_s", *_MAP_COLUMNS, *_GEODETIC_COLUMNS, *_OPTIONAL_COLUMNS)
-    table = read_table(
-        data,
-        place,
-        separator=dialect.separator,
-        decimal_comma=dialect.decimal_comma,
-        columns=[titles[name] for name in wanted if name in titles],
-        text_columns=[titles["source"]] if "source" in titles else [],
-    )
-    if not len(table):
-        raise RecordingError(f"{place}: contains no fix: add a row or leave --fixes out")
-    return NumberTable(
-        place,
-        {name.casefold(): column for name, column in table.columns.items()},
-        {name.casefold(): cells for name, cells in table.empty.items()},
-    )
-
-
 def _numbers_or(table: NumberTable, name: str, default: float) -> Array:
     """Return a column (n,) with a default for empty cells, or for all where the table does not have it."""
     if name not in table:
@@ -200,18 +188,17 @@ def _times(table: NumberTable, recording: Recording) -> Array:
 
 def _time_span_s(recording: Recording) -> tuple[float, float]:
     """Return the times of the first and the last sample of any sensor."""
-    spans = [span for device in recording.devices if (span := device.span_s) is not None]
-    return min((begin for begin, _ in spans), default=-np.inf), max((end for _, end in spans), default=np.inf)
+    return (-np.inf, np.inf) if recording.span_s is None else recording.span_s
 
 
 def _positions(table: NumberTable, recording: Recording) -> Array:
-    if all(name in table for name in _MAP_COLUMNS):
-        return table.stack(_MAP_COLUMNS)
+    if all(name in table for name in MAP_COLUMNS):
+        return table.stack(MAP_COLUMNS)
     if recording.origin is None:
         raise RecordingError(
             f"{table.place}: the origin of {recording.name} on the Earth is unknown: give x_m and y_m instead"
         )
-    return _to_map(table.stack(_GEODETIC_COLUMNS), recording.origin, table.place)
+    return _to_map(table.stack(GEODETIC_COLUMNS), recording.origin, table.place)
 
 
 def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
@@ -222,7 +209,7 @@ def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
     far = np.flatnonzero((np.hypot(east, north) > _FARTHEST_FROM_ORIGIN_M) | (np.abs(latitude) > 90.0))
     if len(far):
         raise RecordingError(
-            f"{place}, line {far[0] + _FIRST_LINE}: latitude {latitude[far[0]]:g}, longitude {longitude[far[0]]:g} "
+            f"{place}, line {far[0] + FIRST_LINE}: latitude {latitude[far[0]]:g}, longitude {longitude[far[0]]:g} "
             f"lies far from the recording at {origin.latitude_deg:.4f}, {origin.longitude_deg:.4f}: "
             "check whether they are swapped"
         )
@@ -231,7 +218,7 @@ def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
 
 def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:
     """Refuse impossible values and times outside the recording, row by row."""
-    for line, (t, p, s, r, _, wander, correlated_s) in enumerate(rows.each(), start=_FIRST_LINE):
+    for line, (t, p, s, r, _, wander, correlated_s) in enumerate(rows.each(), start=FIRST_LINE):
         where = f"{place}, line {line}"
         if not (np.isfinite(t) and np.isfinite(p).all()):
             raise RecordingError(f"{where}: time or position is not a finite number: correct or remove the row")

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from pdr_est.errors import RecordingError
+from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io.text.container import Source
 
 _HEAD_BYTES = 8192
@@ -20,15 +20,17 @@ def require_single_walk(source: Source, walks: Sequence[str], format_name: str) 
     Raises
     ------
     RecordingError
-        When there is none or several, some of which it names.
+        When there is none.
+    SeveralWalksError
+        When there are several, some of which it names.
     """
     if len(walks) == 1:
         return walks[0]
     if not walks:
         raise RecordingError(f"{source.path}: contains no {format_name} recording; give the recording itself")
     named = ", ".join(walks[:_NAMED_IN_MESSAGE]) + (", …" if len(walks) > _NAMED_IN_MESSAGE else "")
-    raise RecordingError(
-        f"{source.path}: contains {len(walks)} {format_name} recordings ({named}); choose one of them"
+    raise SeveralWalksError(
+        f"{source.path}: contains {len(walks)} {format_name} recordings ({named}); choose one of them", tuple(walks)
     )
 
 

@@ -24,6 +24,7 @@ def write_results(
     config: Config,
     inputs: Mapping[str, str | None],
     profile: Profile | None = None,
+    with_report: bool = True,
 ) -> Json:
     """Write track.csv, steps.csv, track.tum, track.geojson, summary.json and report.html.
 
@@ -41,6 +42,8 @@ def write_results(
         SHA-256 of each input file by its name.
     profile : Profile or None
         Profile of the walker, if the configuration was made with one.
+    with_report : bool
+        False to leave out report.html, whose pictures take longer than all the rest.
 
     Returns
     -------
@@ -70,7 +73,8 @@ def write_results(
     write_tum(walk.track, folder / "track.tum", recording.epoch_s)
     write_geojson(walk.track, folder / "track.geojson", origin, fixes=walk.fixes)
     _write(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
-    _write(folder / "report.html", render_report(walk, recording, summary))
+    if with_report:
+        _write(folder / "report.html", render_report(walk, recording, summary))
     return summary
 
 

@@ -4,6 +4,7 @@
 file               content
 =================  =========================================================================================
 reader             from an export to a recording
+annotations        positions that the walker typed
 reading            what was decided and used while an export is read
 acceleration       specific force, from whichever acceleration there is
 watch              the device at the wrist

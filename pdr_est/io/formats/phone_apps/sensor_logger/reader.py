@@ -5,12 +5,13 @@ acceleration and gravity unless `standardisation` was switched on, and gives unc
 come in any order and are read by name. Where the phone recorded no motion, the watch is the device.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
 from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import turned_to_east
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
@@ -22,6 +23,7 @@ from pdr_est.io.formats.phone_apps.sensor_logger.acceleration import (
     expected_sign,
     upwards,
 )
+from pdr_est.io.formats.phone_apps.sensor_logger.annotations import typed_positions
 from pdr_est.io.formats.phone_apps.sensor_logger.clock import align_fix_times, seconds_since
 from pdr_est.io.formats.phone_apps.sensor_logger.combined_export import CombinedExport, looks_combined
 from pdr_est.io.formats.phone_apps.sensor_logger.database_export import DatabaseExport, looks_like_database
@@ -91,6 +93,7 @@ def read_source(source: Source) -> Recording:
         origin=gnss.origin,
         epoch_s=epoch_s,
         notes=notes,
+        waypoints=typed_positions(*_annotations(reading)),
     )
 
 
@@ -248,8 +251,13 @@ def _notes(reading: ExportReading) -> tuple[str, ...]:
     pedometer = reading.table("Pedometer", ("steps",))
     if pedometer is not None:
         notes.append(f"the phone's pedometer counted {pedometer.numbers('steps')[-1]:.0f} steps")
-    annotations = reading.table("Annotation", (), ("text",))
-    if annotations is not None:
-        times_s = seconds_since(annotations, reading.zero_ns)
-        notes += [f"{t:.2f} s: {text}" for t, text in zip(times_s, annotations.texts("text"), strict=True)]
+    notes += [f"{t:.2f} s: {text}" for t, text in zip(*_annotations(reading), strict=True)]
     return tuple(notes)
+
+
+def _annotations(reading: ExportReading) -> tuple[Array, Sequence[str]]:
+    """Return times (n,), s, and texts of the annotations."""
+    table = reading.table("Annotation", (), ("text",))
+    if table is None:
+        return np.zeros(0), ()
+    return seconds_since(table, reading.zero_ns), [str(text) for text in table.texts("text")]

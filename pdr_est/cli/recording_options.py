@@ -1,0 +1,152 @@
+"""The options `--from`, `--to`, `--device` and `--map`: how a recording is read, and which part of it is used."""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from pdr_est.cli.error_context import prefix_errors
+from pdr_est.cli.options import map_option
+from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.io import read
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.preprocessing.merge import merge_recordings
+from pdr_est.preprocessing.moments import Moment, cut_recording, parse_moment
+from pdr_est.types.recording import Recording
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class _MomentType(click.ParamType[Moment]):
+    """Seconds from the start of the recording, or a clock time."""
+
+    name = "T"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Moment:
+        if isinstance(value, Moment):
+            return value
+        try:
+            return parse_moment(value)
+        except ConfigError as error:
+            self.fail(str(error), param, ctx)
+
+
+def recording_options(command: Command) -> Command:
+    """Add the options --from T, --to T, --device NAME and --map FILE.yaml to a command; see `RecordingPart`."""
+    for option in (
+        map_option,
+        click.option(
+            "--device",
+            "devices",
+            multiple=True,
+            metavar="NAME",
+            help="Use this device only; may be repeated. `inspect` names the devices.",
+        ),
+        click.option("--to", "end", type=_MomentType(), help="Leave out what comes after T, as for --from."),
+        click.option(
+            "--from",
+            "begin",
+            type=_MomentType(),
+            help="Leave out what comes before T: seconds from the start, or a clock time (14:03:05).",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True)
+class RecordingPart:
+    """Part of a recording that a command uses.
+
+    Attributes
+    ----------
+    begin, end
+        First and last moment; None for those of the recording.
+    devices
+        Names of the devices; empty for all.
+    mapping
+        What the columns of a table mean; None to find it out.
+    """
+
+    begin: Moment | None = None
+    end: Moment | None = None
+    devices: tuple[str, ...] = ()
+    mapping: TableMapping | None = None
+
+    @property
+    def is_all(self) -> bool:
+        """True where nothing is left out."""
+        return self.begin is None and self.end is None and not self.devices
+
+    def read(self, paths: Sequence[Path]) -> Recording:
+        """Read the recordings of one walk, with the devices that are used, in full length.
+
+        Raises
+        ------
+        RecordingError
+            If one cannot be read, or has no device of that name.
+        """
+        return self.join([self.read_file(path) for path in paths], paths)
+
+    def join(self, recordings: Sequence[Recording], paths: Sequence[Path]) -> Recording:
+        """Merge the recordings of one walk that were read from some paths, and keep the devices that are used."""
+        merged = merge_recordings(recordings)
+        with prefix_errors(", ".join(map(str, paths))):
+            return select_devices(merged, self.devices)
+
+    def cut(self, recording: Recording) -> Recording:
+        """Keep the time that is used.
+
+        Raises
+        ------
+        RecordingError
+            If nothing is left, or the recording does not tell the clock time.
+        """
+        return cut_recording(recording, self.begin, self.end)
+
+    def read_cut(self, paths: Sequence[Path]) -> Recording:
+        """Read the recordings of one walk, with the devices and the time that are used."""
+        recording = self.read(paths)
+        with prefix_errors(", ".join(map(str, paths))):
+            return self.cut(recording)
+
+    def read_file(self, path: Path) -> Recording:
+        """Read a recording. A file that names one of its devices means this one, also if others are beside it."""
+        recording = read(path, self.mapping)
+        if self.devices or len(recording.devices) < 2 or not path.is_file():
+            return recording
+        words = re.split(r"[^0-9A-Za-z]+", path.name)
+        named = [device for device in recording.devices if device.name in words]
+        if len(named) != 1:
+            return recording
+        others = [device.name for device in recording.devices if device is not named[0]]
+        note = (
+            f"the file is of this device only; {', '.join(others)} of the same walk is left out: give its file, too, "
+            "or --device"
+        )
+        return replace(recording, devices=(replace(named[0], warnings=(*named[0].warnings, note)),))
+
+
+WHOLE = RecordingPart()
+
+
+def select_devices(recording: Recording, names: Sequence[str]) -> Recording:
+    """Keep the devices of these names, in the order of the recording; all without names.
+
+    Raises
+    ------
+    RecordingError
+        For a name that no device has, or that is given twice; the message lists the devices.
+    """
+    if not names:
+        return recording
+    by_name = {device.name: device for device in recording.devices}
+    for number, name in enumerate(names):
+        if name not in by_name:
+            raise RecordingError(f"{recording.name}: no device {name!r}: give one of {', '.join(by_name)}")
+        if name in names[:number]:
+            raise RecordingError(f"{recording.name}: the device {name!r} is given twice: give each once")
+    return replace(recording, devices=tuple(device for device in recording.devices if device.name in names))

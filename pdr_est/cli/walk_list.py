@@ -1,0 +1,104 @@
+"""Find the walks that the arguments of a command name: recordings, folders of recordings, and patterns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pdr_est.errors import RecordingError
+from pdr_est.io import read
+from pdr_est.io.formats.walks_in_folder import walks_in_folder
+from pdr_est.types.recording import Recording
+
+_PATTERN = ("*", "?", "[")
+_MANY = 3  # recordings; two that were made at different times may be phones with a wrong date
+
+
+@dataclass(frozen=True)
+class NamedPath:
+    """Recording of a walk with a name that no other walk has, which may have folders.
+
+    Attributes
+    ----------
+    name
+        Name of the walk, for result folders and tables.
+    path
+        Path of the recording.
+    """
+
+    name: str
+    path: Path
+
+
+def expand_paths(arguments: Sequence[Path]) -> tuple[Path, ...]:
+    """Replace patterns by the files that they match, and folders of several recordings by these.
+
+    Raises
+    ------
+    RecordingError
+        For a pattern without a match, and a folder without a recording.
+    """
+    return tuple(path for argument in arguments for match in _matches(argument) for path in _inside(match))
+
+
+def named_paths(paths: Sequence[Path]) -> tuple[NamedPath, ...]:
+    """Name recordings by as many of the last parts of their paths as make the names different."""
+    parts = [_without_extensions(path.absolute()).parts for path in paths]
+    if len(set(parts)) < len(set(paths)):  # such as walk.csv and walk.txt
+        parts = [path.absolute().parts for path in paths]
+    names = [_distinct_end(own, parts) for own in parts]
+    if any(other.startswith(f"{name}/") for name in names for other in names):
+        names = [name.replace("/", "_") for name in names]  # no folder of results inside another one
+    return tuple(NamedPath(name, path) for name, path in zip(names, paths, strict=True))
+
+
+def _distinct_end(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> str:
+    """Return the last parts of a path that no other path has."""
+    for count in range(1, len(own)):
+        if all(other == own or other[-count:] != own[-count:] for other in others):
+            return "/".join(own[-count:])
+    return "/".join(own[1:])
+
+
+def are_separate_walks(paths: Sequence[Path]) -> bool:
+    """Tell whether several recordings, by their dates, were all made at different times."""
+    if len(paths) < _MANY:
+        return False
+    spans: list[tuple[float, float]] = []
+    for path in paths:
+        span = _dated_span_s(read(path))
+        if span is None or any(span[0] < end_s and begin_s < span[1] for begin_s, end_s in spans):
+            return False
+        spans.append(span)
+    return True
+
+
+def _dated_span_s(recording: Recording) -> tuple[float, float] | None:
+    if recording.epoch_s is None or recording.span_s is None:
+        return None
+    begin_s, end_s = recording.span_s
+    return recording.epoch_s + begin_s, recording.epoch_s + end_s
+
+
+def _matches(argument: Path) -> list[Path]:
+    if not any(mark in str(argument) for mark in _PATTERN) or argument.exists():
+        return [argument]
+    folder = Path(argument.anchor)
+    found = sorted(folder.glob(str(argument.relative_to(folder))))
+    if not found:
+        raise RecordingError(f"{argument}: no file has a name like that: check the pattern")
+    return found
+
+
+def _inside(path: Path) -> tuple[Path, ...]:
+    try:
+        if not path.is_dir():
+            return (path,)
+    except OSError:  # such as a name that is too long: reading it says so
+        return (path,)
+    return walks_in_folder(path)
+
+
+def _without_extensions(path: Path) -> Path:
+    plain = path.with_suffix("") if path.suffix.lower() == ".gz" else path
+    known = plain.suffix.lower() in (".csv", ".txt", ".zip", ".json", ".xml", ".tsv", ".parquet")
+    return plain.with_suffix("") if known else plain

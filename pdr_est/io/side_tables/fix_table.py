@@ -1,0 +1,203 @@
+"""Read the table of position fixes that a user wrote: its titles in many spellings, with units, and its times.
+
+Titles are compared without case, blanks, underscores and punctuation. A known unit in brackets or after an
+underscore at the end of a title is used (`Time (ms)`, `east [cm]`, `x_m`). Without one, times are seconds or, by
+their size, Unix time in ms, µs or ns, and lengths are metres.
+"""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.errors import RecordingError
+from pdr_est.frames import Array
+from pdr_est.io.text.container import Source
+from pdr_est.io.text.csv_dialect import detect_dialect
+from pdr_est.io.text.number_table import NumberTable, read_table
+
+FIRST_LINE = 2
+"""Line of the first fix; line 1 is the header."""
+
+MAP_COLUMNS = ("x_m", "y_m")
+"""Position in the map frame, m."""
+
+GEODETIC_COLUMNS = ("latitude_deg", "longitude_deg")
+"""Position on the Earth, degrees."""
+
+_HEAD_BYTES = 4096
+_TITLE = re.compile(r"^(?P<stem>.*?)\s*(?:[\[(](?P<bracket>[^\])]*)[\])]|(?:_|\s+in\s+)(?P<suffix>[^\W_]+))?$")
+_LENGTHS: Mapping[str, float] = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "km": 1e3,
+    "ft": 0.3048,
+    "metres": 1.0,
+    "meters": 1.0,
+}
+_TIMES: Mapping[str, float] = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+_ANGLES: Mapping[str, float] = {"deg": 1.0, "°": 1.0, "degrees": 1.0}
+_PLAIN: Mapping[str, float] = {}
+
+# Column -> its units, and the titles that mean it, the likelier ones first.
+_COLUMNS: Mapping[str, tuple[Mapping[str, float], str]] = {
+    "time_s": (
+        _TIMES,
+        "time timestamp t seconds secondselapsed elapsed elapsedtime unixtime epoch datetime date zeit zeitstempel "
+        "temps tiempo tempo 时间 時間 時刻",
+    ),
+    "x_m": (_LENGTHS, "x east easting xpos posx positionx xcoordinate xcoord e ost est este 东 東"),
+    "y_m": (_LENGTHS, "y north northing ypos posy positiony ycoordinate ycoord n nord norte 北"),
+    "latitude_deg": (_ANGLES, "latitude lat breite breitengrad latitud 纬度 緯度"),
+    "longitude_deg": (_ANGLES, "longitude lon lng long laenge länge längengrad longitud 经度 経度"),
+    "sigma_m": (_LENGTHS, "sigma std stddev standarddeviation accuracy horizontalaccuracy hacc genauigkeit"),
+    "robust": (_PLAIN, "robust"),
+    "source": (_PLAIN, "source provider"),
+    "sigma_wander_m": (_LENGTHS, "sigmawander"),
+    "wander_time_s": (_TIMES, "wandertime"),
+}
+# Sizes of Unix time of our days in ms, µs and ns.
+_UNIX_UNITS = ((1e17, 1e19, 1e-9), (1e14, 1e16, 1e-6), (1e11, 1e13, 1e-3))
+
+
+@dataclass(frozen=True)
+class _Title:
+    """Title of a column in a file. factor: to SI units; None where the title tells no unit."""
+
+    title: str
+    factor: float | None
+
+
+def read_fix_table(path: str | Path) -> NumberTable:
+    """Read a table of fixes with its columns under the names `time_s`, `x_m`, `y_m`, …, in SI units.
+
+    Columns of other names are left out.
+
+    Raises
+    ------
+    RecordingError
+        For a missing or damaged table, and one without times or positions.
+    """
+    source = Source.open(path)
+    if len(source.members) != 1:
+        raise RecordingError(
+            f"{source.path}: contains {len(source.members)} files: give the table of the fixes itself"
+        )
+    member = source.members[0]
+    data, place = source.read(member), source.place(member)
+    dialect = detect_dialect(data[:_HEAD_BYTES])
+    if dialect is None:
+        raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
+    found = _known_columns(dialect.titles, place)
+    _require_columns(found, dialect.titles, place)
+    texts = [found[name].title for name in ("time_s", "source") if name in found]
+    table = read_table(
+        data,
+        place,
+        separator=dialect.separator,
+        decimal_comma=dialect.decimal_comma,
+        columns=[one.title for one in found.values()],
+        text_columns=texts,
+    )
+    if not len(table):
+        raise RecordingError(f"{place}: contains no fix: add a row or leave --fixes out")
+    columns = {name: _column(table, name, one, dialect.decimal_comma) for name, one in found.items()}
+    empty = {name: table.empty[one.title] for name, one in found.items() if one.title in table.empty}
+    return NumberTable(place, columns, empty)
+
+
+def _known_columns(titles: Sequence[str], place: str) -> dict[str, _Title]:
+    """Find the columns that are known: by their own name, else by the first spelling that a title has."""
+    found: dict[str, _Title] = {}
+    for name, (units, spellings) in _COLUMNS.items():
+        exact = [_Title(title, 1.0) for title in titles if title.casefold() == name]
+        others = [_Title(title, unit) for title, unit in _spelt(titles, units, spellings.split(), place)]
+        free = [one for one in (*exact, *others) if one.title not in {other.title for other in found.values()}]
+        if free:
+            found[name] = free[0]
+    return found
+
+
+def _spelt(
+    titles: Sequence[str], units: Mapping[str, float], spellings: Sequence[str], place: str
+) -> list[tuple[str, float | None]]:
+    """List the titles with one of some spellings, in their order, with the factor of the unit that they tell."""
+    ranked = []
+    for title in titles:
+        match = _TITLE.match(title.strip())
+        if match is None:
+            continue
+        stem, bracket = _plain(match["stem"]), match["bracket"]
+        if bracket is not None and stem in spellings:
+            unit = bracket.strip().casefold().replace("\u03bc", "\u00b5")
+            if units and unit and unit not in units:
+                raise RecordingError(
+                    f"{place}: the unit {bracket!r} of the column {title!r} is not known: give {' or '.join(units)}"
+                )
+            ranked.append((spellings.index(stem), title, units.get(unit)))
+        elif match["suffix"] is not None and match["suffix"].casefold() in units and stem in spellings:
+            ranked.append((spellings.index(stem), title, units[match["suffix"].casefold()]))
+        elif _plain(title) in spellings:
+            ranked.append((spellings.index(_plain(title)), title, None))
+    return [(title, unit) for _, title, unit in sorted(ranked, key=lambda one: one[0])]
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"[\W_]", "", text.casefold())
+
+
+def _require_columns(found: Mapping[str, _Title], titles: Sequence[str], place: str) -> None:
+    if "time_s" not in found:
+        raise RecordingError(f"{place}: no column time_s among {', '.join(titles)}: name the time column time_s")
+    if not (found.keys() >= {*MAP_COLUMNS} or found.keys() >= {*GEODETIC_COLUMNS}):
+        raise RecordingError(
+            f"{place}: needs the columns {' and '.join(MAP_COLUMNS)}, or {' and '.join(GEODETIC_COLUMNS)}; it has "
+            f"{', '.join(titles)}"
+        )
+
+
+def _column(table: NumberTable, name: str, title: _Title, decimal_comma: bool) -> NDArray[Any]:
+    """Return a column in SI units, (n,)."""
+    if name == "source":
+        return table.texts(title.title)
+    if name == "time_s":
+        return _times(table, title, decimal_comma)
+    return table.numbers(title.title) * (1.0 if title.factor is None else title.factor)
+
+
+def _times(table: NumberTable, title: _Title, decimal_comma: bool) -> Array:
+    """Convert times to seconds, (n,): numbers in the unit of the title or of Unix time, or dates (then Unix time)."""
+    texts = [str(text).strip() for text in table.texts(title.title)]
+    times = np.array(
+        [_time(text, f"{table.place}, line {row}", title.title, decimal_comma) for row, text in enumerate(texts, 2)]
+    )
+    if title.factor is not None:
+        return times * title.factor
+    finite = np.abs(times[np.isfinite(times)])
+    middle = float(np.median(finite)) if len(finite) else 0.0
+    factor = next((unit for low, high, unit in _UNIX_UNITS if low < middle < high), 1.0)
+    return times * factor
+
+
+def _time(text: str, place: str, title: str, decimal_comma: bool) -> float:
+    if not text:
+        return math.nan
+    try:
+        return float(text.replace(",", ".") if decimal_comma else text)
+    except ValueError:
+        pass  # perhaps a date
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise RecordingError(
+            f"{place}, column {title!r}: {text!r} is neither a number nor a date such as 2024-06-10T14:03:05Z; "
+            "correct or remove it"
+        ) from None
+    return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()
