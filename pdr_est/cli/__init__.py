@@ -23,6 +23,7 @@ COMMANDS = MappingProxyType(
         "smooth": "smooth:smooth_command",
         "track": "track:track_command",
         "calibrate": "calibrate:calibrate_command",
+        "convert": "convert:convert_command",
         "benchmark": "benchmark:benchmark",
         "experiment": "experiment:experiment",
         "compare": "compare:compare",

@@ -19,6 +19,7 @@ from pdr_est.io.formats.datasets import (
     wisdm,
 )
 from pdr_est.io.formats.datasets.weallwalk import reader as weallwalk
+from pdr_est.io.formats.exchange import parquet_table, synchronised_arrays
 from pdr_est.io.formats.imu_devices import flysight, ros_csv, shimmer, xio, xsens
 from pdr_est.io.formats.phone_apps import (
     androsensor,
@@ -69,6 +70,8 @@ class Format(Protocol):
 
 # Asked in this order: formats with unmistakable marks first, header-less tables of numbers after them.
 FORMATS: tuple[Format, ...] = (
+    parquet_table,
+    synchronised_arrays,
     ilc20,
     getsensordata,
     gnss_logger,

@@ -25,6 +25,23 @@ def write_plain_csv(recording: Recording, path: str | Path) -> None:
         For several devices, for a recording without samples, and when the file cannot be written.
     """
     place = Path(path)
+    frame = plain_table(recording, place)
+    try:
+        frame.write_csv(place)
+    except OSError as error:
+        raise OutputError(
+            f"{place}: cannot be written ({error}); choose a folder that exists and has free space"
+        ) from error
+
+
+def plain_table(recording: Recording, place: str | Path = "table") -> pl.DataFrame:
+    """Make the table of a recording of one device, as `write_plain_csv` writes it.
+
+    Raises
+    ------
+    OutputError
+        For several devices, and for a recording without samples; `place` names the table in the message.
+    """
     if len(recording.devices) != 1:
         raise OutputError(
             f"{place}: {len(recording.devices)} devices do not fit into one table; write each into its own file"
@@ -37,12 +54,7 @@ def write_plain_csv(recording: Recording, path: str | Path) -> None:
     for (quantity, signal), rows in zip(signals, merged.rows, strict=True):
         for title, values in zip(CANONICAL[quantity], signal.values.T, strict=True):
             columns[title] = _spread(values, rows, len(merged.time_s))
-    try:
-        pl.DataFrame(columns).write_csv(place)
-    except OSError as error:
-        raise OutputError(
-            f"{place}: cannot be written ({error}); choose a folder that exists and has free space"
-        ) from error
+    return pl.DataFrame(columns)
 
 
 def _signals(recording: Recording) -> list[tuple[Quantity, Signal]]:
