@@ -62,6 +62,12 @@ def track_command(
     if settings["estimator"] is not None and not SPECS[settings["estimator"]].online:
         online = " or ".join(name for name, spec in SPECS.items() if spec.online)
         raise click.UsageError(f"{settings['estimator']} needs the whole walk: use --estimator {online}")
+    if settings["start"] is not None and config.start.pose().heading_rad is None:
+        click.echo(
+            "note: --start without --heading: the track begins at the given position; unless the phone knows north, "
+            "its first step leads along x, so that it is turned arbitrarily",
+            err=True,
+        )
     if _LIVE in recordings:
         if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all:
             raise click.UsageError(
