@@ -16,12 +16,13 @@ from typing import Any, TypeVar
 import click
 
 from pdr_est.cli.walk_list import NamedPath
-from pdr_est.errors import PdrError, RecordingError
+from pdr_est.errors import OutputError, PdrError, RecordingError
 from pdr_est.io.writers.atomic_output import staged_file
 
 SUMMARY = "walks.csv"
 """Name of the table of all walks in a folder of results."""
 
+_FIRST = b"walk,"  # bytes of such a table
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 Row = Mapping[str, Any]
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -188,8 +189,9 @@ def write_summary(outcomes: Sequence[Outcome], path: Path, inputs: Sequence[Path
     Raises
     ------
     OutputError
-        If the file cannot be written, or is an input.
+        If the file cannot be written, is an input, or exists and is no such table.
     """
+    refuse_other_file(path)
     rows = _rows(outcomes)
     text = io.StringIO(newline="")
     table = csv.writer(text, lineterminator="\n")
@@ -197,6 +199,16 @@ def write_summary(outcomes: Sequence[Outcome], path: Path, inputs: Sequence[Path
     table.writerows([[_harmless(cell) for cell in row.values()] for row in rows])
     with staged_file(path, overwrite=True, inputs=inputs) as file:
         file.write_text(text.getvalue(), encoding="utf-8", errors="backslashreplace")
+
+
+def refuse_other_file(path: Path) -> None:
+    """Raise OutputError for a file that exists and is no table of walks, which may be replaced."""
+    if not path.is_file():
+        return
+    with path.open("rb") as stream:
+        is_table = stream.read(len(_FIRST)) == _FIRST
+    if not is_table:
+        raise OutputError(f"{path}: exists and is no table of walks of an earlier run: name another file")
 
 
 def print_summary(outcomes: Sequence[Outcome]) -> None:

@@ -89,7 +89,7 @@ class RecordingPart:
         RecordingError
             If one cannot be read, or has no device of that name.
         """
-        return self.join([self.read_file(path) for path in paths], paths)
+        return self.join([self.read_file(path, alone=len(paths) == 1) for path in paths], paths)
 
     def join(self, recordings: Sequence[Recording], paths: Sequence[Path]) -> Recording:
         """Merge the recordings of one walk that were read from some paths, and keep the devices that are used."""
@@ -113,8 +113,11 @@ class RecordingPart:
         with prefix_errors(", ".join(map(str, paths))):
             return self.cut(recording)
 
-    def read_file(self, path: Path) -> Recording:
-        """Read a recording. A file that names one of its devices means this one, also if others are beside it."""
+    def read_file(self, path: Path, alone: bool = True) -> Recording:
+        """Read a recording. A file that names one of its devices means this one, also if others are beside it.
+
+        A warning of the device says so for one that is given alone.
+        """
         recording = read(path, self.mapping)
         if self.devices or len(recording.devices) < 2 or not path.is_file():
             return recording
@@ -122,6 +125,8 @@ class RecordingPart:
         named = [device for device in recording.devices if device.name in words]
         if len(named) != 1:
             return recording
+        if not alone:
+            return replace(recording, devices=(named[0],))
         others = [device.name for device in recording.devices if device is not named[0]]
         note = (
             f"the file is of this device only; {', '.join(others)} of the same walk is left out: give its file, too, "

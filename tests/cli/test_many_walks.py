@@ -136,7 +136,9 @@ def test_steps_and_inspect_of_a_folder(folder: Path, tmp_path: Path) -> None:
         assert all(int(row["steps"]) > 10 for row in rows_of(table))
         documents = json.loads(run(command, folder, "--json").stdout)
         assert len(documents) == 3
-    assert "is the input" in refused_after(folder / "a.csv", "steps", folder / "a.csv", "--summary", folder / "a.csv")
+    assert "is no table of walks" in refused_after(
+        folder / "a.csv", "steps", folder / "a.csv", "--summary", folder / "a.csv"
+    )
 
 
 def refused_after(untouched: Path, *arguments: object) -> str:
@@ -168,3 +170,14 @@ def test_names_are_as_long_as_they_must_be() -> None:
     assert [walk.name for walk in named_paths(paths)] == ["one/acc", "two/acc", "b", "c"]
     assert [walk.name for walk in named_paths([Path("a.csv"), Path("a.txt")])] == ["a.csv", "a.txt"]
     assert [walk.name for walk in named_paths([Path("p/q"), Path("q/a.csv"), Path("r/a.csv")])] == ["q", "q_a", "r_a"]
+
+
+def test_a_table_of_walks_replaces_nothing_else(folder: Path, tmp_path: Path) -> None:
+    mine = save(tmp_path / "mine.csv", ["a,b", "1,2"])
+    for command in ("steps", "inspect"):
+        assert "is no table of walks" in refused(command, folder, "--summary", mine)
+    (tmp_path / "out").mkdir()
+    save(tmp_path / "out" / "walks.csv", ["a,b", "1,2"])
+    assert "is no table of walks" in refused("smooth", folder, "-o", tmp_path / "out", "--overwrite")
+    assert run("steps", folder, "--summary", tmp_path / "t.csv").exit_code == 0
+    assert run("steps", folder, "--summary", tmp_path / "t.csv").exit_code == 0

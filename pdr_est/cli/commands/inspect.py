@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.many_walks import Done, finish_many, jobs_option, summary_option, work_on
+from pdr_est.cli.many_walks import Done, finish_many, jobs_option, refuse_other_file, summary_option, work_on
 from pdr_est.cli.options import PATH
 from pdr_est.cli.recording_options import RecordingPart, recording_options
 from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
@@ -53,6 +53,8 @@ def inspect_command(
         click.echo(f"{write_map}: complete it, then use it with --map")
         return
     walks = named_paths(expand_paths(recordings))
+    if summary is not None:
+        refuse_other_file(summary)  # before the work
     work = partial(_inspect, RecordingPart(begin, end, devices, mapping))
     outcomes = list(work_on(work, walks, jobs))
     done = [outcome.done for outcome in outcomes if outcome.done is not None]

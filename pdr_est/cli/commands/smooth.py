@@ -12,6 +12,7 @@ from pdr_est.cli.many_walks import (
     SUMMARY,
     jobs_option,
     print_summary,
+    refuse_other_file,
     report_failures,
     tell,
     work_on,
@@ -140,6 +141,7 @@ def _prepare_folder(output: Path, request: SmoothRequest) -> None:
             f"{output}: contains the results of an earlier run: allow overwriting (--overwrite) or choose another "
             "folder"
         )
+    refuse_other_file(output / SUMMARY)
     try:
         output.mkdir(exist_ok=True)
     except OSError as error:

@@ -11,7 +11,7 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.many_walks import Done, finish_many, jobs_option, summary_option, work_on
+from pdr_est.cli.many_walks import Done, finish_many, jobs_option, refuse_other_file, summary_option, work_on
 from pdr_est.cli.options import PATH, config_option, detector_option, given_paths, overwrite_option, resolve_config
 from pdr_est.cli.recording_options import RecordingPart, recording_options
 from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
@@ -58,6 +58,8 @@ def steps_command(
     recordings stands for these, as does a pattern in quotation marks.
     """
     walks = named_paths(expand_paths(recordings))
+    if summary is not None:
+        refuse_other_file(summary)  # before the work
     if output is not None and len(walks) > 1:
         raise click.UsageError(
             f"-o takes the steps of one RECORDING, but {len(walks)} are given: run the command once for each"
