@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pdr_est.errors import RecordingError
+from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io import read
 from pdr_est.io.formats.walks_in_folder import walks_in_folder
 from pdr_est.types.recording import Recording
@@ -35,7 +35,7 @@ def expand_paths(arguments: Sequence[Path]) -> tuple[Path, ...]:
     Raises
     ------
     RecordingError
-        For a pattern without a match, and a folder without a recording.
+        For a pattern without a match.
     """
     return tuple(path for argument in arguments for match in _matches(argument) for path in _inside(match))
 
@@ -95,7 +95,12 @@ def _inside(path: Path) -> tuple[Path, ...]:
             return (path,)
     except OSError:  # such as a name that is too long: reading it says so
         return (path,)
-    return walks_in_folder(path)
+    try:
+        return walks_in_folder(path)
+    except SeveralWalksError:
+        raise
+    except RecordingError:  # reading it says so, or succeeds with a mapping of its columns
+        return (path,)
 
 
 def _without_extensions(path: Path) -> Path:

@@ -136,6 +136,13 @@ def test_a_pair_and_one_phone_of_it_count_once(good: Path, tmp_path: Path) -> No
     assert len(load_profile(profile).walks) == 1
 
 
+def test_two_parts_of_a_recording_are_one_walk(good: Path, tmp_path: Path) -> None:
+    profile = tmp_path / "me.yaml"
+    learnt(good, tmp_path / "a", profile, "--distance", 6, "--to", 8)
+    assert "known already" in learnt(good, tmp_path / "b", profile, "--distance", 6, "--from", 7)
+    assert len(load_profile(profile).walks) == 1
+
+
 def test_nothing_is_learnt_without_fixes(good: Path, fixes: Path, tmp_path: Path) -> None:
     profile = tmp_path / "me.yaml"
     assert "nothing learnt" in learnt(good, tmp_path / "a", profile, "--closed")
