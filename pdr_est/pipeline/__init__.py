@@ -20,7 +20,7 @@ from pdr_est.pipeline.measurements import (
 )
 from pdr_est.pipeline.other_devices import with_turns_of_others
 from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
-from pdr_est.preprocessing.gravity_stand_in import with_stand_in_gravity
+from pdr_est.preprocessing.gravity_stand_in import ready_for_steps
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
@@ -67,9 +67,7 @@ def smooth_recording(
 def analyse_recording(
     recording: Recording, config: Config, parts: Parts = NO_PARTS, at_the_end: bool = True
 ) -> tuple[DeviceWalk, ...]:
-    """Run the front end on every device, for filters not `at_the_end`; without gyroscope steps have no heading.
-
-    A device with an acceleration without gravity has steps without heading, too.
+    """Run the front end on every device, for filters not `at_the_end`; steps may be without heading.
 
     Raises
     ------
@@ -80,8 +78,7 @@ def analyse_recording(
     """
     refuse_wrong_types(recording, config)
     walks = []
-    recording = replace(recording, devices=tuple(with_stand_in_gravity(device) for device in recording.devices))
-    for device, clock in align_device_clocks(recording, config.devices.clock, config.devices.clocks):
+    for device, clock in align_device_clocks(ready_for_steps(recording), config.devices.clock, config.devices.clocks):
         north = north_of(device, recording, config)
         walk = analyse_device(device, recording.place_of(device), config, parts, north, at_the_end)
         walks.append(replace(walk, clock=clock, warnings=device.warnings))

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.types.recording import DeviceRecording, Signal
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 _HOP_S = 2.0  # between directions
 _HOPS = 2  # on either side of the one whose motion tells it
@@ -36,6 +36,11 @@ def with_stand_in_gravity(device: DeviceRecording) -> DeviceRecording:
         return device
     stand_in = Signal(linear.time_s, linear.values + STANDARD_GRAVITY_MPS2 * _strongest_direction(linear))
     return replace(device, specific_force=stand_in, linear_acceleration=None, rotation_rate=None, attitude=None)
+
+
+def ready_for_steps(recording: Recording) -> Recording:
+    """Return a recording in which every device without gravity has a stand-in for it, for counting steps."""
+    return replace(recording, devices=tuple(with_stand_in_gravity(device) for device in recording.devices))
 
 
 def _strongest_direction(linear: Signal) -> Array:
