@@ -21,6 +21,8 @@ from pdr_est.front_end.attitude import AccelerometerTilt, AttitudeParams, Device
 from pdr_est.front_end.gait import GaitClassifier, UnknownGait, shipped_model
 from pdr_est.front_end.heading import HEADINGS, HeadingName, HeadingParams
 from pdr_est.front_end.heading.acceleration_integration import AccelerationIntegration, AccelerationIntegrationParams
+from pdr_est.front_end.heading.course.course_params import CourseParams
+from pdr_est.front_end.heading.course.online_course import OnlineCourse
 from pdr_est.front_end.heading.hde_controller import HdeParams
 from pdr_est.front_end.heading.magnetometer import MagnetometerHeading
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
@@ -129,6 +131,7 @@ CASES = {
     "StepYaw": Case(StepYaw, "steps"),
     "MagnetometerHeading": Case(MagnetometerHeading, "steps with field"),
     "PostureAwareYaw": Case(lambda: PostureAwareYaw(AutoHeadingParams(), PrincipalAxisParams()), "steps"),
+    "OnlineCourse": Case(lambda: OnlineCourse(CourseParams()), "complete steps"),
     "HeadingHindsight-priors": Case(lambda: WholeWalkHeading(FOUR_WAYS, as_priors=True), "complete steps"),
     "HeadingHindsight-increments": Case(lambda: WholeWalkHeading(FOUR_WAYS, as_priors=False), "complete steps"),
     "MmpdrHeading": Case(lambda: MmpdrHeading(MmpdrHeadingParams()), "steps"),

@@ -79,10 +79,10 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 @pytest.mark.parametrize(
     ("config", "golden"),
     [
-        (DEAD_RECKONING, (69, 47.767160, 28.732239, 19.190587, 1.615144)),
+        (DEAD_RECKONING, (69, 47.767179, 29.122351, 18.973943, 1.589747)),
         (
             replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
-            (70, 48.334532, 29.047118, 19.354510, 1.580157),
+            (70, 48.334677, 29.447226, 19.132427, 1.554479),
         ),
     ],
     ids=["defaults", "mmpdr"],

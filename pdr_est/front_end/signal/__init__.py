@@ -5,5 +5,6 @@
 * `moving_average`: mean over a sliding window.
 * `event_detection`: local extrema, Schmitt trigger and refractory period.
 * `axis_turn`: axes that do not depend on how those of the device lie.
+* `standing_bias`: the bias of the gyroscope while the walker stands.
 * `vectors`: products of rows of vectors; specific force and its magnitude.
 """

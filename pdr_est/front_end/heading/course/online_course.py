@@ -156,7 +156,7 @@ class OnlineCourse:
         probability[:, _AHEAD] = 0.0
         probability[:, 0] = ahead
         mean_rad, sigma_rad = (float(one[0]) for one in angle_and_doubt(probability[None], self._log_evidence))
-        if float(np.abs(mean_rad)) < sigma_rad:  # ahead as likely as not
+        if abs(mean_rad) < 2.0 * sigma_rad:  # probability below 0.8, for a right angle
             mean_rad, sigma_rad = 0.0, float(np.hypot(mean_rad, sigma_rad))
         if np.hypot(mean_rad, sigma_rad) < _LEAST_RAD:
             return item

@@ -1,6 +1,7 @@
 """Heading corrections that need the whole walk: turns while the phone was put elsewhere, and dominant directions.
 
 * `placement_turns`: the turns while the phone was put elsewhere, from all strides in each place.
+* `later_standing`: the bias of the gyroscope by standing later in the walk.
 * `straight_legs`: the straight legs of the walk, in sections of a few steps.
 * `dominant_directions`: the most probable dominant directions, and the drift of the headings against them.
 * `offset_evidence`: what these directions tell about such a turn.
