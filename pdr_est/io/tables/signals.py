@@ -85,7 +85,13 @@ def read_table_signals(
     RecordingError
         When the content is no table, has no time, or is damaged.
     """
-    text = as_utf8(data)
+    return signals_of_text(as_utf8(data), place, hint=hint, mapping=mapping)
+
+
+def signals_of_text(
+    text: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
+) -> TableSignals:
+    """Read the signals of a table that is in UTF-8 already; see `read_table_signals`."""
     layout = layout_of(text)
     if layout is None:
         raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
