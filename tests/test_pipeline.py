@@ -289,7 +289,9 @@ def test_one_device_without_gyroscope_leaves_the_other_as_it_is() -> None:
 @pytest.mark.parametrize("name", get_args(EstimatorName))
 def test_steps_without_heading_are_refused_by_every_estimator(name: EstimatorName) -> None:
     walks = pipeline.analyse_recording(without_gyroscope(), Config())
-    with pytest.raises(EstimationError, match=r"^device: no gyroscope, or no gravity, so its \d+ steps have no direction .*: leave"):
+    with pytest.raises(
+        EstimationError, match=r"^device: no gyroscope, or no gravity, so its \d+ steps have no direction .*: leave"
+    ):
         pipeline.estimate_tracks(walks, Config().with_estimator(name))
 
 
