@@ -249,3 +249,13 @@ def test_smoothing_estimators_get_the_shorter_steps_and_filters_do_not() -> None
     assert lengths[0].min() > 0.4
     assert (lengths[1] < 0.35).sum() >= 5
     assert lengths[1].sum() < lengths[0].sum() - 2.0
+
+
+@pytest.mark.parametrize("scale_mps", [3.0, 30.0, 3000.0])
+def test_vertical_motion_that_nobody_has_gives_probabilities_all_the_same(scale_mps: float) -> None:
+    """Of a wrong unit or turned axes: hypotheses become impossible, which is no reason to fail."""
+    steps = 60
+    jumps = np.random.default_rng(1).normal(0.0, scale_mps, steps).cumsum()
+    extra_mps = np.interp(np.arange(steps * COUNT), np.arange(steps) * COUNT, jumps)
+    found = probabilities(walk([LEVEL] * steps, extra_mps=extra_mps))
+    assert ((found >= 0.0) & (found <= 1.0 + 1e-9)).all()

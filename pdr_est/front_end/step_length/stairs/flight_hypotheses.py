@@ -242,6 +242,8 @@ def _merged(bank: _Bank) -> _Bank:
     """Merge hypotheses that nearly agree, by their moments, and keep the most probable ones."""
     bank = bank.take(np.argsort(-bank.log_weight, kind="stable")[: 4 * _MOST])
     weight = np.exp(bank.log_weight - bank.log_weight[0])
+    if not weight.all():  # those that have become impossible
+        bank, weight = bank.take(np.flatnonzero(weight)), weight[weight > 0.0]
     cell = np.round(bank.mean[:, 0] / _SAME_MPS).astype(np.int64)
     _, group = np.unique(cell * len(_DIRECTION) + bank.mode, return_inverse=True)
     total = np.bincount(group, weight)
