@@ -1,7 +1,8 @@
 """The command line `pdr-est`.
 
 Only here do errors become exit codes: 2 for bad input, with one line on stderr. Each command is a module in
-`commands`; options that several commands share are in `options`, `clock_options` and `fix_options`.
+`commands`, which holds arguments, options and help text and imports nothing slow; what the command does is in `work`.
+Options that several commands share are in `options`, the words that they offer in `choices`.
 """
 
 import io
@@ -48,7 +49,8 @@ class BadInputError(click.ClickException):
 class _LazyGroup(click.Group):
     """Command group that reports bad input and wrong options in one line, without a traceback.
 
-    A command is loaded when it is called: loading takes seconds, and Ctrl-C must work from the beginning.
+    A command is loaded when it is called, and its work when it is run: loading takes a second or more, in which a
+    help text or a completed word has appeared already, and Ctrl-C must work from the beginning.
     """
 
     def list_commands(self, ctx: click.Context) -> list[str]:

@@ -1,47 +1,13 @@
-"""Options about the clocks of several devices, and their effect on configuration and recording."""
+"""What the options about the clocks of several devices do to configuration and recording."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar, get_args
 
-import click
-
-from pdr_est.cli.options import PATH
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.config import Config, config_from_dict, config_to_dict
 from pdr_est.errors import ConfigError
 from pdr_est.io.side_tables.clock_messages import read_clock_messages
 from pdr_est.types.recording import Recording
-
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-
-def clock_options(command: Command) -> Command:
-    """Add the options --clock METHOD, --clock-offset DEVICE SECONDS and --messages FILE.csv to a command."""
-    for option in (
-        click.option(
-            "--messages",
-            type=PATH,
-            metavar="FILE.csv",
-            help="Table of messages by which the devices compared their clocks: device,t1_s,t2_s,t3_s.",
-        ),
-        click.option(
-            "--clock-offset",
-            "clock_offsets",
-            type=(str, float),
-            multiple=True,
-            metavar="DEVICE SECONDS",
-            help="Seconds by which a device's clock is ahead of the first one's; may be repeated.",
-        ),
-        click.option(
-            "--clock",
-            type=click.Choice(get_args(ClockMethod)),
-            help="Method that aligns the clocks of several devices. Default: walk.",
-        ),
-    ):
-        command = option(command)
-    return command
 
 
 def apply_clock_options(

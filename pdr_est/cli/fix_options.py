@@ -1,11 +1,8 @@
-"""The option `--fixes`: a table of known positions, or the word `recording` or `waypoints`."""
+"""What the option `--fixes` names: a table of known positions, or the word `recording` or `waypoints`."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
-
-import click
 
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.io.side_tables.position_fixes import read_position_fixes, recorded_fixes, waypoint_fixes
@@ -13,20 +10,6 @@ from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
 RECORDED, WAYPOINTS = "recording", "waypoints"
-METAVAR = "FILE.csv|recording|waypoints"
-
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-
-def fixes_option(command: Command) -> Command:
-    """Add the option --fixes to a command."""
-    option = click.option(
-        "--fixes",
-        metavar=METAVAR,
-        help="Known positions: a table, the GPS positions in the recording, or the points that somebody marked on "
-        "the device while passing them.",
-    )
-    return option(command)
 
 
 def fix_tables(choices: Iterable[str | None]) -> list[Path]:

@@ -11,7 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
@@ -25,7 +25,6 @@ SUMMARY = "walks.csv"
 _FIRST = b"walk,"  # bytes of such a table
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 Row = Mapping[str, Any]
-Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True)
@@ -67,25 +66,6 @@ class Outcome:
     walk: NamedPath
     done: Done | None
     reason: str = ""
-
-
-def jobs_option(command: Command) -> Command:
-    """Add the option --jobs N to a command."""
-    option = click.option(
-        "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for several walks."
-    )
-    return option(command)
-
-
-def summary_option(command: Command) -> Command:
-    """Add the option --summary FILE.csv to a command."""
-    option = click.option(
-        "--summary",
-        type=click.Path(path_type=Path),
-        metavar="FILE.csv",
-        help="Write a table with one row for each walk to this file.",
-    )
-    return option(command)
 
 
 def work_on(work: Callable[[NamedPath], Done], walks: Sequence[NamedPath], jobs: int) -> Iterator[Outcome]:

@@ -1,23 +1,27 @@
-"""Options that several commands share, and their effect on the configuration."""
+"""Options that several commands share.
 
+Nothing that is slow to load is imported here, because a help text needs all of them; what a value needs is imported
+when one is given.
+"""
+
+import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
-import numpy as np
 
-from pdr_est.calibration.profile import Profile, apply_profile, check_profile_matches
-from pdr_est.config import Config, config_with, load_config
-from pdr_est.estimators import ESTIMATORS
-from pdr_est.front_end.heading import HEADINGS
-from pdr_est.front_end.step_length import LENGTH_MODELS
-from pdr_est.front_end.steps import DETECTORS
-from pdr_est.io.tables.mapping_file import load_mapping
+from pdr_est.cli.choices import CLOCK_METHODS, DETECTORS, ESTIMATORS, HEADING_METHODS, LENGTH_MODELS
+from pdr_est.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pdr_est.io.tables.mapping import TableMapping
+    from pdr_est.preprocessing.moments import Moment
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 PATH = click.Path(path_type=Path)
+FIXES_METAVAR = "FILE.csv|recording|waypoints"
 
 
 class _Degrees(click.FloatRange):
@@ -28,7 +32,7 @@ class _Degrees(click.FloatRange):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         direction_deg = super().convert(value, param, ctx)
-        if np.isnan(direction_deg):
+        if math.isnan(direction_deg):
             self.fail(f"{value} is not a direction: give degrees from -360 to 360", param, ctx)
         return direction_deg
 
@@ -44,6 +48,14 @@ def config_option(command: Command) -> Command:
     return option(command)
 
 
+def _load_mapping(ctx: click.Context, _param: click.Parameter, path: Path | None) -> "TableMapping | None":
+    if path is None or ctx.resilient_parsing:  # the latter while a word is completed, which must be quick
+        return None
+    from pdr_est.io.tables.mapping_file import load_mapping
+
+    return load_mapping(path)
+
+
 def map_option(command: Command) -> Command:
     """Add the option --map FILE.yaml to a command, which then takes a `mapping`."""
     option = click.option(
@@ -51,7 +63,7 @@ def map_option(command: Command) -> Command:
         "mapping",
         type=PATH,
         metavar="FILE.yaml",
-        callback=lambda context, parameter, path: None if path is None else load_mapping(path),
+        callback=_load_mapping,
         help="What the columns of a table mean; `pdr-est inspect --write-map` writes a draft.",
     )
     return option(command)
@@ -61,11 +73,6 @@ def overwrite_option(command: Command) -> Command:
     """Add the option --overwrite to a command."""
     option = click.option("--overwrite", is_flag=True, help="Replace the output FILE if it exists.")
     return option(command)
-
-
-def given_paths(*paths: Path | None) -> list[Path]:
-    """Select those of some optional paths that were given."""
-    return [path for path in paths if path is not None]
 
 
 def detector_option(command: Command) -> Command:
@@ -127,7 +134,9 @@ def estimation_options(command: Command) -> Command:
                 help="Direction of the building's corridors, which cross at right angles; degrees as for --heading.",
             ),
             click.option(
-                "--heading-method", type=click.Choice(HEADINGS), help="Method of finding headings. Default: auto."
+                "--heading-method",
+                type=click.Choice(HEADING_METHODS),
+                help="Method of finding headings. Default: auto.",
             ),
             click.option(
                 "--attitude",
@@ -140,51 +149,97 @@ def estimation_options(command: Command) -> Command:
     return command
 
 
-def resolve_config(
-    config_file: Path | None,
-    *,
-    estimator: str | None = None,
-    detector: str | None = None,
-    length_model: str | None = None,
-    height_m: float | None = None,
-    gender: str | None = None,
-    start: tuple[float, float] | None = None,
-    heading_deg: float | None = None,
-    closed: bool | None = None,
-    corridors_deg: float | None = None,
-    heading_method: str | None = None,
-    attitude: str | None = None,
-    profile: Profile | None = None,
-) -> Config:
-    """Build the configuration of a command: defaults, then the walker's profile, then the file, then the options.
+class _MomentType(click.ParamType["Moment"]):
+    """Seconds from the start of the recording, or a clock time."""
 
-    Raises
-    ------
-    ConfigError
-        If a value is wrong or contradicts the profile; the message names the file or the option.
-    """
-    config = Config() if profile is None else apply_profile(Config(), profile)
-    if config_file is not None:
-        config = load_config(config_file, base=config)
-    x_m, y_m = (None, None) if start is None else start
-    heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
-    corridors = None if corridors_deg is None else {"direction_rad": float(np.deg2rad(corridors_deg))}
-    for option, section, values in (
-        ("--estimator", "estimator", {"name": estimator}),
-        ("--detector", "steps", {"detector": detector}),
-        ("--length-model", "step_length", {"model": length_model}),
-        ("--height", "walker", {"height_m": height_m}),
-        ("--gender", "walker", {"gender": gender}),
-        ("--start", "start", {"x_m": x_m, "y_m": y_m}),
-        ("--heading", "start", {"heading_rad": heading_rad}),
-        ("--closed", "start", {"closed": closed}),
-        ("--corridors", "heading", {"dominant": corridors}),
-        ("--heading-method", "heading", {"method": heading_method}),
-        ("--attitude", "attitude", {"source": attitude}),
+    name = "T"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> "Moment":
+        from pdr_est.preprocessing.moments import Moment, parse_moment
+
+        if isinstance(value, Moment):
+            return value
+        try:
+            return parse_moment(value)
+        except ConfigError as error:
+            self.fail(str(error), param, ctx)
+
+
+def recording_options(command: Command) -> Command:
+    """Add the options --from T, --to T, --device NAME and --map FILE.yaml; `RecordingPart` takes their values."""
+    for option in (
+        map_option,
+        click.option(
+            "--device",
+            "devices",
+            multiple=True,
+            metavar="NAME",
+            help="Use this device only; may be repeated. `inspect` names the devices.",
+        ),
+        click.option("--to", "end", type=_MomentType(), help="Leave out what comes after T, as for --from."),
+        click.option(
+            "--from",
+            "begin",
+            type=_MomentType(),
+            help="Leave out what comes before T: seconds from the start, or a clock time (14:03:05).",
+        ),
     ):
-        given = {key: value for key, value in values.items() if value is not None}
-        if given:
-            config = config_with(config, {section: given}, option)
-    if profile is not None:
-        check_profile_matches(config, profile, "--profile")
-    return config
+        command = option(command)
+    return command
+
+
+def clock_options(command: Command) -> Command:
+    """Add the options --clock METHOD, --clock-offset DEVICE SECONDS and --messages FILE.csv to a command."""
+    for option in (
+        click.option(
+            "--messages",
+            type=PATH,
+            metavar="FILE.csv",
+            help="Table of messages by which the devices compared their clocks: device,t1_s,t2_s,t3_s.",
+        ),
+        click.option(
+            "--clock-offset",
+            "clock_offsets",
+            type=(str, float),
+            multiple=True,
+            metavar="DEVICE SECONDS",
+            help="Seconds by which a device's clock is ahead of the first one's; may be repeated.",
+        ),
+        click.option(
+            "--clock",
+            type=click.Choice(CLOCK_METHODS),
+            help="Method that aligns the clocks of several devices. Default: walk.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def fixes_option(command: Command) -> Command:
+    """Add the option --fixes to a command."""
+    option = click.option(
+        "--fixes",
+        metavar=FIXES_METAVAR,
+        help="Known positions: a table, the GPS positions in the recording, or the points that somebody marked on "
+        "the device while passing them.",
+    )
+    return option(command)
+
+
+def jobs_option(command: Command) -> Command:
+    """Add the option --jobs N to a command."""
+    option = click.option(
+        "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for several walks."
+    )
+    return option(command)
+
+
+def summary_option(command: Command) -> Command:
+    """Add the option --summary FILE.csv to a command."""
+    option = click.option(
+        "--summary",
+        type=PATH,
+        metavar="FILE.csv",
+        help="Write a table with one row for each walk to this file.",
+    )
+    return option(command)

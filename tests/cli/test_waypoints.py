@@ -10,7 +10,7 @@ import pytest
 from cli_recordings import Walk, as_folder, ilc20_log, save, sensor_logger
 from cli_runs import refused, run, smoothed
 
-from pdr_est.cli import recording_options
+from pdr_est.cli import recording_part
 from pdr_est.io import read
 
 pytestmark = pytest.mark.usefixtures("without_report")
@@ -77,7 +77,7 @@ def test_one_file_means_one_phone(lines: list[str], tmp_path: Path, monkeypatch:
     pair = read(path)
     (device,) = pair.devices
     pair = replace(pair, devices=(replace(device, name="1L"), replace(device, name="2R")))
-    monkeypatch.setattr(recording_options, "read", lambda *_: pair)
+    monkeypatch.setattr(recording_part, "read", lambda *_: pair)
     result = run("steps", path)
     assert [line.split(": ")[1] for line in result.stdout.splitlines()] == ["1L"]
     assert "warning: " in result.stderr

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import click
-from rich.console import Console
 
 from pdr_est.cli.options import PATH
 
@@ -30,6 +29,8 @@ def compare(
     Prints the mean difference with its bootstrap interval and who wins on how many walks, and writes the same as
     compare.csv and compare.md.
     """
+    from rich.console import Console
+
     from pdr_est.experiment.results.comparison import as_csv, as_markdown, compare_variants, read_aligned, read_values
     from pdr_est.experiment.results.console_tables import print_comparison
     from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT

@@ -6,8 +6,6 @@ from pathlib import Path
 import click
 
 from pdr_est.cli.options import PATH
-from pdr_est.config import commented, config_to_yaml, load_config
-from pdr_est.config.yaml_lines import load_yaml
 
 
 @click.group()
@@ -32,6 +30,9 @@ def show(file: Path, data: Path | None) -> None:
 
     An experiment is checked as before a run.
     """
+    from pdr_est.config import commented, config_to_yaml, load_config
+    from pdr_est.config.yaml_lines import load_yaml
+
     content = load_yaml(file)
     if isinstance(content, dict) and "data" in content:
         from pdr_est.experiment import load_experiment

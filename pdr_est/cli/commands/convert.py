@@ -1,36 +1,11 @@
 """`pdr-est convert`: a recording of any known format becomes one that other programs read."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from types import MappingProxyType
+from typing import Any
 
 import click
 
-from pdr_est.cli.options import PATH, overwrite_option
-from pdr_est.cli.recording_options import RecordingPart, recording_options
-from pdr_est.io.formats.exchange.left_out import left_out
-from pdr_est.io.formats.exchange.parquet_table import write_parquet_recording
-from pdr_est.io.formats.exchange.sensor_logger_folder import write_sensor_logger_folder
-from pdr_est.io.formats.exchange.synchronised_arrays import write_hdf5, write_npz
-from pdr_est.io.formats.plain_csv.writer import write_plain_csv
-from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.writers.atomic_output import staged_file, staged_folder
-from pdr_est.preprocessing.moments import Moment
-from pdr_est.types.recording import Recording
-
-_FOLDER = "sensor-logger"
-_WRITERS: Mapping[str, tuple[Callable[[Recording, Path], None], tuple[str, ...]]] = MappingProxyType(
-    {
-        "csv": (write_plain_csv, ("positions",)),
-        "parquet": (write_parquet_recording, ("positions",)),
-        _FOLDER: (write_sensor_logger_folder, ("date", "fixes", "waypoints")),
-        "npz": (write_npz, ("positions",)),
-        "hdf5": (write_hdf5, ("positions",)),
-    }
-)
-_SUFFIXES = MappingProxyType(
-    {".csv": "csv", ".parquet": "parquet", ".npz": "npz", ".hdf5": "hdf5", ".h5": "hdf5", "": _FOLDER}
-)
+from pdr_est.cli.choices import RECORDING_FORMATS
+from pdr_est.cli.options import PATH, overwrite_option, recording_options
 
 
 @click.command("convert")
@@ -39,21 +14,12 @@ _SUFFIXES = MappingProxyType(
 @click.option(
     "--format",
     "chosen",
-    type=click.Choice(tuple(_WRITERS)),
+    type=click.Choice(RECORDING_FORMATS),
     help="Format of OUT. Default: by its extension; without one a folder of sensor-logger.",
 )
 @recording_options
 @overwrite_option
-def convert_command(
-    recordings: tuple[Path, ...],
-    output: Path,
-    chosen: str | None,
-    begin: Moment | None,
-    end: Moment | None,
-    devices: tuple[str, ...],
-    mapping: TableMapping | None,
-    overwrite: bool,
-) -> None:
+def convert_command(**options: Any) -> None:
     """Write RECORDING, of any format that `inspect` knows, in a documented one: SI units, up at rest.
 
     \b
@@ -62,19 +28,6 @@ def convert_command(
     sensor-logger  a folder with one table a sensor
     npz, hdf5      arrays of all sensors on common times, with RoNIN's names
     """  # noqa: D301  click reads the character \b
-    name = chosen or _SUFFIXES.get(output.suffix.lower())
-    if name is None:
-        raise click.UsageError(f"{output}: the extension tells no format: give --format {'|'.join(_WRITERS)}")
-    write, kept = _WRITERS[name]
-    recording = RecordingPart(begin, end, devices, mapping).read_cut(recordings)
-    if name == _FOLDER:
-        with staged_folder(output, overwrite) as folder:
-            write(recording, folder)
-    else:
-        with staged_file(output, overwrite, recordings) as file:
-            write(recording, file)
-    if name == _FOLDER and recording.epoch_s is None:
-        click.echo(f"note: {output} has the date 2000-01-01, because that of the recording is not known", err=True)
-    for words in left_out(recording, kept):
-        click.echo(f"note: {output} has no place for {words}", err=True)
-    click.echo(f"{recording.name}: {recording.format} -> {name}, {output}")
+    from pdr_est.cli.work.convert import convert_recording
+
+    convert_recording(**options)

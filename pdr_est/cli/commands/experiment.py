@@ -5,7 +5,6 @@ from pathlib import Path
 import click
 
 from pdr_est.cli.options import PATH
-from pdr_est.cli.progress import progress_bar
 from pdr_est.errors import RecordingError
 
 _REASONS = 3  # named in the error
@@ -34,7 +33,8 @@ def experiment(
 
     A run that was stopped goes on where it was when it is started again with the same words.
     """
-    from pdr_est.experiment import load_experiment, run_experiment  # slow to load
+    from pdr_est.cli.progress import progress_bar
+    from pdr_est.experiment import load_experiment, run_experiment
 
     loaded = load_experiment(config, data, limit)
     with progress_bar(loaded.title, total=len(loaded.walks), quiet=quiet) as bar:

@@ -1,29 +1,18 @@
 """`pdr-est steps`: number of steps in a recording, also in one without gyroscope."""
 
-import json
-from collections.abc import Sequence
-from contextlib import ExitStack
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import click
 
-from pdr_est import pipeline
-from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.many_walks import Done, finish_many, jobs_option, refuse_other_file, summary_option, work_on
-from pdr_est.cli.options import PATH, config_option, detector_option, given_paths, overwrite_option, resolve_config
-from pdr_est.cli.recording_options import RecordingPart, recording_options
-from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
-from pdr_est.config import Config
-from pdr_est.evaluate.carrying_modes import mode_shares
-from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.writers.atomic_output import staged_file
-from pdr_est.io.writers.track_files import write_steps_csv
-from pdr_est.pipeline import DeviceWalk
-from pdr_est.pipeline.warnings import warnings_of
-from pdr_est.preprocessing.moments import Moment
-from pdr_est.types.steps import Step
+from pdr_est.cli.options import (
+    PATH,
+    config_option,
+    detector_option,
+    jobs_option,
+    overwrite_option,
+    recording_options,
+    summary_option,
+)
 
 
 @click.command("steps")
@@ -38,92 +27,12 @@ from pdr_est.types.steps import Step
 @jobs_option
 @summary_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list with one object for each device.")
-def steps_command(
-    recordings: tuple[Path, ...],
-    begin: Moment | None,
-    end: Moment | None,
-    devices: tuple[str, ...],
-    mapping: TableMapping | None,
-    output: Path | None,
-    overwrite: bool,
-    jobs: int,
-    summary: Path | None,
-    as_json: bool,
-    detector: str | None,
-    config_file: Path | None,
-) -> None:
+def steps_command(**options: Any) -> None:
     """Find the steps in each RECORDING: their number, the cadence, and how the phone was carried.
 
     An accelerometer is enough; how the phone was carried is recognised only with a gyroscope. A folder of several
     recordings stands for these, as does a pattern in quotation marks.
     """
-    walks = named_paths(expand_paths(recordings))
-    if summary is not None:
-        refuse_other_file(summary)  # before the work
-    if output is not None and len(walks) > 1:
-        raise click.UsageError(
-            f"-o takes the steps of one RECORDING, but {len(walks)} are given: run the command once for each"
-        )
-    config = resolve_config(config_file, detector=detector)
-    inputs = given_paths(*recordings, config_file)
-    with ExitStack() as stack:
-        table = None if output is None else stack.enter_context(staged_file(output, overwrite, inputs))
-        work = partial(_find_steps, config, RecordingPart(begin, end, devices, mapping), table)
-        outcomes = list(work_on(work, walks, jobs))
-        if output is not None:
-            finish_many(outcomes[:1], None, (), quiet=True)  # before the table appears, so that there is none
-    done = [outcome.done for outcome in outcomes if outcome.done is not None]
-    documents = [document for one in done for document in one.document]
-    if as_json and done:
-        click.echo(json.dumps(documents, indent=2, ensure_ascii=False, allow_nan=False))
-    elif done:
-        click.echo("\n".join(one.text for one in done))
-    finish_many(outcomes if output is None else (), summary, recordings, quiet=True)
+    from pdr_est.cli.work.steps import find_steps
 
-
-def _find_steps(config: Config, part: RecordingPart, table: Path | None, walk: NamedPath) -> Done:
-    """Run the front end on a recording."""
-    path = walk.path
-    recording = part.read([path])
-    with prefix_errors(path):
-        recording = part.cut(recording)
-        devices = pipeline.analyse_recording(recording, config)
-    if table is not None:
-        write_steps_csv({device.device: device.steps for device in devices}, table)
-    documents = [_document(path, device) for device in devices]
-    row = {
-        "steps": max(document["steps"] for document in documents),
-        "duration_s": max(document["duration_s"] for document in documents),
-        "cadence_per_min": documents[0]["cadence_per_min"],
-        "mode": next(iter(documents[0]["modes"]), None),
-        "devices": len(documents),
-    }
-    text = "\n".join(_format_line(document) for document in documents)
-    return Done(row, warnings_of(recording, devices), text, documents)
-
-
-def _document(path: Path, walk: DeviceWalk) -> dict[str, Any]:
-    start_s, end_s = walk.span_s
-    cadence_hz = _cadence_hz(walk.steps)
-    return {
-        "recording": str(path),
-        "device": walk.device,
-        "steps": len(walk.steps),
-        "duration_s": round(end_s - start_s, 3),
-        "cadence_per_min": None if cadence_hz is None else round(60.0 * cadence_hz, 2),
-        "modes": {mode.name: round(share, 4) for mode, share in mode_shares(walk.steps).items()},
-    }
-
-
-def _cadence_hz(found: Sequence[Step]) -> float | None:
-    """Compute the steps per second while walking; the first step after a standstill has no interval before it."""
-    intervals_s = [1.0 / step.frequency_hz for step in found if step.frequency_hz > 0.0]
-    return len(intervals_s) / sum(intervals_s) if intervals_s else None
-
-
-def _format_line(document: dict[str, Any]) -> str:
-    words = [f"{document['steps']} steps in {document['duration_s']:.1f} s"]
-    if document["cadence_per_min"] is not None:
-        words.append(f"{document['cadence_per_min']:.1f} steps per minute")
-    words += [f"{mode} {100.0 * share:.0f} %" for mode, share in document["modes"].items()]
-    return f"{document['recording']}: {document['device']}: {', '.join(words)}"
+    find_steps(**options)

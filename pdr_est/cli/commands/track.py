@@ -1,28 +1,10 @@
 """`pdr-est track`: estimates while samples arrive, from recordings that are replayed or from phones that record."""
 
-import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import click
 
-from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import RECORDED, fixes_option, load_fixes
-from pdr_est.cli.options import PATH, config_option, estimation_options, resolve_config
-from pdr_est.cli.recording_options import RecordingPart, recording_options
-from pdr_est.cli.tracking_streams import follow_live, replay
-from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_overlap
-from pdr_est.errors import OutputError, PdrError
-from pdr_est.estimators import SPECS
-from pdr_est.io.formats.phone_apps.sensor_logger.live import Platform
-from pdr_est.io.side_tables.position_fixes import fixes_within
-from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.preprocessing.moments import Moment
-from pdr_est.types.recording import Recording
-
-_LIVE = Path("-")
+from pdr_est.cli.options import PATH, config_option, estimation_options, fixes_option, recording_options
 
 
 @click.command("track")
@@ -39,94 +21,13 @@ _LIVE = Path("-")
 @recording_options
 @config_option
 @estimation_options
-def track_command(
-    recordings: tuple[Path, ...],
-    output: Path | None,
-    overwrite: bool,
-    realtime: bool,
-    platform: Platform | None,
-    fixes: str | None,
-    begin: Moment | None,
-    end: Moment | None,
-    devices: tuple[str, ...],
-    mapping: TableMapping | None,
-    **settings: Any,
-) -> None:
+def track_command(**options: Any) -> None:
     """Track a walk online: print one line of JSON for each estimate, as soon as there is one.
 
     Each RECORDING holds the phones of one walk, all on one clock; several phones also give estimates of the person,
     as device `fused`. With - the messages that Sensor Logger pushes are read from standard input, one a line. The
     filter is ekf; --estimator fixed-lag also prints delayed estimates.
     """
-    config, part = resolve_config(**settings), RecordingPart(begin, end, devices, mapping)
-    if settings["estimator"] is not None and not SPECS[settings["estimator"]].online:
-        online = " or ".join(name for name, spec in SPECS.items() if spec.online)
-        raise click.UsageError(f"{settings['estimator']} needs the whole walk: use --estimator {online}")
-    if settings["start"] is not None and config.start.pose().heading_rad is None:
-        click.echo(
-            "note: --start without --heading: the track begins at the given position; unless the phone knows north, "
-            "its first step leads along x, so that it is turned arbitrarily",
-            err=True,
-        )
-    if _LIVE in recordings:
-        if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all:
-            raise click.UsageError(
-                "- cannot be combined with other recordings, --realtime, --from, --to, --device, or --fixes other "
-                "than recording"
-            )
-        with _output_stream(output, overwrite) as stream:
-            follow_live(sys.stdin, config, platform, fixes is not None, stream)
-        return
-    if platform is not None:
-        raise click.UsageError(
-            "--platform is for phones that send to -; a recording knows its platform: leave the option out"
-        )
-    read_in = [part.read_file(path, alone=len(recordings) == 1) for path in recordings]
-    whole = part.join(read_in, recordings)
-    with prefix_errors(", ".join(map(str, recordings))):
-        recorded = part.cut(whole)
-    _refuse_apart(recorded, recordings)
-    if len(whole.devices) > len(read_in[0].devices) and any(one.epoch_s is None for one in read_in):
-        undated = "not every recording has a date: their times are assumed to count from the same moment"
-        click.echo(f"warning: {undated}; `pdr-est smooth` estimates the clocks from the walk instead", err=True)
-    known = load_fixes(fixes, whole, recordings[0])
-    known = known if part.is_all else fixes_within(known, recorded)
-    with _output_stream(output, overwrite) as stream, prefix_errors(", ".join(map(str, recordings))):
-        replay(recorded, known, config, realtime, stream)
-    for device in recorded.devices:
-        for words in device.warnings:
-            click.echo(f"warning: {device.name}: {words}", err=True)
+    from pdr_est.cli.work.track import track_walk
 
-
-def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:
-    """Raise RecordingError for devices that did not record together; warn of one that starts late or ends early."""
-    with prefix_errors(", ".join(map(str, paths))):
-        require_overlap(recorded.devices, "track them one by one, or use `pdr-est smooth`, which finds their clocks")
-    for name, notes in coverage_warnings(recorded.devices).items():
-        for note in notes:
-            click.echo(f"warning: {name}: {note}", err=True)
-    late = devices_started_late(recorded.devices)
-    if late:
-        words = "started late, assumed to start where the other phones were at that time"
-        click.echo(f"warning: {', '.join(late)}: {words}", err=True)
-
-
-@contextmanager
-def _output_stream(output: Path | None, overwrite: bool) -> Iterator[TextIO]:
-    """Open the stream of the output; a file grows line by line."""
-    if output is None:
-        yield sys.stdout
-        return
-    try:
-        stream = output.open("w" if overwrite else "x", encoding="utf-8")
-    except FileExistsError:
-        raise OutputError(f"{output}: exists: choose another name, or give --overwrite") from None
-    except OSError as error:
-        raise OutputError(f"{output}: cannot be written ({error.strerror}): choose another name") from error
-    try:
-        with stream:
-            yield stream
-    except PdrError:
-        if not output.stat().st_size:
-            output.unlink()
-        raise
+    track_walk(**options)

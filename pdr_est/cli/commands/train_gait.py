@@ -2,13 +2,14 @@
 
 from datetime import date, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pdr_est.cli.options import PATH
-from pdr_est.cli.progress import progress_bar
-from pdr_est.front_end.gait.features import FeatureSet
-from pdr_est.io.writers.atomic_output import staged_folder
+
+if TYPE_CHECKING:
+    from pdr_est.front_end.gait.features import FeatureSet
 
 
 @click.command("train-gait")
@@ -30,7 +31,7 @@ from pdr_est.io.writers.atomic_output import staged_folder
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run in OUT.")
 @click.option("-q", "--quiet", is_flag=True, help="Show no progress bar.")
 def train_gait_command(
-    data: Path, output: Path, features: FeatureSet, trained_on: datetime | None, overwrite: bool, quiet: bool
+    data: Path, output: Path, features: "FeatureSet", trained_on: datetime | None, overwrite: bool, quiet: bool
 ) -> None:
     """Train the classifier of walking, jogging and running on the recordings in DIR.
 
@@ -42,6 +43,8 @@ def train_gait_command(
     The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least three people must
     walk, and three must jog and run. Use the model with gait.model in a configuration file.
     """  # noqa: D301  click reads the character \b
+    from pdr_est.cli.progress import progress_bar
+    from pdr_est.io.writers.atomic_output import staged_folder
     from pdr_est.training.gait_files import recordings_digest
     from pdr_est.training.gait_training import (
         train_gait,  # scikit-learn loads slowly

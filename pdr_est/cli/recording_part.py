@@ -1,60 +1,17 @@
-"""The options `--from`, `--to`, `--device` and `--map`: how a recording is read, and which part of it is used."""
+"""What the options `--from`, `--to`, `--device` and `--map` do: how a recording is read, and which part is used."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar
-
-import click
 
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.options import map_option
-from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.errors import RecordingError
 from pdr_est.io import read
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.preprocessing.merge import merge_recordings
-from pdr_est.preprocessing.moments import Moment, cut_recording, parse_moment
+from pdr_est.preprocessing.moments import Moment, cut_recording
 from pdr_est.types.recording import Recording
-
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-
-class _MomentType(click.ParamType[Moment]):
-    """Seconds from the start of the recording, or a clock time."""
-
-    name = "T"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Moment:
-        if isinstance(value, Moment):
-            return value
-        try:
-            return parse_moment(value)
-        except ConfigError as error:
-            self.fail(str(error), param, ctx)
-
-
-def recording_options(command: Command) -> Command:
-    """Add the options --from T, --to T, --device NAME and --map FILE.yaml to a command; see `RecordingPart`."""
-    for option in (
-        map_option,
-        click.option(
-            "--device",
-            "devices",
-            multiple=True,
-            metavar="NAME",
-            help="Use this device only; may be repeated. `inspect` names the devices.",
-        ),
-        click.option("--to", "end", type=_MomentType(), help="Leave out what comes after T, as for --from."),
-        click.option(
-            "--from",
-            "begin",
-            type=_MomentType(),
-            help="Leave out what comes before T: seconds from the start, or a clock time (14:03:05).",
-        ),
-    ):
-        command = option(command)
-    return command
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pdr_est.cli.fix_options import load_fixes, without_used_truth
 from pdr_est.cli.many_walks import Done
 from pdr_est.cli.profile_options import NO_PROFILE, WalkersProfile
 from pdr_est.cli.progress import ProgressBar, progress_bar
-from pdr_est.cli.recording_options import WHOLE, RecordingPart
+from pdr_est.cli.recording_part import WHOLE, RecordingPart
 from pdr_est.cli.walk_list import NamedPath
 from pdr_est.config import Config
 from pdr_est.errors import OutputError
