@@ -154,7 +154,9 @@ class _MomentType(click.ParamType["Moment"]):
 
     name = "T"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> "Moment":
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if ctx is not None and ctx.resilient_parsing:  # while a word is completed, which must be quick
+            return value
         from pdr_est.preprocessing.moments import Moment, parse_moment
 
         if isinstance(value, Moment):

@@ -18,7 +18,7 @@ from pdr_est.preprocessing.moments import Moment
 from pdr_est.types.recording import Recording
 
 _FOLDER = "sensor-logger"
-_WRITERS: Mapping[str, tuple[Callable[[Recording, Path], None], tuple[str, ...]]] = MappingProxyType(
+FORMATS: Mapping[str, tuple[Callable[[Recording, Path], None], tuple[str, ...]]] = MappingProxyType(
     {
         "csv": (write_plain_csv, ("positions",)),
         "parquet": (write_parquet_recording, ("positions",)),
@@ -45,8 +45,8 @@ def convert_recording(
     """Write a recording of any known format in one that other programs read."""
     name = chosen or _SUFFIXES.get(output.suffix.lower())
     if name is None:
-        raise click.UsageError(f"{output}: the extension tells no format: give --format {'|'.join(_WRITERS)}")
-    write, kept = _WRITERS[name]
+        raise click.UsageError(f"{output}: the extension tells no format: give --format {'|'.join(FORMATS)}")
+    write, kept = FORMATS[name]
     recording = RecordingPart(begin, end, devices, mapping).read_cut(recordings)
     if name == _FOLDER:
         with staged_folder(output, overwrite) as folder:

@@ -1,0 +1,104 @@
+"""What a call loads: a help text and a completed word nothing slow, a command only what it uses."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from pdr_est.cli import COMMANDS, choices
+from pdr_est.cli.work.convert import FORMATS
+from pdr_est.clock_sync import ClockMethod
+from pdr_est.config import Config
+from pdr_est.estimators import ESTIMATORS
+from pdr_est.experiment import SUITES
+from pdr_est.experiment.variants.axes import AXES, EVERY
+from pdr_est.front_end.heading import HEADINGS
+from pdr_est.front_end.step_length import LENGTH_MODELS
+from pdr_est.front_end.steps import DETECTORS
+from pdr_est.performance import NAME
+from pdr_est.preprocessing.turned_device import TURN_NAMES
+
+SLOW = {"numpy", "scipy", "polars", "gtsam", "matplotlib", "sklearn", "filterpy", "pydantic", "rich", "jinja2", "yaml"}
+CALLS = """
+import sys
+from click.testing import CliRunner
+from pdr_est.cli import main
+
+for words in {calls!r}:
+    result = CliRunner().invoke(main, words, prog_name="pdr-est")
+    assert result.exit_code == 0, result.output
+    loaded = {names!r} & set(sys.modules)
+    assert not loaded, f"pdr-est {{' '.join(words)}} loads {{', '.join(sorted(loaded))}}"
+"""
+
+
+def call_without(names: set[str], *calls: list[str]) -> None:
+    """Make some calls in one new process, which must succeed and load none of these modules."""
+    code = CALLS.format(calls=calls, names=names)
+    done = subprocess.run((sys.executable, "-c", code), capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_help_loads_nothing_slow() -> None:
+    inner = [["config", "show", "--help"], ["config", "schema", "--help"]]
+    call_without(SLOW, ["--help"], ["--version"], *([name, "--help"] for name in COMMANDS), *inner)
+
+
+def completed(words: str) -> tuple[list[str], str]:
+    """Complete the last of some words as bash does; also return the slow modules that were loaded."""
+    code = f"""
+import atexit, sys
+atexit.register(lambda: print(*sorted({SLOW!r} & set(sys.modules)), file=sys.stderr))
+from pdr_est.cli import main
+main(prog_name="pdr-est")
+"""
+    position = str(len(words.split(" ")) - 1)
+    environment = {
+        **os.environ,
+        "_PDR_EST_COMPLETE": "bash_complete",
+        "COMP_WORDS": f"pdr-est {words}",
+        "COMP_CWORD": str(int(position) + 1),
+    }
+    done = subprocess.run(
+        (sys.executable, "-c", code), capture_output=True, text=True, check=True, env=environment
+    )
+    return [line.partition(",")[2] for line in done.stdout.splitlines()], done.stderr.strip()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("s", ["steps", "smooth"]),
+        ("smooth --cl", ["--closed", "--clock", "--clock-offset"]),
+        ("smooth --map columns.yaml --from 3 --estimator map", ["map-closed-form", "map-general"]),
+        ("benchmark o", ["oxford-steps", "oxiod"]),
+    ],
+)
+def test_a_word_is_completed_without_loading_anything_slow(words: str, expected: list[str]) -> None:
+    found, loaded = completed(words)
+    assert sorted(found) == sorted(expected)
+    assert loaded == ""
+
+
+def test_the_words_that_options_offer_are_those_of_the_package() -> None:
+    assert choices.ESTIMATORS == ESTIMATORS
+    assert choices.DETECTORS == tuple(DETECTORS)
+    assert choices.LENGTH_MODELS == tuple(LENGTH_MODELS)
+    assert choices.HEADING_METHODS == tuple(HEADINGS)
+    assert choices.CLOCK_METHODS == get_args(ClockMethod)
+    assert choices.RECORDING_FORMATS == tuple(FORMATS)
+    assert choices.SUITE_NAMES == tuple(sorted([NAME, *(suite.name for suite in SUITES)]))
+    assert {axis.name: (axis.values, axis.value_in(Config())) for axis in AXES} == choices.COMPARED
+    assert choices.EVERY_VALUE == EVERY
+    assert choices.DEVICE_TURNS == TURN_NAMES
+
+
+def test_a_command_loads_only_what_it_uses(good: Path, tmp_path: Path) -> None:
+    never = {"sklearn", "matplotlib", "jinja2", "scipy.stats", "scipy.interpolate", "scipy.optimize", "pymap3d"}
+    call_without(never | {"gtsam", "filterpy"}, ["inspect", str(good)], ["steps", str(good)])
+    out = ["-o", str(tmp_path / "out"), "--overwrite", "--no-report"]
+    call_without(never | {"gtsam"}, ["smooth", str(good), *out, "--estimator", "ekf"])
+    call_without(never, ["smooth", str(good), *out])
