@@ -2,13 +2,10 @@
 
 import csv
 import io
-import multiprocessing
 import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -84,6 +81,8 @@ def work_on(work: Callable[[NamedPath], Done], walks: Sequence[NamedPath], jobs:
         for walk in walks:
             yield _attempt(work, walk)
         return
+    from concurrent.futures.process import BrokenProcessPool
+
     left = list(walks)
     try:
         for outcome in _in_pool(work, walks, min(jobs, len(walks))):
@@ -95,6 +94,9 @@ def work_on(work: Callable[[NamedPath], Done], walks: Sequence[NamedPath], jobs:
 
 
 def _in_pool(work: Callable[[NamedPath], Done], walks: Sequence[NamedPath], jobs: int) -> Iterator[Outcome]:
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
     # Spawned and not forked: the same on every platform, and safe with the threads of numpy and GTSAM.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context, initializer=_start_worker) as pool:
@@ -107,6 +109,8 @@ def _in_pool(work: Callable[[NamedPath], Done], walks: Sequence[NamedPath], jobs
 
 
 def _in_own_process(work: Callable[[NamedPath], Done], walk: NamedPath) -> Outcome:
+    from concurrent.futures.process import BrokenProcessPool
+
     try:
         return next(_in_pool(work, [walk], 1))
     except BrokenProcessPool:
@@ -233,7 +237,9 @@ def _start_worker() -> None:
 
 
 def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
+    from multiprocessing import parent_process
+
+    parent = parent_process()
     if parent is not None:
         parent.join()
         os._exit(1)

@@ -16,7 +16,6 @@ from pdr_est.errors import ConfigError
 
 if TYPE_CHECKING:
     from pdr_est.io.tables.mapping import TableMapping
-    from pdr_est.preprocessing.moments import Moment
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 

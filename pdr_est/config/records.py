@@ -11,7 +11,7 @@ from pdr_est.estimators import ESTIMATORS, Estimator, estimator_named
 from pdr_est.estimators.common.fix_noise import FixNoiseParams
 from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.robust_dr.fusion import MapFusionParams
+from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.heading import HeadingParams

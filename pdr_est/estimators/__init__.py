@@ -12,7 +12,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators.built_in import SPECS, BuiltInEstimator, EstimatorSettings
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.robust_dr.fusion import MapFusionParams
+from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.estimators.spec import Estimator, EstimatorSpec, OnlineEstimator, OnlineFilter, OnlinePose
 from pdr_est.parts import ESTIMATOR, is_external, named_part
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measurement, StartPose

@@ -1,17 +1,15 @@
-"""The estimators of the package in one table: what each can do, and how it is called."""
+"""The estimators of the package in one table: what each can do, and how it is called.
+
+Each is imported when it is called, with filterpy or gtsam: who detects steps or reads the table needs none of them.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from pdr_est.estimators import dead_reckoning
-from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
-from pdr_est.estimators.common.length_scale_check import track_scale_finding
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
-from pdr_est.estimators.fix_checks import check_fixes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.estimators.kalman import ekf
-from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
+from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.estimators.spec import EstimatorSpec
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
@@ -62,6 +60,9 @@ class BuiltInEstimator:
         """
         if not self.spec.smooths:
             return self._estimate(devices, tethers, start, sigma_length_scale)
+        from pdr_est.estimators.common.length_scale_check import track_scale_finding
+        from pdr_est.estimators.fix_checks import check_fixes
+
         checked = check_fixes(devices, start, sigma_length_scale)
         track = self._estimate(checked.devices, tethers, checked.start, checked.sigma_length_scale)
         scale = track_scale_finding(track, devices, start, sigma_length_scale)
@@ -79,6 +80,8 @@ class BuiltInEstimator:
         call = _CALLS[self.spec.name]
         if not self.spec.smooths:
             return call(walk)
+        from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
+
         alternatives = alternatives_of(walk.timelines, start, sigma_length_scale)
         return estimate_alternatives(
             alternatives,
@@ -99,33 +102,41 @@ class _Walk:
 
 
 def _dead_reckoning(walk: _Walk) -> Track:
-    return concatenate([dead_reckoning.estimate(one, walk.start, walk.sigma_length_scale) for one in walk.timelines])
+    from pdr_est.estimators.dead_reckoning import estimate
+
+    return concatenate([estimate(one, walk.start, walk.sigma_length_scale) for one in walk.timelines])
 
 
 def _map_closed_form(walk: _Walk) -> Track:
+    from pdr_est.estimators.robust_dr.fusion import estimate_closed_form
+
     return estimate_closed_form(
         walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.map_fusion
     )
 
 
 def _map_general(walk: _Walk) -> Track:
+    from pdr_est.estimators.robust_dr.fusion import estimate_general
+
     return estimate_general(
         walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.map_fusion
     )
 
 
 def _ekf(walk: _Walk) -> Track:
-    return ekf.estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale)
+    from pdr_est.estimators.kalman.ekf import estimate
+
+    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale)
 
 
 def _factor_graph(walk: _Walk) -> Track:
-    from pdr_est.estimators.factor_graph.smoother import estimate  # gtsam takes a second to load
+    from pdr_est.estimators.factor_graph.smoother import estimate
 
     return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.start_headings_rad)
 
 
 def _fixed_lag(walk: _Walk) -> Track:
-    from pdr_est.estimators.fixed_lag.smoother import estimate  # gtsam takes a second to load
+    from pdr_est.estimators.fixed_lag.smoother import estimate
 
     return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.fixed_lag)
 

@@ -9,7 +9,7 @@ from cli_recordings import Walk, as_zip, columns_of, lines_of, make_walk, save, 
 @pytest.fixture
 def without_report(monkeypatch: pytest.MonkeyPatch) -> None:
     """Results without the page: plotting takes nearly all the time of a run."""
-    monkeypatch.setattr("pdr_est.report.walk.result_files.render_report", lambda *_: "<html></html>")
+    monkeypatch.setattr("pdr_est.report.walk.page.render_report", lambda *_: "<html></html>")
 
 
 @pytest.fixture(scope="session")

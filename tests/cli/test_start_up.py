@@ -21,7 +21,9 @@ from pdr_est.front_end.steps import DETECTORS
 from pdr_est.performance import NAME
 from pdr_est.preprocessing.turned_device import TURN_NAMES
 
-SLOW = {"numpy", "scipy", "polars", "gtsam", "matplotlib", "sklearn", "filterpy", "pydantic", "rich", "jinja2", "yaml"}
+PICTURES = {"matplotlib", "jinja2"}
+ESTIMATION = {"gtsam", "filterpy"}
+SLOW = {"numpy", "scipy", "polars", "sklearn", "pydantic", "rich", "yaml", *PICTURES, *ESTIMATION}
 CALLS = """
 import sys
 from click.testing import CliRunner
@@ -55,16 +57,13 @@ atexit.register(lambda: print(*sorted({SLOW!r} & set(sys.modules)), file=sys.std
 from pdr_est.cli import main
 main(prog_name="pdr-est")
 """
-    position = str(len(words.split(" ")) - 1)
     environment = {
         **os.environ,
         "_PDR_EST_COMPLETE": "bash_complete",
         "COMP_WORDS": f"pdr-est {words}",
-        "COMP_CWORD": str(int(position) + 1),
+        "COMP_CWORD": str(len(words.split(" "))),
     }
-    done = subprocess.run(
-        (sys.executable, "-c", code), capture_output=True, text=True, check=True, env=environment
-    )
+    done = subprocess.run((sys.executable, "-c", code), capture_output=True, text=True, check=True, env=environment)
     return [line.partition(",")[2] for line in done.stdout.splitlines()], done.stderr.strip()
 
 
@@ -84,21 +83,36 @@ def test_a_word_is_completed_without_loading_anything_slow(words: str, expected:
 
 
 def test_the_words_that_options_offer_are_those_of_the_package() -> None:
-    assert choices.ESTIMATORS == ESTIMATORS
-    assert choices.DETECTORS == tuple(DETECTORS)
-    assert choices.LENGTH_MODELS == tuple(LENGTH_MODELS)
-    assert choices.HEADING_METHODS == tuple(HEADINGS)
-    assert choices.CLOCK_METHODS == get_args(ClockMethod)
-    assert choices.RECORDING_FORMATS == tuple(FORMATS)
-    assert choices.SUITE_NAMES == tuple(sorted([NAME, *(suite.name for suite in SUITES)]))
-    assert {axis.name: (axis.values, axis.value_in(Config())) for axis in AXES} == choices.COMPARED
-    assert choices.EVERY_VALUE == EVERY
-    assert choices.DEVICE_TURNS == TURN_NAMES
+    assert {
+        "--estimator": tuple(ESTIMATORS),
+        "--detector": tuple(DETECTORS),
+        "--length-model": tuple(LENGTH_MODELS),
+        "--heading-method": tuple(HEADINGS),
+        "--clock": get_args(ClockMethod),
+        "convert --format": tuple(FORMATS),
+        "benchmark SUITE": tuple(sorted([NAME, *(suite.name for suite in SUITES)])),
+        "benchmark --turn-device": TURN_NAMES,
+        "benchmark, every value": EVERY,
+    } == {
+        "--estimator": choices.ESTIMATORS,
+        "--detector": choices.DETECTORS,
+        "--length-model": choices.LENGTH_MODELS,
+        "--heading-method": choices.HEADING_METHODS,
+        "--clock": choices.CLOCK_METHODS,
+        "convert --format": choices.RECORDING_FORMATS,
+        "benchmark SUITE": choices.SUITE_NAMES,
+        "benchmark --turn-device": choices.DEVICE_TURNS,
+        "benchmark, every value": choices.EVERY_VALUE,
+    }
+
+
+def test_the_settings_that_a_benchmark_compares_are_those_of_the_package() -> None:
+    assert {axis.name: (axis.values, axis.value_in(Config())) for axis in AXES} == dict(choices.COMPARED)
 
 
 def test_a_command_loads_only_what_it_uses(good: Path, tmp_path: Path) -> None:
-    never = {"sklearn", "matplotlib", "jinja2", "scipy.stats", "scipy.interpolate", "scipy.optimize", "pymap3d"}
-    call_without(never | {"gtsam", "filterpy"}, ["inspect", str(good)], ["steps", str(good)])
-    out = ["-o", str(tmp_path / "out"), "--overwrite", "--no-report"]
-    call_without(never | {"gtsam"}, ["smooth", str(good), *out, "--estimator", "ekf"])
-    call_without(never, ["smooth", str(good), *out])
+    never = {"sklearn", "pymap3d", "multiprocessing", "rich", *PICTURES}
+    call_without(never | ESTIMATION, ["inspect", str(good)], ["steps", str(good)])
+    smooth = ["smooth", str(good), "-o", str(tmp_path / "out"), "--overwrite", "--no-report", "--quiet"]
+    call_without(never | {"gtsam"}, [*smooth, "--estimator", "ekf"])
+    call_without(never, smooth)

@@ -71,7 +71,7 @@ def _find_steps(config: Config, part: RecordingPart, table: Path | None, walk: N
     recording = part.read([path])
     with prefix_errors(path):
         recording = part.cut(recording)
-        devices = pipeline.analyse_recording(recording, config)
+        devices = pipeline.analyse_recording(recording, config, at_the_end=False)
     if table is not None:
         write_steps_csv({device.device: device.steps for device in devices}, table)
     documents = [_document(path, device) for device in devices]

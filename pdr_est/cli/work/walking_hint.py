@@ -55,7 +55,7 @@ def walking_hint(recording: Recording) -> WalkingHint | None:
     if recording.span_s is None:
         return None
     try:
-        walks = pipeline.analyse_recording(recording, Config())
+        walks = pipeline.analyse_recording(recording, Config(), at_the_end=False)
     except PdrError:
         return None
     start_s, end_s = recording.span_s

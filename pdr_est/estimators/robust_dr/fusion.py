@@ -33,24 +33,12 @@ from pdr_est.estimators.common.motion_model import STATES, GaussianState, reckon
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.robust_dr.constrained_map import closed_form, general_many
 from pdr_est.estimators.robust_dr.device_group import DeviceGroup, group_devices
+from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.frames import Array
-from pdr_est.params import Positive, params
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
 
 CLOSED_FORM, GENERAL = "map-closed-form", "map-general"
-
-
-@params
-class MapFusionParams:
-    """Fusion of several devices by Robust DR."""
-
-    feedback: bool = False
-    """True if dead reckoning continues from the fused positions. If False, the fusion does not affect the dead
-    reckoning of any device, as the paper's "estimates reported by the two sets of sensors independently" reads."""
-
-    silent_s: Positive = 2.0
-    """Time after its last step, s, from which a device takes no part in the fusion (ours)."""
 
 
 def estimate_closed_form(

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from pymap3d import geodetic2enu
 
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
@@ -72,6 +71,8 @@ def gnss_fixes(
     if not kept.any():
         return GnssFixes((), None, warnings)
     latitude, longitude = latitude_deg[kept], longitude_deg[kept]
+    from pymap3d import geodetic2enu  # used by few recordings
+
     origin = GeoOrigin(float(latitude[0]), float(longitude[0]))
     east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
     variance = np.square(np.maximum(sigma_m[kept], _SMALLEST_SIGMA_M))

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pymap3d import geodetic2enu
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
@@ -204,6 +203,8 @@ def _positions(table: NumberTable, recording: Recording) -> Array:
 def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
     """Convert latitudes and longitudes (n, 2) to map positions (n, 2); refuse one far away."""
     usable = np.where(np.isfinite(degrees), degrees, np.nan)  # rows that are not finite are refused later
+    from pymap3d import geodetic2enu
+
     latitude, longitude = usable.T
     east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
     far = np.flatnonzero((np.hypot(east, north) > _FARTHEST_FROM_ORIGIN_M) | (np.abs(latitude) > 90.0))

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
-from pymap3d import enu2geodetic
 
 from pdr_est.errors import OutputError
 from pdr_est.frames import Array, wrap_angle
@@ -145,6 +144,8 @@ def _coordinates(position_m: Array, origin: GeoOrigin | None) -> list[list[float
     """Convert map positions (n, 2) to GeoJSON coordinates, to 0.1 mm in metres or about 1 mm in degrees."""
     if origin is None:
         return [[float(x), float(y)] for x, y in np.round(position_m, 4)]
+    from pymap3d import enu2geodetic
+
     east, north = position_m.T
     latitude, longitude, _ = enu2geodetic(
         east, north, np.zeros(len(east)), origin.latitude_deg, origin.longitude_deg, 0.0

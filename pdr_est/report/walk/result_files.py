@@ -12,7 +12,6 @@ from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.track_files import write_geojson, write_steps_csv, write_tum
 from pdr_est.pipeline import SmoothedWalk
-from pdr_est.report.walk.page import render_report
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.types.recording import Recording
 
@@ -74,6 +73,8 @@ def write_results(
     write_geojson(walk.track, folder / "track.geojson", origin, fixes=walk.fixes)
     _write(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     if with_report:
+        from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
+
         _write(folder / "report.html", render_report(walk, recording, summary))
     return summary
 

@@ -10,7 +10,8 @@ import pytest
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
-from pdr_est.estimators.robust_dr.fusion import MapFusionParams, estimate_closed_form, estimate_general
+from pdr_est.estimators.robust_dr.fusion import estimate_closed_form, estimate_general
+from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, PositionFix, StartPose, StepOdometry

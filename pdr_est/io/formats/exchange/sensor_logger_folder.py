@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import polars as pl
-from pymap3d import enu2geodetic
 
 from pdr_est.errors import OutputError
 from pdr_est.io.formats.exchange.left_out import only_device
@@ -76,6 +75,8 @@ def _locations(recording: Recording, epoch_s: float) -> pl.DataFrame | None:
     origin, fixes = recording.origin, [fix for fix in recording.fixes if fix.source == "gps"]
     if origin is None or not fixes:
         return None
+    from pymap3d import enu2geodetic
+
     east, north = np.array([fix.position_m for fix in fixes]).T
     latitude, longitude, _ = enu2geodetic(east, north, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
     sigma_m = np.sqrt([0.5 * np.trace(fix.covariance_m2) for fix in fixes])

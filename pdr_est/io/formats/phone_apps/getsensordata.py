@@ -9,7 +9,6 @@ import re
 from dataclasses import replace
 
 import numpy as np
-import pymap3d
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
@@ -193,9 +192,9 @@ def _relative_to_origin(gnss: GnssFixes, origin: GeoOrigin | None) -> tuple[Posi
 
 
 def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) -> Array:
-    east, north, _ = pymap3d.geodetic2enu(
-        latitude_deg, longitude_deg, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0
-    )
+    from pymap3d import geodetic2enu
+
+    east, north, _ = geodetic2enu(latitude_deg, longitude_deg, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
     return np.column_stack([east, north])
 
 
