@@ -69,7 +69,6 @@ device lies still.
 """
 
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -101,10 +100,7 @@ if TYPE_CHECKING:
     from pdr_est.types.steps import CarryingMode, Step
     from pdr_est.types.track import Track
 
-try:
-    __version__ = version("pdr-est")
-except PackageNotFoundError:  # run from a source tree that is not installed
-    __version__ = "0+unknown"
+__version__: str
 
 __all__ = [
     "CarryingMode",
@@ -186,11 +182,26 @@ _MODULE_OF = {name: module for module, names in _MODULES.items() for name in nam
 
 def __getattr__(name: str) -> Any:
     """Import a public name at its first use: the libraries behind it take seconds, during which Ctrl-C must work."""
+    if name == "__version__":
+        globals()[name] = _version()
+        return globals()[name]
     if name not in _MODULE_OF:
         raise AttributeError(f"module 'pdr_est' has no attribute {name!r}: its names are {', '.join(__all__)}")
     value = getattr(import_module(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
+
+
+def _version() -> str:
+    from importlib.metadata import (
+        PackageNotFoundError,
+        version,
+    )  # takes as long to load as all that a help text needs
+
+    try:
+        return version("pdr-est")
+    except PackageNotFoundError:  # run from a source tree that is not installed
+        return "0+unknown"
 
 
 def __dir__() -> list[str]:

@@ -103,8 +103,12 @@ def run_command(command: str, lines: tuple[str, ...]) -> None:
             assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE), f"no make target {target}"
     elif program == "python":
         check_script(words[0], words[1:])
+    elif program.startswith("_PDR_EST_COMPLETE="):
+        variable, shell = program.split("=")
+        rules = CliRunner().invoke(main, words[1:-2], prog_name=words[0], env={variable: shell}).output
+        assert re.search(rf"^ *complete .*\b{words[0]}\b", rules, flags=re.MULTILINE), rules
     else:
-        raise AssertionError(f"{command}: neither pdr-est nor make nor python")
+        raise AssertionError(f"{command}: neither pdr-est nor its completion, nor make nor python")
 
 
 def check_script(path: str, words: list[str]) -> None:

@@ -14,7 +14,6 @@ from types import MappingProxyType
 
 import click
 
-from pdr_est import __version__
 from pdr_est.errors import PdrError
 
 COMMANDS = MappingProxyType(
@@ -83,7 +82,22 @@ def _escape_unprintable() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
+def _print_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        from pdr_est import __version__
+
+        click.echo(f"pdr-est, version {__version__}")
+        ctx.exit()
+
+
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="pdr-est")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Show the version and exit.",
+)
 def main() -> None:
     """Estimate tracks of walking people, with honest uncertainty, from the inertial recordings of phones."""

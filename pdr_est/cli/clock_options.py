@@ -1,4 +1,4 @@
-"""What the options about the clocks of several devices do to configuration and recording."""
+"""Apply the options about the clocks of several devices to configuration and recording."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What the option `--fixes` names: a table of known positions, or the word `recording` or `waypoints`."""
+"""Load the known positions of the option `--fixes`: a table, or the word `recording` or `waypoints`."""
 
 from collections.abc import Iterable
 from dataclasses import replace

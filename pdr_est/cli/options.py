@@ -148,7 +148,7 @@ def estimation_options(command: Command) -> Command:
     return command
 
 
-class _MomentType(click.ParamType["Moment"]):
+class _MomentType(click.ParamType[Any]):
     """Seconds from the start of the recording, or a clock time."""
 
     name = "T"

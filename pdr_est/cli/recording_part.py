@@ -1,4 +1,4 @@
-"""What the options `--from`, `--to`, `--device` and `--map` do: how a recording is read, and which part is used."""
+"""Read a recording and cut it, as the options `--from`, `--to`, `--device` and `--map` say."""
 
 import re
 from collections.abc import Sequence

@@ -73,10 +73,14 @@ def write_results(
     write_geojson(walk.track, folder / "track.geojson", origin, fixes=walk.fixes)
     _write(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     if with_report:
-        from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
-
-        _write(folder / "report.html", render_report(walk, recording, summary))
+        _write_report(folder / "report.html", walk, recording, summary)
     return summary
+
+
+def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json) -> None:
+    from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
+
+    _write(path, render_report(walk, recording, summary))
 
 
 def _write(path: Path, text: str) -> None:
