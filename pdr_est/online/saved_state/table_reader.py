@@ -105,6 +105,8 @@ class _Reader:
                 return self._outside[name]
             case "plain", [value] if type(value) in PLAIN:
                 return value
+            case "complex", [[float() as real, float() as imaginary]]:
+                return complex(real, imaginary)
             case "slice", [bounds]:
                 return slice(*self._values(bounds))
             case "tuple" | "frozenset", [values]:

@@ -5,6 +5,7 @@ from base64 import b64encode
 from collections import OrderedDict, defaultdict, deque
 from collections.abc import Iterable, Mapping
 from enum import Enum
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -18,7 +19,10 @@ from pdr_est.online.saved_state.table_format import (
     ObjectTableError,
 )
 
-_BUILT_IN_CONTENT = (tuple, list, dict, set, frozenset, str, bytes, int, float, BaseException, type)
+_BUILT_IN_CONTENT = (tuple, list, dict, set, frozenset, str, bytes, int, float, complex, BaseException, type)
+_PARTS: Mapping[type[Any], tuple[str, ...]] = MappingProxyType(
+    {slice: ("start", "stop", "step"), complex: ("real", "imag")}
+)
 _NO_DATA = (
     "which is no data: let parts of your own hold only numbers, texts, arrays, collections of these, and objects of "
     "classes at the top level of a module"
@@ -87,8 +91,8 @@ class _Writer:
             return [name, value.maxlen, self._values(value)]
         if kind is defaultdict and value.default_factory in FACTORIES.values():
             return [name, value.default_factory.__name__, self._pairs(value.items())]
-        if kind is slice:
-            return [name, self._values((value.start, value.stop, value.step))]
+        if kind in _PARTS:
+            return [name, self._values(getattr(value, part) for part in _PARTS[kind])]
         if isinstance(value, np.generic) or kind is np.ndarray:
             return _array_row(value)
         if isinstance(value, Enum):
