@@ -14,7 +14,15 @@ def changed(record: Record, **fields: Any) -> Record:
         A dataclass without slots; it is not validated again.
     **fields
         Fields and their new values.
+
+    Raises
+    ------
+    TypeError
+        If the record has no field of such a name.
     """
+    if not fields.keys() <= record.__dict__.keys():
+        unknown = ", ".join(sorted(fields.keys() - record.__dict__.keys()))
+        raise TypeError(f"{type(record).__name__} has no field {unknown}: give one of {', '.join(record.__dict__)}")
     copy = object.__new__(type(record))
     copy.__dict__.update(record.__dict__, **fields)
     return copy

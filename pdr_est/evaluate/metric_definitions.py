@@ -46,10 +46,17 @@ def pooled_average(metric: str, rows: Iterable[tuple[float | None, Mapping[str, 
         Name of the metric.
     rows : iterable of (float or None, Mapping)
         Value of each walk, and its counts by name.
+
+    Raises
+    ------
+    KeyError
+        If a walk has a value and not the count by which it is weighted.
     """
     pooled_by = DEFINITIONS[metric].pooled_by if metric in DEFINITIONS else None
     known = list(rows)
-    weights = None if pooled_by is None else [float(counts.get(pooled_by, 1)) for _, counts in known]
+    weights = None
+    if pooled_by is not None:
+        weights = [0.0 if value is None else float(counts[pooled_by]) for value, counts in known]
     return Average.of((value for value, _ in known), weights)
 
 
@@ -147,8 +154,9 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
             pooled_by="legs",
         ),
         "leg_turn_mae_m": Metric(
-            "The same with each displacement as seen from the direction of the one before it, which is at least 1 m "
-            "long.",
+            "Mean distance of the displacements between successive true positions, each as seen from the direction "
+            "of the one before it, over all for which that one is at least 1 m long, and 0.5 m in the track, from "
+            "the sensors alone.",
             pooled_by="leg_turns",
         ),
         "mode_accuracy": Metric("Share of the walking time that is labelled with the true carrying mode.", 1.0),

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import repeat
 
 import numpy as np
 
@@ -36,11 +35,17 @@ class Average:
             Value of each walk.
         weights : sequence of float or None
             Weight of each walk in the mean, such as the number of legs that its value is the mean of; equal for None.
+
+        Raises
+        ------
+        ValueError
+            If there are more or fewer weights than values.
         """
-        rows = zip(values, repeat(1.0) if weights is None else weights, strict=False)
+        numbers = list(values)
+        rows = zip(numbers, [1.0] * len(numbers) if weights is None else weights, strict=True)
         known = [(value, weight) for value, weight in rows if value is not None and math.isfinite(value)]
         if not known:
             return cls(None, None, None, 0)
-        numbers, shares = (np.array(column) for column in zip(*known, strict=True))
-        mean = np.mean(numbers) if weights is None else np.average(numbers, weights=shares)
-        return cls(float(mean), float(np.median(numbers)), float(np.percentile(numbers, 90.0)), len(known))
+        finite, shares = (np.array(column) for column in zip(*known, strict=True))
+        mean = np.mean(finite) if weights is None else np.average(finite, weights=shares)
+        return cls(float(mean), float(np.median(finite)), float(np.percentile(finite, 90.0)), len(known))

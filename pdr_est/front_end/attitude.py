@@ -20,9 +20,10 @@ from pdr_est.records import changed
 from pdr_est.types.sensors import ImuBlock, LevelBlock
 from pdr_est.types.steps import CarryingMode
 
-# Pause, s, up to which a straight line between its borders tells more of the rotation than nothing: measured by
-# cutting pauses into recorded walks.
-_BRIDGED_S = 1.5
+BRIDGED_S = 1.5
+"""Duration, s, of a gap up to which a straight line between its borders tells more of the rotation than nothing:
+measured by cutting gaps into recorded walks. Over a longer one the yaw stays as it was.
+"""
 _LEAST_FORCE_MPS2 = 1e-9  # keeps the direction of a zero vector finite
 
 
@@ -53,7 +54,7 @@ class AttitudeParams:
 class VqfAttitude:
     """Stage ImuBlock -> LevelBlock with the filter VQF without magnetometer.
 
-    The filter goes on over a short pause as if the samples changed linearly. After a longer one gravity is found
+    The filter goes on over a short gap as if the samples changed linearly. After a longer one gravity is found
     anew, and yaw and the bias of the gyroscope are kept.
 
     Where VQF looks for rest or limits what it corrects, it treats each axis by itself, so that its result depends on
@@ -83,7 +84,7 @@ class VqfAttitude:
         self._filter = VQF(**self._settings)
         self._last: tuple[Array, Array, float] | None = None  # last rate, force and yaw
         self._segment: int | None = None
-        self._yaw_offset_rad = 0.0  # that keeps the yaw over long pauses, less what standing says of the bias
+        self._yaw_offset_rad = 0.0  # that keeps the yaw over long gaps, less what standing says of the bias
         self._turn = AxisTurn(np.eye(3))
         self._standing_arguments = rate_hz, parameters.standing
         self._standing = StandingBias(*self._standing_arguments)
@@ -142,14 +143,14 @@ class VqfAttitude:
         )
 
     def _bridge(self, item: ImuBlock, first_rate: Array, first_force: Array) -> float | None:
-        """Take the filter over the pause before a block; return the yaw to go on with, None for its own."""
+        """Take the filter over the gap before a block; return the yaw to go on with, None for its own."""
         if self._last is None or item.hole is None:
             self._filter.resetState()
             self._standing, self._yaw_offset_rad = StandingBias(*self._standing_arguments), 0.0
             self._turn = AxisTurn(axes_through(first_force, first_rate))
             return None
         last_rate, last_force, last_yaw_rad = self._last
-        if item.hole.duration_s <= _BRIDGED_S:
+        if item.hole.duration_s <= BRIDGED_S:
             count = round(item.hole.duration_s / self._settings["gyrTs"])
             share = np.arange(1, count)[:, None] / count
             rate, force = (

@@ -11,7 +11,7 @@ from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.steps import LONGEST_STEP_S, CarryingMode, Step
 
 _LEAST_STEP_S = 0.2
-_SHORT_PAUSE_S = 5.0  # beyond, a walker may have stood meanwhile
+_SHORT_GAP_S = 5.0  # beyond, a walker may have stood meanwhile
 
 
 @params
@@ -44,9 +44,9 @@ class OdometryParams:
     the phone was turned against the body; not used where the heading follows the phone.
     """
     gap_speed_mps: Positive = 1.0
-    """Speed, m/s, with which a walker may have moved during a pause of the recording."""
+    """Speed, m/s, with which a walker may have moved during a gap of the recording."""
     sigma_gap_length: Positive = 0.3
-    """Standard deviation of the way of a walker who walks before and after a short pause, over that way; ours."""
+    """Standard deviation of the way of a walker who walks before and after a short gap, over that way; ours."""
     sigma_straight_rad: Positive = 0.15
     """Standard deviation, rad, of the heading of a step around the straight path that it lies on, independent from
     step to step.
@@ -56,7 +56,7 @@ class OdometryParams:
 class Odometry:
     """Stage Step -> StepOdometry and HeadingPrior of one device.
 
-    The first step after a pause of the recording is preceded by a bridge over it: an unobserved motion. A step on a
+    The first step after a gap of the recording is preceded by a bridge over it: an unobserved motion. A step on a
     straight path of known heading is followed by a heading prior, which is relative, because the zero of the headings
     is arbitrary.
 
@@ -142,17 +142,17 @@ class Odometry:
         return replace(self._step(step, change_rad, sigma_rad), turn_hypotheses=hypotheses)
 
     def _bridge(self, previous: Step, item: Step) -> StepOdometry:
-        """Make the unobserved motion over the pauses between two steps.
+        """Make the unobserved motion over the gaps between two steps.
 
         Who walked before and after goes on at the same speed; who stood on one side at least may have gone anywhere
-        within reach. The turn is that of the headings, unless the step itself has possible turns. Where the pause is
+        within reach. The turn is that of the headings, unless the step itself has possible turns. Where the gap is
         not described, the heading has another zero after it.
         """
         p = self._parameters
         start_s, end_s = previous.event.time_s, max(item.start_s, previous.event.time_s)
-        pause_s = sum(min(hole.duration_s, end_s - start_s) for hole in item.holes) if item.holes else end_s - start_s
-        length_m, sigma_m = 0.0, p.gap_speed_mps * pause_s
-        if _walks_on(previous, item) and pause_s < _SHORT_PAUSE_S:
+        gap_s = sum(min(hole.duration_s, end_s - start_s) for hole in item.holes) if item.holes else end_s - start_s
+        length_m, sigma_m = 0.0, p.gap_speed_mps * gap_s
+        if _walks_on(previous, item) and gap_s < _SHORT_GAP_S:
             speed_mps = previous.length_m / max(previous.event.time_s - previous.start_s, _LEAST_STEP_S)
             length_m = speed_mps * (end_s - start_s)
             sigma_m = p.sigma_gap_length * length_m
@@ -173,7 +173,7 @@ class Odometry:
 
 
 def _walks_on(previous: Step, item: Step) -> bool:
-    """Return True for steps so near to the pause between them that the walker walks on both sides of it."""
+    """Return True for steps so near to the gap between them that the walker walks on both sides of it."""
     if not item.holes or not all(hole.duration_known for hole in item.holes):
         return False
     before_s = item.holes[0].start_s - previous.event.time_s

@@ -8,10 +8,8 @@ from pdr_est import pipeline
 from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS
-from pdr_est.front_end.heading import whole_walk_stage
 from pdr_est.front_end.odometry import Odometry
-from pdr_est.front_end.step_length import stairs_stage
-from pdr_est.pipeline.front_end_chain import levelling, stepping
+from pdr_est.pipeline.front_end_chain import levelling, stepping, whole_walk_corrections
 from pdr_est.simulate import simulate_walk
 from pdr_est.simulate.people.population import PopulationParams, sample_population
 from pdr_est.stage import Stage
@@ -41,9 +39,8 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
     spent: dict[str, float] = {}
     for device, _ in timed(spent, "clock", lambda: align_device_clocks(recording)):
         _, to_level = levelling(device, recording.name, config)
-        at_the_end = (stairs_stage(config.step_length), whole_walk_stage(config.heading))
-        stages: list[Stage] = [*to_level.stages, *stepping(config).stages]
-        stages += [stage for stage in at_the_end if stage is not None]
+        corrections = whole_walk_corrections(config)
+        stages: list[Stage] = [*to_level.stages, *stepping(config).stages, *corrections.stages]
         items: list[Any] = list(device.blocks())
         for stage in [*stages, Odometry(device.name, config.odometry)]:
             items = timed(spent, type(stage).__name__, lambda stage=stage, items=items: _run(stage, items))  # type: ignore[misc]

@@ -5,6 +5,7 @@ an object in `Parts`.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from pdr_est.config import Config
@@ -12,9 +13,11 @@ from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAtt
 from pdr_est.front_end.gait import gait_stage
 from pdr_est.front_end.heading import heading_stage, needs_magnetometer, whole_walk_stage
 from pdr_est.front_end.heading.north import NorthPriors, NorthReference, north_reference
+from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import stairs_stage, step_length_stage
+from pdr_est.front_end.step_length.stairs import StairLengths
 from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.parts import NO_PARTS, STAGE, Parts, StagePart, given_part
@@ -70,11 +73,11 @@ def analyse_device(
     has_heading = has_gyroscope(device)
     causal = measuring(device.name, config, north)
     odometry = _run(causal, steps) if has_heading else []
-    corrections = _corrections_at_the_end(config, parts) if at_the_end and has_heading else ()
+    corrections = whole_walk_corrections(config, parts) if at_the_end and has_heading else NO_CORRECTIONS
     whole_walk_odometry = odometry
-    if corrections:
-        measured = measuring(device.name, config, north, at_the_end=any(map(_tells_directions, corrections)))
-        whole_walk_odometry = _run(measured, _run(Chain(corrections), steps))
+    if corrections.stages:
+        measured = measuring(device.name, config, north, at_the_end=corrections.heading is not None)
+        whole_walk_odometry = _run(measured, _run(Chain(corrections.stages), steps))
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
@@ -82,7 +85,7 @@ def analyse_device(
         steps=tuple(steps),
         odometry=tuple(odometry),
         whole_walk_odometry=tuple(whole_walk_odometry),
-        directions=next((one.directions for one in corrections if _tells_directions(one)), None),
+        directions=None if corrections.heading is None else corrections.heading.directions,
         has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
@@ -92,15 +95,37 @@ def analyse_device(
     )
 
 
-def _corrections_at_the_end(config: Config, parts: Parts) -> tuple[Any, ...]:
-    """Make the stages Step -> Step that need the whole walk; none that would change a part of the user's own."""
-    stairs = stairs_stage(config.step_length) if parts.step_length is None else None
-    whole_walk = whole_walk_stage(config.heading) if parts.heading is None else None
-    return tuple(stage for stage in (stairs, whole_walk) if stage is not None)
+@dataclass(frozen=True)
+class WholeWalkCorrections:
+    """Stages Step -> Step that need the whole walk, so that only smoothers use them.
+
+    Attributes
+    ----------
+    stairs
+        Gives steps on stairs their length; None for none.
+    heading
+        Corrects the headings, and finds the dominant directions; None for none.
+    """
+
+    stairs: StairLengths | None = None
+    heading: WholeWalkHeading | None = None
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """List those that there are, in the order in which a step passes through them."""
+        return tuple(stage for stage in (self.stairs, self.heading) if stage is not None)
 
 
-def _tells_directions(stage: Any) -> bool:
-    return hasattr(stage, "directions")
+NO_CORRECTIONS = WholeWalkCorrections()
+"""Steps stay as they were found online."""
+
+
+def whole_walk_corrections(config: Config, parts: Parts = NO_PARTS) -> WholeWalkCorrections:
+    """Make the stages that need the whole walk; none that would change the output of a part given in Python."""
+    return WholeWalkCorrections(
+        stairs=stairs_stage(config.step_length) if parts.step_length is None else None,
+        heading=whole_walk_stage(config.heading) if parts.heading is None else None,
+    )
 
 
 def north_of(device: DeviceRecording, recording: Recording, config: Config) -> NorthReference | None:
@@ -141,7 +166,7 @@ def levelling(
     if heading_needs_magnetometer(config, parts):
         require_magnetometer(device, place)
     optional = optional_channels(channels, config, parts, north)
-    if device.pressure is not None and stairs_stage(config.step_length) is not None:
+    if device.pressure is not None and whole_walk_corrections(config, parts).stairs is not None:
         optional = (*optional, Channel.PRESSURE)
     return level_chain(channels, optional, own_attitude, config, parts)
 

@@ -44,7 +44,7 @@ class Resampler:
     Values of optional channels are NaN where those have no sample: in their gaps, before their beginning and after
     their end. Grid, segments and gaps do not depend on them. An optional channel may come any time before the
     required ones and up to 2 s after them without changing an output; what comes later is lost, because a channel
-    that has stopped cannot be waited for. Push a whole signal of an optional channel before the others. Pauses of the
+    that has stopped cannot be waited for. Push a whole signal of an optional channel before the others. Gaps of the
     air pressure are interpolated up to 1.5 s.
 
     Parameters

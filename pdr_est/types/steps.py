@@ -59,7 +59,8 @@ class StepEvent:
     mode_probability
         Probability of `mode`.
     compensated
-        True for a step that was not observed and is inserted at the rhythm of the steps before it.
+        True for a step that was not observed: it is inserted at the rhythm of the steps before it, or in the middle
+        between two steps.
     """
 
     index: int

@@ -10,6 +10,7 @@ from rich.console import Console
 
 from pdr_est import __version__
 from pdr_est.config import Config
+from pdr_est.evaluate.metric_definitions import pooled_average
 from pdr_est.evaluate.statistics import Average
 from pdr_est.experiment import BenchmarkResult, print_benchmark
 from pdr_est.experiment.results.walk_result import Failure
@@ -57,6 +58,14 @@ def test_leg_metrics_are_pooled_over_the_legs_of_all_walks():
     ]
     summary = benchmark_result("ilc20", "estimator", ("ekf",), tuple(rows[0].metrics), rows).summary("ekf")
     assert (summary["leg_length_mae_m"].mean, summary["ate_rigid_m"].mean) == (2.5, 3.0)
+
+
+def test_weights_are_not_made_up():
+    with pytest.raises(ValueError, match="shorter"):
+        Average.of([4.0, 2.0], weights=[1.0])
+    with pytest.raises(KeyError, match="legs"):
+        pooled_average("leg_length_mae_m", [(4.0, {"legs": 1}), (2.0, {})])
+    assert pooled_average("leg_length_mae_m", [(4.0, {"legs": 1}), (None, {})]).mean == 4.0
 
 
 def test_document_has_exactly_the_agreed_shape():

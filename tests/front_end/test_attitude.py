@@ -202,22 +202,22 @@ def test_the_yaw_follows_the_walker_around_the_corner() -> None:
 
 
 @pytest.mark.parametrize(
-    ("pause_s", "most_deg"),
+    ("gap_s", "most_deg"),
     [((3.0, 3.8), 15.0), ((9.5, 11.0), 6.0), ((8.6, 11.6), 6.0)],
     ids=["walks", "short", "long"],
 )
-def test_the_yaw_goes_on_over_a_pause(pause_s: tuple[float, float], most_deg: float) -> None:
-    """Walking, and standing; the yaw by the device knows what happened in the pause."""
-    by_vqf, by_device = both_ways(corner_walk(sensors=replace(STEADY_CLOCK, gaps_s=(pause_s,))))
+def test_the_yaw_goes_on_over_a_gap(gap_s: tuple[float, float], most_deg: float) -> None:
+    """Walking, and standing; the yaw by the device knows what happened in the gap."""
+    by_vqf, by_device = both_ways(corner_walk(sensors=replace(STEADY_CLOCK, gaps_s=(gap_s,))))
     (resumed,) = (block for block in by_vqf if block.hole is not None)
-    assert (resumed.hole.start_s, resumed.hole.end_s) == pytest.approx(pause_s, abs=0.05)
+    assert (resumed.hole.start_s, resumed.hole.end_s) == pytest.approx(gap_s, abs=0.05)
     yaw = np.unwrap(wrap_angle(joined(by_vqf, "yaw_rad") - joined(by_device, "yaw_rad")))
-    after = joined(by_vqf, "time_s") > pause_s[1]
+    after = joined(by_vqf, "time_s") > gap_s[1]
     change = np.mean(yaw[after][:50]) - np.mean(yaw[~after][-50:])
     assert np.rad2deg(np.abs(change)) < most_deg
 
 
-def test_the_bias_of_the_gyroscope_is_kept_over_a_pause() -> None:
+def test_the_bias_of_the_gyroscope_is_kept_over_a_gap() -> None:
     bias = np.array([0.004, -0.003, 0.005])
     stage = vqf()
     still = imu(still_force(np.array([0.0, 0.0, 1.0]), 1500), np.tile(bias, (1500, 1)))

@@ -100,8 +100,8 @@ def across(hole: Hole, after: Step, sigma_turn_rad: float = 0.2) -> Step:
     return replace(after, holes=(hole,), sigma_turn_rad=sigma_turn_rad)
 
 
-def test_who_walks_on_over_a_short_pause_goes_the_way_of_that_time() -> None:
-    """From 1.0 s to 2.4 s at 1.2 m/s, turned as the headings tell, with the doubt of the pause."""
+def test_who_walks_on_over_a_short_gap_goes_the_way_of_that_time() -> None:
+    """From 1.0 s to 2.4 s at 1.2 m/s, turned as the headings tell, with the doubt of the gap."""
     before = step(1.0, 0.5, length_m=0.6, heading_rad=0.3)
     after = across(Hole(1.3, 2.1), step(2.9, 2.4, heading_rad=0.8, segment=1))
     _, bridge, walked = odometry_of(before, after)
@@ -113,8 +113,8 @@ def test_who_walks_on_over_a_short_pause_goes_the_way_of_that_time() -> None:
     np.testing.assert_allclose(bridge.covariance, np.diag([sigma_m, sigma_m, sigma_rad]) ** 2)
 
 
-def test_who_stands_moves_in_the_pause_only() -> None:
-    """Seen to stand for 30 s before and 8 s after a pause of 0.6 s."""
+def test_who_stands_moves_in_the_gap_only() -> None:
+    """Seen to stand for 30 s before and 8 s after a gap of 0.6 s."""
     after = across(Hole(31.0, 31.6), step(40.0, 39.6, heading_rad=0.1, segment=1), 0.06)
     _, bridge, _ = odometry_of(step(1.0, 0.5), after)
     assert bridge.length_m == 0.0
@@ -122,13 +122,13 @@ def test_who_stands_moves_in_the_pause_only() -> None:
     assert bridge.heading_change_rad == pytest.approx(0.1)
 
 
-def test_a_pause_of_unknown_duration_lasts_for_the_whole_time_between_the_steps() -> None:
+def test_a_gap_of_unknown_duration_lasts_for_the_whole_time_between_the_steps() -> None:
     after = across(Hole(1.2, 2.2, duration_known=False), step(3.0, 2.5, segment=1), np.pi / np.sqrt(3.0))
     _, bridge, _ = odometry_of(step(1.0, 0.5), after)
     assert np.sqrt(bridge.covariance[0, 0]) == pytest.approx(1.5 * 1.5)
 
 
-def test_after_a_pause_that_nobody_describes_the_heading_is_anything() -> None:
+def test_after_a_gap_that_nobody_describes_the_heading_is_anything() -> None:
     _, bridge, _ = odometry_of(step(1.0, 0.4), step(3600.0, 3599.4, segment=1))
     assert np.sqrt(bridge.covariance[2, 2]) == pytest.approx(np.pi / np.sqrt(3.0))
     assert np.sqrt(bridge.covariance[0, 0]) == pytest.approx(1.5 * 3598.4)

@@ -117,7 +117,6 @@ def test_a_pickle_is_refused_and_not_run(tmp_path: Any) -> None:
         ["array", "|O", "C", [1], "AAAAAAAAAAA="],
         ["array", "<f8", "C", [1 << 60], ""],
         ["defaultdict", "print", []],
-        ["complex", [1.0, "2"]],
         ["tuple", [[0]]],
         ["list", [[10**9]]],
         ["list", 7],
@@ -150,35 +149,27 @@ def test_a_table_that_was_changed_raises_nothing_but_refusals(data: st.DataObjec
 
 
 def test_what_is_no_data_cannot_be_saved() -> None:
-    for value in (
-        print,
-        lambda: 0,
-        open,
-        type("Local", (), {})(),
-        np.array([None]),
-        memoryview(b"1"),
-        range(3),
-        b"1",
-    ):
+    for value in (print, lambda: 0, open, type("Local", (), {})(), np.array([None]), memoryview(b"1")):
         with pytest.raises(EstimationError, match=r"the state cannot be saved: it holds an? .* is no data"):
             pack([value])
 
 
-PLAIN = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5)
+PLAIN = (
+    st.binary(max_size=5)
+    | st.complex_numbers()
+    | st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=5)
+)
 ARRAYS = st.builds(
     lambda shape, dtype, order: np.asarray(np.arange(np.prod(shape)).reshape(shape), dtype, order=order),
     st.lists(st.integers(0, 3), max_size=3).map(tuple),
     st.sampled_from([float, np.int32, bool, np.uint8, complex, np.float32]),
     st.sampled_from(["C", "F"]),
 )
-LEAVES = (
-    PLAIN
-    | ARRAYS
-    | st.complex_numbers()
-    | st.floats().map(np.float64)
-    | st.sampled_from(CarryingMode)
-    | st.just(slice(1, None, 2))
-)
+LEAVES = PLAIN | ARRAYS | st.floats().map(np.float64) | st.sampled_from(CarryingMode) | st.just(slice(1, None, 2))
 KEYS = (
     st.text(max_size=3)
     | st.integers()

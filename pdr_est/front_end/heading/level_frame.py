@@ -4,8 +4,7 @@ import numpy as np
 
 from pdr_est.frames import Array, rotate_vectors
 
-LEAST_UPRIGHT = 1e-9
-"""Least 1 + cos of the tilt: a device exactly upside down has no shortest way upright, and no yaw."""
+_LEAST_UPRIGHT = 1e-9  # 1 + cos of the tilt: a device exactly upside down has no shortest way upright, and no yaw
 
 
 def to_level(vectors: Array, up: Array, yaw_rad: Array) -> Array:
@@ -28,7 +27,24 @@ def to_level(vectors: Array, up: Array, yaw_rad: Array) -> Array:
     ndarray, shape (n, 2)
         East and north components in the level frame of the yaw.
     """
-    x, y, z = vectors.T
-    up_x, up_y, up_z = up.T
-    tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, LEAST_UPRIGHT)
-    return rotate_vectors(np.stack([x - up_x * tilted, y - up_y * tilted], axis=1), yaw_rad)
+    return rotate_vectors(np.stack(turn_upright(vectors.T, up), axis=1), yaw_rad)
+
+
+def turn_upright(components: Array, up: Array) -> tuple[Array, Array]:
+    """Turn vectors by the smallest rotation that takes `up` to the z axis; return their two horizontal components.
+
+    Parameters
+    ----------
+    components : ndarray, shape (3, n) or (3,)
+        Vectors in device axes by component, or a single one to turn by the tilt of each sample.
+    up : ndarray, shape (n, 3)
+        Unit vector upwards in device axes.
+
+    Returns
+    -------
+    x, y : ndarray, shape (n,)
+        Horizontal components, before any rotation about the vertical.
+    """
+    (x, y, z), (up_x, up_y, up_z) = components, up.T
+    tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, _LEAST_UPRIGHT)
+    return x - up_x * tilted, y - up_y * tilted

@@ -7,7 +7,7 @@ posture, its yaw is well defined for anything less than half a turn away from th
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.level_frame import LEAST_UPRIGHT
+from pdr_est.front_end.heading.level_frame import turn_upright
 from pdr_est.types.sensors import LevelBlock
 
 _LEAST_LENGTH = 1e-9
@@ -39,23 +39,12 @@ def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
         Yaw, rad in (-pi, pi].
     """
     first, second = level_axes(reference_up)
-    # Written out, for it is done at every step: `to_level` of both axes, and the sums of what is along and across.
-    up_x, up_y, up_z = samples.up.T
-    upright = np.maximum(1.0 + up_z, LEAST_UPRIGHT)
+    # `to_level` of both axes would turn them by the yaw one after the other; this is done at every step.
     c, s = np.cos(samples.yaw_rad), np.sin(samples.yaw_rad)
-    (first_x, first_y), (second_x, second_y) = (
-        _levelled(axis.tolist(), up_x, up_y, upright) for axis in (first, second)
-    )
+    (first_x, first_y), (second_x, second_y) = (turn_upright(axis, samples.up) for axis in (first, second))
     east = np.add.reduce((c * first_x - s * first_y) + (s * second_x + c * second_y))
     north = np.add.reduce((s * first_x + c * first_y) - (c * second_x - s * second_y))
     return float(np.arctan2(north, east))
-
-
-def _levelled(axis: list[float], up_x: Array, up_y: Array, upright: Array) -> tuple[Array, Array]:
-    """Turn an axis of the phone upright by the shortest way, at each of some samples (n,)."""
-    x, y, z = axis
-    tilted = z + (up_x * x + up_y * y) / upright
-    return x - up_x * tilted, y - up_y * tilted
 
 
 def level_axes(up: Array) -> tuple[Array, Array]:

@@ -40,7 +40,7 @@ from pdr_est.types.steps import Step
 class PspHeading:
     """Stage Step -> Step that fills in the heading and, with `priors`, the directions of straight paths.
 
-    The headings begin at 0 and go on over pauses of the recording, in which nothing is known of the turn.
+    The headings begin at 0 and go on over gaps of the recording, in which nothing is known of the turn.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class PspHeading:
         return [step for steps in self._strides.flush() for step in self._stride(steps)]
 
     def _stride(self, steps: Sequence[Step]) -> list[Step]:
-        if steps[0].event.segment != self._segment:  # a pause in which nothing is known of the turn
+        if steps[0].event.segment != self._segment:  # a gap in which nothing is known of the turn
             self._segment, self._before_rad = steps[0].event.segment, self._latest_rad
         increment_rad = y_turn_rad(steps, self._rate_hz)
         duration_s = sum(len(step.samples) for step in steps) / self._rate_hz

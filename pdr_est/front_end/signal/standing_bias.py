@@ -73,6 +73,7 @@ class StandingBias:
         self._mean, self._variance = _moments(self._log_density)
         self._parts: list[tuple[Array, Array]] = []  # samples of the window that is not complete
         self._next = 0  # index of the sample after them
+        self._begin = 0  # index of the first sample of that window, which may still have to come
 
     def turn(self, matrix: Array) -> None:
         """Describe the bias in other axes, the rows of a matrix (3, 3), and begin a new segment."""
@@ -104,18 +105,15 @@ class StandingBias:
             return self._mean[None], self._variance[None]
         if not self._parts or self._next != first_index:
             self._parts.clear()
-            skipped = -first_index % self._width
-            force, rate, begin = force_mps2[skipped:], rate_radps[skipped:], first_index + skipped
-        else:
-            begin = self._next - sum(len(one) for one, _ in self._parts)
-            force, rate = force_mps2, rate_radps
+            self._begin = first_index + -first_index % self._width
+        before = max(self._begin - first_index, 0)
         self._next = first_index + count
-        self._parts.append((force, rate))
-        if self._next - begin < self._width:
+        self._parts.append((force_mps2[before:], rate_radps[before:]))
+        if self._next - self._begin < self._width:
             return self._mean[None], self._variance[None]
-        return self._windows(begin, first_index, count)
+        return self._windows(first_index, count)
 
-    def _windows(self, begin: int, first_index: int, count: int) -> tuple[Array, Array]:
+    def _windows(self, first_index: int, count: int) -> tuple[Array, Array]:
         """Use the windows that are complete now, and keep the rest."""
         force, rate = (np.concatenate(columns) for columns in zip(*self._parts, strict=True))
         whole = len(force) // self._width
@@ -125,10 +123,11 @@ class StandingBias:
         changes, means, variances = [first_index], [self._mean], [self._variance]
         for number in np.flatnonzero(spread < self._parameters.steady_mps2).tolist():
             end = (number + 1) * self._width
-            self._use(begin + end, rate[end - self._width : end])
-            changes.append(begin + end)
+            self._use(self._begin + end, rate[end - self._width : end])
+            changes.append(self._begin + end)
             means.append(self._mean)
             variances.append(self._variance)
+        self._begin += used
         lengths = np.diff([*changes, first_index + count])
         return np.repeat(means, lengths, axis=0), np.repeat(variances, lengths, axis=0)
 

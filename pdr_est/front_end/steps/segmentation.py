@@ -26,11 +26,11 @@ class SegmentationParams:
     initial_step_s: Positive = 0.6
     """Duration, s, of the first step after a standstill, or of one that a segment begins in; ours."""
     hole_turn_radps: Positive = 0.36
-    """Standard deviation of the heading change over a pause of the recording in which the walker goes on, over its
-    duration, rad/s, up to that of any direction. Measured by cutting pauses of 0.6 to 4 s into recorded walks.
+    """Standard deviation of the heading change over a gap of the recording in which the walker goes on, over its
+    duration, rad/s, up to that of any direction. Measured by cutting gaps of 0.6 to 4 s into recorded walks.
     """
     standing_hole_turn_radps: Positive = 0.1
-    """The same for a walker who stands before and after the pause."""
+    """The same for a walker who stands before and after the gap."""
 
 
 class StepSegmentation:
@@ -116,7 +116,7 @@ class StepSegmentation:
         )
 
     def _turn_over(self, holes: tuple[Hole, ...], before_s: float, start_s: float) -> float:
-        """Compute the standard deviation of the heading change, rad, over pauses between two steps."""
+        """Compute the standard deviation of the heading change, rad, over gaps between two steps."""
         if not holes:
             return 0.0
         p = self._parameters

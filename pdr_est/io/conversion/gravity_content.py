@@ -13,6 +13,7 @@ _SURELY_MPS2 = 3.1
 _GRAVITY_SHARE = 0.65
 _STATIC_MPS2 = (6.5, 20.0)  # as in `units`
 _PARTS = 10
+_ROWS_OF_MEDIAN = 50_000
 _FEWEST_SAMPLES, _SHORTEST_S = 50, 5.0
 _GRAVITY_LENGTHS = (STANDARD_GRAVITY_MPS2, 1.0, 1000.0)
 
@@ -57,7 +58,8 @@ def lacks_gravity(signal: Signal, factor: float | None = None) -> bool:
     if len(signal) < _FEWEST_SAMPLES or np.ptp(signal.time_s) < _SHORTEST_S:
         return False
     parts = [np.linalg.norm(part.mean(axis=0)) for part in np.array_split(signal.values, _PARTS)]
-    norm = float(np.median(np.linalg.norm(signal.values, axis=1)))
+    every = max(1, len(signal) // _ROWS_OF_MEDIAN)
+    norm = float(np.median(np.linalg.norm(signal.values[::every], axis=1)))
     mean = float(np.median(parts)) * (1.0 if factor is None else factor)
     return float(np.median(parts)) < _GRAVITY_SHARE * norm and not _STATIC_MPS2[0] <= mean <= _STATIC_MPS2[1]
 

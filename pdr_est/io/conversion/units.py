@@ -102,8 +102,8 @@ def detect_rotation_rate_unit(values: Array) -> Conversion:
         (n, 3) rotation rate of one walk.
     """
     # A single damaged number must not decide, however large it is.
-    peak = float(np.percentile(np.abs(values).max(axis=1), _PEAK_PERCENTILE, method="lower"))
-    high = float(np.percentile(np.linalg.norm(values, axis=1), 95))
+    peak = float(np.percentile(_largest_component(values), _PEAK_PERCENTILE, method="lower"))
+    high = float(np.percentile(_lengths(values), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
     if high > _FASTEST_WALK_DEGPS:
         return Conversion(np.pi / 180e3, f"rotation rate is in mdeg/s: {numbers}")
@@ -190,4 +190,20 @@ def _parts(n: int) -> int:
 
 def _median_norm(values: Array) -> float:
     """Compute the median length of the rows; of a long recording every k-th row is enough."""
-    return float(np.median(np.linalg.norm(values[:: max(1, len(values) // _ROWS_OF_MEDIAN)], axis=1)))
+    return float(np.median(_lengths(values[:: max(1, len(values) // _ROWS_OF_MEDIAN)])))
+
+
+def _lengths(values: Array) -> Array:
+    """Compute the length (n,) of each row; column by column, which is much faster than along short rows."""
+    total = np.zeros(len(values))
+    for column in values.T:
+        total += column * column
+    return np.sqrt(total)
+
+
+def _largest_component(values: Array) -> Array:
+    """Return the largest absolute component (n,) of each row."""
+    largest = np.zeros(len(values))
+    for column in values.T:
+        np.maximum(largest, np.abs(column), out=largest)
+    return largest

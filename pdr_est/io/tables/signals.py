@@ -15,9 +15,10 @@ from pdr_est.io.tables.column_units import complete_factors
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
+from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit, unit_factor
 from pdr_est.io.tables.times.bursts import spread_bursts
 from pdr_est.io.tables.times.clock import TableClock, read_clock
+from pdr_est.io.tables.titles import understand_title
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table
@@ -85,7 +86,13 @@ def read_table_signals(
     RecordingError
         When the content is no table, has no time, or is damaged.
     """
-    text = as_utf8(data)
+    return signals_of_text(as_utf8(data), place, hint=hint, mapping=mapping)
+
+
+def signals_of_text(
+    text: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
+) -> TableSignals:
+    """Read the signals of a table that is in UTF-8 already; see `read_table_signals`."""
     layout = layout_of(text)
     if layout is None:
         raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
@@ -189,12 +196,20 @@ def _signal(
     if conversion is not None:
         decisions.append(conversion.decision)
         warnings += conversion.warnings
+    elif factor is not None and _states_unit(columns, quantity):
+        decisions.append(f"{quantity}: the unit is in the header ({columns.titles[0]})")
     if not sampled.all():
         decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows have values")
         time_s, values = time_s[sampled], values[sampled]
     signal, dropped = finite_signal_or_none(time_s, values, quantity, table.place)
     warnings += dropped
     return None if signal is None else RawSignal(signal, ", ".join(columns.titles), factor)
+
+
+def _states_unit(columns: QuantityColumns, quantity: Quantity) -> bool:
+    """Tell whether the unit comes from the title, and not from what is known of an app."""
+    meaning = understand_title(columns.titles[0])
+    return columns.canonical or (meaning is not None and unit_factor(quantity, meaning.unit) is not None)
 
 
 def _in_one_unit(

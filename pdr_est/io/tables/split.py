@@ -15,7 +15,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import AXES, Quantity, is_unit
-from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, read_table_signals, signals_of
+from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of, signals_of_text
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.tables.words.sensors import ANDROID_TYPES
 from pdr_est.io.text.cells import Cell, kind_of_cell
@@ -73,7 +73,7 @@ def read_tables(
             return _read_long(text, place, layout, column)
         if tagged_separator(text[:HEAD_BYTES]) is not None:
             return _read_tagged(text, place)
-    return (read_table_signals(text, place, hint=hint, mapping=mapping),)
+    return (signals_of_text(text, place, hint=hint, mapping=mapping),)
 
 
 def sensor_column(layout: TableLayout) -> str | None:
@@ -181,7 +181,7 @@ def _read_tagged(text: bytes, place: str) -> tuple[TableSignals, ...]:
             skipped.append(table.tag)
             continue
         try:
-            found.append(read_table_signals(table.text, f"{place}, rows {table.tag}", hint=hint))
+            found.append(signals_of_text(table.text, f"{place}, rows {table.tag}", hint=hint))
         except RecordingError:
             skipped.append(table.tag)
     if not found:

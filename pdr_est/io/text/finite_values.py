@@ -68,8 +68,9 @@ def discard_huge_values(values: NDArray[Any]) -> NDArray[Any]:
     """Replace infinity, and values so large that arithmetic would soon overflow, by NaN."""
     if values.dtype != np.float64:
         return values
-    huge = np.abs(values) > _LARGEST
-    return np.where(huge, np.nan, values) if huge.any() else values
+    if len(values) and values.min() >= -_LARGEST and values.max() <= _LARGEST:
+        return values
+    return np.where(np.abs(values) <= _LARGEST, values, np.nan)
 
 
 def _all_finite(time_s: Array, values: Array) -> bool:

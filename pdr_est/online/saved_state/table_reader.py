@@ -101,12 +101,14 @@ class _Reader:
         match kind, content:
             case "array" | "scalar", [str() as dtype, order, shape, data]:
                 return _array(kind, dtype, order, shape, data)
+            case "complex", [float() as real, float() as imaginary]:
+                return complex(real, imaginary)
+            case "bytes", [data]:
+                return b64decode(data, validate=True)
             case "outside", [str() as name]:
                 return self._outside[name]
             case "plain", [value] if type(value) in PLAIN:
                 return value
-            case "complex", [[float() as real, float() as imaginary]]:
-                return complex(real, imaginary)
             case "slice", [bounds]:
                 return slice(*self._values(bounds))
             case "tuple" | "frozenset", [values]:

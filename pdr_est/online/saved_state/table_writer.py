@@ -5,7 +5,6 @@ from base64 import b64encode
 from collections import OrderedDict, defaultdict, deque
 from collections.abc import Iterable, Mapping
 from enum import Enum
-from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -19,10 +18,7 @@ from pdr_est.online.saved_state.table_format import (
     ObjectTableError,
 )
 
-_BUILT_IN_CONTENT = (tuple, list, dict, set, frozenset, str, bytes, int, float, complex, BaseException, type)
-_PARTS: Mapping[type[Any], tuple[str, ...]] = MappingProxyType(
-    {slice: ("start", "stop", "step"), complex: ("real", "imag")}
-)
+_BUILT_IN_CONTENT = (tuple, list, dict, set, frozenset, str, bytes, int, float, BaseException, type)
 _NO_DATA = (
     "which is no data: let parts of your own hold only numbers, texts, arrays, collections of these, and objects of "
     "classes at the top level of a module"
@@ -81,6 +77,14 @@ class _Writer:
     def _row(self, value: Any) -> list[Any]:
         if id(value) in self._outside:
             return ["outside", self._outside[id(value)]]
+        if isinstance(value, np.generic | np.ndarray):
+            return _array_row(value)
+        if isinstance(value, Enum):
+            return ["enum", _class_name(type(value)), value.name]
+        return self._collection_row(value) or _number_row(value) or self._object_row(value, type(value))
+
+    def _collection_row(self, value: Any) -> list[Any] | None:
+        """Write a collection; None for anything else."""
         kind = type(value)
         name = kind.__name__
         if kind in SEQUENCES.values():
@@ -91,27 +95,31 @@ class _Writer:
             return [name, value.maxlen, self._values(value)]
         if kind is defaultdict and value.default_factory in FACTORIES.values():
             return [name, value.default_factory.__name__, self._pairs(value.items())]
-        if kind in _PARTS:
-            return [name, self._values(getattr(value, part) for part in _PARTS[kind])]
-        if isinstance(value, np.generic) or kind is np.ndarray:
-            return _array_row(value)
-        if isinstance(value, Enum):
-            return ["enum", _class_name(kind), value.name]
-        if kind in PLAIN:
-            return ["plain", value]
+        if kind is slice:
+            return [name, self._values((value.start, value.stop, value.step))]
         if isinstance(value, tuple) and hasattr(kind, "_fields"):
             return ["named", _class_name(kind), self._values(value)]
-        if isinstance(value, _BUILT_IN_CONTENT):  # their content is not among their attributes
-            raise ObjectTableError(f"it holds a {kind.__module__}.{kind.__qualname__}, {_NO_DATA}")
-        return self._object_row(value, kind)
+        return None
 
     def _object_row(self, value: Any, kind: type[Any]) -> list[Any]:
         """Write class and attributes; those in slots stand in a second list."""
+        if isinstance(value, _BUILT_IN_CONTENT):  # their content is not among their attributes
+            raise ObjectTableError(f"it holds a {kind.__module__}.{kind.__qualname__}, {_NO_DATA}")
         name, state = _class_name(kind), value.__getstate__()
         if hasattr(kind, "__setstate__"):
             return ["restored", name, self._value(state)]
         in_dict, in_slots = state if isinstance(state, tuple) else (state, None)
         return ["object", name, self._pairs((in_dict or {}).items()), self._pairs((in_slots or {}).items())]
+
+
+def _number_row(value: Any) -> list[Any] | None:
+    """Write a value that is no collection and has no attributes; None for anything else."""
+    kind = type(value)
+    if kind is complex:
+        return ["complex", value.real, value.imag]
+    if kind is bytes:
+        return ["bytes", b64encode(value).decode()]
+    return ["plain", value] if kind in PLAIN else None
 
 
 def _class_name(kind: type[Any]) -> str:

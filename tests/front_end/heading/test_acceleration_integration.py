@@ -71,7 +71,7 @@ def test_the_projection_takes_the_latest_attitude() -> None:
 
 
 @pytest.mark.parametrize("segment", [0, 1])
-def test_a_pause_and_a_gap_begin_anew(segment: int) -> None:
+def test_a_standstill_and_a_gap_begin_anew(segment: int) -> None:
     first = [accelerated(0, STILL), accelerated(1, pulse(2.0, 0.0))]
     number = 2 if segment else 3
     found = headings(

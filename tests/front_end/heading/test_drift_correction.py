@@ -110,12 +110,12 @@ def test_nothing_and_few_steps(as_priors: bool) -> None:
 
 
 @pytest.mark.parametrize(("sigma_turn_rad", "goes_on"), [(0.1, True), (1.8, False)])
-def test_directions_go_on_after_a_pause_whose_turn_is_known(sigma_turn_rad: float, goes_on: bool) -> None:
+def test_directions_go_on_after_a_gap_whose_turn_is_known(sigma_turn_rad: float, goes_on: bool) -> None:
     """Of parts of a walk whose angle is not known the longest one has the priors."""
     steps = with_headings(drifting())
     half = len(steps) // 2 + 15
-    pause = Hole(steps[half - 1].event.time_s, steps[half].event.time_s)
-    steps[half] = replace(steps[half], holes=(pause,), sigma_turn_rad=sigma_turn_rad)
+    gap = Hole(steps[half - 1].event.time_s, steps[half].event.time_s)
+    steps[half] = replace(steps[half], holes=(gap,), sigma_turn_rad=sigma_turn_rad)
     found = run(WholeWalkHeading(PARAMETERS, as_priors=True), steps)
     known = np.isfinite([step.path_heading_rad for step in found])
     assert known[:half].mean() > 0.8

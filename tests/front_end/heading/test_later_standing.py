@@ -8,6 +8,7 @@ from heading_walks import with_headings
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.whole_walk.later_standing import with_later_standing
+from pdr_est.types.sensors import Hole
 from pdr_est.types.steps import Step
 
 
@@ -56,3 +57,35 @@ def test_walks_without_standing_and_without_estimates_stay_as_they_are() -> None
     assert with_later_standing(steps) == steps
     unknown = with_headings(np.zeros(50))
     assert with_later_standing(unknown) == unknown
+
+
+def with_gap(steps: list[Step], gap: Hole, first: int = 50) -> list[Step]:
+    """The same steps with a gap of the recording before one of them, over which the headings stay as they were."""
+    later_s = gap.end_s - gap.start_s
+    return [
+        *steps[:first],
+        *(
+            replace(
+                step,
+                event=replace(step.event, time_s=step.event.time_s + later_s, segment=1),
+                start_s=step.start_s + later_s,
+                holes=(gap,) if number == 0 else (),
+            )
+            for number, step in enumerate(steps[first:])
+        ),
+    ]
+
+
+def test_no_bias_turns_the_yaw_over_a_gap_that_is_not_bridged() -> None:
+    steps = walk(*known_late())
+    end_s = steps[49].event.time_s
+    found = with_later_standing(with_gap(steps, Hole(end_s, end_s + 300.0)))
+    assert np.rad2deg(max(abs(step.heading_rad) for step in found)) < 5.0  # the bias changes a little in 300 s
+
+
+def test_after_a_gap_of_unknown_duration_the_bias_is_known_for_the_steps_after_it_only() -> None:
+    steps = walk(*known_late())
+    end_s = steps[49].event.time_s
+    found = with_later_standing(with_gap(steps, Hole(end_s, end_s + 1.0, duration_known=False)))
+    assert [step.heading_rad for step in found[:50]] == pytest.approx([step.heading_rad for step in steps[:50]])
+    assert np.rad2deg(abs(wrap_angle(found[-1].heading_rad - found[50].heading_rad))) < 2.0

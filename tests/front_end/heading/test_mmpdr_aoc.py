@@ -94,7 +94,7 @@ def test_unknown_is_no_change() -> None:
     assert headings_deg(steps) == [1.0, 5.0, 5.0, 5.0, 5.0, 5.0, 15.0]
 
 
-def test_over_a_pause_offset_and_baseline_are_kept() -> None:
+def test_over_a_gap_offset_and_baseline_are_kept() -> None:
     steps = walk((HOLDING, [5.0]), (SWING, [65.0] * 4))
     later = walked([block(number, np.deg2rad(33.0), segment=1) for number in (9, 10)], SWING)
     assert headings_deg([*steps, *later]) == [5.0] * 5 + [-27.0] * 2

@@ -204,7 +204,7 @@ def test_a_phone_taken_out_again_may_have_the_offset_that_it_had() -> None:
     assert sum(one.probability for one in likely) > 0.2
 
 
-def test_over_a_pause_the_yaw_goes_on_and_steps_are_no_neighbours() -> None:
+def test_over_a_gap_the_yaw_goes_on_and_steps_are_no_neighbours() -> None:
     steps = [carried(number, 20.0) for number in range(6)]
     steps += [carried(number, 70.0, segment=1) for number in range(8, 14)]
     found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)
@@ -212,7 +212,7 @@ def test_over_a_pause_the_yaw_goes_on_and_steps_are_no_neighbours() -> None:
     assert not any(step.turn_hypotheses for step in found)
 
 
-def test_a_phone_put_elsewhere_in_a_pause_has_possible_turns() -> None:
+def test_a_phone_put_elsewhere_in_a_gap_has_possible_turns() -> None:
     steps = [carried(number, 20.0) for number in range(6)]
     steps += [carried(number, 70.0, UPRIGHT, segment=1) for number in range(8, 20)]
     found = run(PostureAwareYaw(PARAMETERS, AXIS), steps)

@@ -158,7 +158,7 @@ def test_as_increments_there_are_no_priors() -> None:
     assert all(np.isnan(step.path_heading_rad) for step in run(stage(), strides(1.0, 0.0, 0.0)))
 
 
-def test_over_a_pause_the_heading_is_kept() -> None:
+def test_over_a_gap_the_heading_is_kept() -> None:
     first = strides(30.0, 0.0)
     later = walked([replace(turning_block(number, 0.1), segment=1) for number in (9, 10)], CarryingMode.POCKET)
     assert degrees_of(run(stage(None), [*first, *later])) == [30.0, 30.0, round(30.0 + float(np.rad2deg(0.2)), 6)]

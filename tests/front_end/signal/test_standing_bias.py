@@ -1,5 +1,7 @@
 """The bias of the gyroscope that a standing walker shows."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from signals import RATE_HZ, imu, run
@@ -94,3 +96,24 @@ def test_the_bias_is_the_same_however_the_samples_are_cut() -> None:
     for blocks in (cut_randomly([block], np.random.default_rng(7)), cut_finely([block])):
         for one, other in zip(bias_of(blocks), whole, strict=True):
             np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("first_index", [1, 30, 49, 50])
+def test_after_a_gap_too_the_bias_is_the_same_however_the_samples_are_cut(first_index: int) -> None:
+    """The second segment begins within a window, and its first pieces end before the next window begins."""
+    force, rate = hand(np.random.default_rng(8), 24.0, np.deg2rad(1.0) * UP)
+    length, half, resumes = np.linalg.norm(force, axis=1), 600, 1000 + first_index
+
+    def found_in(pieces: list[int]) -> Array:
+        stage = StandingBias(RATE_HZ, StandingBiasParams())
+        stage.push(0, length[:half], rate[:half])
+        edges = [half, *(half + piece for piece in pieces), len(length)]
+        parts = [stage.push(resumes + a - half, length[a:b], rate[a:b]) for a, b in pairwise(edges)]
+        sizes = np.diff(edges)
+        means = [np.broadcast_to(mean, (size, 3)) for (mean, _), size in zip(parts, sizes, strict=True)]
+        return np.concatenate(means)
+
+    whole = found_in([])
+    assert np.ptp(whole[:, 1]) > 0.0
+    for pieces in ([1], [5, 7, 300], list(range(1, 600))):
+        np.testing.assert_array_equal(found_in(pieces), whole)

@@ -9,11 +9,15 @@ import pytest
 from signals import RATE_HZ, corner_walk, level, run
 
 from pdr_est.config import Config
+from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
+from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.front_end.step_length import StairParams, StepLengthParams, stairs_stage
+from pdr_est.front_end.step_length import StairParams, StepLengthParams, stairs_stage, step_length_stage
 from pdr_est.front_end.step_length.stairs import StairLengths
+from pdr_est.parts import Parts
 from pdr_est.pipeline import analyse_recording
+from pdr_est.pipeline.front_end_chain import levelling, whole_walk_corrections
 from pdr_est.types.measurements import StepOdometry
 from pdr_est.types.recording import Recording, Signal
 from pdr_est.types.steps import CarryingMode, Step, StepEvent
@@ -155,7 +159,7 @@ def test_nobody_runs_on_stairs() -> None:
     assert not probabilities(steps).any()
 
 
-def test_a_pause_is_no_change_of_the_velocity() -> None:
+def test_a_gap_is_no_change_of_the_velocity() -> None:
     first, second = walk([LEVEL] * 30), walk([LEVEL] * 30, bias_mps2=0.3, seed=1)
     assert probabilities([*first, *second]).max() < 0.1
 
@@ -199,6 +203,32 @@ def test_the_air_pressure_of_a_recording_reaches_the_steps_and_changes_no_level_
     for one, other in zip(plain.steps, with_it.steps, strict=True):
         assert one.length_m == other.length_m
         np.testing.assert_allclose(other.samples.pressure_pa, 101_000.0)
+
+
+def test_beside_a_length_stage_of_ones_own_there_are_no_stairs_and_no_pressure_is_needed() -> None:
+    recording, config = corner_walk().recording, Config()
+    time_s = recording.devices[0].specific_force.time_s
+    (device,) = with_pressure(recording, Signal(time_s, np.full((len(time_s), 1), 101_000.0))).devices
+    own = Parts(step_length=step_length_stage(RATE_HZ, config.walker, config.step_length))
+    for parts, known in ((Parts(), True), (own, False)):
+        _, to_level = levelling(device, "phone", config, parts)
+        assert (run(to_level, device.blocks())[0].pressure_pa is not None) == known
+        assert (whole_walk_corrections(config, parts).stairs is not None) == known
+
+
+def test_corrections_of_the_whole_walk_follow_the_methods_and_leave_parts_of_ones_own_alone() -> None:
+    both = whole_walk_corrections(Config())
+    assert both.stages == (both.stairs, both.heading)
+    assert None not in both.stages
+    only_heading = whole_walk_corrections(Config().replace({"step_length.model": "weinberg"}))
+    assert only_heading.stages == (only_heading.heading,)
+    assert whole_walk_corrections(Config(), Parts(heading=StepYaw())).heading is None
+
+
+def test_shares_of_the_same_steps_do_not_exceed_all_of_them() -> None:
+    with pytest.raises(ConfigError, match=r"share_disturbed = 0\.8 and share_of_jumps = 0\.3 .* at most 1"):
+        StairParams(share_disturbed=0.8, share_of_jumps=0.3)
+    StairParams(share_disturbed=0.8, share_of_jumps=0.2)
 
 
 def test_smoothing_estimators_get_the_shorter_steps_and_filters_do_not() -> None:

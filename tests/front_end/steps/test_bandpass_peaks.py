@@ -285,3 +285,4 @@ def test_a_hidden_step_makes_a_pause_of_about_two_intervals(pause_s: float, hidd
     found = with_hidden_steps((0.0, HOLDING), (0.5, HOLDING), (1.0, HOLDING), (1.0 + pause_s, POCKET))
     assert len(found) == 4 + hidden
     assert [event.time_s for event in found if 1.0 < event.time_s < 1.0 + pause_s] == [1.0 + 0.5 * pause_s] * hidden
+    assert [event.time_s for event in found if event.compensated] == [1.0 + 0.5 * pause_s] * hidden

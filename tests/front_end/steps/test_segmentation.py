@@ -203,8 +203,8 @@ def test_a_crest_held_back_at_a_gap_does_not_reach_the_next_segment() -> None:
     assert [found.frequency_hz for found in singly] == [found.frequency_hz for found in whole]
 
 
-def over_a_pause(hole: Hole, *events: tuple[float, int]) -> list[Step]:
-    """Steps of events (time, segment) around a pause."""
+def over_a_gap(hole: Hole, *events: tuple[float, int]) -> list[Step]:
+    """Steps of events (time, segment) around a gap."""
     first = level(np.zeros(round(hole.start_s * RATE_HZ)))
     second = replace(level(np.zeros(300)), segment=1, time_s=hole.end_s + np.arange(300) / RATE_HZ, hole=hole)
     return run(StepSegmentation(Script(list(events)), SegmentationParams()), [first, second])
@@ -221,10 +221,10 @@ def over_a_pause(hole: Hole, *events: tuple[float, int]) -> list[Step]:
     ],
     ids=["walking", "standing", "short", "long", "unknown"],
 )
-def test_the_first_step_after_a_pause_knows_it_and_its_doubt(hole: Hole, sigma_rad: float) -> None:
+def test_the_first_step_after_a_gap_knows_it_and_its_doubt(hole: Hole, sigma_rad: float) -> None:
     """The walker makes the last step before it at 3.5 s."""
     after_s = 0.5 if hole.start_s == 4.0 else 3.0
     events = [(3.0, 0), (3.5, 0), (hole.end_s + after_s, 1), (hole.end_s + after_s + 0.5, 1)]
-    steps = over_a_pause(hole, *events)
+    steps = over_a_gap(hole, *events)
     assert [step.holes for step in steps] == [(), (), (hole,), ()]
     assert [step.sigma_turn_rad for step in steps] == pytest.approx([0.0, 0.0, sigma_rad, 0.0])

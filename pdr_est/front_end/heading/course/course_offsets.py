@@ -117,7 +117,7 @@ def without_courses(steps: Sequence[Step]) -> list[Step]:
 
 
 def _places(steps: Sequence[Step]) -> list[tuple[int, int]]:
-    """Divide steps, from and to (exclusive), where the phone was put elsewhere or the recording paused."""
+    """Divide steps, from and to (exclusive), where the phone was put elsewhere or the recording has a gap."""
     begins = [
         k
         for k, step in enumerate(steps)

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.front_end.heading.level_frame import LEAST_UPRIGHT, to_level
+from pdr_est.front_end.heading.level_frame import to_level, turn_upright
 from pdr_est.types.steps import CarryingMode, Step
 
 _LEAST_SAMPLES = 4  # for a first harmonic
@@ -61,10 +61,8 @@ def leading_acceleration_of(step: Step) -> complex:
     if count < _LEAST_SAMPLES:
         return 0.0
     wave = _wave(count)
-    x, y, z = samples.acceleration_mps2.T
-    up_x, up_y, up_z = samples.up.T
-    tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, LEAST_UPRIGHT)
-    level = ((x - up_x * tilted) + 1j * (y - up_y * tilted)) * np.exp(1j * samples.yaw_rad)
+    first, second = turn_upright(samples.acceleration_mps2.T, samples.up)
+    level = (first + 1j * second) * np.exp(1j * samples.yaw_rad)
     vertical = complex(wave.dot(samples.vertical_mps2)) / count
     in_phase = vertical.conjugate() / max(abs(vertical), _LEAST_VERTICAL) / count
     return complex((wave.dot(level.real) * in_phase).imag, (wave.dot(level.imag) * in_phase).imag)

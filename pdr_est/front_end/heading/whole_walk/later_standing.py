@@ -6,10 +6,12 @@ it is another one in a phone that was turned over, by as much as the direction o
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.front_end.attitude import BRIDGED_S
 from pdr_est.records import changed
 from pdr_est.types.steps import Step
 
@@ -19,6 +21,9 @@ _LEAST_RAD = 0.01  # correction of a whole walk below which it is left as it is
 
 def with_later_standing(steps: Sequence[Step]) -> list[Step]:
     """Take the error of the bias, as all samples tell it, off the headings.
+
+    Over a gap of the recording that is not bridged the yaw stays as it was, so that no bias has turned it there. Over
+    one of unknown duration the bias may have become any other one: what is known after it tells nothing before it.
 
     Parameters
     ----------
@@ -31,8 +36,11 @@ def with_later_standing(steps: Sequence[Step]) -> list[Step]:
         return list(steps)
     bias, sigma = np.array(present).T
     time_s = np.array([step.event.time_s for step in steps])
-    error = _smoothed(bias, sigma, time_s, np.array([step.samples.up[-1] for step in steps])) - bias
-    turned = error * np.diff(time_s, prepend=time_s[0])
+    passed_s = np.diff(time_s, prepend=time_s[0])
+    cut = np.array([_follows_a_cut(step, before) for before, step in pairwise(steps)], dtype=np.bool_)
+    up = np.array([step.samples.up[-1] for step in steps])
+    error = _smoothed(bias, sigma, np.where(cut, np.inf, passed_s[1:]), up) - bias
+    turned = error * np.maximum(passed_s - [_unseen_s(step) for step in steps], 0.0)
     total = np.cumsum(turned)
     if np.abs(total).max() < _LEAST_RAD:
         return list(steps)
@@ -49,19 +57,33 @@ def with_later_standing(steps: Sequence[Step]) -> list[Step]:
     ]
 
 
-def _smoothed(bias: Array, sigma: Array, time_s: Array, up: Array) -> Array:
+def _unseen_s(step: Step) -> float:
+    """Compute how much of the time since the last step, on the clock of the steps, lies in gaps without rotation."""
+    return sum(hole.end_s - hole.start_s for hole in step.holes if hole.duration_s > BRIDGED_S)
+
+
+def _follows_a_cut(step: Step, before: Step) -> bool:
+    """Return True for a step that an unknown time passed before, since the last one."""
+    if not step.holes:
+        return step.event.segment != before.event.segment
+    return not all(hole.duration_known for hole in step.holes)
+
+
+def _smoothed(bias: Array, sigma: Array, passed_s: Array, up: Array) -> Array:
     """Compute the bias about the vertical (n,) at each step from all steps.
 
     Parameters
     ----------
-    bias, sigma, time_s : ndarray, shape (n,)
-        Bias and standard deviation as known at each step, and its time.
+    bias, sigma : ndarray, shape (n,)
+        Bias and standard deviation as known at each step.
+    passed_s : ndarray, shape (n - 1,)
+        Time from each step to the next one; infinite where it is not known.
     up : ndarray, shape (n, 3)
         Unit vectors upwards in the phone.
     """
     variance = sigma[:-1] ** 2
     alike = np.clip((up[1:] * up[:-1]).sum(axis=1), 0.0, 1.0)
-    gain = alike * variance / (variance + _WALK_RADPS_PER_SQRT_S**2 * np.diff(time_s))
+    gain = alike * variance / (variance + _WALK_RADPS_PER_SQRT_S**2 * passed_s)
     smoothed = bias.tolist()
     for k in range(len(gain) - 1, -1, -1):
         smoothed[k] += float(gain[k]) * (smoothed[k + 1] - float(alike[k]) * smoothed[k])

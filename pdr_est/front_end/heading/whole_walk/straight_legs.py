@@ -100,7 +100,7 @@ def _spread(step: Step) -> float:
 def _straight_legs(heading: Array, moved: NDArray[np.int64], parameters: StraightLegParams) -> list[tuple[int, int]]:
     """Find the runs of steps, from and to (exclusive), in which the heading changes slowly.
 
-    None goes on beyond a step before which the phone was put elsewhere or the recording paused, whose numbers are
+    None goes on beyond a step before which the phone was put elsewhere or the recording has a gap, whose numbers are
     `moved`.
     """
     count = len(heading)

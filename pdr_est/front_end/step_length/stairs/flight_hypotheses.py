@@ -31,7 +31,7 @@ UNSETTLED_STEPS = 3  # at the start of a walk, whose velocity tells nothing
 _SIGMA_START_MPS = 1.0
 _SIGMA_START_HEIGHT_M = 100.0
 _SHARE_AT_START = 0.02  # of walks that begin on stairs; set and not fitted
-_BIAS_AFTER_PAUSE = 0.3  # standard deviation of the change of the acceleration's error over a pause, over its own
+_BIAS_AFTER_GAP = 0.3  # standard deviation of the change of the acceleration's error over a gap, over its own
 _LIMP_DRIFT_MPS = 0.001  # per step
 _OBSERVED = np.array([1.0, 0.0, 1.0, 0.0])  # states whose sum is the velocity's error
 _HEIGHT = 3  # state
@@ -124,7 +124,7 @@ class FlightHypotheses:
         mode = np.array([_LEVEL, 1, 1 + _PHASES])
         variances = [
             _SIGMA_START_MPS**2,
-            min(sigma**2 + (_BIAS_AFTER_PAUSE * p.sigma_bias_mps2) ** 2, p.sigma_bias_mps2**2),
+            min(sigma**2 + (_BIAS_AFTER_GAP * p.sigma_bias_mps2) ** 2, p.sigma_bias_mps2**2),
             p.sigma_limp_mps**2,
             _SIGMA_START_HEIGHT_M**2,
         ]

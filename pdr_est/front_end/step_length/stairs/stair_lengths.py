@@ -18,8 +18,9 @@ class StairLengths:
     """Stage Step -> Step that makes the length a mixture of the given one and that of a tread.
 
     The weight is the probability that the step lies on stairs, from the vertical motion before and after it; nobody
-    runs there. Only steps with a held phone tell anything themselves. In a pocket or bag sharp turns look like short
-    flights, and no walk on stairs with a phone there was at hand to learn the difference.
+    runs there. Only steps with the phone held in front of the body, or of unknown carrying mode, tell anything
+    themselves. In a pocket or bag sharp turns look like short flights, and no walk on stairs with a phone there was
+    at hand to learn the difference.
 
     A step comes out when no later one can change its probability, at the end of the recording at the latest.
 

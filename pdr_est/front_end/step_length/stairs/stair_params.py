@@ -5,6 +5,7 @@ from typing import Annotated
 from annotated_types import Ge, Le
 
 from pdr_est.params import Fraction, NonNegative, Positive, params
+from pdr_est.params.validation_messages import contradiction
 
 
 @params
@@ -57,3 +58,10 @@ class StairParams:
     """
     sigma_height_drift_m_per_sqrt_s: Positive = 0.2
     """Random walk of that height, m per root second, for wind, doors and ventilation; indoors 0.12 (ipin2023)."""
+
+    def __post_init__(self) -> None:
+        if self.share_disturbed + self.share_of_jumps > 1.0:
+            raise contradiction(
+                f"share_disturbed = {self.share_disturbed:g} and share_of_jumps = {self.share_of_jumps:g} are shares "
+                "of the same steps: lower one of them so that their sum is at most 1"
+            )

@@ -73,7 +73,7 @@ class StepIntervals:
         return _PAUSE * self.interval_s < elapsed_s <= self._standstill_s
 
     def fill_hidden_step(self, event: StepEvent, strength_ratio: float) -> list[StepEvent]:
-        """Return the next step, and before it the hidden one if there probably was one.
+        """Return the next step, and before it the hidden one, as a compensated step, if there probably was one.
 
         Parameters
         ----------
@@ -100,7 +100,8 @@ class StepIntervals:
             return [event]
         middle = previous.index + (event.index - previous.index) // 2
         time_s = event.time_s - 0.5 * elapsed_s
-        return [replace(event, index=middle, time_s=time_s, confidence=confidence), event]
+        hidden_event = replace(event, index=middle, time_s=time_s, confidence=confidence, compensated=True)
+        return [hidden_event, event]
 
     def _hidden_probability(self, elapsed_s: float, strength_ratio: float) -> float:
         if elapsed_s <= _PAUSE * self.interval_s:

@@ -15,7 +15,7 @@ from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import read_loose_table
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.single_archive import open_recording
-from pdr_est.io.text.table_layout import TableLayout
+from pdr_est.io.text.table_layout import TableLayout, split_line
 from pdr_est.io.text.workbook import unpack_workbook
 
 _MEMBERS_NAMED = 3
@@ -28,6 +28,8 @@ def describe_unknown(source: Source) -> str:
     with_rows = [member for member in source.members if layout_of(source.head(member, HEAD_BYTES)) is not None]
     if len(source.members) == 1 and source.head(source.members[0], 1) in (b"{", b"["):
         return "it is JSON; only that of Sensor Logger is known"
+    if not with_rows and any(_has_titles_only(source.head(member, HEAD_BYTES)) for member in source.members):
+        return "it has the titles of a table and no rows below them; record again"
     if not with_rows:
         if all(_is_binary(source.head(member, HEAD_BYTES)) for member in source.members):
             return "it is no text"
@@ -83,6 +85,12 @@ def _understood(head: bytes, layout: TableLayout, stem: str) -> TableMapping:
         return guess_columns(read_loose_table(head[: head.rfind(b"\n") + 1], "", layout, (), layout.titles), hint)
     except RecordingError:
         return TableMapping()
+
+
+def _has_titles_only(head: bytes) -> bool:
+    """Tell whether the first line names the columns of a table with motion."""
+    first = as_utf8(head).decode("utf-8", "replace").strip().split("\n", 1)[0]
+    return any(understand_titles(split_line(first, separator)).has_motion for separator in (",", ";", "\t"))
 
 
 def _is_binary(head: bytes) -> bool:

@@ -80,10 +80,8 @@ def read_clock(loose: LooseTable, mapping: TableMapping) -> TableClock:
         return TableClock(np.arange(len(table)) / mapping.rate_hz, Fraction(0), None, (decision,))
     documented = next((column for column in mapping.clocks if column.canonical), None)
     if documented is not None and documented.title not in loose.text_columns:
-        time_s = table.numbers(documented.title)
-        known = time_s[np.isfinite(time_s)]
-        if not len(known) or known[0] < _EARLIEST_UNIX_S:
-            return TableClock(time_s, Fraction(0), None, ("the clock counts seconds, by the documented header",))
+        decision = "the clock counts seconds, by the documented header"
+        return TableClock(table.numbers(documented.title), Fraction(0), None, (decision,))
     columns = _with_fractions(loose, mapping.clocks)
     candidates = [one for column in columns if (one := _candidate(loose, column, mapping.given)) is not None]
     if not candidates:
