@@ -128,8 +128,10 @@ def require_fix_inside(time_s: float, place: str, recording: Recording) -> None:
     """
     start_s, end_s = _time_span_s(recording)
     if not start_s - TIME_MARGIN_S <= time_s <= end_s + TIME_MARGIN_S:
+        epoch_s = recording.epoch_s
+        zero = "" if epoch_s is None else f", counted from Unix time {epoch_s:.3f} s"
         raise RecordingError(
-            f"{place}: time {time_s:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s): "
+            f"{place}: time {time_s:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s{zero}): "
             "use the recording's clock"
         )
 
