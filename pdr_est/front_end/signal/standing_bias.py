@@ -1,7 +1,7 @@
 """Find the bias of the gyroscope while the walker stands.
 
-A phone in the hand of somebody who stands is not at rest, but after a while it points where it pointed before, up to a
-few degrees. So the mean rotation rate of a stretch of standing scatters about the bias, the less, the longer the
+A phone in the hand of somebody who stands is not at rest, but after a while it points where it pointed before, up to
+a few degrees. So the mean rotation rate of a stretch of standing scatters about the bias, the less, the longer the
 stretch and the steadier the hand is; or the walker has turned round, and it tells nothing.
 """
 
