@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from pdr_est.io.conversion.raw_device import RawDevice, RawSignal
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import TableSignals
 from pdr_est.types.recording import Signal
 
-_MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
 _MARGIN_S = 60.0  # a fix or a slow sensor may begin before or end after the motion
 
 
@@ -36,10 +35,16 @@ class PlacedSignal:
         columns = self.table.mapping.columns.get(quantity)
         return columns is not None and columns.ambiguous
 
+    @property
+    def has_browser_angles(self) -> bool:
+        """Tell whether the signal is a rotation rate about alpha, beta and gamma, whose axes are open."""
+        columns = self.table.mapping.columns.get(Quantity.RATE)
+        return columns is not None and columns.browser_angles
+
 
 def first_motion(tables: Sequence[TableSignals]) -> TableSignals:
     """Return the table with motion that begins first; its first row is time zero."""
-    motion = [table for table in tables if set(_MOTION) & set(table.signals)]
+    motion = [table for table in tables if set(MOTION) & set(table.signals)]
     return min(motion or tables, key=lambda table: table.clock.start)
 
 
@@ -72,7 +77,7 @@ def place_signals(
 
 def _check_overlap(placed: dict[Quantity, PlacedSignal], epoch_s: float | None, device: RawDevice) -> None:
     """Bring tables on another clock to that of the motion by their Unix time; leave them out where there is none."""
-    base = next((placed[quantity].raw.signal for quantity in _MOTION if quantity in placed), None)
+    base = next((placed[quantity].raw.signal for quantity in MOTION if quantity in placed), None)
     if base is None:
         return
     start_s, end_s = float(base.time_s.min()) - _MARGIN_S, float(base.time_s.max()) + _MARGIN_S

@@ -53,8 +53,8 @@ AXES: Mapping[Quantity, tuple[str, ...]] = {
 }
 """Names of the columns of each quantity, in their order."""
 
-MOTION = (Quantity.FORCE, Quantity.RATE, Quantity.LINEAR, Quantity.GRAVITY)
-"""Quantities without which a table is no recording."""
+MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
+"""Quantities of which a recording needs at least one; the first that is there gives its time."""
 
 _ACCELERATION_UNITS = {
     "m/s2": 1.0,

@@ -238,7 +238,10 @@ def _in_one_unit(
 def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:
     """Return the columns that change with every sample, (n, k)."""
     titles = [
-        title for quantity in MOTION if quantity in mapping.columns for title in mapping.columns[quantity].titles
+        title
+        for quantity in (*MOTION, Quantity.GRAVITY)
+        if quantity in mapping.columns
+        for title in mapping.columns[quantity].titles
     ]
     titles = [title for title in titles if title in table]
     return table.stack(titles) if titles else np.zeros((len(table), 0))
