@@ -41,6 +41,8 @@ class DeviceReading:
         Positions that the tables contain.
     epoch_s
         Unix time of time zero, s; None when it is not known.
+    local_epoch_s
+        As in `Recording`.
     true_positions
         Reference positions of the documented header; None when there are none.
     """
@@ -48,6 +50,7 @@ class DeviceReading:
     device: DeviceRecording
     gnss: GnssFixes
     epoch_s: float | None
+    local_epoch_s: float | None = None
     true_positions: TruePositions | None = None
 
 
@@ -86,7 +89,7 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
     converted = device.convert()
     if Quantity.RATE in placed and placed[Quantity.RATE].has_browser_angles:
         converted = settle_browser_axes(converted)
-    return DeviceReading(converted, gnss, first.clock.epoch_s, positions)
+    return DeviceReading(converted, gnss, first.clock.epoch_s, first.clock.local_epoch_s, positions)
 
 
 def _fixes(placed: Mapping[Quantity, PlacedSignal], device: RawDevice) -> GnssFixes:

@@ -268,5 +268,6 @@ def _without_stale_rows(loose: LooseTable, clock: TableClock) -> tuple[LooseTabl
         time_s=clock.time_s[first:] - start_s,
         start=clock.start + type(clock.start)(start_s),
         epoch_s=None if clock.epoch_s is None else clock.epoch_s + start_s,
+        local_epoch_s=None if clock.local_epoch_s is None else clock.local_epoch_s + start_s,
     )
     return kept, shifted, (stale_warning("time", count, len(clock.time_s)),)

@@ -45,7 +45,8 @@ def test_the_walk_is_read_in_every_layout(tmp_path: Path, walk: TableWalk, layou
     name = "WristMotion.csv" if layout == "WristMotion" else "walk.csv"
     device = device_of(tmp_path, CLEAN[layout](walk), name)
     assert_walk(device, walk)
-    assert [words for words in device.warnings if "sign of the acceleration" not in words] == []
+    told = ("sign of the acceleration", "the date is doubtful")
+    assert [words for words in device.warnings if not any(doubt in words for doubt in told)] == []
 
 
 def test_every_column_without_use_is_named(tmp_path: Path, walk: TableWalk) -> None:
@@ -197,6 +198,11 @@ def test_unix_time_is_known_by_number_or_zone(tmp_path: Path, walk: TableWalk) -
     assert unix.epoch_s == pytest.approx(1_927_857_906.789)
     assert zoned.epoch_s == pytest.approx(1_927_857_906.789)
     assert local.epoch_s is None
+
+
+def test_a_date_whose_month_is_open_is_told(tmp_path: Path, walk: TableWalk) -> None:
+    (doubt,) = device_of(tmp_path, CLEAN["date and time of day in two columns"](walk)).warnings[:1]
+    assert "the day is taken to come first in '03/02/2031 04:05:06.789', but it may be the month" in doubt
 
 
 def test_a_unit_of_the_clock_that_cannot_be_is_told(tmp_path: Path, walk: TableWalk) -> None:
