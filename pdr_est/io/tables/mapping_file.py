@@ -26,7 +26,7 @@ import yaml
 
 from pdr_est.errors import ConfigError
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import AXES, Quantity, unit_factor
+from pdr_est.io.tables.quantities import AXES, Quantity, unit_factor, usual_unit
 from pdr_est.params.yaml_lines import load_yaml
 
 _SECTIONS: Mapping[str, Quantity] = {
@@ -42,7 +42,6 @@ _SECTIONS: Mapping[str, Quantity] = {
 _SIGNS = {"up": 1.0, "down": -1.0}
 _SIGNED = (Quantity.FORCE, Quantity.LINEAR)
 _LOCATION = ("latitude", "longitude")
-_DEFAULT_UNITS = {Quantity.FORCE: "m/s^2", Quantity.RATE: "rad/s", Quantity.TIME: "s", Quantity.PRESSURE: "Pa"}
 
 
 def load_mapping(path: Path) -> TableMapping:
@@ -116,7 +115,7 @@ def draft_mapping(mapping: TableMapping, titles: tuple[str, ...], sample: tuple[
         if quantity in mapping.columns:
             lines.append(_line(name, _settings(mapping.columns[quantity], quantity)))
         elif quantity in (Quantity.FORCE, Quantity.RATE):
-            lines.append(f"# {name}: {{x: ?, y: ?, z: ?, unit: {_DEFAULT_UNITS[quantity]}}}")
+            lines.append(f"# {name}: {{x: ?, y: ?, z: ?, unit: {usual_unit(quantity, 1.0)}}}")
     places = mapping.columns.get(Quantity.LATITUDE_LONGITUDE)
     if places is not None:
         accuracy = mapping.columns.get(Quantity.ACCURACY)
@@ -223,28 +222,10 @@ def _settings(columns: QuantityColumns, quantity: Quantity) -> dict[str, str]:
 
 def _stated_unit(quantity: Quantity, factors: tuple[float | None, ...]) -> dict[str, str]:
     """Name the unit of columns whose titles state it; nothing where they do not agree."""
-    names = (
-        "s",
-        "ms",
-        "us",
-        "ns",
-        "m/s^2",
-        "g",
-        "mg",
-        "rad/s",
-        "deg/s",
-        "mdps",
-        "uT",
-        "nT",
-        "mT",
-        "Pa",
-        "hPa",
-        "kPa",
-    )
     if len(set(factors)) != 1 or factors[0] is None:
         return {}
-    named = [name for name in names if unit_factor(quantity, name) == factors[0]]
-    return {"unit": named[0]} if named else {}
+    name = usual_unit(quantity, factors[0])
+    return {} if name is None else {"unit": name}
 
 
 def _line(section: str, settings: Mapping[str, str]) -> str:

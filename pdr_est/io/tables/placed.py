@@ -22,13 +22,10 @@ class PlacedSignal:
         The samples.
     table
         The table.
-    shift_s
-        What was added to the table's own times, s.
     """
 
     raw: RawSignal
     table: TableSignals
-    shift_s: float
 
     def is_ambiguous(self, quantity: Quantity) -> bool:
         """Tell whether the titles of the signal leave open whether it is this quantity."""
@@ -70,12 +67,14 @@ def place_signals(
                 device.decisions.append(f"not used: {raw.title} of {table.place}; there is another {quantity}")
                 continue
             signal = raw.signal if shift_s == 0.0 else Signal(raw.signal.time_s + shift_s, raw.signal.values)
-            placed[quantity] = PlacedSignal(replace(raw, signal=signal), table, shift_s)
-    _check_overlap(placed, epoch_s, device)
+            placed[quantity] = PlacedSignal(replace(raw, signal=signal), table)
+    _check_overlap(placed, zero, epoch_s, device)
     return placed
 
 
-def _check_overlap(placed: dict[Quantity, PlacedSignal], epoch_s: float | None, device: RawDevice) -> None:
+def _check_overlap(
+    placed: dict[Quantity, PlacedSignal], zero: Fraction, epoch_s: float | None, device: RawDevice
+) -> None:
     """Bring tables on another clock to that of the motion by their Unix time; leave them out where there is none."""
     base = next((placed[quantity].raw.signal for quantity in MOTION if quantity in placed), None)
     if base is None:
@@ -86,7 +85,7 @@ def _check_overlap(placed: dict[Quantity, PlacedSignal], epoch_s: float | None, 
         if float(times.max()) >= start_s and float(times.min()) <= end_s:
             continue
         if epoch_s is not None and one.table.clock.epoch_s is not None:
-            shift_s = one.table.clock.epoch_s - epoch_s - one.shift_s
+            shift_s = one.table.clock.epoch_s - epoch_s - float(one.table.clock.start - zero)
             signal = Signal(times + shift_s, one.raw.signal.values)
             placed[quantity] = replace(one, raw=replace(one.raw, signal=signal))
             continue

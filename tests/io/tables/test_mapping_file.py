@@ -105,6 +105,24 @@ def test_a_draft_can_be_used_after_a_line_is_completed(tmp_path: Path, walk: Tab
     np.testing.assert_allclose(device.rotation_rate.values, walk.rate, atol=1e-6)
 
 
+def test_a_draft_names_the_units_that_titles_state(tmp_path: Path, walk: TableWalk) -> None:
+    columns = {
+        "time (ms)": 1000.0 * walk.time_s,
+        **xyz("acc {} (mg)", 1e3 * walk.force / G),
+        **xyz("gyro {} [dps]", walk.rate / DEG),
+        **xyz("mag {} (Gauss)", walk.field / 100.0),
+    }
+    (tmp_path / "walk.csv").write_bytes(text(rows(columns)))
+    write_map_draft(tmp_path / "walk.csv", tmp_path / "map.yaml")
+    found = load_mapping(tmp_path / "map.yaml")
+    assert found.clocks[0].factor == 1e-3
+    assert {q.name: set(one.factors) for q, one in found.columns.items()} == {
+        "FORCE": {1e-3 * G},
+        "RATE": {DEG},
+        "FIELD": {100.0},
+    }
+
+
 def test_a_draft_replaces_no_file(tmp_path: Path, walk: TableWalk) -> None:
     (tmp_path / "walk.csv").write_bytes(text(rows(plain(walk))))
     (tmp_path / "map.yaml").write_text("mine")
