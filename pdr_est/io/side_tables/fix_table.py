@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.tables.quantities import Quantity, plain_unit, unit_spellings
 from pdr_est.io.tables.times.dates import parse_dates
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import detect_dialect
@@ -45,7 +46,7 @@ _LENGTHS: Mapping[str, float] = {
     "metres": 1.0,
     "meters": 1.0,
 }
-_TIMES: Mapping[str, float] = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+_TIMES = unit_spellings(Quantity.TIME)
 _ANGLES: Mapping[str, float] = {"deg": 1.0, "°": 1.0, "degrees": 1.0}
 _PLAIN: Mapping[str, float] = {}
 
@@ -143,14 +144,16 @@ def _spelt(
             continue
         stem, bracket = _plain(match["stem"]), match["bracket"]
         if bracket is not None and stem in spellings:
-            unit = bracket.strip().casefold().replace("\u03bc", "\u00b5")
+            unit = plain_unit(bracket)
             if units and unit and unit not in units:
+                first_names = {factor: name for name, factor in reversed(list(units.items()))}
+                known = " or ".join(name for name in units if name in first_names.values())
                 raise RecordingError(
-                    f"{place}: the unit {bracket!r} of the column {title!r} is not known: give {' or '.join(units)}"
+                    f"{place}: the unit {bracket!r} of the column {title!r} is not known: give {known}"
                 )
             ranked.append((spellings.index(stem), title, units.get(unit)))
-        elif match["suffix"] is not None and match["suffix"].casefold() in units and stem in spellings:
-            ranked.append((spellings.index(stem), title, units[match["suffix"].casefold()]))
+        elif match["suffix"] is not None and plain_unit(match["suffix"]) in units and stem in spellings:
+            ranked.append((spellings.index(stem), title, units[plain_unit(match["suffix"])]))
         elif _plain(title) in spellings:
             ranked.append((spellings.index(_plain(title)), title, None))
     return [(title, unit) for _, title, unit in sorted(ranked, key=lambda one: one[0])]

@@ -119,7 +119,7 @@ _NO_UNITS = frozenset(
 
 def unit_factor(quantity: Quantity, unit: str) -> float | None:
     """Return the factor to SI units of a unit as it is written in a title; None for one that is not known."""
-    return _units().get(quantity, {}).get(plain_unit(unit))
+    return unit_spellings(quantity).get(plain_unit(unit))
 
 
 def usual_unit(quantity: Quantity, factor: float) -> str | None:
@@ -130,7 +130,7 @@ def usual_unit(quantity: Quantity, factor: float) -> str | None:
 def quantities_of_unit(unit: str) -> tuple[Quantity, ...]:
     """List the quantities that a unit can belong to, those with an acceleration first."""
     plain = plain_unit(unit)
-    return tuple(quantity for quantity, known in _units().items() if plain in known)
+    return tuple(quantity for quantity in _SPELLINGS if plain in unit_spellings(quantity))
 
 
 def is_unit(text: str) -> bool:
@@ -145,13 +145,11 @@ def plain_unit(unit: str) -> str:
 
 
 @cache
-def _units() -> Mapping[Quantity, Mapping[str, float]]:
-    """List the factors to SI units of all spellings of the units of each quantity."""
+def unit_spellings(quantity: Quantity) -> Mapping[str, float]:
+    """List the units of a quantity in all spellings, as `plain_unit` writes them, with their factors to SI units."""
+    usual = USUAL_UNITS.get(quantity, {})
     return {
-        quantity: {
-            plain_unit(spelling): USUAL_UNITS[quantity][name] if name in USUAL_UNITS[quantity] else _RARE_UNITS[name]
-            for name, others in spellings.items()
-            for spelling in (name, *others.split())
-        }
-        for quantity, spellings in _SPELLINGS.items()
+        plain_unit(spelling): usual[name] if name in usual else _RARE_UNITS[name]
+        for name, others in _SPELLINGS.get(quantity, {}).items()
+        for spelling in (name, *others.split())
     }

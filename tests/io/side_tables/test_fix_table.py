@@ -35,6 +35,8 @@ def fixes_of(folder: Path, text: str) -> tuple[PositionFix, ...]:
         "Time (s),X (m),Y (m),Accuracy (m)\n2.5,1,-3,0.5\n",
         "t;x;y;std\n2,5;1;-3;0,5\n",
         "timestamp [ms],east [cm],north [cm],sigma [cm]\n2500,100,-300,50\n",
+        "Zeit (msec);Ost;Nord;Genauigkeit\n2500;1;-3;0,5\n",
+        "time (\u03bcs),x,y,sigma\n2500000,1,-3,0.5\n",
         "time_ms\teasting\tnorthing\tsigma_m\n2500\t1\t-3\t0.5\n",
         "Zeit in s;Ost;Nord;Genauigkeit\n2,5;1;-3;0,5\n",
         "y,x,accuracy,seconds_elapsed,comment\n-3,1,0.5,2.5,door\n",
@@ -95,6 +97,7 @@ def test_latitude_and_longitude(tmp_path: Path) -> None:
     ("text", "words"),
     [
         ("time,x (px),y (px)\n1,0,0\n", r"the unit 'px' of the column 'x \(px\)' is not known: give m or cm"),
+        ("time (h),x,y\n1,0,0\n", r"the unit 'h' of the column 'time \(h\)' is not known: give s or ms or us or ns"),
         ("when,x,y\n1,0,0\n", "no column time_s among when, x, y"),
         ("time,x,y\n2024-06-10T14:45:38Z,0,0\n3,0,0\n", "line 3, column 'time': '3' is a number among dates"),
         ("time,x,y\n31.02.2024 14:45:38,0,0\n", "line 2, column 'time': '31.02.2024 14:45:38' is neither"),
