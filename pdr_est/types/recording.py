@@ -186,6 +186,9 @@ class Recording:
         Message exchanges by which the devices compared their clocks.
     waypoints
         Positions that the walker marked on the device while passing them, other than the reference data.
+    local_epoch_s
+        What `epoch_s` would be if the date that the recorder wrote without a time zone were UTC; None without such a
+        date. Dates of others that state no zone either are compared with it.
     """
 
     name: str
@@ -198,6 +201,7 @@ class Recording:
     notes: tuple[str, ...] = ()
     messages: tuple[ClockMessages, ...] = ()
     waypoints: tuple[PositionFix, ...] = ()
+    local_epoch_s: float | None = None
 
     @classmethod
     def from_arrays(

@@ -7,7 +7,7 @@ import click
 
 from pdr_est.cli.options import PATH
 from pdr_est.config import commented, config_to_yaml, load_config
-from pdr_est.config.yaml_lines import load_yaml
+from pdr_est.params.yaml_lines import load_yaml
 
 
 @click.group()

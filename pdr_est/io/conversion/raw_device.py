@@ -155,8 +155,10 @@ class RawDevice:
         """Collect what tells the sign of an acceleration where neither attitude nor recorder do."""
         if self.sign is not None:
             return ()
-        source = self.signals.get(RawSensor.FORCE) or self.signals[RawSensor.LINEAR]
-        found = [unit_evidence(source.factor or units.detect_acceleration_unit(source.signal.values).factor)]
+        whole = self.signals.get(RawSensor.FORCE)
+        source = whole or self.signals[RawSensor.GRAVITY]  # an acceleration without gravity does not show its unit
+        unit = source.factor or units.detect_acceleration_unit(source.signal.values).factor
+        found = [unit_evidence(unit, gravity_apart=whole is None)]
         if self.usual_axes:
             found.append(screen_evidence(total))
         dip = None if magnetic_field is None else dip_evidence(total, magnetic_field, self.latitude_deg)

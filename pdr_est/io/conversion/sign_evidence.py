@@ -21,7 +21,7 @@ from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Signal
 
 _BY_SCREEN = 4.0
-_UP_IN_MPS2, _UP_IN_G = 2.2, 0.0
+_UP_IN_MPS2, _UP_IN_G, _UP_IN_G_APART = 2.2, 0.0, -2.2
 _BY_DIP = 1.2
 _LEAST_DIP_COSINE = 0.25
 _EQUATOR_DEG = 20.0  # within this latitude the dip may be of either sign
@@ -68,18 +68,23 @@ def screen_evidence(force: Signal) -> SignEvidence:
     return SignEvidence(_BY_SCREEN * share, f"the screen would face {facing} ({share:+.2f} g)")
 
 
-def unit_evidence(unit_factor: float) -> SignEvidence:
+def unit_evidence(unit_factor: float, gravity_apart: bool = False) -> SignEvidence:
     """Judge by the unit: Apple's own is g, and recorders in m/s² mostly have Android's sign.
 
-    The odds, 9 to 1 in m/s² and even in g, are a judgement of the recorders that are known.
+    The odds, 9 to 1 in m/s², even in g and 1 to 9 for gravity in g apart from the motion, as Apple's Core Motion
+    gives it, are a judgement of the recorders that are known.
 
     Parameters
     ----------
     unit_factor
         Factor from the recorded unit to m/s².
+    gravity_apart
+        True where gravity and the acceleration without it were recorded as two signals.
     """
     if unit_factor == 1.0:
         return SignEvidence(_UP_IN_MPS2, "recorders in m/s^2 mostly have Android's sign")
+    if gravity_apart:
+        return SignEvidence(_UP_IN_G_APART, "gravity in g, apart from the motion, is mostly Core Motion's")
     return SignEvidence(_UP_IN_G, "recorders in g have either sign")
 
 

@@ -74,6 +74,7 @@ def read_named_table(
         fixes=gnss.fixes,
         origin=gnss.origin,
         epoch_s=reading.epoch_s,
+        local_epoch_s=reading.local_epoch_s,
     )
 
 

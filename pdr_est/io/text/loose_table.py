@@ -222,7 +222,7 @@ def _repaired(
     wrong = np.zeros(len(rows), dtype=np.bool_)
     for title, one in parsed.items():
         wrong |= one.wrong
-        for i in np.flatnonzero(one.wrong & ~one.empty)[:_LINES_NAMED]:
+        for i in np.flatnonzero(one.wrong)[:_LINES_NAMED]:
             damaged.setdefault(lines[i], f"{columns[title][int(i)]!r} in column {title!r}")
     whole = set(lines)
     number = int(wrong.sum()) + sum(line not in whole for line in damaged)

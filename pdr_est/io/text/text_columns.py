@@ -62,7 +62,7 @@ def parse_text_column(column: pl.Series, may_be_text: bool) -> ParsedColumn:
         if may_be_text:
             return ParsedColumn(text.fill_null("").to_numpy().astype(np.str_), empty, nothing, is_text=True)
         return ParsedColumn(np.full(len(text), np.nan), np.ones_like(empty), nothing)
-    if integers.null_count() == text.null_count() + int(wrong.sum()) and wrong.any():
+    if wrong.any() and not empty.any() and integers.null_count() == int(wrong.sum()):
         # Ticks of a clock stay exact; the damaged rows are left out later.
-        return ParsedColumn(integers.fill_null(0).to_numpy(), empty, wrong | empty)
+        return ParsedColumn(integers.fill_null(0).to_numpy(), empty, wrong)
     return ParsedColumn(discard_huge_values(numbers.cast(pl.Float64).to_numpy().astype(np.float64)), empty, wrong)

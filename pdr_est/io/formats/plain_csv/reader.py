@@ -78,4 +78,5 @@ def _read(source: Source, member: str, mapping: TableMapping | None) -> Recordin
         fixes=reading.gnss.fixes,
         origin=reading.gnss.origin,
         epoch_s=reading.epoch_s,
+        local_epoch_s=reading.local_epoch_s,
     )
