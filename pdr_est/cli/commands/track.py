@@ -69,10 +69,10 @@ def track_command(
             err=True,
         )
     if _LIVE in recordings:
-        if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all:
+        if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all or mapping:
             raise click.UsageError(
-                "- cannot be combined with other recordings, --realtime, --from, --to, --device, or --fixes other "
-                "than recording"
+                "- cannot be combined with other recordings, --realtime, --from, --to, --device, --map, or --fixes "
+                "other than recording"
             )
         with _output_stream(output, overwrite) as stream:
             follow_live(sys.stdin, config, platform, fixes is not None, stream)

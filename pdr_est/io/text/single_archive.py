@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pdr_est.errors import RecordingError
+from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io.text.container import Source, SourceKind
 from pdr_est.io.text.table_layout import detect_layout
 
@@ -18,9 +18,10 @@ def open_recording(path: str | Path) -> Source:
 
     Raises
     ------
+    SeveralWalksError
+        For a folder of several archives, some of which it names.
     RecordingError
-        For a folder of several archives, some of which it names, for an archive of archives, and whatever
-        `Source.open` refuses.
+        For an archive of archives, and whatever `Source.open` refuses.
     """
     source = Source.open(path)
     if source.kind is SourceKind.FILE:
@@ -32,7 +33,9 @@ def open_recording(path: str | Path) -> Source:
     if source.kind is SourceKind.ZIP:
         raise RecordingError(f"{source.path}: contains zip archives ({named}); unpack it and give one of them")
     if len(archives) > 1:
-        raise RecordingError(f"{source.path}: contains {len(archives)} zip archives ({named}); choose one of them")
+        raise SeveralWalksError(
+            f"{source.path}: contains {len(archives)} zip archives ({named}); choose one of them", tuple(archives)
+        )
     return Source.open(source.path / source.stored[archives[0]])
 
 
