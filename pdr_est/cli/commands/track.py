@@ -81,7 +81,7 @@ def track_command(
         raise click.UsageError(
             "--platform is for phones that send to -; a recording knows its platform: leave the option out"
         )
-    read_in = [part.read_file(path, alone=len(recordings) == 1) for path in recordings]
+    read_in = part.read_files(recordings)
     whole = part.join(read_in, recordings)
     with prefix_errors(", ".join(map(str, recordings))):
         recorded = part.cut(whole)

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 
+EARLIEST_UNIX_S = 9e8
+"""Least time, s, that is taken as Unix time, of 1998; a smaller clock counts from something else."""
+
 _STATIC_MPS2 = (6.5, 20.0)  # a swung phone has a mean of 12: the swing's centripetal acceleration points one way
 _STATIC_G = (0.65, 2.0)
 _STATIC_MG = (650.0, 1500.0)  # up to a vigorous arm's mean; above, it may be something else
@@ -25,7 +28,7 @@ _FASTEST_WALK_DEGPS = 3000.0  # no gyroscope of a phone or watch measures more; 
 _PRESSURE_UNITS = (("Pa", 1.0), ("hPa", 1e2), ("kPa", 1e3))
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
 _CLOCK_UNITS = (("ns", 1e9), ("us", 1e6), ("ms", 1e3), ("s", 1.0))
-_UNIX_RANGE_S = (9e8, 4e9)  # 1998 to 2096
+_UNIX_RANGE_S = (EARLIEST_UNIX_S, 4e9)  # to 2096
 _DAY_S = 86400.0
 _DAY_NUMBERS = (25_569.0, 80_000.0)  # days since 1899-12-30, from 1970 on
 _SAMPLING_RATE_HZ = (2.0, 1500.0)

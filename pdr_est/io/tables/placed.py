@@ -23,13 +23,10 @@ class PlacedSignal:
         The samples.
     table
         The table.
-    shift_s
-        What was added to the table's own times, s.
     """
 
     raw: RawSignal
     table: TableSignals
-    shift_s: float
 
     def is_ambiguous(self, quantity: Quantity) -> bool:
         """Tell whether the titles of the signal leave open whether it is this quantity."""
@@ -65,7 +62,7 @@ def place_signals(
                 device.decisions.append(f"not used: {raw.title} of {table.place}; there is another {quantity}")
                 continue
             signal = raw.signal if shift_s == 0.0 else Signal(raw.signal.time_s + shift_s, raw.signal.values)
-            placed[quantity] = PlacedSignal(replace(raw, signal=signal), table, shift_s)
+            placed[quantity] = PlacedSignal(replace(raw, signal=signal), table)
     _check_overlap(placed, epoch_s, device)
     return placed
 
@@ -81,8 +78,8 @@ def _check_overlap(placed: dict[Quantity, PlacedSignal], epoch_s: float | None, 
         if float(times.max()) >= start_s and float(times.min()) <= end_s:
             continue
         if epoch_s is not None and one.table.clock.epoch_s is not None:
-            shift_s = one.table.clock.epoch_s - epoch_s - one.shift_s
-            signal = Signal(times + shift_s, one.raw.signal.values)
+            own_s = one.table.signals[quantity].signal.time_s
+            signal = Signal(own_s + (one.table.clock.epoch_s - epoch_s), one.raw.signal.values)
             placed[quantity] = replace(one, raw=replace(one.raw, signal=signal))
             continue
         device.warnings.append(

@@ -110,7 +110,7 @@ def _settle_pressure(placed: dict[Quantity, PlacedSignal], device: RawDevice) ->
     placed.pop(Quantity.PRESSURE)
     if len(kept):
         raw = RawSignal(kept, pressure.raw.title, pressure.raw.factor)
-        placed[Quantity.PRESSURE] = PlacedSignal(raw, pressure.table, pressure.shift_s)
+        placed[Quantity.PRESSURE] = PlacedSignal(raw, pressure.table)
 
 
 def _scaled(raw: RawSignal) -> Array:
