@@ -11,7 +11,15 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.many_walks import Done, finish_many, jobs_option, refuse_other_file, summary_option, work_on
+from pdr_est.cli.many_walks import (
+    Done,
+    finish_many,
+    jobs_option,
+    refuse_other_file,
+    summary_option,
+    work_on,
+    write_summary,
+)
 from pdr_est.cli.options import PATH, config_option, detector_option, given_paths, overwrite_option, resolve_config
 from pdr_est.cli.recording_options import RecordingPart, recording_options
 from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
@@ -57,7 +65,7 @@ def steps_command(
     An accelerometer is enough; how the phone was carried is recognised only with a gyroscope. A folder of several
     recordings stands for these, as does a pattern in quotation marks.
     """
-    walks = named_paths(expand_paths(recordings))
+    walks = named_paths(expand_paths(recordings, mapping))
     if summary is not None:
         refuse_other_file(summary)  # before the work
     if output is not None and len(walks) > 1:
@@ -78,7 +86,10 @@ def steps_command(
         click.echo(json.dumps(documents, indent=2, ensure_ascii=False, allow_nan=False))
     elif done:
         click.echo("\n".join(one.text for one in done))
-    finish_many(outcomes if output is None else (), summary, recordings, quiet=True)
+    if output is None:
+        finish_many(outcomes, summary, recordings, quiet=True)
+    elif summary is not None:
+        write_summary(outcomes, summary, recordings)
 
 
 def _find_steps(config: Config, part: RecordingPart, table: Path | None, walk: NamedPath) -> Done:

@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pdr_est.frames import Array
+from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Signal
 
@@ -150,8 +150,9 @@ def turn_evidence(force: Signal, rate: Signal, fixes: Sequence[PositionFix]) -> 
         directions = [_mean_direction(time_s, yaw_rad, leg[0], leg[1]) for leg in (before, after)]
         if None in directions or after[0] - before[1] > 1e-6:
             continue
-        seen = _wrapped(float(directions[1] or 0.0) - float(directions[0] or 0.0))
-        turns.append((_wrapped(after[2] - before[2]), seen, before[3] ** 2 + after[3] ** 2 + _SIGMA_TURN_RAD**2))
+        seen = float(wrap_angle(float(directions[1] or 0.0) - float(directions[0] or 0.0)))
+        turned = float(wrap_angle(after[2] - before[2]))
+        turns.append((turned, seen, before[3] ** 2 + after[3] ** 2 + _SIGMA_TURN_RAD**2))
     if not turns:
         return None
     by_fixes, seen_rad, variance = (np.array(column) for column in zip(*turns, strict=True))
@@ -204,19 +205,10 @@ def _mean_direction(time_s: Array, yaw_rad: Array, start_s: float, end_s: float)
 
 def _log_density(angle_rad: Array, variance_rad2: Array) -> Array:
     """Compute the log density of an angle about zero, or uniform on the circle for one in ten."""
-    folded = np.square(_wrapped_all(angle_rad)) / variance_rad2
+    folded = np.square(wrap_angle(angle_rad)) / variance_rad2
     normal = np.exp(-0.5 * folded) / np.sqrt(2.0 * np.pi * variance_rad2)
     density: Array = np.log((1.0 - _USELESS_LEG) * normal + _USELESS_LEG / (2.0 * np.pi))
     return density
-
-
-def _wrapped_all(angle_rad: Array) -> Array:
-    wrapped: Array = (angle_rad + np.pi) % (2.0 * np.pi) - np.pi
-    return wrapped
-
-
-def _wrapped(angle_rad: float) -> float:
-    return float((angle_rad + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 def _interpolated(signal: Signal, time_s: Array, axis: int) -> Array:

@@ -28,6 +28,9 @@ PRESSURE_UNITS: Mapping[str, float] = {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3}
 CLOCK_UNITS: Mapping[str, float] = {"ns": 1e9, "us": 1e6, "ms": 1e3, "s": 1.0}
 """Units in which recorders count time, with the number of them in a second, the smallest first."""
 
+EARLIEST_UNIX_S = 9e8
+"""Least time, s, that is taken as Unix time, of 1998; a smaller clock counts from something else."""
+
 _STATIC_MPS2 = (6.5, 20.0)  # a swung phone has a mean of 12: the swing's centripetal acceleration points one way
 _STATIC_G = (0.65, 2.0)
 _STATIC_MG = (650.0, 1500.0)  # up to a vigorous arm's mean; above, it may be something else
@@ -40,7 +43,7 @@ _PEAK_PERCENTILE = 99.9
 _CALMEST_WALK_DEGPS = 15.0
 _FASTEST_WALK_DEGPS = 3000.0  # no gyroscope of a phone or watch measures more; a calm walk has 15 000 mdeg/s
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
-_UNIX_RANGE_S = (9e8, 4e9)  # 1998 to 2096
+_UNIX_RANGE_S = (EARLIEST_UNIX_S, 4e9)  # to 2096
 _DAY_S = 86400.0
 _DAY_NUMBERS = (25_569.0, 80_000.0)  # days since 1899-12-30, from 1970 on
 _SAMPLING_RATE_HZ = (2.0, 1500.0)

@@ -19,8 +19,10 @@ from pdr_est.errors import RecordingError
 
 UNPACKED_LIMIT_BYTES = 2 * 1024**3
 
+ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
+"""First bytes of a zip archive, of an empty one the second."""
+
 _GZIP_MAGIC = b"\x1f\x8b"
-_ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
 _DRIVE_LETTER = re.compile(r"^[A-Za-z]:")
 _CHUNK_BYTES = 1 << 16
 _MAX_MEMBERS = 100_000
@@ -82,7 +84,7 @@ class Source:
             raise RecordingError(f"{place}: cannot be read ({error.strerror}); check its permissions") from error
         if not magic:
             raise RecordingError(f"{place}: the file is empty (0 bytes); export it again")
-        if magic in _ZIP_MAGICS:
+        if magic in ZIP_MAGICS:
             return cls(place, SourceKind.ZIP, _logical_names(place, _zip_members(place, limit_bytes)), limit_bytes)
         return cls(place, SourceKind.FILE, {_without_gz(place.name): place.name}, limit_bytes)
 
@@ -125,7 +127,7 @@ class Source:
                 f"{self.place(member)}: unpacks to more than the limit of {_format_size(self.limit_bytes)}; "
                 "give a smaller recording"
             )
-        if data[:4] in _ZIP_MAGICS:
+        if data[:4] in ZIP_MAGICS:
             raise RecordingError(f"{self.place(member)}: a zip archive inside gzip; unpack the gzip layer first")
         return data
 
