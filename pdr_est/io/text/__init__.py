@@ -3,6 +3,7 @@
 ==============  =========================================================================================
 file            content
 ==============  =========================================================================================
+archives        subpackage: unpack compressed data piece by piece against a limit
 container       open a file, a folder or a zip archive, plain or gzipped, and read its members safely
 single_archive  a folder that holds nothing but one archive
 workbook        an Excel workbook as a folder of tables
