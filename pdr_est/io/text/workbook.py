@@ -72,7 +72,11 @@ def _workbook_bytes(source: Source) -> bytes | None:
     if source.kind is SourceKind.ZIP and source.path.is_file():
         with source.path.open("rb") as stream:
             head = stream.read(2048)
-        return source.path.read_bytes() if is_xlsx(head) else None
+        if not is_xlsx(head):
+            return None
+        for part in source.members:
+            source.read(part)  # a part that is larger than it claims would fill the memory
+        return source.path.read_bytes()
     member = source.members[0]
     head = source.head(member, 2048)
     return source.read(member) if head.startswith(_XLS_MAGIC) or is_xlsx(head) else None
