@@ -70,6 +70,11 @@ class _LazyGroup(click.Group):
             return super().invoke(ctx)
         except PdrError as error:
             raise BadInputError(str(error)) from error
+        except MemoryError as error:
+            raise BadInputError(
+                f"{ctx.invoked_subcommand}: the memory of this computer is not enough: give a shorter part of the "
+                "recording (--from, --to), fewer recordings, or more memory"
+            ) from error
         except click.UsageError as error:
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
             raise BadInputError(f"{error.format_message().rstrip('.')}; see {command} --help") from error

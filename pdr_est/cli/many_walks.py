@@ -99,13 +99,12 @@ def _in_pool(work: Callable[[NamedPath], Done], walks: Sequence[NamedPath], jobs
 
     # Spawned and not forked: the same on every platform, and safe with the threads of numpy and GTSAM.
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_start_worker) as pool:
-        futures = [pool.submit(_attempt, work, walk) for walk in walks]
-        try:
-            for future in futures:
-                yield future.result()
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_start_worker)
+    try:
+        for future in [pool.submit(_attempt, work, walk) for walk in walks]:
+            yield future.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _in_own_process(work: Callable[[NamedPath], Done], walk: NamedPath) -> Outcome:

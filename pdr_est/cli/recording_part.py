@@ -1,7 +1,7 @@
 """Read a recording and cut it, as the options `--from`, `--to`, `--device` and `--map` say."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from pdr_est.io import read
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.preprocessing.merge import merge_recordings
 from pdr_est.preprocessing.moments import Moment, cut_recording
-from pdr_est.types.recording import Recording
+from pdr_est.types.recording import DeviceRecording, Recording
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class RecordingPart:
         RecordingError
             If one cannot be read, or has no device of that name.
         """
-        return self.join([self.read_file(path, alone=len(paths) == 1) for path in paths], paths)
+        return self.join(self.read_files(paths), paths)
 
     def join(self, recordings: Sequence[Recording], paths: Sequence[Path]) -> Recording:
         """Merge the recordings of one walk that were read from some paths, and keep the devices that are used."""
@@ -70,26 +70,39 @@ class RecordingPart:
         with prefix_errors(", ".join(map(str, paths))):
             return self.cut(recording)
 
-    def read_file(self, path: Path, alone: bool = True) -> Recording:
-        """Read a recording. A file that names one of its devices means this one, also if others are beside it.
+    def read_files(self, paths: Sequence[Path]) -> list[Recording]:
+        """Read the recordings of one walk. A file that names one of its devices means this one.
 
-        A warning of the device says so for one that is given alone.
+        Other devices beside it are left out, and a warning of the device says so unless another of the files brings
+        them.
         """
-        recording = read(path, self.mapping)
+        whole = [read(path, self.mapping) for path in paths]
+        meant = [self._device_meant(path, recording) for path, recording in zip(paths, whole, strict=True)]
+        pairs = list(zip(whole, meant, strict=True))
+        used = {
+            one.name for recording, device in pairs for one in (recording.devices if device is None else (device,))
+        }
+        return [recording if device is None else _with_only(recording, device, used) for recording, device in pairs]
+
+    def _device_meant(self, path: Path, recording: Recording) -> DeviceRecording | None:
+        """Find the one of several devices that the name of a file tells; None for all."""
         if self.devices or len(recording.devices) < 2 or not path.is_file():
-            return recording
+            return None
         words = re.split(r"[^0-9A-Za-z]+", path.name)
         named = [device for device in recording.devices if device.name in words]
-        if len(named) != 1:
-            return recording
-        if not alone:
-            return replace(recording, devices=(named[0],))
-        others = [device.name for device in recording.devices if device is not named[0]]
+        return named[0] if len(named) == 1 else None
+
+
+def _with_only(recording: Recording, device: DeviceRecording, used: Collection[str]) -> Recording:
+    """Keep one device, and warn of the others unless they are used, too."""
+    others = [one.name for one in recording.devices if one.name not in used]
+    if others:
         note = (
             f"the file is of this device only; {', '.join(others)} of the same walk is left out: give its file, too, "
             "or --device"
         )
-        return replace(recording, devices=(replace(named[0], warnings=(*named[0].warnings, note)),))
+        device = replace(device, warnings=(*device.warnings, note))
+    return replace(recording, devices=(device,))
 
 
 WHOLE = RecordingPart()

@@ -1,26 +1,29 @@
 """Find the walks that the arguments of a command name: recordings, folders of recordings, and patterns."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io import read
 from pdr_est.io.formats.walks_in_folder import walks_in_folder
+from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.types.recording import Recording
 
 _PATTERN = ("*", "?", "[")
+_EXTENSION = re.compile(r"\.[a-z][a-z0-9]{0,7}", re.IGNORECASE)
 _MANY = 3  # recordings; two that were made at different times may be phones with a wrong date
 
 
 @dataclass(frozen=True)
 class NamedPath:
-    """Recording of a walk with a name that no other walk has, which may have folders.
+    """Recording of a walk with a name that no other walk of the call has.
 
     Attributes
     ----------
     name
-        Name of the walk, for result folders and tables.
+        Name of the walk, for result folders and tables: the last parts of its path, with "/" between them.
     path
         Path of the recording.
     """
@@ -29,15 +32,42 @@ class NamedPath:
     path: Path
 
 
-def expand_paths(arguments: Sequence[Path]) -> tuple[Path, ...]:
-    """Replace patterns by the files that they match, and folders of several recordings by these.
+def expand_paths(arguments: Sequence[Path], mapping: TableMapping | None = None) -> tuple[Path, ...]:
+    """Replace patterns by the files that they match, and folders of several recordings by these; each counts once.
+
+    Parameters
+    ----------
+    arguments
+        Files, folders and patterns.
+    mapping
+        What the columns of the tables mean; None to find it out.
 
     Raises
     ------
     RecordingError
         For a pattern without a match.
     """
-    return tuple(path for argument in arguments for match in _matches(argument) for path in _inside(match))
+    return distinct_paths(path for one in arguments for path in expand_argument(one, mapping))
+
+
+def expand_argument(argument: Path, mapping: TableMapping | None = None) -> tuple[Path, ...]:
+    """Return the recordings that one argument stands for (see `expand_paths`)."""
+    return distinct_paths(path for match in _matches(argument) for path in _inside(match, mapping))
+
+
+def distinct_paths(paths: Iterable[Path]) -> tuple[Path, ...]:
+    """Return the first path to each file or folder, in order."""
+    first: dict[Path, Path] = {}
+    for path in paths:
+        first.setdefault(_resolved(path), path)
+    return tuple(first.values())
+
+
+def _resolved(path: Path) -> Path:
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):  # such as a loop of links: reading it says so
+        return path.absolute()
 
 
 def named_paths(paths: Sequence[Path]) -> tuple[NamedPath, ...]:
@@ -59,13 +89,26 @@ def _distinct_end(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> st
     return "/".join(own[1:])
 
 
-def are_separate_walks(paths: Sequence[Path]) -> bool:
-    """Tell whether several recordings, by their dates, were all made at different times."""
+def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = None) -> bool:
+    """Tell whether several recordings, by their dates, were all made at different times.
+
+    Parameters
+    ----------
+    paths
+        The recordings.
+    mapping
+        What the columns of their tables mean; None to find it out.
+
+    Raises
+    ------
+    RecordingError
+        If one cannot be read.
+    """
     if len(paths) < _MANY:
         return False
     spans: list[tuple[float, float]] = []
     for path in paths:
-        span = _dated_span_s(read(path))
+        span = _dated_span_s(read(path, mapping))
         if span is None or any(span[0] < end_s and begin_s < span[1] for begin_s, end_s in spans):
             return False
         spans.append(span)
@@ -89,21 +132,20 @@ def _matches(argument: Path) -> list[Path]:
     return found
 
 
-def _inside(path: Path) -> tuple[Path, ...]:
+def _inside(path: Path, mapping: TableMapping | None) -> tuple[Path, ...]:
     try:
         if not path.is_dir():
             return (path,)
     except OSError:  # such as a name that is too long: reading it says so
         return (path,)
     try:
-        return walks_in_folder(path)
+        return walks_in_folder(path, mapping)
     except SeveralWalksError:
         raise
-    except RecordingError:  # reading it says so, or succeeds with a mapping of its columns
+    except RecordingError:  # reading it says so
         return (path,)
 
 
 def _without_extensions(path: Path) -> Path:
     plain = path.with_suffix("") if path.suffix.lower() == ".gz" else path
-    known = plain.suffix.lower() in (".csv", ".txt", ".zip", ".json", ".xml", ".tsv", ".parquet")
-    return plain.with_suffix("") if known else plain
+    return plain.with_suffix("") if _EXTENSION.fullmatch(plain.suffix) and not path.is_dir() else plain

@@ -23,6 +23,9 @@ _TURN_HZ = 0.4  # below it, the rotation about the vertical is the walker's and 
 _HEEL_STRIKE_HZ = (1.2, 6.0)
 _STEP_HZ = (1.2, 3.0)  # step frequencies of walkers and runners
 _INTENSITY_HZ = 0.4
+_LONGEST_PAUSE_S = 600.0
+_MOST_EMPTY = 4.0  # times the recorded time, and an hour: a recording with longer gaps is not filled up
+_HOUR_S = 3600.0
 _STANDING_MPS2 = 0.3  # acceleration of a device that is not walked with
 
 
@@ -72,7 +75,7 @@ def extract_common_signals(device: DeviceRecording) -> CommonSignals:
         raise RecordingError(
             f"device {device.name!r} has no accelerometer, from which its clock could be found: give its clock offset"
         )
-    force = _increasing_finite(force)
+    force = _densest_stretch(_increasing_finite(force))
     span_s = float(force.time_s[-1] - force.time_s[0])
     if span_s < _LEAST_S:
         raise RecordingError(
@@ -105,6 +108,18 @@ def _filtered(values: Array, band_hz: float | tuple[float, float], kind: str) ->
 
 def _interpolated(signal: Signal, time_s: Array) -> Array:
     return np.stack([np.interp(time_s, signal.time_s, column) for column in signal.values.T], axis=1)
+
+
+def _densest_stretch(signal: Signal) -> Signal:
+    """Return the stretch with the most samples of a signal that consists of gaps, so that no grid fills them."""
+    steps_s = np.diff(signal.time_s)
+    recorded_s = float(np.minimum(steps_s, 1.0).sum())
+    if float(steps_s.sum()) <= _MOST_EMPTY * recorded_s + _HOUR_S:
+        return signal
+    edges = [0, *(np.flatnonzero(steps_s > _LONGEST_PAUSE_S) + 1), len(signal)]
+    longest = int(np.argmax(np.diff(edges)))
+    part = slice(edges[longest], edges[longest + 1])
+    return Signal(signal.time_s[part], signal.values[part])
 
 
 def _increasing_finite(signal: Signal) -> Signal:

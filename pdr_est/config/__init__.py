@@ -2,7 +2,7 @@
 
 * `records`: the record `Config` with its sections, one for each stage.
 * `contradictions`: settings that are in range one by one but do not go together.
-* `loading`: files and dictionaries to configurations; `settings` and `yaml_lines` are what it needs for that.
+* `loading`: files and dictionaries to configurations; `settings` and `params.yaml_lines` are what it needs.
 * `front_ends`: front ends by name, such as the textbook chain.
 * `commented_yaml`: configurations to YAML.
 """

@@ -10,9 +10,9 @@ from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.config.records import PART_KEYS, Config
 from pdr_est.config.settings import Settings, merged, unfolded
-from pdr_est.config.yaml_lines import Lines, load_yaml_lines
 from pdr_est.errors import ConfigError
 from pdr_est.params.validation_messages import explain
+from pdr_est.params.yaml_lines import Lines, load_yaml_lines
 from pdr_est.parts import PartError, files_of, folder_of, importable, is_external, refuse_other_module
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from pdr_est.config.records import PART_KEYS
-from pdr_est.config.yaml_lines import Lines
 from pdr_est.errors import ConfigError
 from pdr_est.params.validation_messages import Location
+from pdr_est.params.yaml_lines import Lines
 from pdr_est.parts import is_external
 
 

@@ -22,6 +22,7 @@ CADENCES_HZ = (1.1, 3.7)
 """Steps per second, from a stroll to a sprint."""
 
 _SPACING_HZ = 0.02  # a twelfth of a step in a window
+_LEAST_TURNING_RADPS = 1e-6  # ours: far below a gyroscope's resolution of 1e-4, far above rounding
 
 
 @dataclass(frozen=True)
@@ -100,8 +101,8 @@ def cadence_hz(vertical_mps2: Array, rotation_rate_radps: Array, rate_hz: float)
     bin_hz = rate_hz / padded
     half = np.arange(round(0.5 * CADENCES_HZ[0] / bin_hz), round(0.5 * CADENCES_HZ[1] / bin_hz) + 1)
     power = _power(vertical_mps2[:, np.newaxis], padded)[2 * half]
-    turning = _power(rotation_rate_radps, padded)[half]
-    best = np.argmax(power * turning if turning.any() else power)
+    turns = rotation_rate_radps.std(axis=0).max() > _LEAST_TURNING_RADPS
+    best = np.argmax(power * _power(rotation_rate_radps, padded)[half] if turns else power)
     return float(2 * half[best] * bin_hz)
 
 

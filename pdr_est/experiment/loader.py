@@ -10,7 +10,6 @@ import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from pdr_est.config import config_to_dict
-from pdr_est.config.yaml_lines import Lines, load_yaml_lines
 from pdr_est.errors import ConfigError, PdrError
 from pdr_est.experiment.config import DataParams, ExperimentConfig
 from pdr_est.experiment.scoring.experiment_suite import experiment_suite
@@ -21,6 +20,7 @@ from pdr_est.experiment.variants.axes import Variant
 from pdr_est.experiment.variants.expand import expand
 from pdr_est.experiment.walks import Walk, find_walks
 from pdr_est.params.validation_messages import Location, explain, nearest
+from pdr_est.params.yaml_lines import Lines, load_yaml_lines
 from pdr_est.simulate import PRESETS
 
 ADAPTER = TypeAdapter(ExperimentConfig)

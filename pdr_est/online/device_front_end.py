@@ -36,11 +36,14 @@ class ExpectedDevice:
         decide from its first seconds, by the rule for recordings.
     north
         Source of headings against north; None for none.
+    restarts_s
+        Restarts of its clock that are known beforehand, as `DeviceRecording.restarts_s`.
     """
 
     name: str
     own_attitude: bool | None = None
     north: NorthReference | None = None
+    restarts_s: tuple[float, ...] = ()
 
 
 class DeviceFrontEnd:
@@ -138,7 +141,9 @@ class DeviceFrontEnd:
         """Make the levelling stages, and give them the samples so far."""
         channels = (*_NEEDED, Channel.ATTITUDE) if own_attitude else _NEEDED
         optional = optional_channels(channels, self._config, self._parts_given, self._device.north)
-        _, self._levelling = level_chain(channels, optional, own_attitude, self._config, self._parts_given)
+        _, self._levelling = level_chain(
+            channels, optional, own_attitude, self._config, self._parts_given, self._device.restarts_s
+        )
         early, self._early = self._early, []
         self._waiting[0].extend(level for block in early for level in self._levelling.push(block))
 

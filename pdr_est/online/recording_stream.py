@@ -67,6 +67,7 @@ def expected_devices(recording: Recording, config: Config) -> list[ExpectedDevic
             device.name,
             prefers_recorded_attitude(device) if auto else None,
             north_of(device, recording, config) if alone else None,
+            device.restarts_s,
         )
         for device in recording.devices
     ]

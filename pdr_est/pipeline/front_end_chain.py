@@ -168,7 +168,7 @@ def levelling(
     optional = optional_channels(channels, config, parts, north)
     if device.pressure is not None and whole_walk_corrections(config, parts).stairs is not None:
         optional = (*optional, Channel.PRESSURE)
-    return level_chain(channels, optional, own_attitude, config, parts)
+    return level_chain(channels, optional, own_attitude, config, parts, device.restarts_s)
 
 
 def optional_channels(
@@ -186,6 +186,7 @@ def level_chain(
     own_attitude: bool,
     config: Config,
     parts: Parts = NO_PARTS,
+    restarts_s: tuple[float, ...] = (),
 ) -> tuple[Resampler, Chain]:
     """Make the chain SensorBlock -> LevelBlock for given channels, and return its first stage too.
 
@@ -199,9 +200,11 @@ def level_chain(
         True to use the attitude that the device recorded.
     config, parts
         Choice of the stages and their parameters.
+    restarts_s
+        Restarts of the clock that are known beforehand, as `DeviceRecording.restarts_s`.
     """
     rate_hz = config.resample.rate_hz
-    resampler = Resampler(channels, config.resample, optional)
+    resampler = Resampler(channels, config.resample, optional, restarts_s)
     if Channel.ROTATION_RATE not in channels:
         tilt = AccelerometerTilt(rate_hz, config.attitude)
         # Carrying modes are recognised by rotation: without it they stay unknown unless one is given.

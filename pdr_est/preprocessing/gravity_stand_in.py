@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+from pdr_est.io.conversion.clock_faults import mend_clocks
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 _HOP_S = 2.0  # between directions
@@ -39,8 +40,9 @@ def with_stand_in_gravity(device: DeviceRecording) -> DeviceRecording:
 
 
 def ready_for_steps(recording: Recording) -> Recording:
-    """Return a recording in which every device without gravity has a stand-in for it, for counting steps."""
-    return replace(recording, devices=tuple(with_stand_in_gravity(device) for device in recording.devices))
+    """Return a recording whose clocks are mended and in which each device without gravity has a stand-in for it."""
+    mended = mend_clocks(recording)
+    return replace(mended, devices=tuple(with_stand_in_gravity(device) for device in mended.devices))
 
 
 def _strongest_direction(linear: Signal) -> Array:

@@ -23,7 +23,7 @@ class Moment:
     text
         As it was written.
     value
-        Seconds from the first sample, a time of day (UTC), or a date with a time and a zone.
+        Seconds from the first sample, a time of day, or a date with a time, with a zone if it was written.
     """
 
     text: str
@@ -31,6 +31,8 @@ class Moment:
 
     def on_clock_of(self, recording: Recording) -> float:
         """Find the moment on the clock of a recording, s.
+
+        A time without a zone is compared with the date of a recording that states no zone either, else it is UTC.
 
         Raises
         ------
@@ -40,24 +42,28 @@ class Moment:
         start_s, end_s = _span_s(recording)
         if isinstance(self.value, float):
             return start_s + self.value
-        if recording.epoch_s is None:
+        zoned = isinstance(self.value, datetime) and self.value.tzinfo is not None
+        epoch_s = recording.epoch_s if zoned or recording.local_epoch_s is None else recording.local_epoch_s
+        if epoch_s is None:
+            missing = "date" if recording.local_epoch_s is None else "time zone"
             raise RecordingError(
-                f"{recording.name}: {self.text} is a clock time, but the recording does not tell its date: give "
+                f"{recording.name}: {self.text} is a clock time, but the recording does not tell its {missing}: give "
                 "seconds from its start"
             )
         if isinstance(self.value, datetime):
-            return self.value.timestamp() - recording.epoch_s
-        middle = datetime.fromtimestamp(recording.epoch_s + 0.5 * (start_s + end_s), tz=UTC)
+            moment = self.value if zoned else self.value.replace(tzinfo=UTC)
+            return moment.timestamp() - epoch_s
+        middle = datetime.fromtimestamp(epoch_s + 0.5 * (start_s + end_s), tz=UTC)
         days = [middle.date() + timedelta(days=day) for day in (-1, 0, 1)]
         moments = [datetime.combine(day, self.value, tzinfo=UTC) for day in days]
         nearest = min(moments, key=lambda moment: abs(moment - middle))
-        return nearest.timestamp() - recording.epoch_s
+        return nearest.timestamp() - epoch_s
 
 
 def parse_moment(text: str) -> Moment:
     """Parse seconds from the start of a recording (12.5), a time of day (14:03, 14:03:05.2) or a date with a time.
 
-    A time without a zone is UTC, as `pdr-est inspect` prints it.
+    A time without a zone is UTC, as `pdr-est inspect` prints it, or in the zone of a recording that states none.
 
     Raises
     ------
@@ -71,8 +77,7 @@ def parse_moment(text: str) -> Moment:
         if _TIME_OF_DAY.fullmatch(written):
             return Moment(text, time.fromisoformat(written.rjust(len(written) + (written[1] == ":"), "0")))
         if _DATE.fullmatch(written):
-            moment = datetime.fromisoformat(written)
-            return Moment(text, moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC))
+            return Moment(text, datetime.fromisoformat(written))
     except ValueError:
         pass  # such as 25:00
     raise ConfigError(

@@ -55,10 +55,17 @@ class Resampler:
         Rate and longest gap.
     optional
         Channels that may be absent.
+    restarts_s
+        Times of the first samples after restarts of the clock that are known beforehand, s, and mended: there the
+        duration of a gap means nothing.
     """
 
     def __init__(
-        self, channels: tuple[Channel, ...], parameters: ResampleParams, optional: tuple[Channel, ...] = ()
+        self,
+        channels: tuple[Channel, ...],
+        parameters: ResampleParams,
+        optional: tuple[Channel, ...] = (),
+        restarts_s: tuple[float, ...] = (),
     ) -> None:
         self._period_s = 1.0 / parameters.rate_hz
         self._max_gap_s = parameters.max_gap_s
@@ -66,6 +73,7 @@ class Resampler:
         self._optional = {
             channel: ChannelIntegral(channel, _SLOW_GAP_S.get(channel, parameters.max_gap_s)) for channel in optional
         }
+        self._restarts_s = restarts_s
         self._first_edge_s = float("nan")
         self._next_index = 0
         self._segment = 0
@@ -203,6 +211,7 @@ class Resampler:
         if last_s is None:
             return None
         restarted = any(channel.restarted_between(last_s, time_s) for channel in self._inputs.values())
+        restarted |= any(last_s <= restart_s <= time_s for restart_s in self._restarts_s)
         return Hole(last_s, time_s, duration_known=not restarted)
 
 

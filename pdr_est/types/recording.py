@@ -68,6 +68,8 @@ class DeviceRecording:
         True if the axes are those that phones have: x to the right, y to the top of the screen, z out of it.
     linear_acceleration
         (n, 3) m/s² without gravity, device axes, with the sign of `specific_force`; steps can be counted with it.
+    restarts_s
+        Times of the first samples after each restart of the clock, s; how long it stood still before is not known.
     """
 
     name: str = "device"
@@ -84,6 +86,7 @@ class DeviceRecording:
     clock_shift_s: float = 0.0
     usual_axes: bool = True
     linear_acceleration: Signal | None = None
+    restarts_s: tuple[float, ...] = ()
 
     @property
     def span_s(self) -> tuple[float, float] | None:
@@ -98,12 +101,17 @@ class DeviceRecording:
 
     def with_times(self, convert: Callable[[Array], Array]) -> "DeviceRecording":
         """Return a copy in which `convert` has been applied to the times (n,) of every signal."""
-        signals = {name: getattr(self, name) for name in _CHANNELS}
         converted: dict[str, Any] = {
-            name: None if signal is None else Signal(convert(signal.time_s), signal.values)
-            for name, signal in signals.items()
+            name: Signal(convert(signal.time_s), signal.values) for name, signal in self.signals().items()
         }
+        if self.restarts_s:
+            converted["restarts_s"] = tuple(convert(np.array(self.restarts_s)).tolist())
         return replace(self, **converted)
+
+    def signals(self) -> dict[str, Signal]:
+        """Return the signals that the device has, by the name of their attribute."""
+        signals = {name: getattr(self, name) for name in _CHANNELS}
+        return {name: signal for name, signal in signals.items() if signal is not None}
 
     def blocks(self) -> Iterator[SensorBlock]:
         """Iterate over the channels that the front end uses, each as one block.
@@ -186,6 +194,9 @@ class Recording:
         Message exchanges by which the devices compared their clocks.
     waypoints
         Positions that the walker marked on the device while passing them, other than the reference data.
+    local_epoch_s
+        What `epoch_s` would be if the date that the recorder wrote without a time zone were UTC; None without such a
+        date. Dates of others that state no zone either are compared with it.
     """
 
     name: str
@@ -198,6 +209,7 @@ class Recording:
     notes: tuple[str, ...] = ()
     messages: tuple[ClockMessages, ...] = ()
     waypoints: tuple[PositionFix, ...] = ()
+    local_epoch_s: float | None = None
 
     @classmethod
     def from_arrays(

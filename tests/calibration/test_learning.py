@@ -64,6 +64,9 @@ def test_a_walk_is_recognised_by_its_samples(walks) -> None:
     assert recording_digest(replace(first, devices=(replace(device, specific_force=force),))) != recording_digest(
         first
     )
+    air = Signal(device.specific_force.time_s[::10], np.full((len(device.specific_force.time_s[::10]), 1), 101_325.0))
+    with_pressure = replace(first, devices=(replace(device, pressure=air),))
+    assert recording_digest(with_pressure) == recording_digest(first)  # as in profiles of before it was read
 
 
 def test_nothing_is_learnt_from_nothing(walks, both) -> None:

@@ -101,9 +101,16 @@ def test_smooth_refuses_what_has_steps_only_and_points_here(accelerometer_only: 
     assert "`pdr-est steps` still finds the steps" in line
 
 
-def test_refusals(good: Path, walk: Walk, tmp_path: Path) -> None:
+def test_the_table_of_steps_and_the_table_of_walks_together(good: Path, tmp_path: Path) -> None:
+    (document,) = documents(good, "-o", tmp_path / "steps.csv", "--summary", tmp_path / "walks.csv")
+    (row,) = rows_of(tmp_path / "walks.csv")
+    assert row["walk"] == "walk"
+    assert int(row["steps"]) == len(rows_of(tmp_path / "steps.csv")) == document["steps"]
+
+
+def test_refusals(good: Path, accelerometer_only: Path, walk: Walk, tmp_path: Path) -> None:
     table = tmp_path / "steps.csv"
-    assert refused("steps", good, good, "-o", table) == (
+    assert refused("steps", good, accelerometer_only, "-o", table) == (
         "-o takes the steps of one RECORDING, but 2 are given: run the command once for each; "
         "see pdr-est steps --help"
     )

@@ -240,4 +240,7 @@ def test_options_that_do_not_go_together(good: Path) -> None:
     assert "estimator factor-graph or ekf" in refused("track", good, "--closed", "--estimator", "fixed-lag")
     assert "- cannot be combined with other recordings" in refused("track", "-", good)
     assert "- cannot be combined with other recordings" in refused("track", "-", "--realtime")
+    mapping = good.parent / "live.yaml"
+    mapping.write_text("time: {rate_hz: 50}\naccelerometer: {x: a, y: b, z: c}\n", encoding="utf-8")
+    assert "--map" in refused("track", "-", "--map", mapping)
     assert "--platform is for" in refused("track", good, "--platform", "ios")

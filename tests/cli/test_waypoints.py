@@ -84,3 +84,20 @@ def test_one_file_means_one_phone(lines: list[str], tmp_path: Path, monkeypatch:
     assert "the file is of this device only; 2R of the same walk is left out: give its file, too" in result.stderr
     both = run("steps", path, "--device", "1L", "--device", "2R")
     assert [line.split(": ")[1] for line in both.stdout.splitlines()] == ["1L", "2R"]
+
+
+def test_a_phone_that_another_file_brings_is_not_missing(
+    lines: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With several files, too, it is told if a phone of the same walk is left out."""
+    left, right, third = (save(tmp_path / f"{name}.csv", lines) for name in ("walk_1L", "walk_2R", "other"))
+    alone = read(third)
+    (device,) = alone.devices
+    pair = replace(alone, name="pair", devices=(replace(device, name="1L"), replace(device, name="2R")))
+    monkeypatch.setattr(recording_part, "read", lambda path, _: alone if path == third else pair)
+    both = recording_part.WHOLE.read_files([left, right])
+    assert [[one.name for one in recording.devices] for recording in both] == [["1L"], ["2R"]]
+    assert all(one.warnings == device.warnings for recording in both for one in recording.devices)
+    one, _ = recording_part.WHOLE.read_files([left, third])
+    assert [phone.name for phone in one.devices] == ["1L"]
+    assert "2R of the same walk is left out" in one.devices[0].warnings[-1]

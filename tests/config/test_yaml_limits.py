@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from pdr_est.config import load_config
-from pdr_est.config.yaml_lines import load_yaml
 from pdr_est.errors import ConfigError
+from pdr_est.params.yaml_lines import load_yaml
 
 
 def repeated(levels: int, each: int) -> str:

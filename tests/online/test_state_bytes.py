@@ -91,6 +91,11 @@ def test_versions_and_sizes_are_checked() -> None:
         Tracker.restore(with_header(bytes=100))
 
 
+def test_a_name_that_is_no_text_comes_back() -> None:
+    name = os.fsdecode(b"walk\xff \xc3\xa4")
+    assert unpack(pack({"name": name}), dict) == {"name": name}
+
+
 def test_a_pickle_is_refused_and_not_run(tmp_path: Any) -> None:
     class Harmful:
         def __reduce__(self) -> tuple[Any, ...]:

@@ -31,7 +31,7 @@ def show(file: Path, data: Path | None) -> None:
     An experiment is checked as before a run.
     """
     from pdr_est.config import commented, config_to_yaml, load_config
-    from pdr_est.config.yaml_lines import load_yaml
+    from pdr_est.params.yaml_lines import load_yaml
 
     content = load_yaml(file)
     if isinstance(content, dict) and "data" in content:

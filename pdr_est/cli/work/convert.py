@@ -7,7 +7,6 @@ from types import MappingProxyType
 import click
 
 from pdr_est.cli.recording_part import RecordingPart
-from pdr_est.io.formats.exchange.left_out import left_out
 from pdr_est.io.formats.exchange.parquet_table import write_parquet_recording
 from pdr_est.io.formats.exchange.sensor_logger_folder import write_sensor_logger_folder
 from pdr_est.io.formats.exchange.synchronised_arrays import write_hdf5, write_npz
@@ -18,13 +17,13 @@ from pdr_est.preprocessing.moments import Moment
 from pdr_est.types.recording import Recording
 
 _FOLDER = "sensor-logger"
-FORMATS: Mapping[str, tuple[Callable[[Recording, Path], None], tuple[str, ...]]] = MappingProxyType(
+FORMATS: Mapping[str, Callable[[Recording, Path], tuple[str, ...]]] = MappingProxyType(
     {
-        "csv": (write_plain_csv, ("positions",)),
-        "parquet": (write_parquet_recording, ("positions",)),
-        _FOLDER: (write_sensor_logger_folder, ("date", "fixes", "waypoints")),
-        "npz": (write_npz, ("positions",)),
-        "hdf5": (write_hdf5, ("positions",)),
+        "csv": write_plain_csv,
+        "parquet": write_parquet_recording,
+        _FOLDER: write_sensor_logger_folder,
+        "npz": write_npz,
+        "hdf5": write_hdf5,
     }
 )
 _SUFFIXES = MappingProxyType(
@@ -46,16 +45,16 @@ def convert_recording(
     name = chosen or _SUFFIXES.get(output.suffix.lower())
     if name is None:
         raise click.UsageError(f"{output}: the extension tells no format: give --format {'|'.join(FORMATS)}")
-    write, kept = FORMATS[name]
+    write = FORMATS[name]
     recording = RecordingPart(begin, end, devices, mapping).read_cut(recordings)
     if name == _FOLDER:
         with staged_folder(output, overwrite) as folder:
-            write(recording, folder)
+            left_out = write(recording, folder)
     else:
         with staged_file(output, overwrite, recordings) as file:
-            write(recording, file)
+            left_out = write(recording, file)
     if name == _FOLDER and recording.epoch_s is None:
         click.echo(f"note: {output} has the date 2000-01-01, because that of the recording is not known", err=True)
-    for words in left_out(recording, kept):
+    for words in left_out:
         click.echo(f"note: {output} has no place for {words}", err=True)
     click.echo(f"{recording.name}: {recording.format} -> {name}, {output}")

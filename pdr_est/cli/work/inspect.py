@@ -36,7 +36,7 @@ def inspect_recordings(
         write_map_draft(recordings[0], write_map)
         click.echo(f"{write_map}: complete it, then use it with --map")
         return
-    walks = named_paths(expand_paths(recordings))
+    walks = named_paths(expand_paths(recordings, mapping))
     if summary is not None:
         refuse_other_file(summary)  # before the work
     work = partial(_inspect, RecordingPart(begin, end, devices, mapping))

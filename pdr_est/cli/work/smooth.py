@@ -21,7 +21,7 @@ from pdr_est.cli.profile_options import WalkersProfile
 from pdr_est.cli.progress import progress_bar
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import given_paths, resolve_config
-from pdr_est.cli.walk_list import are_separate_walks, expand_paths, named_paths
+from pdr_est.cli.walk_list import are_separate_walks, distinct_paths, expand_argument, named_paths
 from pdr_est.cli.work.smoothing import REPORT, SmoothRequest, smooth_one_of_many, smooth_to_folder
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.errors import OutputError
@@ -56,8 +56,9 @@ def smooth_walks(
     config = apply_clock_options(resolve_config(**settings, profile=own.profile), clock, clock_offsets, messages)
     inputs = given_paths(*recordings, settings["config_file"], messages, *fix_tables([fixes]))
     part = RecordingPart(begin, end, devices, mapping)
-    paths = expand_paths(recordings)
-    many = each or jobs > 1 or len(paths) > max(len(recordings), 1) or are_separate_walks(paths)
+    found = [expand_argument(argument, mapping) for argument in recordings]
+    paths = distinct_paths(path for group in found for path in group)
+    many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping)
     with_report = not many if report is None else report
     request = SmoothRequest(config, fixes, part, messages, own, overwrite, tuple(inputs), with_report)
     if many:
@@ -83,7 +84,7 @@ def _smooth_many(paths: tuple[Path, ...], output: Path, request: SmoothRequest, 
     if request.own.distance_m is not None:
         raise click.UsageError("--distance is the length of one walk: smooth it alone")
     _prepare_folder(output, request)
-    walks = named_paths(list(dict.fromkeys(paths)))
+    walks = named_paths(paths)
     outcomes = []
     with progress_bar("smoothing", total=len(walks), quiet=quiet) as bar:
         for outcome in work_on(partial(smooth_one_of_many, request, output), walks, jobs):

@@ -11,7 +11,7 @@ import click
 
 from pdr_est import pipeline
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.many_walks import Done, finish_many, refuse_other_file, work_on
+from pdr_est.cli.many_walks import Done, finish_many, refuse_other_file, work_on, write_summary
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import given_paths, resolve_config
 from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
@@ -41,7 +41,7 @@ def find_steps(
     config_file: Path | None,
 ) -> None:
     """Print the number of steps of each recording, or write the table of the steps."""
-    walks = named_paths(expand_paths(recordings))
+    walks = named_paths(expand_paths(recordings, mapping))
     if summary is not None:
         refuse_other_file(summary)  # before the work
     if output is not None and len(walks) > 1:
@@ -62,7 +62,10 @@ def find_steps(
         click.echo(json.dumps(documents, indent=2, ensure_ascii=False, allow_nan=False))
     elif done:
         click.echo("\n".join(one.text for one in done))
-    finish_many(outcomes if output is None else (), summary, recordings, quiet=True)
+    if output is None:
+        finish_many(outcomes, summary, recordings, quiet=True)
+    elif summary is not None:
+        write_summary(outcomes, summary, recordings)
 
 
 def _find_steps(config: Config, part: RecordingPart, table: Path | None, walk: NamedPath) -> Done:

@@ -50,10 +50,10 @@ def track_walk(
             err=True,
         )
     if _LIVE in recordings:
-        if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all:
+        if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all or mapping:
             raise click.UsageError(
-                "- cannot be combined with other recordings, --realtime, --from, --to, --device, or --fixes other "
-                "than recording"
+                "- cannot be combined with other recordings, --realtime, --from, --to, --device, --map, or --fixes "
+                "other than recording"
             )
         with _output_stream(output, overwrite) as stream:
             follow_live(sys.stdin, config, platform, fixes is not None, stream)
@@ -62,7 +62,7 @@ def track_walk(
         raise click.UsageError(
             "--platform is for phones that send to -; a recording knows its platform: leave the option out"
         )
-    read_in = [part.read_file(path, alone=len(recordings) == 1) for path in recordings]
+    read_in = part.read_files(recordings)
     whole = part.join(read_in, recordings)
     with prefix_errors(", ".join(map(str, recordings))):
         recorded = part.cut(whole)

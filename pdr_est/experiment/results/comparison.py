@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.config.yaml_lines import load_yaml
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, marked, unit_of
 from pdr_est.evaluate.paired_comparison import PairedComparison, compare_paired
@@ -19,6 +18,7 @@ from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
 from pdr_est.experiment.variants.alignment import aligned_in_file
 from pdr_est.io.writers.parquet import read_parquet
 from pdr_est.params.validation_messages import nearest
+from pdr_est.params.yaml_lines import load_yaml
 
 Values = Mapping[str, Mapping[str, Mapping[str, float]]]
 """Metric -> variant -> walk -> mean value over the tracks of the walk."""

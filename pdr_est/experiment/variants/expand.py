@@ -8,11 +8,11 @@ from typing import Any
 from pdr_est.config import Config, load_config
 from pdr_est.config.loading import config_from_settings
 from pdr_est.config.settings import Settings, nested_by, unfolded
-from pdr_est.config.yaml_lines import Lines
 from pdr_est.errors import ConfigError
 from pdr_est.experiment.config import ExperimentConfig
 from pdr_est.experiment.variants.axes import Variant
 from pdr_est.params.validation_messages import Location
+from pdr_est.params.yaml_lines import Lines
 from pdr_est.parts import importable
 
 _FILE_KEY = "settings_file"

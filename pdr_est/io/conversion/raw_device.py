@@ -109,8 +109,8 @@ class RawDevice:
         total = self._acceleration()
         magnetic_field = self._in_si(RawSensor.FIELD)
         force: Signal | None = None
-        if total is not None and self.sign_promised:
-            force = self._with_promised_sign(total, attitude)
+        if total is not None and self.sign_promised and self.sign is not None:
+            force = self._with_promised_sign(total, attitude, self.sign)
         elif total is not None:
             if attitude is not None:
                 attitude, conversion = signs.resolve_attitude_direction(total, attitude)
@@ -120,9 +120,8 @@ class RawDevice:
             force = Signal(total.time_s, total.values * sign)
         linear = self._acceleration_without_gravity() if force is None else None
         rate = self._rotation_rate(force or linear)
-        if linear is not None and attitude is not None and rate is not None:
-            force, attitude, conversion = restore_gravity(linear, attitude, rate)
-            self.note(conversion)
+        if linear is not None:
+            force, attitude = self._restored(linear, attitude, rate)
         pressure = self._in_si(RawSensor.PRESSURE)
         return DeviceRecording(
             name=self.name,
@@ -140,9 +139,8 @@ class RawDevice:
             usual_axes=self.usual_axes,
         )
 
-    def _with_promised_sign(self, total: Signal, attitude: Signal | None) -> Signal:
+    def _with_promised_sign(self, total: Signal, attitude: Signal | None, sign: float) -> Signal:
         """Take the sign that the header or a person states; tell where the attitude contradicts it."""
-        sign = self.sign or 1.0
         self.decisions.append(f"acceleration points {'up' if sign > 0.0 else 'down'} at rest by {self.sign_reason}")
         cosine = None if attitude is None else signs.gravity_cosine(total, attitude)
         if cosine is not None and cosine * sign < 0.0:
@@ -155,8 +153,10 @@ class RawDevice:
         """Collect what tells the sign of an acceleration where neither attitude nor recorder do."""
         if self.sign is not None:
             return ()
-        source = self.signals.get(RawSensor.FORCE) or self.signals[RawSensor.LINEAR]
-        found = [unit_evidence(source.factor or units.detect_acceleration_unit(source.signal.values).factor)]
+        whole = self.signals.get(RawSensor.FORCE)
+        source = whole or self.signals[RawSensor.GRAVITY]  # an acceleration without gravity does not show its unit
+        unit = source.factor or units.detect_acceleration_unit(source.signal.values).factor
+        found = [unit_evidence(unit, gravity_apart=whole is None)]
         if self.usual_axes:
             found.append(screen_evidence(total))
         dip = None if magnetic_field is None else dip_evidence(total, magnetic_field, self.latitude_deg)
@@ -201,20 +201,46 @@ class RawDevice:
         )
         self.warnings += warnings
         if not len(total):
-            self.warnings.append("acceleration and gravity do not overlap in time: no specific force")
+            self.warnings.append("acceleration and gravity do not overlap in time: gravity is not used")
             return None
         return total
 
+    def _restored(
+        self, linear: Signal, attitude: Signal | None, rate: Signal | None
+    ) -> tuple[Signal | None, Signal | None]:
+        """Add gravity by the attitude; say what is missing where that cannot be done.
+
+        Returns
+        -------
+        force : Signal or None
+            Specific force; None without gravity.
+        attitude : Signal or None
+            Attitude, from device to level axes where gravity could be added.
+        """
+        force: Signal | None = None
+        if attitude is not None and rate is not None:
+            force, attitude, conversion = restore_gravity(linear, attitude, rate)
+            self.note(conversion)
+        title = self.signals[RawSensor.LINEAR].title
+        if force is None:
+            self.warnings.append(
+                f"{title} is without gravity: steps can be counted from it, a track needs more: "
+                f"{self.without_gravity}"
+            )
+        elif self.sign is None:
+            self.warnings.append(
+                f"the sign of {title}, to which gravity is added, is not known: Android's is assumed; state it with "
+                "--map, or record the accelerometer with gravity"
+            )
+        return force, attitude
+
     def _acceleration_without_gravity(self) -> Signal | None:
-        """Find the acceleration without gravity, m/s^2, with the sign of specific force."""
+        """Find the acceleration without gravity, m/s^2, with the sign of specific force, or Android's if unknown."""
         linear = self.signals.get(RawSensor.LINEAR)
         if linear is None:
             return None
-        self.decisions.append(f"acceleration without gravity is {linear.title}")
-        self.warnings.append(
-            f"{linear.title} is without gravity: steps can be counted from it, a track needs more: "
-            f"{self.without_gravity}"
-        )
+        assumed = ", whose sign is not known and taken to be Android's" if self.sign is None else ""
+        self.decisions.append(f"acceleration without gravity is {linear.title}{assumed}")
         factor = linear.factor or self.note(detect_linear_acceleration_unit(linear.signal.values))
         return Signal(linear.signal.time_s, linear.signal.values * (factor * (self.sign or 1.0)))
 

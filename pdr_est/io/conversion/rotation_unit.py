@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.io.conversion.units import Conversion, detect_rotation_rate_unit
+from pdr_est.io.conversion.units import ROTATION_RATE_UNITS, Conversion, detect_rotation_rate_unit
 from pdr_est.types.recording import Signal
 
 _USUAL_LOG_RATIO = -1.3
@@ -23,8 +23,8 @@ _MOST_INTERVALS = 100  # spread over longer recordings
 _LEAST_SAMPLES = 4  # in an interval
 _LEAST_INTERVALS = 1
 _DECISIVE = 0.99
-_UNITS = (("rad/s", 1.0), ("deg/s", np.pi / 180.0), ("mdeg/s", np.pi / 180e3))
-_PRIORS = (0.6, 0.35, 0.05)
+_PRIORS = {"rad/s": 0.6, "deg/s": 0.35, "mdeg/s": 0.05}
+_UNITS = tuple((name, ROTATION_RATE_UNITS[name]) for name in _PRIORS)
 
 
 def motion_log_ratio(rate: Signal, acceleration: Signal) -> float | None:
@@ -110,7 +110,8 @@ def rotation_unit_warnings(rate: Signal, acceleration: Signal) -> tuple[str, ...
     ratio = motion_log_ratio(rate, acceleration)
     if ratio is None:
         return ()
-    turns = {"in deg/s": np.pi / 180.0, "in mdeg/s": np.pi / 180e3, "converted from deg/s twice": 180.0 / np.pi}
+    turns = {f"in {name}": factor for name, factor in _UNITS if factor != 1.0}
+    turns["converted from deg/s twice"] = 1.0 / ROTATION_RATE_UNITS["deg/s"]
     likelihoods = {words: _likelihood(ratio + np.log(factor)) for words, factor in turns.items()}
     words = max(likelihoods, key=lambda one: likelihoods[one])
     if likelihoods[words] * (1.0 - _DECISIVE) < _likelihood(ratio) or likelihoods[words] < _OTHER_UNIT / _OTHER_WIDTH:
@@ -130,7 +131,7 @@ def _odd_ratio(ratio: float) -> str:
 
 def _probabilities(ratio: float) -> Array:
     """Return the probability of each unit, and of none of them."""
-    likelihoods = [p * _likelihood(ratio + np.log(factor)) for p, (_, factor) in zip(_PRIORS, _UNITS, strict=True)]
+    likelihoods = [_PRIORS[name] * _likelihood(ratio + np.log(factor)) for name, factor in _UNITS]
     weights = np.array([*likelihoods, _OTHER_UNIT / _OTHER_WIDTH])
     probabilities: Array = weights / weights.sum()
     return probabilities

@@ -16,12 +16,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from pdr_est.frames import Array
+from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Signal
 
 _BY_SCREEN = 4.0
-_UP_IN_MPS2, _UP_IN_G = 2.2, 0.0
+_UP_IN_MPS2, _UP_IN_G, _UP_IN_G_APART = 2.2, 0.0, -2.2
 _BY_DIP = 1.2
 _LEAST_DIP_COSINE = 0.25
 _EQUATOR_DEG = 20.0  # within this latitude the dip may be of either sign
@@ -68,18 +68,23 @@ def screen_evidence(force: Signal) -> SignEvidence:
     return SignEvidence(_BY_SCREEN * share, f"the screen would face {facing} ({share:+.2f} g)")
 
 
-def unit_evidence(unit_factor: float) -> SignEvidence:
+def unit_evidence(unit_factor: float, gravity_apart: bool = False) -> SignEvidence:
     """Judge by the unit: Apple's own is g, and recorders in m/s² mostly have Android's sign.
 
-    The odds, 9 to 1 in m/s² and even in g, are a judgement of the recorders that are known.
+    The odds, 9 to 1 in m/s², even in g and 1 to 9 for gravity in g apart from the motion, as Apple's Core Motion
+    gives it, are a judgement of the recorders that are known.
 
     Parameters
     ----------
     unit_factor
         Factor from the recorded unit to m/s².
+    gravity_apart
+        True where gravity and the acceleration without it were recorded as two signals.
     """
     if unit_factor == 1.0:
         return SignEvidence(_UP_IN_MPS2, "recorders in m/s^2 mostly have Android's sign")
+    if gravity_apart:
+        return SignEvidence(_UP_IN_G_APART, "gravity in g, apart from the motion, is mostly Core Motion's")
     return SignEvidence(_UP_IN_G, "recorders in g have either sign")
 
 
@@ -145,8 +150,9 @@ def turn_evidence(force: Signal, rate: Signal, fixes: Sequence[PositionFix]) -> 
         directions = [_mean_direction(time_s, yaw_rad, leg[0], leg[1]) for leg in (before, after)]
         if None in directions or after[0] - before[1] > 1e-6:
             continue
-        seen = _wrapped(float(directions[1] or 0.0) - float(directions[0] or 0.0))
-        turns.append((_wrapped(after[2] - before[2]), seen, before[3] ** 2 + after[3] ** 2 + _SIGMA_TURN_RAD**2))
+        seen = float(wrap_angle(float(directions[1] or 0.0) - float(directions[0] or 0.0)))
+        turned = float(wrap_angle(after[2] - before[2]))
+        turns.append((turned, seen, before[3] ** 2 + after[3] ** 2 + _SIGMA_TURN_RAD**2))
     if not turns:
         return None
     by_fixes, seen_rad, variance = (np.array(column) for column in zip(*turns, strict=True))
@@ -199,19 +205,10 @@ def _mean_direction(time_s: Array, yaw_rad: Array, start_s: float, end_s: float)
 
 def _log_density(angle_rad: Array, variance_rad2: Array) -> Array:
     """Compute the log density of an angle about zero, or uniform on the circle for one in ten."""
-    folded = np.square(_wrapped_all(angle_rad)) / variance_rad2
+    folded = np.square(wrap_angle(angle_rad)) / variance_rad2
     normal = np.exp(-0.5 * folded) / np.sqrt(2.0 * np.pi * variance_rad2)
     density: Array = np.log((1.0 - _USELESS_LEG) * normal + _USELESS_LEG / (2.0 * np.pi))
     return density
-
-
-def _wrapped_all(angle_rad: Array) -> Array:
-    wrapped: Array = (angle_rad + np.pi) % (2.0 * np.pi) - np.pi
-    return wrapped
-
-
-def _wrapped(angle_rad: float) -> float:
-    return float((angle_rad + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 def _interpolated(signal: Signal, time_s: Array, axis: int) -> Array:

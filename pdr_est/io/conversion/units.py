@@ -4,12 +4,32 @@ Every function returns a `Conversion`: the factor to SI units, a sentence that s
 where the values do not settle the question. Nothing is guessed silently.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+
+ACCELERATION_UNITS: Mapping[str, float] = {
+    "m/s^2": 1.0,
+    "g": STANDARD_GRAVITY_MPS2,
+    "mg": 1e-3 * STANDARD_GRAVITY_MPS2,
+}
+"""Units in which recorders write accelerations, with their factors to m/s²."""
+
+ROTATION_RATE_UNITS: Mapping[str, float] = {"rad/s": 1.0, "deg/s": np.pi / 180.0, "mdeg/s": np.pi / 180e3}
+"""Units in which recorders write rotation rates, with their factors to rad/s."""
+
+PRESSURE_UNITS: Mapping[str, float] = {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3}
+"""Units in which recorders write air pressures, with their factors to Pa."""
+
+CLOCK_UNITS: Mapping[str, float] = {"ns": 1e9, "us": 1e6, "ms": 1e3, "s": 1.0}
+"""Units in which recorders count time, with the number of them in a second, the smallest first."""
+
+EARLIEST_UNIX_S = 9e8
+"""Least time, s, that is taken as Unix time, of 1998; a smaller clock counts from something else."""
 
 _STATIC_MPS2 = (6.5, 20.0)  # a swung phone has a mean of 12: the swing's centripetal acceleration points one way
 _STATIC_G = (0.65, 2.0)
@@ -22,10 +42,8 @@ _WALKING_RADPS = (0.3, 12.0)  # 95th percentile of the norm, from a phone held c
 _PEAK_PERCENTILE = 99.9
 _CALMEST_WALK_DEGPS = 15.0
 _FASTEST_WALK_DEGPS = 3000.0  # no gyroscope of a phone or watch measures more; a calm walk has 15 000 mdeg/s
-_PRESSURE_UNITS = (("Pa", 1.0), ("hPa", 1e2), ("kPa", 1e3))
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
-_CLOCK_UNITS = (("ns", 1e9), ("us", 1e6), ("ms", 1e3), ("s", 1.0))
-_UNIX_RANGE_S = (9e8, 4e9)  # 1998 to 2096
+_UNIX_RANGE_S = (EARLIEST_UNIX_S, 4e9)  # to 2096
 _DAY_S = 86400.0
 _DAY_NUMBERS = (25_569.0, 80_000.0)  # days since 1899-12-30, from 1970 on
 _SAMPLING_RATE_HZ = (2.0, 1500.0)
@@ -75,10 +93,10 @@ def detect_acceleration_unit(values: Array) -> Conversion:
         if _STATIC_MPS2[0] <= mean <= _STATIC_MPS2[1]:
             return Conversion(1.0, f"acceleration is in m/s^2: its mean vector has length {mean:.2f}")
         if _STATIC_G[0] <= mean <= _STATIC_G[1]:
-            return Conversion(STANDARD_GRAVITY_MPS2, f"acceleration is in g: its mean vector has length {mean:.3f}")
+            return Conversion(ACCELERATION_UNITS["g"], f"acceleration is in g: its mean vector has length {mean:.3f}")
         if _STATIC_MG[0] <= mean <= _STATIC_MG[1]:
             return Conversion(
-                1e-3 * STANDARD_GRAVITY_MPS2, f"acceleration is in mg: its mean vector has length {mean:.0f}"
+                ACCELERATION_UNITS["mg"], f"acceleration is in mg: its mean vector has length {mean:.0f}"
             )
     return Conversion(
         1.0,
@@ -106,9 +124,9 @@ def detect_rotation_rate_unit(values: Array) -> Conversion:
     high = float(np.percentile(_lengths(values), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
     if high > _FASTEST_WALK_DEGPS:
-        return Conversion(np.pi / 180e3, f"rotation rate is in mdeg/s: {numbers}")
+        return Conversion(ROTATION_RATE_UNITS["mdeg/s"], f"rotation rate is in mdeg/s: {numbers}")
     if peak > _FULL_SCALE_RADPS or high > _CALMEST_WALK_DEGPS:
-        return Conversion(np.pi / 180.0, f"rotation rate is in deg/s: {numbers}")
+        return Conversion(ROTATION_RATE_UNITS["deg/s"], f"rotation rate is in deg/s: {numbers}")
     if _WALKING_RADPS[0] <= high <= _WALKING_RADPS[1]:
         return Conversion(1.0, f"rotation rate is in rad/s: {numbers}")
     return Conversion(
@@ -122,7 +140,7 @@ def detect_rotation_rate_unit(values: Array) -> Conversion:
 def detect_pressure_unit(values: Array) -> Conversion:
     """Detect whether an air pressure is in Pa, hPa or kPa, from its median."""
     median = float(np.median(values))
-    for unit, factor in _PRESSURE_UNITS:
+    for unit, factor in PRESSURE_UNITS.items():
         if _PRESSURE_RANGE_PA[0] <= median * factor <= _PRESSURE_RANGE_PA[1]:
             return Conversion(factor, f"air pressure is in {unit}: the median is {median:.5g}")
     return Conversion(
@@ -147,24 +165,23 @@ def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Convers
     """
     first = float(ticks[0])
     step = _step_of_rows(ticks)
-    unix = [unit for unit, per_s in _CLOCK_UNITS if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]]
+    unix = [unit for unit, per_s in CLOCK_UNITS.items() if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]]
     by_rate = [
         unit
-        for unit, per_s in _CLOCK_UNITS
+        for unit, per_s in CLOCK_UNITS.items()
         if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]
     ]
-    per_second = dict(_CLOCK_UNITS)
     if _DAY_NUMBERS[0] <= first <= _DAY_NUMBERS[1] and 0.0 < step * _DAY_S < 1.0 / _SAMPLING_RATE_HZ[0]:
         return Conversion(_DAY_S, f"the clock counts days, as spreadsheets do: the first value is {first:.6f}")
     if unix and (unix == by_rate or not by_rate):
-        factor = 1.0 / per_second[unix[0]]
+        factor = 1.0 / CLOCK_UNITS[unix[0]]
         return Conversion(factor, f"the clock counts Unix time in {unix[0]}: the first value is {ticks[0]}")
     if by_rate:
         unit = by_rate[0]
         decision = f"the clock counts {unit}: the median step is {step:.4g}"
         if unix:
             decision += f", which cannot be Unix time in {unix[0]}"
-        return Conversion(1.0 / per_second[unit], decision)
+        return Conversion(1.0 / CLOCK_UNITS[unit], decision)
     return Conversion(
         1.0,
         f"the clock is assumed to count seconds, although its median step is {step:.4g}",

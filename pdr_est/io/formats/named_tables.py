@@ -37,6 +37,20 @@ def members_marked(source: Source, mark: re.Pattern[bytes]) -> tuple[str, ...]:
     return find_members(source, lambda head: mark.search(as_utf8(head)) is not None)
 
 
+def title_with_end(layout: TableLayout, ending: str) -> str:
+    """Find the title that ends with a name, alone or behind that of a device or message; "" when there is none.
+
+    Parameters
+    ----------
+    layout
+        Table.
+    ending
+        Regular expression of the name, in capital or small letters.
+    """
+    pattern = re.compile(rf"(?:^|[./_%]){ending}$", re.IGNORECASE)
+    return next((title for title in layout.titles if pattern.search(title)), "")
+
+
 def read_named_table(
     source: Source, members: Sequence[str], name: str, device: RawDevice, mapping_of: MappingOf | None = None
 ) -> Recording:
@@ -74,6 +88,7 @@ def read_named_table(
         fixes=gnss.fixes,
         origin=gnss.origin,
         epoch_s=reading.epoch_s,
+        local_epoch_s=reading.local_epoch_s,
     )
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Protocol
 
 from pdr_est.errors import RecordingError
+from pdr_est.io.conversion.clock_faults import mend_clocks
 from pdr_est.io.formats.datasets import (
     euroc,
     ilc20,
@@ -124,10 +125,10 @@ def read(path: str | Path, mapping: TableMapping | None = None) -> Recording:
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
     if mapping is not None:
-        return replace(plain_csv.read_mapped(source, mapping), messages=messages)
+        return mend_clocks(replace(plain_csv.read_mapped(source, mapping), messages=messages))
     for known in FORMATS:
         if known.sniff(source):
-            return replace(known.read_source(source), messages=messages)
+            return mend_clocks(replace(known.read_source(source), messages=messages))
     names = ", ".join(known.NAME for known in FORMATS)
     raise RecordingError(
         f"{source.path}: unknown format: {describe_unknown(source)}. Say what the columns mean with --map FILE.yaml, "

@@ -4,15 +4,23 @@ from pathlib import Path, PurePosixPath
 
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io.formats.registry import FORMATS, read
+from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source, SourceKind
 
 _ANNOTATION = ".xml"  # files that stand for a walk and hold none of its samples
 
 
-def walks_in_folder(folder: Path) -> tuple[Path, ...]:
+def walks_in_folder(folder: Path, mapping: TableMapping | None = None) -> tuple[Path, ...]:
     """List the recordings in a folder, at any depth; the folder itself if it is one recording.
 
     All are of one format: that which `read` recognises first.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    mapping
+        What the columns of the tables mean; None to find it out.
 
     Raises
     ------
@@ -20,7 +28,7 @@ def walks_in_folder(folder: Path) -> tuple[Path, ...]:
         If the folder holds no recording, or a single one that cannot be read.
     """
     try:
-        read(folder)
+        read(folder, mapping)
     except SeveralWalksError as error:
         source = Source.open(folder)
         if source.kind is not SourceKind.FOLDER:

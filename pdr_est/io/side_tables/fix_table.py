@@ -9,7 +9,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,8 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.tables.quantities import Quantity, plain_unit, unit_spellings
+from pdr_est.io.tables.times.dates import parse_dates
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.number_table import NumberTable, read_table
@@ -31,6 +32,9 @@ MAP_COLUMNS = ("x_m", "y_m")
 GEODETIC_COLUMNS = ("latitude_deg", "longitude_deg")
 """Position on the Earth, degrees."""
 
+LOCAL_TIME = "local_time_s"
+"""Time by dates without a time zone, s since 1970."""
+
 _HEAD_BYTES = 4096
 _TITLE = re.compile(r"^(?P<stem>.*?)\s*(?:[\[(](?P<bracket>[^\])]*)[\])]|(?:_|\s+in\s+)(?P<suffix>[^\W_]+))?$")
 _LENGTHS: Mapping[str, float] = {
@@ -42,7 +46,7 @@ _LENGTHS: Mapping[str, float] = {
     "metres": 1.0,
     "meters": 1.0,
 }
-_TIMES: Mapping[str, float] = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+_TIMES = unit_spellings(Quantity.TIME)
 _ANGLES: Mapping[str, float] = {"deg": 1.0, "°": 1.0, "degrees": 1.0}
 _PLAIN: Mapping[str, float] = {}
 
@@ -78,7 +82,8 @@ class _Title:
 def read_fix_table(path: str | Path) -> NumberTable:
     """Read a table of fixes with its columns under the names `time_s`, `x_m`, `y_m`, …, in SI units.
 
-    Columns of other names are left out.
+    Dates become Unix time in `time_s`; where they state no time zone, the column is `LOCAL_TIME` and holds what the
+    Unix time would be if they were UTC. Columns of other names are left out.
 
     Raises
     ------
@@ -108,7 +113,10 @@ def read_fix_table(path: str | Path) -> NumberTable:
     )
     if not len(table):
         raise RecordingError(f"{place}: contains no fix: add a row or leave --fixes out")
-    columns = {name: _column(table, name, one, dialect.decimal_comma) for name, one in found.items()}
+    time_name, time_s = _times(table, found["time_s"], dialect.decimal_comma)
+    columns = {name: _column(table, name, one) for name, one in found.items() if name != "time_s"} | {
+        time_name: time_s
+    }
     empty = {name: table.empty[one.title] for name, one in found.items() if one.title in table.empty}
     return NumberTable(place, columns, empty)
 
@@ -136,14 +144,16 @@ def _spelt(
             continue
         stem, bracket = _plain(match["stem"]), match["bracket"]
         if bracket is not None and stem in spellings:
-            unit = bracket.strip().casefold().replace("\u03bc", "\u00b5")
+            unit = plain_unit(bracket)
             if units and unit and unit not in units:
+                first_names = {factor: name for name, factor in reversed(list(units.items()))}
+                known = " or ".join(name for name in units if name in first_names.values())
                 raise RecordingError(
-                    f"{place}: the unit {bracket!r} of the column {title!r} is not known: give {' or '.join(units)}"
+                    f"{place}: the unit {bracket!r} of the column {title!r} is not known: give {known}"
                 )
             ranked.append((spellings.index(stem), title, units.get(unit)))
-        elif match["suffix"] is not None and match["suffix"].casefold() in units and stem in spellings:
-            ranked.append((spellings.index(stem), title, units[match["suffix"].casefold()]))
+        elif match["suffix"] is not None and plain_unit(match["suffix"]) in units and stem in spellings:
+            ranked.append((spellings.index(stem), title, units[plain_unit(match["suffix"])]))
         elif _plain(title) in spellings:
             ranked.append((spellings.index(_plain(title)), title, None))
     return [(title, unit) for _, title, unit in sorted(ranked, key=lambda one: one[0])]
@@ -163,41 +173,57 @@ def _require_columns(found: Mapping[str, _Title], titles: Sequence[str], place: 
         )
 
 
-def _column(table: NumberTable, name: str, title: _Title, decimal_comma: bool) -> NDArray[Any]:
+def _column(table: NumberTable, name: str, title: _Title) -> NDArray[Any]:
     """Return a column in SI units, (n,)."""
     if name == "source":
         return table.texts(title.title)
-    if name == "time_s":
-        return _times(table, title, decimal_comma)
     return table.numbers(title.title) * (1.0 if title.factor is None else title.factor)
 
 
-def _times(table: NumberTable, title: _Title, decimal_comma: bool) -> Array:
-    """Convert times to seconds, (n,): numbers in the unit of the title or of Unix time, or dates (then Unix time)."""
+def _times(table: NumberTable, title: _Title, decimal_comma: bool) -> tuple[str, Array]:
+    """Convert times to seconds (n,): numbers in the unit of the title or of Unix time, or dates.
+
+    Returns
+    -------
+    name : str
+        `time_s`, or `LOCAL_TIME` for dates without a time zone.
+    time_s : (n,)
+        NaN for an empty cell.
+    """
     texts = [str(text).strip() for text in table.texts(title.title)]
-    times = np.array(
-        [_time(text, f"{table.place}, line {row}", title.title, decimal_comma) for row, text in enumerate(texts, 2)]
-    )
+    numbers = [_number(text, decimal_comma) for text in texts]
+    if any(number is None for number in numbers):
+        return _date_times(texts, numbers, table.place, title.title)
+    times = np.array(numbers, dtype=np.float64)
     if title.factor is not None:
-        return times * title.factor
+        return "time_s", times * title.factor
     finite = np.abs(times[np.isfinite(times)])
     middle = float(np.median(finite)) if len(finite) else 0.0
     factor = next((unit for low, high, unit in _UNIX_UNITS if low < middle < high), 1.0)
-    return times * factor
+    return "time_s", times * factor
 
 
-def _time(text: str, place: str, title: str, decimal_comma: bool) -> float:
-    if not text:
-        return math.nan
+def _number(text: str, decimal_comma: bool) -> float | None:
+    """Return the number that a cell holds, NaN for an empty one; None for other text."""
     try:
-        return float(text.replace(",", ".") if decimal_comma else text)
+        return float(text.replace(",", ".") if decimal_comma else text) if text else math.nan
     except ValueError:
-        pass  # perhaps a date
-    try:
-        moment = datetime.fromisoformat(text)
-    except ValueError:
-        raise RecordingError(
-            f"{place}, column {title!r}: {text!r} is neither a number nor a date such as 2024-06-10T14:03:05Z; "
-            "correct or remove it"
-        ) from None
-    return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()
+        return None
+
+
+def _date_times(texts: Sequence[str], numbers: Sequence[float | None], place: str, title: str) -> tuple[str, Array]:
+    """Read dates, all of which state a time zone or none does; see `_times`."""
+    is_text = [number is None for number in numbers]
+    dates = parse_dates(np.array([text if is_date else "" for text, is_date in zip(texts, is_text, strict=True)]))
+    read = dates is not None and dates.has_date
+    for row, text in enumerate(texts):
+        where = f"{place}, line {row + FIRST_LINE}, column {title!r}: {text!r}"
+        if is_text[row] and not (read and dates is not None and dates.known[row]):
+            raise RecordingError(
+                f"{where} is neither a number nor a date such as 2024-06-10T14:03:05Z; correct or remove it"
+            )
+        if text and not is_text[row]:
+            raise RecordingError(f"{where} is a number among dates; write all times in one form")
+    if dates is None:
+        return "time_s", np.array(numbers, dtype=np.float64)
+    return "time_s" if dates.has_zone else LOCAL_TIME, np.where(dates.known, dates.ns / 1e9, math.nan)

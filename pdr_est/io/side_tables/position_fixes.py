@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.side_tables.fix_table import FIRST_LINE, GEODETIC_COLUMNS, MAP_COLUMNS, read_fix_table
+from pdr_est.io.side_tables.fix_table import FIRST_LINE, GEODETIC_COLUMNS, LOCAL_TIME, MAP_COLUMNS, read_fix_table
 from pdr_est.io.text.number_table import NumberTable
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Recording
@@ -93,7 +93,8 @@ def read_position_fixes(path: str | Path, recording: Recording) -> tuple[Positio
     `sigma_wander_m` (standard deviation of each axis, m, of an error that wanders and is common to the fixes of a
     source; 0 leaves it to the settings of the source) and `wander_time_s` (correlation time of that error, default
     60 s). Empty cells have the default. `fix_table` knows other spellings and units of these titles. time_s is on the
-    clock of the recording, Unix time or a date. Latitude and longitude need a recording whose origin is known.
+    clock of the recording, Unix time or a date. A date without a time zone is compared with the date of the recording
+    if that states none either, and is UTC otherwise. Latitude and longitude need a recording whose origin is known.
 
     Raises
     ------
@@ -127,8 +128,10 @@ def require_fix_inside(time_s: float, place: str, recording: Recording) -> None:
     """
     start_s, end_s = _time_span_s(recording)
     if not start_s - TIME_MARGIN_S <= time_s <= end_s + TIME_MARGIN_S:
+        epoch_s = recording.epoch_s
+        zero = "" if epoch_s is None else f", counted from Unix time {epoch_s:.3f} s"
         raise RecordingError(
-            f"{place}: time {time_s:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s): "
+            f"{place}: time {time_s:.3f} s is outside the recording ({start_s:.3f} to {end_s:.3f} s{zero}): "
             "use the recording's clock"
         )
 
@@ -167,6 +170,14 @@ def _sources(table: NumberTable) -> NDArray[np.str_]:
 
 def _times(table: NumberTable, recording: Recording) -> Array:
     """Convert the times to the recording's clock."""
+    if LOCAL_TIME in table:
+        epoch_s = recording.epoch_s if recording.local_epoch_s is None else recording.local_epoch_s
+        if epoch_s is None:
+            raise RecordingError(
+                f"{table.place}: the times are dates, but that of {recording.name} is unknown: give seconds on its "
+                "own clock"
+            )
+        return table.numbers(LOCAL_TIME) - epoch_s
     time_s = table.numbers("time_s")
     finite = time_s[np.isfinite(time_s)]
     middle_s = float(np.median(finite)) if len(finite) else 0.0
@@ -178,9 +189,10 @@ def _times(table: NumberTable, recording: Recording) -> Array:
             f"{table.place}: time_s = {middle_s:.6g} is not a time in seconds: convert milliseconds to seconds"
         )
     if recording.epoch_s is None:
+        zone = "" if recording.local_epoch_s is None else "dates without a time zone, as the recording has, or "
         raise RecordingError(
-            f"{table.place}: time_s is Unix time, but that of {recording.name} is unknown: give seconds on its own "
-            f"clock, {start_s:.3f} to {end_s:.3f}"
+            f"{table.place}: time_s is Unix time, but that of {recording.name} is unknown: give {zone}seconds on its "
+            f"own clock, {start_s:.3f} to {end_s:.3f}"
         )
     return time_s - recording.epoch_s
 

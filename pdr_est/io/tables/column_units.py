@@ -7,15 +7,8 @@ import numpy as np
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.io.tables.mapping import QuantityColumns
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.quantities import MOTION, USUAL_UNITS, Quantity
 
-_ACCELERATION = {"m/s^2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": 1e-3 * STANDARD_GRAVITY_MPS2}
-_UNITS = {
-    Quantity.FORCE: _ACCELERATION,
-    Quantity.LINEAR: _ACCELERATION,
-    Quantity.GRAVITY: _ACCELERATION,
-    Quantity.RATE: {"rad/s": 1.0, "deg/s": np.pi / 180.0, "mdeg/s": np.pi / 180e3},
-}
 _GRAVITY_LOG_SIGMA = 0.1  # of the length of the mean; a walk's is within 10 % of gravity
 _MOTION_LOG_SIGMA = 1.0  # of the ratio of the motion along two axes of one sensor
 _DECISIVE = 6.0
@@ -48,13 +41,14 @@ def complete_factors(values: Array, columns: QuantityColumns, quantity: Quantity
     titles = ", ".join(columns.titles[i] for i in unknown)
     if not unknown:
         return factors, None
-    if quantity not in _UNITS:
+    if quantity not in (*MOTION, Quantity.GRAVITY):
         factors[unknown] = stated[0]
         return factors, Conversion(1.0, f"{titles}: taken in the unit of the other axes")
     finite = values[np.isfinite(values).all(axis=1)]
-    costs = {unit: _cost(finite, factors, unknown, factor, quantity) for unit, factor in _UNITS[quantity].items()}
+    usual = USUAL_UNITS[quantity]
+    costs = {unit: _cost(finite, factors, unknown, factor, quantity) for unit, factor in usual.items()}
     best, second, *_ = sorted(costs, key=costs.__getitem__)
-    factors[unknown] = _UNITS[quantity][best]
+    factors[unknown] = usual[best]
     decision = f"{titles}: in {best}, by comparison with the axes that state their unit"
     close = costs[second] - costs[best] < _DECISIVE
     warning = f"the unit of {titles} is not certain: {best} is taken, {second} fits as well; write it into the header"

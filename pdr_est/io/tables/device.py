@@ -10,7 +10,7 @@ from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor
 from pdr_est.io.tables.browser_axes import settle_browser_axes
 from pdr_est.io.tables.placed import PlacedSignal, first_motion, place_signals
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.settling import settle_quantities, settle_sign
 from pdr_est.io.tables.signals import TableSignals
 from pdr_est.types.ground_truth import TruePositions
@@ -41,6 +41,8 @@ class DeviceReading:
         Positions that the tables contain.
     epoch_s
         Unix time of time zero, s; None when it is not known.
+    local_epoch_s
+        As in `Recording`.
     true_positions
         Reference positions of the documented header; None when there are none.
     """
@@ -48,6 +50,7 @@ class DeviceReading:
     device: DeviceRecording
     gnss: GnssFixes
     epoch_s: float | None
+    local_epoch_s: float | None = None
     true_positions: TruePositions | None = None
 
 
@@ -74,7 +77,7 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
     placed = place_signals(tables, first.clock.start, first.clock.epoch_s, device)
     settle_quantities(placed, device)
     settle_sign(placed, device)
-    if not {Quantity.FORCE, Quantity.LINEAR, Quantity.RATE} & set(placed):
+    if not set(MOTION) & set(placed):
         reasons = f" ({'; '.join(device.warnings)})" if device.warnings else ""
         raise RecordingError(f"{first.place}: neither accelerometer nor gyroscope has values{reasons}; record again")
     device.signals = {_SENSORS[quantity]: one.raw for quantity, one in placed.items() if quantity in _SENSORS}
@@ -84,9 +87,9 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
     true = placed.get(Quantity.TRUE_POSITION)
     positions = None if true is None else TruePositions(true.raw.signal.time_s, true.raw.signal.values, 0.0, "poses")
     converted = device.convert()
-    if Quantity.RATE in placed and "alpha" in placed[Quantity.RATE].raw.title.casefold():
+    if Quantity.RATE in placed and placed[Quantity.RATE].has_browser_angles:
         converted = settle_browser_axes(converted)
-    return DeviceReading(converted, gnss, first.clock.epoch_s, positions)
+    return DeviceReading(converted, gnss, first.clock.epoch_s, first.clock.local_epoch_s, positions)
 
 
 def _fixes(placed: Mapping[Quantity, PlacedSignal], device: RawDevice) -> GnssFixes:

@@ -227,9 +227,12 @@ def _joined(groups: Sequence[_Group], quantity: Quantity) -> _Group | None:
 
 def _with_units(group: _Group, quantity: Quantity, meanings: Mapping[str, TitleMeaning | None]) -> QuantityColumns:
     chosen = tuple(group.titles[axis] for axis in AXES[quantity])
-    units = [meaning.unit if (meaning := meanings[title]) is not None else "" for title in chosen]
+    understood = [meaning for title in chosen if (meaning := meanings[title]) is not None]
     return QuantityColumns(
-        chosen, tuple(unit_factor(quantity, unit) for unit in units), ambiguous=group.word.ambiguous
+        chosen,
+        tuple(unit_factor(quantity, meaning.unit) for meaning in understood),
+        ambiguous=group.word.ambiguous,
+        browser_angles=any(meaning.browser_angle for meaning in understood),
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.quantities import MOTION, Quantity
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,8 @@ class QuantityColumns:
         gyroscope or gravity.
     turned
         For each column 1, or -1 where its axis points the other way; empty where none does.
+    browser_angles
+        True where the titles are alpha, beta and gamma of a browser, so that the values must tell the axes.
     """
 
     titles: tuple[str, ...]
@@ -30,6 +32,7 @@ class QuantityColumns:
     canonical: bool = False
     ambiguous: bool = False
     turned: tuple[float, ...] = ()
+    browser_angles: bool = False
 
 
 @dataclass(frozen=True)
@@ -99,4 +102,4 @@ class TableMapping:
     @property
     def has_motion(self) -> bool:
         """Tell whether an accelerometer or a gyroscope is among the columns."""
-        return any(quantity in self.columns for quantity in (Quantity.FORCE, Quantity.RATE, Quantity.LINEAR))
+        return any(quantity in self.columns for quantity in MOTION)

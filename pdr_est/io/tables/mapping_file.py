@@ -26,7 +26,8 @@ import yaml
 
 from pdr_est.errors import ConfigError
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import AXES, Quantity, unit_factor
+from pdr_est.io.tables.quantities import AXES, Quantity, unit_factor, usual_unit
+from pdr_est.params.yaml_lines import load_yaml
 
 _SECTIONS: Mapping[str, Quantity] = {
     "accelerometer": Quantity.FORCE,
@@ -39,8 +40,8 @@ _SECTIONS: Mapping[str, Quantity] = {
     "pressure": Quantity.PRESSURE,
 }
 _SIGNS = {"up": 1.0, "down": -1.0}
+_SIGNED = (Quantity.FORCE, Quantity.LINEAR)
 _LOCATION = ("latitude", "longitude")
-_DEFAULT_UNITS = {Quantity.FORCE: "m/s^2", Quantity.RATE: "rad/s", Quantity.TIME: "s", Quantity.PRESSURE: "Pa"}
 
 
 def load_mapping(path: Path) -> TableMapping:
@@ -49,16 +50,9 @@ def load_mapping(path: Path) -> TableMapping:
     Raises
     ------
     ConfigError
-        When it cannot be read, or has an unknown key, unit or sign; the message names them.
+        When it cannot be read, states a key twice, or has an unknown key, unit or sign; the message names them.
     """
-    try:
-        document = yaml.safe_load(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        reason = str(error).split("\n", 1)[0]
-        raise ConfigError(
-            f"{path}: cannot be read as YAML ({reason}); write it as docs/recorder-formats.md shows"
-        ) from error
-    return mapping_from_dict(document, str(path))
+    return mapping_from_dict(load_yaml(path), str(path))
 
 
 def mapping_from_dict(document: Any, place: str = "mapping") -> TableMapping:
@@ -81,12 +75,10 @@ def mapping_from_dict(document: Any, place: str = "mapping") -> TableMapping:
         _section(sections.get("time") or {}, f"{place}, time", {"column", "unit", "fraction", "rate_hz"}), place
     )
     columns: dict[Quantity, QuantityColumns] = {}
-    sign: float | None = None
     for name, quantity in _SECTIONS.items():
         if sections.get(name):
-            found, stated = _columns(sections[name], quantity, f"{place}, {name}")
-            columns[quantity] = found
-            sign = stated if sign is None else sign
+            columns[quantity] = _columns(sections[name], quantity, f"{place}, {name}")
+    sign = _sign(sections, place)
     if sections.get("location"):
         columns |= _location(sections["location"], f"{place}, location")
     mapping = TableMapping(clocks, columns, rate_hz, sign, f"the mapping {place}", given=True)
@@ -123,7 +115,7 @@ def draft_mapping(mapping: TableMapping, titles: tuple[str, ...], sample: tuple[
         if quantity in mapping.columns:
             lines.append(_line(name, _settings(mapping.columns[quantity], quantity)))
         elif quantity in (Quantity.FORCE, Quantity.RATE):
-            lines.append(f"# {name}: {{x: ?, y: ?, z: ?, unit: {_DEFAULT_UNITS[quantity]}}}")
+            lines.append(f"# {name}: {{x: ?, y: ?, z: ?, unit: {usual_unit(quantity, 1.0)}}}")
     places = mapping.columns.get(Quantity.LATITUDE_LONGITUDE)
     if places is not None:
         accuracy = mapping.columns.get(Quantity.ACCURACY)
@@ -156,23 +148,31 @@ def _clock(settings: Mapping[str, Any], place: str) -> tuple[tuple[ClockColumn, 
     return (ClockColumn(_title(settings["column"]), factor, fraction),), None
 
 
-def _columns(settings: Any, quantity: Quantity, place: str) -> tuple[QuantityColumns, float | None]:
+def _columns(settings: Any, quantity: Quantity, place: str) -> QuantityColumns:
     axes = tuple(axis or "column" for axis in AXES[quantity])
-    signed = quantity in (Quantity.FORCE, Quantity.LINEAR)
-    values = _section(settings, place, {*axes, "unit", *(("sign",) if signed else ())})
+    values = _section(settings, place, {*axes, "unit", *(("sign",) if quantity in _SIGNED else ())})
     missing = [axis for axis in axes if values.get(axis) is None]
     if missing:
         raise ConfigError(f"{place}: no {missing[0]}; name the column of each of {', '.join(axes)}")
     factor = _factor(quantity, values.get("unit"), place)
-    titles = [_title(values[axis]) for axis in axes]
-    turned = tuple(-1.0 if title.startswith("-") else 1.0 for title in titles)
-    stated = values.get("sign")
-    if stated is not None and stated not in _SIGNS:
-        raise ConfigError(f"{place}: unknown sign {stated!r}; known are up and down")
-    columns = QuantityColumns(
-        tuple(title.removeprefix("-") for title in titles), (factor,) * len(titles), turned=turned
-    )
-    return columns, None if stated is None else _SIGNS[stated]
+    turned, titles = zip(*(_signed_title(values[axis]) for axis in axes), strict=True)
+    return QuantityColumns(titles, (factor,) * len(titles), turned=turned)
+
+
+def _sign(sections: Mapping[str, Any], place: str) -> float | None:
+    """Return the sign that the accelerations state, which is one property of the device; None where none does."""
+    stated = {
+        name: sections[name]["sign"]
+        for name, quantity in _SECTIONS.items()
+        if quantity in _SIGNED and sections.get(name) and sections[name].get("sign") is not None
+    }
+    for name, sign in stated.items():
+        if not isinstance(sign, str) or sign not in _SIGNS:
+            raise ConfigError(f"{place}, {name}: unknown sign {sign!r}; known are up and down")
+    if len(set(stated.values())) > 1:
+        said = " and ".join(f"sign {sign} of {name}" for name, sign in stated.items())
+        raise ConfigError(f"{place}: {said} contradict each other; a device has one sign, so correct one of them")
+    return next((_SIGNS[sign] for sign in stated.values()), None)
 
 
 def _location(settings: Any, place: str) -> dict[Quantity, QuantityColumns]:
@@ -204,6 +204,17 @@ def _title(column: Any) -> str:
     return f"column {column}" if isinstance(column, int) and not isinstance(column, bool) else str(column).strip()
 
 
+def _signed_title(column: Any) -> tuple[float, str]:
+    """Return -1 for a column with a minus in front of its title or number, else 1, and the title without it."""
+    if isinstance(column, int) and not isinstance(column, bool):
+        return (-1.0 if column < 0 else 1.0), _title(abs(column))
+    title = _title(column)
+    if not title.startswith("-"):
+        return 1.0, title
+    rest = title.removeprefix("-").strip()
+    return -1.0, _title(int(rest)) if rest.isdecimal() else rest
+
+
 def _settings(columns: QuantityColumns, quantity: Quantity) -> dict[str, str]:
     axes = (axis or "column" for axis in AXES[quantity])
     return dict(zip(axes, columns.titles, strict=True)) | _stated_unit(quantity, columns.factors)
@@ -211,28 +222,10 @@ def _settings(columns: QuantityColumns, quantity: Quantity) -> dict[str, str]:
 
 def _stated_unit(quantity: Quantity, factors: tuple[float | None, ...]) -> dict[str, str]:
     """Name the unit of columns whose titles state it; nothing where they do not agree."""
-    names = (
-        "s",
-        "ms",
-        "us",
-        "ns",
-        "m/s^2",
-        "g",
-        "mg",
-        "rad/s",
-        "deg/s",
-        "mdps",
-        "uT",
-        "nT",
-        "mT",
-        "Pa",
-        "hPa",
-        "kPa",
-    )
     if len(set(factors)) != 1 or factors[0] is None:
         return {}
-    named = [name for name in names if unit_factor(quantity, name) == factors[0]]
-    return {"unit": named[0]} if named else {}
+    name = usual_unit(quantity, factors[0])
+    return {} if name is None else {"unit": name}
 
 
 def _line(section: str, settings: Mapping[str, str]) -> str:

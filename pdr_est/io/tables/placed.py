@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from pdr_est.io.conversion.raw_device import RawDevice, RawSignal
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import TableSignals
 from pdr_est.types.recording import Signal
 
-_MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
 _MARGIN_S = 60.0  # a fix or a slow sensor may begin before or end after the motion
 
 
@@ -23,23 +22,26 @@ class PlacedSignal:
         The samples.
     table
         The table.
-    shift_s
-        What was added to the table's own times, s.
     """
 
     raw: RawSignal
     table: TableSignals
-    shift_s: float
 
     def is_ambiguous(self, quantity: Quantity) -> bool:
         """Tell whether the titles of the signal leave open whether it is this quantity."""
         columns = self.table.mapping.columns.get(quantity)
         return columns is not None and columns.ambiguous
 
+    @property
+    def has_browser_angles(self) -> bool:
+        """Tell whether the signal is a rotation rate about alpha, beta and gamma, whose axes are open."""
+        columns = self.table.mapping.columns.get(Quantity.RATE)
+        return columns is not None and columns.browser_angles
+
 
 def first_motion(tables: Sequence[TableSignals]) -> TableSignals:
     """Return the table with motion that begins first; its first row is time zero."""
-    motion = [table for table in tables if set(_MOTION) & set(table.signals)]
+    motion = [table for table in tables if set(MOTION) & set(table.signals)]
     return min(motion or tables, key=lambda table: table.clock.start)
 
 
@@ -65,14 +67,16 @@ def place_signals(
                 device.decisions.append(f"not used: {raw.title} of {table.place}; there is another {quantity}")
                 continue
             signal = raw.signal if shift_s == 0.0 else Signal(raw.signal.time_s + shift_s, raw.signal.values)
-            placed[quantity] = PlacedSignal(replace(raw, signal=signal), table, shift_s)
-    _check_overlap(placed, epoch_s, device)
+            placed[quantity] = PlacedSignal(replace(raw, signal=signal), table)
+    _check_overlap(placed, zero, epoch_s, device)
     return placed
 
 
-def _check_overlap(placed: dict[Quantity, PlacedSignal], epoch_s: float | None, device: RawDevice) -> None:
+def _check_overlap(
+    placed: dict[Quantity, PlacedSignal], zero: Fraction, epoch_s: float | None, device: RawDevice
+) -> None:
     """Bring tables on another clock to that of the motion by their Unix time; leave them out where there is none."""
-    base = next((placed[quantity].raw.signal for quantity in _MOTION if quantity in placed), None)
+    base = next((placed[quantity].raw.signal for quantity in MOTION if quantity in placed), None)
     if base is None:
         return
     start_s, end_s = float(base.time_s.min()) - _MARGIN_S, float(base.time_s.max()) + _MARGIN_S
@@ -81,7 +85,7 @@ def _check_overlap(placed: dict[Quantity, PlacedSignal], epoch_s: float | None, 
         if float(times.max()) >= start_s and float(times.min()) <= end_s:
             continue
         if epoch_s is not None and one.table.clock.epoch_s is not None:
-            shift_s = one.table.clock.epoch_s - epoch_s - one.shift_s
+            shift_s = one.table.clock.epoch_s - epoch_s - float(one.table.clock.start - zero)
             signal = Signal(times + shift_s, one.raw.signal.values)
             placed[quantity] = replace(one, raw=replace(one.raw, signal=signal))
             continue

@@ -3,10 +3,11 @@
 import re
 from collections.abc import Mapping
 from enum import StrEnum
+from functools import cache
 
 import numpy as np
 
-from pdr_est.frames import STANDARD_GRAVITY_MPS2
+from pdr_est.io.conversion.units import ACCELERATION_UNITS, CLOCK_UNITS, PRESSURE_UNITS, ROTATION_RATE_UNITS
 
 
 class Quantity(StrEnum):
@@ -53,58 +54,62 @@ AXES: Mapping[Quantity, tuple[str, ...]] = {
 }
 """Names of the columns of each quantity, in their order."""
 
-MOTION = (Quantity.FORCE, Quantity.RATE, Quantity.LINEAR, Quantity.GRAVITY)
-"""Quantities without which a table is no recording."""
+MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
+"""Quantities of which a recording needs at least one; the first that is there gives its time."""
 
-_ACCELERATION_UNITS = {
-    "m/s2": 1.0,
-    "m/s/s": 1.0,
-    "ms-2": 1.0,
-    "mps2": 1.0,
-    "ms2": 1.0,
-    "mpss": 1.0,
-    "mpersec2": 1.0,
-    "mpers2": 1.0,
-    "mss": 1.0,
-    "g": STANDARD_GRAVITY_MPS2,
-    "gs": STANDARD_GRAVITY_MPS2,
-    "gn": STANDARD_GRAVITY_MPS2,
-    "g0": STANDARD_GRAVITY_MPS2,
-    "gforce": STANDARD_GRAVITY_MPS2,
-    "mg": 1e-3 * STANDARD_GRAVITY_MPS2,
-    "milli-g": 1e-3 * STANDARD_GRAVITY_MPS2,
-    "millig": 1e-3 * STANDARD_GRAVITY_MPS2,
-    "cm/s2": 1e-2,
+USUAL_UNITS: Mapping[Quantity, Mapping[str, float]] = {
+    Quantity.TIME: {unit: 1.0 / per_s for unit, per_s in CLOCK_UNITS.items()},
+    Quantity.FORCE: ACCELERATION_UNITS,
+    Quantity.LINEAR: ACCELERATION_UNITS,
+    Quantity.GRAVITY: ACCELERATION_UNITS,
+    Quantity.RATE: ROTATION_RATE_UNITS,
+    Quantity.FIELD: {"uT": 1.0, "nT": 1e-3, "mT": 1e3, "T": 1e6, "gauss": 100.0, "mgauss": 0.1},
+    Quantity.PRESSURE: PRESSURE_UNITS,
+    Quantity.ACCURACY: {"m": 1.0},
 }
-_DEGREE = np.pi / 180.0
-_UNITS: Mapping[Quantity, Mapping[str, float]] = {
+"""Units of each quantity by their usual names, with the factors to SI units (of a magnetic field to µT)."""
+
+_RARE_UNITS: Mapping[str, float] = {
+    "cm/s^2": 1e-2,
+    "mrad/s": 1e-3,
+    "rpm": 2.0 * np.pi / 60.0,
+    "mbar": 1e2,
+    "bar": 1e5,
+}
+_ACCELERATION_SPELLINGS = {
+    "m/s^2": "m/s/s ms-2 mps2 ms2 mpss mpersec2 mpers2 mss",
+    "g": "gs gn g0 gforce",
+    "mg": "milli-g millig",
+    "cm/s^2": "",
+}
+# Usual name of each unit -> its other spellings, as `plain_unit` writes them.
+_SPELLINGS: Mapping[Quantity, Mapping[str, str]] = {
     Quantity.TIME: {
-        **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "sekunden", "秒"), 1.0),
-        **dict.fromkeys(("ms", "msec", "msecs", "millis", "milli", "millisecond", "milliseconds", "毫秒"), 1e-3),
-        **dict.fromkeys(("us", "usec", "usecs", "micros", "microsecond", "microseconds", "微秒"), 1e-6),
-        **dict.fromkeys(("ns", "nsec", "nsecs", "nanos", "nano", "nanosecond", "nanoseconds", "纳秒"), 1e-9),
+        "s": "sec secs second seconds sekunden 秒",
+        "ms": "msec msecs millis milli millisecond milliseconds 毫秒",
+        "us": "usec usecs micros microsecond microseconds 微秒",
+        "ns": "nsec nsecs nanos nano nanosecond nanoseconds 纳秒",
     },
-    Quantity.FORCE: _ACCELERATION_UNITS,
-    Quantity.LINEAR: _ACCELERATION_UNITS,
-    Quantity.GRAVITY: _ACCELERATION_UNITS,
+    Quantity.FORCE: _ACCELERATION_SPELLINGS,
+    Quantity.LINEAR: _ACCELERATION_SPELLINGS,
+    Quantity.GRAVITY: _ACCELERATION_SPELLINGS,
     Quantity.RATE: {
-        **dict.fromkeys(("rad/s", "rads-1", "radps", "rads", "rad/sec", "radpersec", "radpers"), 1.0),
-        **dict.fromkeys(("deg/s", "degs-1", "degps", "degs", "deg/sec", "degpersec", "°/s", "°s-1", "dps"), _DEGREE),
-        **dict.fromkeys(("degrees/s", "degree/s", "grad/s", "º/s", "°/sec", "deg.s-1"), _DEGREE),
-        **dict.fromkeys(("mdps", "mdeg/s", "m°/s", "millidps"), 1e-3 * _DEGREE),
-        **dict.fromkeys(("mrad/s", "mradps"), 1e-3),
-        **dict.fromkeys(("rpm", "r/min"), 2.0 * np.pi / 60.0),
+        "rad/s": "rads-1 radps rads rad/sec radpersec radpers",
+        "deg/s": "degs-1 degps degs deg/sec degpersec °/s °s-1 dps degrees/s degree/s grad/s º/s °/sec deg.s-1",
+        "mdeg/s": "mdps m°/s millidps",
+        "mrad/s": "mradps",
+        "rpm": "r/min",
     },
     Quantity.FIELD: {
-        **dict.fromkeys(("ut", "microtesla", "microt"), 1.0),
-        **dict.fromkeys(("nt", "nanotesla"), 1e-3),
-        **dict.fromkeys(("mt", "millitesla"), 1e3),
-        **dict.fromkeys(("t", "tesla"), 1e6),
-        **dict.fromkeys(("gauss", "g", "gs"), 100.0),
-        **dict.fromkeys(("mgauss", "mg", "milligauss"), 0.1),
+        "uT": "microtesla microt",
+        "nT": "nanotesla",
+        "mT": "millitesla",
+        "T": "tesla",
+        "gauss": "g gs",
+        "mgauss": "mg milligauss",
     },
-    Quantity.PRESSURE: {"pa": 1.0, "hpa": 1e2, "mbar": 1e2, "mb": 1e2, "kpa": 1e3, "bar": 1e5},
-    Quantity.ACCURACY: {"m": 1.0, "meter": 1.0, "meters": 1.0},
+    Quantity.PRESSURE: {"Pa": "", "hPa": "", "kPa": "", "mbar": "mb", "bar": ""},
+    Quantity.ACCURACY: {"m": "meter meters"},
 }
 _DROPPED_FROM_UNITS = re.compile(r"[\s^*·()]|_")
 _NO_UNITS = frozenset(
@@ -114,13 +119,18 @@ _NO_UNITS = frozenset(
 
 def unit_factor(quantity: Quantity, unit: str) -> float | None:
     """Return the factor to SI units of a unit as it is written in a title; None for one that is not known."""
-    return _UNITS.get(quantity, {}).get(plain_unit(unit))
+    return unit_spellings(quantity).get(plain_unit(unit))
+
+
+def usual_unit(quantity: Quantity, factor: float) -> str | None:
+    """Return the usual name of the unit with a factor to SI units; None where there is none."""
+    return next((name for name, other in USUAL_UNITS.get(quantity, {}).items() if other == factor), None)
 
 
 def quantities_of_unit(unit: str) -> tuple[Quantity, ...]:
     """List the quantities that a unit can belong to, those with an acceleration first."""
     plain = plain_unit(unit)
-    return tuple(quantity for quantity, known in _UNITS.items() if plain in known)
+    return tuple(quantity for quantity in _SPELLINGS if plain in unit_spellings(quantity))
 
 
 def is_unit(text: str) -> bool:
@@ -132,3 +142,14 @@ def plain_unit(unit: str) -> str:
     """Write a unit without blanks, powers and case, with the micro sign as u."""
     text = unit.strip().replace("µ", "u").replace("μ", "u").replace("²", "2").replace("⁻¹", "-1").replace("⁻²", "-2")
     return _DROPPED_FROM_UNITS.sub("", text.casefold())
+
+
+@cache
+def unit_spellings(quantity: Quantity) -> Mapping[str, float]:
+    """List the units of a quantity in all spellings, as `plain_unit` writes them, with their factors to SI units."""
+    usual = USUAL_UNITS.get(quantity, {})
+    return {
+        plain_unit(spelling): usual[name] if name in usual else _RARE_UNITS[name]
+        for name, others in _SPELLINGS.get(quantity, {}).items()
+        for spelling in (name, *others.split())
+    }

@@ -9,7 +9,7 @@ from pdr_est.io.conversion.gravity_content import has_gravity
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
 from pdr_est.io.tables.split import sensor_column, tagged_tables
 from pdr_est.io.tables.titles import sensor_by_name
@@ -17,7 +17,6 @@ from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import read_loose_table
 from pdr_est.io.text.table_layout import TableLayout
 
-_MOTION = (Quantity.FORCE, Quantity.RATE, Quantity.LINEAR)
 _TITLES_SHOWN = 12
 _CELLS_SHOWN = 8
 
@@ -95,7 +94,7 @@ def _whole_lines(head: bytes) -> bytes:
 
 
 def _is_motion(tag: str, text: bytes) -> bool:
-    if sensor_by_name(tag) in _MOTION:
+    if sensor_by_name(tag) in MOTION:
         return True
     layout = layout_of(text)
     return layout is not None and layout.has_header and understand_titles(layout.titles).has_motion

@@ -41,11 +41,6 @@ def settle_sign(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None
         return
     device.sign, device.sign_reason = mapping.force_sign, mapping.sign_reason
     device.sign_promised = mapping.given and mapping.force_sign is not None
-    gravity = placed.get(Quantity.GRAVITY)
-    if device.sign is None and gravity is not None and Quantity.FORCE not in placed:
-        unit = gravity.raw.factor or detect_acceleration_unit(gravity.raw.signal.values).factor
-        if unit != 1.0:
-            device.sign, device.sign_reason = -1.0, f"gravity in g is Core Motion's, {gravity.raw.title}"
 
 
 def _settle_gravity_sensor(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None:
@@ -110,7 +105,7 @@ def _settle_pressure(placed: dict[Quantity, PlacedSignal], device: RawDevice) ->
     placed.pop(Quantity.PRESSURE)
     if len(kept):
         raw = RawSignal(kept, pressure.raw.title, pressure.raw.factor)
-        placed[Quantity.PRESSURE] = PlacedSignal(raw, pressure.table, pressure.shift_s)
+        placed[Quantity.PRESSURE] = PlacedSignal(raw, pressure.table)
 
 
 def _scaled(raw: RawSignal) -> Array:

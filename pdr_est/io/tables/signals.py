@@ -238,7 +238,10 @@ def _in_one_unit(
 def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:
     """Return the columns that change with every sample, (n, k)."""
     titles = [
-        title for quantity in MOTION if quantity in mapping.columns for title in mapping.columns[quantity].titles
+        title
+        for quantity in (*MOTION, Quantity.GRAVITY)
+        if quantity in mapping.columns
+        for title in mapping.columns[quantity].titles
     ]
     titles = [title for title in titles if title in table]
     return table.stack(titles) if titles else np.zeros((len(table), 0))
@@ -265,5 +268,6 @@ def _without_stale_rows(loose: LooseTable, clock: TableClock) -> tuple[LooseTabl
         time_s=clock.time_s[first:] - start_s,
         start=clock.start + type(clock.start)(start_s),
         epoch_s=None if clock.epoch_s is None else clock.epoch_s + start_s,
+        local_epoch_s=None if clock.local_epoch_s is None else clock.local_epoch_s + start_s,
     )
     return kept, shifted, (stale_warning("time", count, len(clock.time_s)),)

@@ -14,7 +14,7 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import AXES, Quantity, is_unit
+from pdr_est.io.tables.quantities import AXES, MOTION, Quantity, is_unit
 from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of, signals_of_text
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.tables.words.sensors import ANDROID_TYPES
@@ -110,7 +110,7 @@ def tagged_separator(head: bytes) -> str | None:
             if (match := _TAG.fullmatch(row[0])) is not None
             and sum(kind_of_cell(cell) is Cell.NUMBER for cell in row[1:]) >= 3
         }
-        described = {tag for tag in numeric if tags.count(tag) > 1 and _titles_of(tag, lines, separator)}
+        described = {tag for tag in numeric if tags.count(tag) > 1 and _has_titles(tag, lines, separator)}
         if described or any(sensor_by_name(tag) for tag in numeric):
             return separator
     return None
@@ -145,7 +145,7 @@ def tagged_tables(text: bytes) -> tuple[TaggedTable, ...]:
     return tuple(TaggedTable(tag, _with_titles(lines, heads.get(tag, []), separator)) for tag, lines in rows.items())
 
 
-def _titles_of(tag: str, lines: Sequence[str], separator: str) -> bool:
+def _has_titles(tag: str, lines: Sequence[str], separator: str) -> bool:
     """Tell whether a line names the columns of a kind of row."""
     for line in lines:
         cells = [cell.strip(" $#%") for cell in line.split(separator)]
@@ -172,23 +172,28 @@ def _with_titles(rows: Sequence[str], heads: Sequence[Sequence[str]], separator:
 
 def _read_tagged(text: bytes, place: str) -> tuple[TableSignals, ...]:
     """Read the kinds of rows that name a sensor or have titles that do; the others are told."""
-    found, skipped = [], []
+    found, skipped, lost = [], [], []
     for table in tagged_tables(text):
         hint = sensor_by_name(table.tag)
         layout = layout_of(table.text)
-        known = layout is not None and layout.has_header and understand_titles(layout.titles).columns
-        if layout is None or (hint is None and not known):
+        stated = understand_titles(layout.titles) if layout is not None and layout.has_header else TableMapping()
+        motion = hint in MOTION or stated.has_motion
+        if layout is None or (hint is None and not stated.columns):
             skipped.append(table.tag)
+            lost += [f"rows {table.tag} are left out, because they are no table of numbers"] if motion else []
             continue
         try:
             found.append(signals_of_text(table.text, f"{place}, rows {table.tag}", hint=hint))
-        except RecordingError:
+        except RecordingError as error:
             skipped.append(table.tag)
+            lost += [f"rows {table.tag} are left out: {error}"] if motion else []
     if not found:
-        raise RecordingError(f"{place}: none of the kinds of rows ({', '.join(skipped)}) has the samples of a sensor")
-    if skipped:
-        note = f"not used: rows {', '.join(skipped)}"
-        found[0] = replace(found[0], decisions=(*found[0].decisions, note))
+        reasons = f"; {'; '.join(lost)}" if lost else ""
+        raise RecordingError(
+            f"{place}: none of the kinds of rows ({', '.join(skipped)}) has the samples of a sensor{reasons}"
+        )
+    decisions = [f"not used: rows {', '.join(skipped)}"] if skipped else []
+    found[0] = replace(found[0], decisions=(*found[0].decisions, *decisions), warnings=(*found[0].warnings, *lost))
     return tuple(found)
 
 

@@ -3,7 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pdr_est.io.tables.quantities import Quantity, is_unit, quantities_of_unit
 from pdr_est.io.tables.words.columns import (
@@ -39,12 +39,15 @@ class TitleMeaning:
         Unit as written, "" where the title has none.
     prefix
         What stands before the sensor's name, such as the place of one of several sensors.
+    browser_angle
+        True where the axis is the alpha, beta or gamma of a browser, which do not agree what they turn about.
     """
 
     word: Word | None
     axis: str = ""
     unit: str = ""
     prefix: str = ""
+    browser_angle: bool = False
 
 
 def understand_title(title: str) -> TitleMeaning | None:
@@ -151,7 +154,7 @@ def _sensor_of(useful: list[str], unit: str) -> TitleMeaning | None:
             continue
         found = _named([*useful[:at], *useful[at + 1 :]], axis, unit)
         if found is not None:
-            return found
+            return replace(found, browser_angle=useful[at] in BROWSER_ANGLES)
     for start in range(len(useful)):
         joined = "".join(useful[start:])
         prefix = "".join(useful[:start])

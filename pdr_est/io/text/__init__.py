@@ -3,6 +3,7 @@
 ==============  =========================================================================================
 file            content
 ==============  =========================================================================================
+archives        subpackage: unpack compressed data piece by piece against a limit
 container       open a file, a folder or a zip archive, plain or gzipped, and read its members safely
 single_archive  a folder that holds nothing but one archive
 workbook        an Excel workbook as a folder of tables
@@ -11,6 +12,7 @@ encoding        bring any encoding to UTF-8
 cells           tell what a cell holds: a number, a date, nothing or text
 table_layout    separator, decimal mark, header, units and first row of any table
 loose_table     parse such a table, with damaged rows left out and told
+whole_rows      collect the whole rows of a table that has damaged ones
 text_columns    convert columns that were read as text to numbers
 csv_dialect     detect separator, decimal mark and column titles of a table
 number_table    parse a table of numbers, with errors that name line, column and value

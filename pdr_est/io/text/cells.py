@@ -33,6 +33,7 @@ MISSING_SPELLINGS = tuple(
 """The usual spellings of these words."""
 
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
+_LONGEST_QUOTED = 40
 _INFINITE = frozenset({"inf", "-inf", "+inf", "infinity", "-infinity"})
 _DATE = re.compile(
     r"\d{1,4}[-/.](\d{1,2}|[A-Za-z]{3,9}\.?)[-/.]\d{1,4}([ T_].*)?"  # 2031-02-03 …, 03-Feb-2031 …, 03.02.2031 …
@@ -65,3 +66,9 @@ def has_decimal_comma(cell: str) -> bool:
     """Tell whether a cell is a number with a comma as decimal mark."""
     text = cell.strip().strip("\"'")
     return "," in text and _NUMBER.fullmatch(text) is not None
+
+
+def brief_cell(cell: object) -> str:
+    """Quote a cell for a message, shortened if it is long: a damaged file may be one single cell."""
+    text = str(cell)
+    return repr(text) if len(text) <= _LONGEST_QUOTED else f"{text[:_LONGEST_QUOTED]!r}… ({len(text)} characters)"

@@ -7,22 +7,20 @@ truncated archives, empty files.
 
 import os
 import posixpath
-import re
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path, PurePosixPath
 
 from pdr_est.errors import RecordingError
+from pdr_est.io.text.archives.inflating import GZIP_MAGIC, format_size, gunzip, gunzip_head
+from pdr_est.io.text.archives.zip_files import ZipMember, read_member, zip_members
 
 UNPACKED_LIMIT_BYTES = 2 * 1024**3
 
-_GZIP_MAGIC = b"\x1f\x8b"
-_ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
-_DRIVE_LETTER = re.compile(r"^[A-Za-z]:")
-_CHUNK_BYTES = 1 << 16
+ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
+"""First bytes of a zip archive, of an empty one the second."""
+
 _MAX_MEMBERS = 100_000
 _KEPT_HEAD_BYTES = 8192
 
@@ -56,6 +54,7 @@ class Source:
     kind: SourceKind
     stored: Mapping[str, str]
     limit_bytes: int = UNPACKED_LIMIT_BYTES
+    _packed: Mapping[str, ZipMember] = field(default_factory=dict, compare=False, repr=False)
     _heads: dict[str, bytes] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
@@ -82,8 +81,9 @@ class Source:
             raise RecordingError(f"{place}: cannot be read ({error.strerror}); check its permissions") from error
         if not magic:
             raise RecordingError(f"{place}: the file is empty (0 bytes); export it again")
-        if magic in _ZIP_MAGICS:
-            return cls(place, SourceKind.ZIP, _logical_names(place, _zip_members(place, limit_bytes)), limit_bytes)
+        if magic in ZIP_MAGICS:
+            packed = zip_members(place, limit_bytes)
+            return cls(place, SourceKind.ZIP, _logical_names(place, list(packed)), limit_bytes, packed)
         return cls(place, SourceKind.FILE, {_without_gz(place.name): place.name}, limit_bytes)
 
     @property
@@ -117,15 +117,10 @@ class Source:
             When the member is damaged or unpacks beyond the limit.
         """
         raw = self._stored_bytes(member, None)
-        if not raw.startswith(_GZIP_MAGIC):
+        if not raw.startswith(GZIP_MAGIC):
             return raw
-        data, complete = _gunzip(raw, self.limit_bytes, self.place(member))
-        if not complete:
-            raise RecordingError(
-                f"{self.place(member)}: unpacks to more than the limit of {_format_size(self.limit_bytes)}; "
-                "give a smaller recording"
-            )
-        if data[:4] in _ZIP_MAGICS:
+        data = gunzip(raw, self.limit_bytes, self.place(member))
+        if data[:4] in ZIP_MAGICS:
             raise RecordingError(f"{self.place(member)}: a zip archive inside gzip; unpack the gzip layer first")
         return data
 
@@ -140,9 +135,9 @@ class Source:
     def _read_head(self, member: str, n_bytes: int) -> bytes:
         # Deflate may expand incompressible data by a few bytes a block; the margin keeps the head complete.
         raw = self._stored_bytes(member, n_bytes + 1024)
-        if not raw.startswith(_GZIP_MAGIC):
+        if not raw.startswith(GZIP_MAGIC):
             return raw[:n_bytes]
-        return _gunzip_head(raw, n_bytes, self.place(member))
+        return gunzip_head(raw, n_bytes, self.place(member))
 
     def with_only(self, member: str) -> "Source":
         """Return the same source with one member only."""
@@ -176,25 +171,18 @@ class Source:
         place = self.place(member)
         try:
             if self.kind is SourceKind.ZIP:
-                with zipfile.ZipFile(self.path) as archive, archive.open(self.stored[member]) as stream:
-                    return stream.read() if n_bytes is None else stream.read(n_bytes)
+                return read_member(self.path, self._packed[self.stored[member]], place, n_bytes)
             path = self._disk_path(member)
             if n_bytes is None and path.stat().st_size > self.limit_bytes:
-                raise RecordingError(f"{place}: larger than the limit of {_format_size(self.limit_bytes)}; split it")
+                raise RecordingError(f"{place}: larger than the limit of {format_size(self.limit_bytes)}; split it")
             with path.open("rb") as file:
                 return file.read() if n_bytes is None else file.read(n_bytes)
         except OSError as error:
             raise RecordingError(f"{place}: cannot be read ({error.strerror or error}); check the file") from error
-        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
-            raise RecordingError(f"{place}: damaged archive ({error}); export or copy it again") from error
 
 
 def _without_gz(name: str) -> str:
     return name[:-3] if name.lower().endswith(".gz") and len(name) > 3 else name
-
-
-def _format_size(n_bytes: int) -> str:
-    return f"{n_bytes / 1024**3:.1f} GiB" if n_bytes >= 1024**3 // 10 else f"{n_bytes} bytes"
 
 
 def _is_hidden(name: str) -> bool:
@@ -222,32 +210,6 @@ def _is_special(path: Path) -> bool:
     return path.exists() and not path.is_file()
 
 
-def _zip_members(path: Path, limit_bytes: int) -> list[str]:
-    """List the files in an archive, after checking by its directory alone that it is safe to unpack."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            infos = [info for info in archive.infolist() if not info.is_dir()]
-    except (zipfile.BadZipFile, OSError, EOFError, ValueError, NotImplementedError) as error:
-        raise RecordingError(
-            f"{path}: damaged or truncated zip archive ({error}); export or copy it again"
-        ) from error
-    declared = sum(info.file_size for info in infos)
-    if declared > limit_bytes:
-        raise RecordingError(
-            f"{path}: claims to unpack to {_format_size(declared)}, the limit is {_format_size(limit_bytes)}; "
-            "give a smaller recording"
-        )
-    for info in infos:
-        parts = info.filename.replace("\\", "/").split("/")
-        if ".." in parts or parts[0] == "" or _DRIVE_LETTER.match(info.filename):
-            raise RecordingError(
-                f"{path}: member {info.filename!r} points outside the archive; pack the recording again"
-            )
-        if info.flag_bits & 0x1:
-            raise RecordingError(f"{path}: member {info.filename!r} is encrypted; unpack it with its password first")
-    return [info.filename for info in infos]
-
-
 def _logical_names(path: Path, stored: list[str]) -> dict[str, str]:
     """Map stored names to logical names: no hidden files, no wrapping folder, no `.gz`."""
     names = {name: name.replace("\\", "/") for name in stored}
@@ -257,41 +219,8 @@ def _logical_names(path: Path, stored: list[str]) -> dict[str, str]:
     wrap = posixpath.commonpath([posixpath.dirname(logical) for logical in kept.values()])
     result: dict[str, str] = {}
     for name, full in kept.items():
-        logical = _without_gz(posixpath.relpath(full, wrap) if wrap else full)
+        logical = _without_gz(posixpath.relpath(full, wrap) if wrap else posixpath.normpath(full))
         if logical in result:
             raise RecordingError(f"{path}: contains both {result[logical]} and {name}; remove one of them")
         result[logical] = name
     return result
-
-
-def _gunzip(raw: bytes, limit_bytes: int, place: str) -> tuple[bytes, bool]:
-    """Inflate gzip data of one or more parts; the flag is False when it goes beyond the limit."""
-    parts: list[bytes] = []
-    total = 0
-    rest = raw
-    while rest.startswith(_GZIP_MAGIC):
-        inflater = zlib.decompressobj(wbits=31)
-        try:
-            part = inflater.decompress(rest, limit_bytes - total + 1)
-        except zlib.error as error:
-            raise RecordingError(f"{place}: damaged gzip data ({error}); copy or download it again") from error
-        total += len(part)
-        if total > limit_bytes:
-            return b"", False
-        if not inflater.eof:
-            raise RecordingError(f"{place}: truncated gzip data; copy or download it again")
-        parts.append(part)
-        rest = inflater.unused_data.lstrip(b"\0")
-    return b"".join(parts), True
-
-
-def _gunzip_head(raw: bytes, n_bytes: int, place: str) -> bytes:
-    """Inflate the beginning of gzip data."""
-    inflater = zlib.decompressobj(wbits=31)
-    try:
-        head = inflater.decompress(raw, n_bytes)
-    except zlib.error as error:
-        raise RecordingError(f"{place}: damaged gzip data ({error}); copy or download it again") from error
-    if not head and not inflater.eof:
-        raise RecordingError(f"{place}: truncated gzip data; copy or download it again")
-    return head

@@ -51,14 +51,16 @@ def finite_signal(time_s: Array, values: Array, sensor: str, place: str) -> tupl
 def finite_signal_or_none(
     time_s: Array, values: Array, sensor: str, place: str
 ) -> tuple[Signal | None, tuple[str, ...]]:
-    """Make a signal like `finite_signal`, but return None and a warning where no row is finite.
+    """Make a signal like `finite_signal`, but return None and a warning where there are no rows or none is finite.
 
     It is for sensors without which a track is still possible.
     """
+    if not len(time_s):
+        return None, (f"{sensor}: left out because it has no rows",)
     if _all_finite(time_s, values):
         return finite_signal(time_s, values, sensor, place)
     timed = np.isfinite(time_s)
-    if len(time_s) and not (timed & np.isfinite(values).all(axis=1)).any():
+    if not (timed & np.isfinite(values).all(axis=1)).any():
         reason = "contain NaN or infinite values" if timed.any() else "have no finite time"
         return None, (f"{sensor}: left out because all {len(time_s)} rows {reason}",)
     return finite_signal(time_s, values, sensor, place)

@@ -17,8 +17,9 @@ from pdr_est.errors import RecordingError
 from pdr_est.io.text.cells import MISSING_SPELLINGS
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.number_table import NumberTable
-from pdr_est.io.text.table_layout import BLANKS, TableLayout, split_line
+from pdr_est.io.text.table_layout import BLANKS, TableLayout
 from pdr_est.io.text.text_columns import ParsedColumn, parse_text_column
+from pdr_est.io.text.whole_rows import WholeRows, pieces_of_lines
 
 _LARGEST_DAMAGED_SHARE = 0.05
 _LINES_NAMED = 3
@@ -75,13 +76,7 @@ def read_loose_table(
     if frame is not None:
         table, texts = _from_frame(frame, place, wanted)
         return LooseTable(table, texts)
-    columns = _as_text(body, layout, wanted)
-    parsed = (
-        None if columns is None else {title: parse_text_column(columns[title], title in times) for title in wanted}
-    )
-    if parsed is not None and not any(one.wrong.any() for one in parsed.values()):
-        return _assembled(parsed, place, ())
-    return _repaired(body, place, layout, wanted, set(times))
+    return _piece_by_piece(body, place, layout, wanted, set(times))
 
 
 def _body(data: bytes, layout: TableLayout) -> memoryview:
@@ -185,7 +180,10 @@ def _as_array(column: pl.Series) -> NDArray[Any]:
 
 
 def _as_text(body: memoryview, layout: TableLayout, wanted: Sequence[str]) -> dict[str, pl.Series] | None:
-    """Read the wanted columns as text; None where rows differ in length or are blank."""
+    """Read the wanted columns as text; None where rows differ in length, are blank or are comments."""
+    text = bytes(body)
+    if text.startswith(b"#") or b"\n#" in text:
+        return None
     names = dict(zip(layout.titles, _names(layout), strict=True))
     last = _names(layout)[-1]
     columns = list(dict.fromkeys([*(names[title] for title in wanted), last]))
@@ -199,7 +197,9 @@ def _as_text(body: memoryview, layout: TableLayout, wanted: Sequence[str]) -> di
         )
     except (pl.exceptions.PolarsError, ValueError):
         return None
-    if frame[last].null_count() and _has_short_rows(body, layout, frame[last]):
+    if len(frame) != text.count(b"\n") + 1 or (
+        frame[last].null_count() and _has_short_rows(body, layout, frame[last])
+    ):
         return None
     return {title: frame[names[title]] for title in wanted}
 
@@ -211,21 +211,21 @@ def _assembled(parsed: Mapping[str, ParsedColumn], place: str, warnings: tuple[s
     return LooseTable(NumberTable(place, arrays, empty), texts, warnings)
 
 
-def _repaired(
+def _piece_by_piece(
     body: memoryview, place: str, layout: TableLayout, wanted: Sequence[str], times: set[str]
 ) -> LooseTable:
-    """Read the table line by line and leave out the damaged rows."""
-    rows, lines, damaged = _rows(body, layout)
-    at = {title: i for i, title in enumerate(layout.titles)}
-    columns = {title: pl.Series([row[at[title]] for row in rows], dtype=pl.String) for title in wanted}
-    parsed = {title: parse_text_column(column, title in times) for title, column in columns.items()}
-    wrong = np.zeros(len(rows), dtype=np.bool_)
-    for title, one in parsed.items():
-        wrong |= one.wrong
-        for i in np.flatnonzero(one.wrong & ~one.empty)[:_LINES_NAMED]:
-            damaged.setdefault(lines[i], f"{columns[title][int(i)]!r} in column {title!r}")
-    whole = set(lines)
-    number = int(wrong.sum()) + sum(line not in whole for line in damaged)
+    """Read the table piece by piece and leave out the damaged rows."""
+    rows = WholeRows(layout, [title for title in wanted if title not in times], [t for t in wanted if t in times])
+    for piece in pieces_of_lines(body):
+        columns = _as_text(piece, layout, wanted)
+        if columns is None:
+            rows.add_lines(piece)
+        else:
+            rows.add_columns(columns)
+    parsed, lines, faults = rows.parsed()
+    wrong = np.any([one.wrong for one in parsed.values()], axis=0) if parsed else np.zeros(len(lines), dtype=np.bool_)
+    damaged = rows.damaged | faults
+    number = int(wrong.sum()) + len(rows.damaged)
     total = number + int((~wrong).sum())
     named = ", ".join(f"line {line}: {fault}" for line, fault in sorted(damaged.items())[:_LINES_NAMED])
     if number > max(1.0, _LARGEST_DAMAGED_SHARE * total):
@@ -237,32 +237,3 @@ def _repaired(
     }
     warnings = (f"{number} of {total} rows are damaged and left out ({named})",) if number else ()
     return _assembled(clean, place, warnings)
-
-
-def _rows(body: memoryview, layout: TableLayout) -> tuple[list[list[str]], list[int], dict[int, str]]:
-    """Split the rows into cells.
-
-    Returns
-    -------
-    rows : list of list of str
-        Rows with as many cells as there are titles; empty cells too many at their end are cut off.
-    lines : list of int
-        Line numbers of those rows.
-    damaged : dict
-        Line number -> fault of the other rows.
-    """
-    width = len(layout.titles)
-    rows, lines, damaged = [], [], {}
-    # Line by line, so that a quote that is not closed spoils no other line.
-    for number, text in enumerate(str(body, "utf-8", "replace").split("\n"), start=layout.first_line + 1):
-        if not text.strip() or text.startswith("#"):
-            continue
-        row = split_line(text, layout.separator)
-        while len(row) > width and not row[-1].strip():
-            row.pop()
-        if len(row) == width:
-            rows.append(row)
-            lines.append(number)
-        elif any(cell.strip() for cell in row):
-            damaged[number] = f"{len(row)} cells instead of {width}"
-    return rows, lines, damaged

@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-from pdr_est.errors import RecordingError
-from pdr_est.io.text.container import Source, SourceKind
+from pdr_est.errors import RecordingError, SeveralWalksError
+from pdr_est.io.text.container import ZIP_MAGICS, Source, SourceKind
 from pdr_est.io.text.table_layout import detect_layout
+from pdr_est.io.text.workbook import is_xlsx
 
-_ZIP_MAGIC = b"PK\x03\x04"
-_WORKBOOK_PARTS = (b"[Content_Types].xml", b"xl/")  # an xlsx file is a zip archive, too
 _NAMED_IN_MESSAGE = 3
 _HEAD_BYTES = 2048
 _NOTES = (".txt", ".md", ".pdf", ".jpg", ".jpeg", ".png", ".mp4", ".mov", ".html", ".docx", ".rtf", "")
@@ -18,9 +17,10 @@ def open_recording(path: str | Path) -> Source:
 
     Raises
     ------
+    SeveralWalksError
+        For a folder of several archives, some of which it names.
     RecordingError
-        For a folder of several archives, some of which it names, for an archive of archives, and whatever
-        `Source.open` refuses.
+        For an archive of archives, and whatever `Source.open` refuses.
     """
     source = Source.open(path)
     if source.kind is SourceKind.FILE:
@@ -32,13 +32,15 @@ def open_recording(path: str | Path) -> Source:
     if source.kind is SourceKind.ZIP:
         raise RecordingError(f"{source.path}: contains zip archives ({named}); unpack it and give one of them")
     if len(archives) > 1:
-        raise RecordingError(f"{source.path}: contains {len(archives)} zip archives ({named}); choose one of them")
+        raise SeveralWalksError(
+            f"{source.path}: contains {len(archives)} zip archives ({named}); choose one of them", tuple(archives)
+        )
     return Source.open(source.path / source.stored[archives[0]])
 
 
 def _is_archive(source: Source, member: str) -> bool:
     head = source.head(member, _HEAD_BYTES)
-    return head.startswith(_ZIP_MAGIC) and not any(part in head for part in _WORKBOOK_PARTS)
+    return head.startswith(ZIP_MAGICS) and not is_xlsx(head)
 
 
 def _is_note(source: Source, member: str) -> bool:

@@ -1,5 +1,6 @@
 """Convert columns that were read as text to numbers: words for a missing value, decimal commas, blanks, quotes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,23 +47,55 @@ def parse_text_column(column: pl.Series, may_be_text: bool) -> ParsedColumn:
         True for a column that may hold dates: it stays text if most cells are no numbers. Another column of which
         most cells are no numbers has no values.
     """
-    text = column.str.strip_chars(" \t\"';")
-    missing = text.is_null() | text.str.to_lowercase().is_in(list(MISSING)).fill_null(True)
-    text = text.to_frame("t").select(pl.when(~missing).then(pl.col("t"))).to_series()
-    integers = text.cast(pl.Int64, strict=False)
+    integers, text, missing = _cleaned(column)
     empty = missing.to_numpy()
     nothing = np.zeros(len(text), dtype=np.bool_)
     if integers.null_count() == 0 and len(text):
         return ParsedColumn(integers.to_numpy(), empty, nothing)
-    plain = text.str.replace(",", ".", literal=True)
-    numbers = plain.cast(pl.Float64, strict=False)
-    wrong = (numbers.is_null() & ~missing).to_numpy()
+    numbers, wrong = _floats(text, missing)
     present = int((~empty).sum())
     if wrong.sum() > _TEXT_COLUMN_SHARE * present:
         if may_be_text:
             return ParsedColumn(text.fill_null("").to_numpy().astype(np.str_), empty, nothing, is_text=True)
-        return ParsedColumn(np.full(len(text), np.nan), np.ones_like(empty), nothing)
-    if integers.null_count() == text.null_count() + int(wrong.sum()) and wrong.any():
+        return without_values(len(text))
+    if wrong.any() and not empty.any() and integers.null_count() == int(wrong.sum()):
         # Ticks of a clock stay exact; the damaged rows are left out later.
-        return ParsedColumn(integers.fill_null(0).to_numpy(), empty, wrong | empty)
-    return ParsedColumn(discard_huge_values(numbers.cast(pl.Float64).to_numpy().astype(np.float64)), empty, wrong)
+        return ParsedColumn(integers.fill_null(0).to_numpy(), empty, wrong)
+    return ParsedColumn(numbers, empty, wrong)
+
+
+def parse_numbers(column: pl.Series) -> ParsedColumn:
+    """Convert text cells to numbers, however many of them are none."""
+    integers, text, missing = _cleaned(column)
+    if integers.null_count() == 0 and len(text):
+        return ParsedColumn(integers.to_numpy(), missing.to_numpy(), np.zeros(len(text), dtype=np.bool_))
+    numbers, wrong = _floats(text, missing)
+    return ParsedColumn(numbers, missing.to_numpy(), wrong)
+
+
+def join_numbers(parts: Sequence[ParsedColumn]) -> ParsedColumn:
+    """Join parts of a column of numbers; a column of which most cells are no numbers has no values."""
+    empty, wrong = (np.concatenate([getattr(one, name) for one in parts]) for name in ("empty", "wrong"))
+    if wrong.sum() > _TEXT_COLUMN_SHARE * (~empty).sum():
+        return without_values(len(empty))
+    return ParsedColumn(np.concatenate([one.values for one in parts]), empty, wrong)
+
+
+def without_values(count: int) -> ParsedColumn:
+    """Return a column of empty cells."""
+    return ParsedColumn(np.full(count, np.nan), np.ones(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_))
+
+
+def _cleaned(column: pl.Series) -> tuple[pl.Series, pl.Series, pl.Series]:
+    """Return the integers in text cells, the texts without what surrounds numbers, and which cells hold no value."""
+    text = column.str.strip_chars(" \t\"';")
+    missing = text.is_null() | text.str.to_lowercase().is_in(list(MISSING)).fill_null(True)
+    text = text.to_frame("t").select(pl.when(~missing).then(pl.col("t"))).to_series()
+    return text.cast(pl.Int64, strict=False), text, missing
+
+
+def _floats(text: pl.Series, missing: pl.Series) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Convert cleaned cells to numbers, and find those that are none."""
+    numbers = text.str.replace(",", ".", literal=True).cast(pl.Float64, strict=False)
+    wrong = (numbers.is_null() & ~missing).to_numpy()
+    return discard_huge_values(numbers.to_numpy().astype(np.float64)), wrong

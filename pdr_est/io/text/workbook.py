@@ -8,10 +8,9 @@ from datetime import date, datetime, time
 from typing import Any
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.text.container import Source, SourceKind
+from pdr_est.io.text.container import ZIP_MAGICS, Source, SourceKind
 
 _XLS_MAGIC = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
-_ZIP_MAGIC = b"PK\x03\x04"
 _XLSX_PARTS = (b"[Content_Types].xml", b"xl/")
 
 
@@ -73,14 +72,19 @@ def _workbook_bytes(source: Source) -> bytes | None:
     if source.kind is SourceKind.ZIP and source.path.is_file():
         with source.path.open("rb") as stream:
             head = stream.read(2048)
-        return source.path.read_bytes() if _is_xlsx(head) else None
+        if not is_xlsx(head):
+            return None
+        for part in source.members:
+            source.read(part)  # a part that is larger than it claims would fill the memory
+        return source.path.read_bytes()
     member = source.members[0]
     head = source.head(member, 2048)
-    return source.read(member) if head.startswith(_XLS_MAGIC) or _is_xlsx(head) else None
+    return source.read(member) if head.startswith(_XLS_MAGIC) or is_xlsx(head) else None
 
 
-def _is_xlsx(head: bytes) -> bool:
-    return head.startswith(_ZIP_MAGIC) and any(part in head for part in _XLSX_PARTS)
+def is_xlsx(head: bytes) -> bool:
+    """Tell whether a file is a workbook, which is a zip archive, too, by its first 2048 bytes."""
+    return head.startswith(ZIP_MAGICS) and any(part in head for part in _XLSX_PARTS)
 
 
 def _read_sheets(data: bytes, place: str) -> Iterable[tuple[str, bytes]]:

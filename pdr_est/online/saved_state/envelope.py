@@ -33,7 +33,8 @@ def pack(root: object, outside: Mapping[str, object] = NOTHING_OUTSIDE) -> bytes
         table = encoded(root, outside)
     except ObjectTableError as error:
         raise EstimationError(f"the state cannot be saved: {error}") from error
-    text = json.dumps(table, separators=(",", ":"), ensure_ascii=False).encode()
+    # The name of a file may have bytes that are no text, which Python keeps as lone surrogates.
+    text = json.dumps(table, separators=(",", ":"), ensure_ascii=False).encode("utf-8", "surrogatepass")
     header = {"format": _FORMAT, "pdr_est": version("pdr_est"), "bytes": len(text)}
     content = json.dumps(header).encode() + b"\n" + zlib.compress(text, _LEVEL)
     return _MARK + _checksum(content) + b"\n" + content

@@ -1,6 +1,5 @@
 """MMPDR section III-E on made-up steps with known yaw: averages, training, what keeps O_b."""
 
-import pickle
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,6 +10,7 @@ from signals import run
 
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams
+from pdr_est.online.saved_state import pack, unpack
 from pdr_est.types.steps import CarryingMode, Step
 
 HOLDING, SWING, POCKET, TRANS = (CarryingMode[name] for name in ("HOLDING", "SWING", "POCKET", "TRANS"))
@@ -114,10 +114,10 @@ def test_the_first_of_a_pair_waits_for_the_second() -> None:
     assert stage.flush() == []
 
 
-def test_the_offsets_survive_a_pickle() -> None:
+def test_the_offsets_are_saved() -> None:
     stage = MmpdrHeading(MmpdrHeadingParams())
     run(stage, walk((HOLDING, [5.0]), (SWING, [65.0] * 4)))
-    assert pickle.loads(pickle.dumps(stage)).trained_offsets == stage.trained_offsets != ()
+    assert unpack(pack(stage), MmpdrHeading).trained_offsets == stage.trained_offsets != ()
 
 
 def test_everything_omitted_still_trains() -> None:

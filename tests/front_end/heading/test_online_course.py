@@ -1,6 +1,5 @@
 """Sideways and backward walking at the step: offsets where they are likely, doubt where they may be."""
 
-import pickle
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +10,7 @@ from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.course.course_offsets import moves_ahead, without_courses
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.online_course import OnlineCourse
+from pdr_est.online.saved_state import pack, unpack
 from pdr_est.types.steps import Step
 
 
@@ -67,6 +67,6 @@ def test_a_stage_that_was_saved_goes_on_as_before() -> None:
     steps = walk_of(np.zeros(80).tolist(), stretch(90.0, 40))
     stage, found = OnlineCourse(CourseParams()), []
     for step in steps:
-        stage = pickle.loads(pickle.dumps(stage))
+        stage = unpack(pack(stage), OnlineCourse)
         found += stage.push(step)
     assert [step.heading_rad for step in found] == [step.heading_rad for step in online(steps)]

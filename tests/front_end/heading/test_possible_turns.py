@@ -1,6 +1,5 @@
 """Possible turns of simulated walkers who put the phone elsewhere, also in a corner."""
 
-import pickle
 from functools import cache
 
 import numpy as np
@@ -11,6 +10,7 @@ from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading import HeadingParams, heading_stage, whole_walk_stage
 from pdr_est.front_end.odometry import Odometry, OdometryParams
+from pdr_est.online.saved_state import pack, unpack
 from pdr_est.pipeline.front_end_chain import levelling, stepping
 from pdr_est.simulate import PathParams, Scenario, SensorParams, SimulatedWalk, sample_person, simulate_walk
 from pdr_est.simulate.people.carried_device import carried_device
@@ -142,7 +142,7 @@ def test_possible_turns_do_not_depend_on_how_the_recording_is_cut(seed: int) -> 
     assert sum(map(is_undecided, whole)) == 2
     for cutting in (cut_randomly(level, rng), cut_finely(level)):
         found = run_stage(chain(), cutting)[0]
-        assert pickle.dumps(found) == pickle.dumps(whole)
+        assert pack(found) == pack(whole)
 
 
 def test_the_state_of_the_heading_survives_a_copy_in_the_middle_of_a_change() -> None:
@@ -151,7 +151,7 @@ def test_the_state_of_the_heading_survives_a_copy_in_the_middle_of_a_change() ->
     stage = heading_stage(50.0, HeadingParams())
     whole = run(heading_stage(50.0, HeadingParams()), steps)
     found = [step for item in steps[: k - 1] for step in stage.push(item)]
-    copy = pickle.loads(pickle.dumps(stage))
+    copy = unpack(pack(stage), type(stage))
     found += [step for item in steps[k - 1 :] for step in copy.push(item)] + copy.flush()
     assert [step.heading_rad for step in found] == [step.heading_rad for step in whole]
     assert [step.turn_hypotheses for step in found] == [step.turn_hypotheses for step in whole]

@@ -1,6 +1,5 @@
 """Moving averages and triggers by hand, and the same to the last bit for every way of cutting."""
 
-import pickle
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 from pdr_est.front_end.signal.event_detection import RefractoryPeriod, SchmittTrigger
 from pdr_est.front_end.signal.moving_average import MovingAverage
+from pdr_est.online.saved_state import pack, unpack
 
 
 def test_the_mean_of_the_latest_window_by_hand() -> None:
@@ -49,7 +49,7 @@ def test_cuts_change_no_bit_of_an_average(seed: int) -> None:
     average, pieces = MovingAverage(0.2, 50.0), []
     for start, stop in cuts(len(signal), rng):
         pieces.append(average.push(signal[start:stop]))
-        average = pickle.loads(pickle.dumps(average))
+        average = unpack(pack(average), MovingAverage)
     assert np.concatenate(pieces).tobytes() == expected.tobytes()
 
 

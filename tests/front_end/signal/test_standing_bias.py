@@ -31,14 +31,21 @@ def found(force: Array, rate: Array) -> tuple[Array, Array]:
     return mean[-1], np.sqrt(variance[-1])
 
 
-@pytest.mark.parametrize("bias_deg_per_s", [-2.0, 0.0, 0.5, 1.0])
+@pytest.mark.parametrize("bias_deg_per_s", [-1.0, 0.0, 0.5, 1.0])
 @pytest.mark.parametrize("seed", range(3))
-def test_twenty_seconds_with_the_phone_in_the_hand_show_the_bias(seed: int, bias_deg_per_s: float) -> None:
+def test_a_minute_with_the_phone_in_the_hand_shows_the_bias(seed: int, bias_deg_per_s: float) -> None:
     bias = np.deg2rad(bias_deg_per_s) * np.array([0.2, 1.0, -0.5])
-    force, rate = hand(np.random.default_rng(seed), 20.5, bias)
+    force, rate = hand(np.random.default_rng(seed), 60.5, bias)
     mean, sigma = found(force, rate)
-    assert np.rad2deg(np.abs(mean - bias)).max() < 0.15
-    assert np.rad2deg(sigma).max() < 0.15
+    assert np.rad2deg(np.abs(mean - bias)).max() < 0.35
+    assert (np.abs(mean - bias) < 2.0 * sigma + np.deg2rad(0.05)).all()
+
+
+def test_a_large_bias_needs_more_than_one_stretch_for_it_may_be_a_slow_turn() -> None:
+    bias = np.deg2rad(2.0) * UP
+    force, rate = hand(np.random.default_rng(9), 181.0, bias)
+    mean, _ = found(force, rate)
+    assert np.rad2deg(np.abs(mean - bias)).max() < 0.2
 
 
 def test_a_standing_walker_who_turns_round_shows_no_bias() -> None:
@@ -46,6 +53,13 @@ def test_a_standing_walker_who_turns_round_shows_no_bias() -> None:
     rate[300:500] += np.deg2rad(22.5) * UP  # by a quarter turn in four seconds
     mean, _ = found(force, rate)
     assert np.rad2deg(np.abs(mean)).max() < 0.1
+
+
+def test_a_walker_who_turns_slowly_for_some_seconds_shows_no_bias() -> None:
+    force, rate = hand(np.random.default_rng(4), 3.0, np.deg2rad(1.5) * UP)  # by a few degrees, as people sway
+    mean, sigma = found(force, rate)
+    assert np.rad2deg(np.abs(mean)).max() < 0.15
+    assert np.rad2deg(sigma).max() > 0.1
 
 
 def test_what_was_found_is_forgotten_slowly_for_what_is_shown_later() -> None:
@@ -75,8 +89,8 @@ def drift_deg(block: ImuBlock, **parameters: object) -> float:
 
 
 def test_the_yaw_of_a_walk_does_not_drift_after_standing() -> None:
-    assert abs(drift_deg(with_bias(20.0), enabled=False)) > 40.0
-    assert abs(drift_deg(with_bias(20.0))) < 12.0
+    assert abs(drift_deg(with_bias(60.0), enabled=False)) > 40.0
+    assert abs(drift_deg(with_bias(60.0))) < 20.0
 
 
 def test_without_standing_nothing_changes() -> None:
@@ -84,7 +98,7 @@ def test_without_standing_nothing_changes() -> None:
 
 
 def test_the_bias_is_the_same_however_the_samples_are_cut() -> None:
-    block = with_bias(12.34)
+    block = with_bias(62.34)
 
     def bias_of(blocks: list[ImuBlock]) -> tuple[Array, Array]:
         levels: list[LevelBlock] = run(VqfAttitude(RATE_HZ, AttitudeParams()), blocks)
@@ -101,7 +115,7 @@ def test_the_bias_is_the_same_however_the_samples_are_cut() -> None:
 @pytest.mark.parametrize("first_index", [1, 30, 49, 50])
 def test_after_a_gap_too_the_bias_is_the_same_however_the_samples_are_cut(first_index: int) -> None:
     """The second segment begins within a window, and its first pieces end before the next window begins."""
-    force, rate = hand(np.random.default_rng(8), 24.0, np.deg2rad(1.0) * UP)
+    force, rate = hand(np.random.default_rng(8), 24.0, np.deg2rad(2.0) * UP)
     length, half, resumes = np.linalg.norm(force, axis=1), 600, 1000 + first_index
 
     def found_in(pieces: list[int]) -> Array:

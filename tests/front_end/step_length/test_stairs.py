@@ -1,6 +1,5 @@
 """Steps on stairs by the vertical motion of the whole walk: made-up walks on a known staircase."""
 
-import pickle
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,6 +14,7 @@ from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.signal.blocks import part
 from pdr_est.front_end.step_length import StairParams, StepLengthParams, stairs_stage, step_length_stage
 from pdr_est.front_end.step_length.stairs import StairLengths
+from pdr_est.online.saved_state import pack, unpack
 from pdr_est.parts import Parts
 from pdr_est.pipeline import analyse_recording
 from pdr_est.pipeline.front_end_chain import levelling, whole_walk_corrections
@@ -169,7 +169,7 @@ def test_saved_and_restored_between_any_two_steps_it_goes_on_the_same() -> None:
     found = []
     for step in steps:
         found += stage.push(step)
-        stage = pickle.loads(pickle.dumps(stage))
+        stage = unpack(pack(stage), StairLengths)
     np.testing.assert_array_equal(
         [step.stairs_probability for step in [*found, *stage.flush()]], probabilities(steps)
     )

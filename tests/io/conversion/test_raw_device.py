@@ -77,6 +77,9 @@ def test_gravity_is_restored_by_the_attitude(walk: Walk) -> None:
     assert device.specific_force is not None
     np.testing.assert_allclose(device.specific_force.values, walk.force, atol=1e-9)
     assert any("restored" in words for words in device.warnings)
+    assert not any("is without gravity" in words for words in device.warnings)
+    undecided = RawDevice(dict(signals)).convert()
+    assert any("the sign of linear" in words and "not known" in words for words in undecided.warnings)
     del signals[RawSensor.ATTITUDE]
     bare = RawDevice(signals, sign=1.0, sign_reason="Android").convert()
     assert bare.specific_force is None

@@ -142,6 +142,42 @@ def test_a_ronin_sequence_has_its_reference(tmp_path: Path, walk: Walk, w_first:
     assert "not used: linacce" in device.decisions
 
 
+@pytest.mark.parametrize("start", [None, -100, 10**6, 1.5, True])
+def test_a_start_frame_that_is_no_row_is_refused(tmp_path: Path, walk: Walk, start: object) -> None:
+    folder = ronin_sequence(tmp_path / "a000_1", walk, 50, True)
+    (folder / "info.json").write_text(json.dumps({"start_frame": start}))
+    with pytest.raises(RecordingError, match=r"info\.json: start_frame is .*, no number of a row from 0 to \d+"):
+        read(folder)
+
+
+@pytest.mark.parametrize(("name", "columns"), [("synced/game_rv", 3), ("synced/acce", 2), ("pose/tango_pos", 1)])
+def test_an_array_of_another_shape_is_refused(tmp_path: Path, walk: Walk, name: str, columns: int) -> None:
+    h5py = pytest.importorskip("h5py")
+    folder = ronin_sequence(tmp_path / "a000_1", walk, 50, True)
+    with h5py.File(folder / "data.hdf5", "a") as file:
+        values = file[name][:, :columns]
+        del file[name]
+        file[name] = values
+    with pytest.raises(RecordingError, match=r"has the shape \(\d+, \d\), not \(\d+, \d\); copy the file again"):
+        read(folder)
+
+
+def test_rows_without_numbers_are_left_out(tmp_path: Path, walk: Walk) -> None:
+    h5py = pytest.importorskip("h5py")
+    folder = ronin_sequence(tmp_path / "a000_1", walk, 0, True)
+    with h5py.File(folder / "data.hdf5", "a") as file:
+        file["synced/game_rv"][10:20] = np.nan
+        file["pose/tango_pos"][:5] = np.nan
+        file["synced/magnet"] = np.full((len(walk.time_s), 3), np.nan)
+    recording = read(folder)
+    device, true = recording.devices[0], recording.truth.positions
+    assert device.attitude is not None
+    assert true is not None
+    assert (len(device.attitude), len(true.time_s)) == (len(walk.time_s) - 10, len(walk.time_s) - 5)
+    assert device.magnetic_field is None
+    assert any("magnet: left out because all" in words for words in device.warnings)
+
+
 def test_another_hdf5_file_names_its_content(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "data.h5", "w") as file:

@@ -183,3 +183,56 @@ def test_what_has_no_place_is_named(recording: Recording) -> None:
     assert "1 position fixes" in words
     assert "the date of time zero" in words
     assert not any("true positions" in one for one in words)
+
+
+def test_each_writer_tells_what_it_left_out(recording: Recording, tmp_path: Path) -> None:
+    (device,) = recording.devices
+    device = replace(
+        device,
+        model="X1",
+        platform="ios",
+        usual_axes=False,
+        attitude_reference=AttitudeReference.TRUE_NORTH,
+        linear_acceleration=device.specific_force,
+    )
+    positions = recording.truth.positions
+    assert positions is not None
+    sparse = replace(positions, time_s=positions.time_s[::400], position_m=positions.position_m[::400])
+    fixes = tuple(PositionFix(t, np.zeros(2), np.eye(2), source) for t, source in ((1.0, "gps"), (2.0, "marker")))
+    given = replace(
+        recording,
+        devices=(device,),
+        truth=replace(recording.truth, positions=sparse),
+        fixes=fixes,
+        origin=GeoOrigin(48.1, 11.6),
+    )
+    always = ("acceleration without gravity", "axes are not those of a phone", "true-north", "platform, ios")
+    (tmp_path / "export").mkdir()
+    for write, name, others in (
+        (write_plain_csv, "walk.csv", ("2 position fixes", "device, X1")),
+        (write_parquet_recording, "walk.parquet", ("2 position fixes", "device, X1")),
+        (write_npz, "walk.npz", ("2 position fixes", "device, X1", "air pressure", "true positions")),
+        (write_sensor_logger_folder, "export", ("1 position fixes", "true positions")),
+    ):
+        told = "; ".join(write(given, tmp_path / name))
+        assert [words for words in (*always, *others) if words not in told] == [], name
+        assert ("air pressure" in told) == (name == "walk.npz")
+    assert "true positions" not in "; ".join(write_npz(recording, tmp_path / "dense.npz"))
+
+
+def test_a_sensor_that_never_overlaps_is_told_and_not_written(recording: Recording, tmp_path: Path) -> None:
+    (device,) = recording.devices
+    assert device.specific_force is not None
+    time_s = device.specific_force.time_s
+    late = Signal(time_s + 1e4, np.ones((len(time_s), 3)))
+    told = write_npz(replace(recording, devices=(replace(device, magnetic_field=late),)), tmp_path / "walk.npz")
+    assert any("magnet, which has no sample" in words for words in told)
+    assert read(tmp_path / "walk.npz").devices[0].magnetic_field is None
+    # Files of earlier versions have an array without any number.
+    arrays = synchronised_arrays(recording)
+    empty = {"synced/magnet": np.full((len(arrays["synced/time"]), 3), np.nan)}
+    np.savez(tmp_path / "old.npz", **arrays, **empty)
+    old = read(tmp_path / "old.npz").devices[0]
+    assert old.magnetic_field is None
+    assert old.specific_force is not None
+    assert "magnet: left out because it has no rows" in old.warnings

@@ -107,7 +107,11 @@ def test_linear_acceleration_and_gravity_replace_the_accelerometer(tmp_path: Pat
 def test_linear_acceleration_alone_is_kept_for_steps(tmp_path: Path, walk: Walk) -> None:
     tables = android(walk)
     del tables["Accelerometer.csv"], tables["Gravity.csv"]
-    device = read(as_folder(tmp_path, files(tables))).devices[0]
+    restored = read(as_folder(tmp_path / "attitude", files(tables))).devices[0].specific_force
+    assert restored is not None
+    np.testing.assert_allclose(restored.values, walk.force, atol=1e-6)
+    del tables["Orientation.csv"]
+    device = read(as_folder(tmp_path / "alone", files(tables))).devices[0]
     assert device.specific_force is None
     assert device.linear_acceleration is not None
     assert device.linear_acceleration.values == pytest.approx(walk.user, abs=1e-8)

@@ -74,7 +74,7 @@ def test_what_is_written_is_read_bit_by_bit(tmp_path: Path, data: st.DataObject)
         drawn["pressure"] = Signal(drawn["pressure"].time_s, np.abs(drawn["pressure"].values) + 1.0)
     path = tmp_path / "walk.csv"
     write_plain_csv(Recording("walk", "test", (DeviceRecording(**drawn),)), path)
-    device = read(path).devices[0]
+    device = plain_csv.read_source(Source.open(path)).devices[0]
     for name, signal in drawn.items():
         back = getattr(device, name)
         if signal is None:

@@ -147,11 +147,31 @@ def test_uncalibrated_in_g_replaces_what_is_missing_on_ios(tmp_path: Path, walk:
     assert any("in g" in words for words in recording.devices[0].decisions)
 
 
+def test_total_acceleration_in_g_is_converted(tmp_path: Path, walk: Walk) -> None:
+    columns = export(walk)
+    columns["TotalAcceleration"] = {**columns["Gravity"], **xyz(walk.force / STANDARD_GRAVITY_MPS2)}
+    device = read_folder(tmp_path, columns).devices[0]
+    assert device.specific_force is not None
+    np.testing.assert_allclose(device.specific_force.values, walk.force, atol=1e-9)
+    assert any("is in g" in words for words in device.decisions)
+
+
 @pytest.mark.parametrize("platform", ["android", "ios"])
 def test_gravity_can_come_from_the_attitude(tmp_path: Path, walk: Walk, platform: str) -> None:
     columns = export(walk, platform)
     del columns["Gravity"]
     np.testing.assert_allclose(force_of(read_folder(tmp_path, columns)).values, walk.force, atol=1e-9)
+
+
+def test_an_attitude_that_does_not_fit_the_gyroscope_adds_no_gravity(tmp_path: Path, walk: Walk) -> None:
+    columns = export(walk)
+    del columns["Gravity"]
+    columns["Gyroscope"] |= xyz(walk.rate[:, [1, 2, 0]])
+    device = read_folder(tmp_path, columns).devices[0]
+    assert device.specific_force is None
+    assert device.linear_acceleration is not None
+    assert any("gravity cannot be restored" in words for words in device.warnings)
+    assert any("Accelerometer is without gravity" in words for words in device.warnings)
 
 
 def test_a_sensor_without_rows_is_a_warning(tmp_path: Path, walk: Walk) -> None:

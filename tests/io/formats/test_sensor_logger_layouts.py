@@ -193,7 +193,7 @@ def test_gravity_of_another_time_leaves_the_steps(tmp_path: Path, walk: Walk) ->
     device = read(as_folder(tmp_path, sensor_logger_files(sensors))).devices[0]
     assert device.specific_force is None
     assert device.linear_acceleration is not None
-    assert "accelerometer and gravity do not overlap in time: no specific force" in device.warnings
+    assert "acceleration and gravity do not overlap in time: gravity is not used" in device.warnings
 
 
 def test_an_accelerometer_with_gravity_needs_no_other(tmp_path: Path, walk: Walk) -> None:
@@ -201,7 +201,7 @@ def test_an_accelerometer_with_gravity_needs_no_other(tmp_path: Path, walk: Walk
     sensors["Accelerometer"] |= xyz(walk.force)
     device = read(as_folder(tmp_path, sensor_logger_files(sensors))).devices[0]
     assert_is_walk(device, walk)
-    assert "specific force is Accelerometer: by its values it is with gravity" in device.decisions
+    assert "Accelerometer is with gravity by its values" in device.decisions
 
 
 def test_a_sample_measured_days_before_is_left_out(tmp_path: Path, walk: Walk) -> None:

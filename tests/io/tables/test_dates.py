@@ -77,6 +77,41 @@ def test_a_cell_that_is_no_date_among_others() -> None:
     assert np.flatnonzero(~found.known).tolist() == [3, 7, 9]
 
 
+@pytest.mark.parametrize(
+    ("texts", "order", "day"),
+    [
+        (["03/02/2031 04:05:06"], "day", "2031-02-03"),
+        (["3-2-31 04:05:06"], "day", "2031-02-03"),
+        (["03/02/2031 4:05:06 AM"], "month", "2031-03-02"),
+        (["03/02/2031 04:05:06", "13/02/2031 04:05:06"], "", "2031-02-03"),
+        (["03/02/2031 04:05:06", "02/13/2031 04:05:06"], "", "2031-03-02"),
+        (["03.02.2031 04:05:06"], "", "2031-02-03"),
+        (["03-Feb-2031 04:05:06"], "", "2031-02-03"),
+        (["02/02/2031 04:05:06"], "", "2031-02-02"),
+        (["2031/03/02 04:05:06"], "", "2031-03-02"),
+    ],
+)
+def test_an_open_order_of_day_and_month_is_told(texts: list[str], order: str, day: str) -> None:
+    found = parse_dates(np.array(texts))
+    assert found is not None
+    assert found.order == order
+    assert found.ns[0] == np.datetime64(f"{day}T04:05:06", "ns").astype(np.int64)
+
+
+@pytest.mark.parametrize("text", ["31.02.2031 04:05:06", "2031-02-29 04:05:06", "2031-04-31 04:05:06"])
+def test_a_day_that_the_month_does_not_have(text: str) -> None:
+    found = parse_dates(np.array([text, "2032-02-29 04:05:06" if text[4] == "-" else "29.02.2032 04:05:06"]))
+    assert found is not None
+    assert found.known.tolist() == [False, True]
+
+
+def test_a_date_without_a_zone_among_others_is_not_known() -> None:
+    found = parse_dates(np.array(["2031-02-13T04:05:06.789Z", "2031-02-13T04:05:07"]))
+    assert found is not None
+    assert found.has_zone
+    assert found.known.tolist() == [True, False]
+
+
 def test_texts_that_are_no_dates() -> None:
     assert parse_dates(np.array(["walking", "2031", "1.5", "x:y:z"])) is None
     assert parse_dates(np.array(["", ""])) is None

@@ -56,10 +56,11 @@ def test_everything_can_be_stated(tmp_path: Path, walk: TableWalk) -> None:
     assert device.warnings == ()
 
 
-def test_axes_can_be_turned_and_columns_numbered(tmp_path: Path, walk: TableWalk) -> None:
+@pytest.mark.parametrize("column", ["-column 3", -3, "-3"])
+def test_axes_can_be_turned_and_columns_numbered(tmp_path: Path, walk: TableWalk, column: int | str) -> None:
     turned = np.column_stack([walk.force[:, 0], walk.force[:, 2], -walk.force[:, 1]])
     (tmp_path / "walk.txt").write_bytes(text(rows(xyz("{}", turned))[1:]))
-    mapping = mapping_from_dict({"time": {"rate_hz": 50}, "accelerometer": {"x": 1, "y": "-column 3", "z": 2}})
+    mapping = mapping_from_dict({"time": {"rate_hz": 50}, "accelerometer": {"x": 1, "y": column, "z": 2}})
     device = read(tmp_path / "walk.txt", mapping).devices[0]
     assert device.specific_force is not None
     np.testing.assert_allclose(device.specific_force.values, walk.force, atol=1e-6)
@@ -77,6 +78,17 @@ def test_a_stated_sign_is_taken_and_its_contradiction_told(tmp_path: Path, walk:
     assert any("acceleration and attitude contradict each other" in words for words in device.warnings)
 
 
+def test_a_stated_order_of_axes_is_not_searched_again(tmp_path: Path, walk: TableWalk) -> None:
+    turned = dict(zip(("alpha", "beta", "gamma"), np.roll(walk.rate, 1, axis=1).T, strict=True))
+    columns = {"time": walk.time_s, **xyz("acc_{}", walk.force), **turned}
+    (tmp_path / "walk.csv").write_bytes(text(rows(columns)))
+    stated = {"x": "alpha", "y": "beta", "z": "gamma"}
+    mapping = mapping_from_dict({"time": {"column": "time"}, "accelerometer": FORCE, "gyroscope": stated})
+    device = read(tmp_path / "walk.csv", mapping).devices[0]
+    assert device.rotation_rate is not None
+    np.testing.assert_allclose(device.rotation_rate.values, np.roll(walk.rate, 1, axis=1), atol=1e-6)
+
+
 def test_a_draft_can_be_used_after_a_line_is_completed(tmp_path: Path, walk: TableWalk) -> None:
     columns = plain(walk)
     del columns["time"]
@@ -91,6 +103,24 @@ def test_a_draft_can_be_used_after_a_line_is_completed(tmp_path: Path, walk: Tab
     device = read(tmp_path / "walk.csv", load_mapping(tmp_path / "full.yaml")).devices[0]
     assert device.rotation_rate is not None
     np.testing.assert_allclose(device.rotation_rate.values, walk.rate, atol=1e-6)
+
+
+def test_a_draft_names_the_units_that_titles_state(tmp_path: Path, walk: TableWalk) -> None:
+    columns = {
+        "time (ms)": 1000.0 * walk.time_s,
+        **xyz("acc {} (mg)", 1e3 * walk.force / G),
+        **xyz("gyro {} [dps]", walk.rate / DEG),
+        **xyz("mag {} (Gauss)", walk.field / 100.0),
+    }
+    (tmp_path / "walk.csv").write_bytes(text(rows(columns)))
+    write_map_draft(tmp_path / "walk.csv", tmp_path / "map.yaml")
+    found = load_mapping(tmp_path / "map.yaml")
+    assert found.clocks[0].factor == 1e-3
+    assert {q.name: set(one.factors) for q, one in found.columns.items()} == {
+        "FORCE": {1e-3 * G},
+        "RATE": {DEG},
+        "FIELD": {100.0},
+    }
 
 
 def test_a_draft_replaces_no_file(tmp_path: Path, walk: TableWalk) -> None:
@@ -111,6 +141,18 @@ def test_a_draft_replaces_no_file(tmp_path: Path, walk: TableWalk) -> None:
             "unknown unit .mph. of the",
         ),
         ({"time": {"column": "t"}, "accelerometer": {**FORCE, "sign": "left"}}, "unknown sign 'left'; known are up"),
+        (
+            {
+                "time": {"column": "t"},
+                "accelerometer": {**FORCE, "sign": "up"},
+                "linear_acceleration": {**FORCE, "sign": "down"},
+            },
+            "sign up of accelerometer and sign down of linear_acceleration contradict each other; a device has one",
+        ),
+        (
+            {"time": {"column": "t"}, "accelerometer": {**FORCE, "sign": ["up"]}},
+            r"unknown sign \['up'\]; known are up",
+        ),
         ({"time": {"column": "t"}, "gyroscope": {**FORCE, "sign": "up"}}, "gyroscope: unknown key 'sign'"),
         (
             {"time": {"rate_hz": "fast"}, "accelerometer": FORCE},
@@ -134,8 +176,19 @@ def test_a_mapping_with_an_absent_column_lists_those_that_are_there(tmp_path: Pa
         read(tmp_path / "walk.csv", mapping)
 
 
-@pytest.mark.parametrize("content", ["a: [", "\udcff"])
-def test_a_file_that_is_no_yaml(tmp_path: Path, content: str) -> None:
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("a: [", r"map\.yaml, line 1: is not valid YAML"),
+        ("\udcff", r"map\.yaml: is not UTF-8 text"),
+        (
+            "time: {rate_hz: 50}\ngyroscope: {x: a, y: b, z: c}\ntime: {rate_hz: 20}\n",
+            "line 3: .*'time' stands twice",
+        ),
+        ("time: &t [1, *t]", "an alias contains itself"),
+    ],
+)
+def test_a_file_that_is_no_strict_yaml(tmp_path: Path, content: str, message: str) -> None:
     (tmp_path / "map.yaml").write_bytes(content.encode("utf-8", "surrogateescape"))
-    with pytest.raises(ConfigError, match=r"map\.yaml: cannot be read as YAML"):
+    with pytest.raises(ConfigError, match=message):
         load_mapping(tmp_path / "map.yaml")

@@ -45,7 +45,8 @@ def test_the_walk_is_read_in_every_layout(tmp_path: Path, walk: TableWalk, layou
     name = "WristMotion.csv" if layout == "WristMotion" else "walk.csv"
     device = device_of(tmp_path, CLEAN[layout](walk), name)
     assert_walk(device, walk)
-    assert [words for words in device.warnings if "sign of the acceleration" not in words] == []
+    told = ("sign of the acceleration", "the date is doubtful")
+    assert [words for words in device.warnings if not any(doubt in words for doubt in told)] == []
 
 
 def test_every_column_without_use_is_named(tmp_path: Path, walk: TableWalk) -> None:
@@ -122,6 +123,41 @@ def test_damaged_rows_are_left_out_and_told(
     assert any(f"line {line}: " in words for words in device.warnings)
 
 
+def test_a_damaged_cell_of_a_sparse_column_costs_one_row(tmp_path: Path, walk: TableWalk) -> None:
+    pressure = ["100000" if i % 10 == 0 else "" for i in range(len(walk.time_s))]
+    pressure[500] = "1000?0"
+    device = device_of(tmp_path, text(rows({**plain(walk), "pressure": pressure})))
+    assert_walk(device, walk, np.delete(np.arange(len(walk.time_s)), 500))
+    assert device.pressure is not None
+    assert len(device.pressure) == 199
+    assert set(device.pressure.values[:, 0]) == {100_000.0}
+    assert any("1 of 2000 rows are damaged" in words and "line 502: '1000?0'" in words for words in device.warnings)
+
+
+def test_a_motion_sensor_that_is_lost_from_a_tagged_log_is_told(tmp_path: Path, walk: TableWalk) -> None:
+    lines = []
+    for i, (t, force, rate) in enumerate(zip(walk.time_s, walk.force, walk.rate, strict=True)):
+        lines.append(f"ACC,{t},{','.join(map(str, force))}")
+        lines.append(f"GYRO,{t}" if i % 10 == 9 else f"GYRO,{t},{','.join(map(str, rate))}")
+    device = device_of(tmp_path, text(lines))
+    assert device.specific_force is not None
+    assert device.rotation_rate is None
+    assert any("rows GYRO are left out" in words and "rows are damaged" in words for words in device.warnings)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_gravity_in_g_is_evidence_and_no_proof_of_a_sign(tmp_path: Path, walk: TableWalk, sign: float) -> None:
+    columns = {
+        "time": walk.time_s,
+        **xyz("linear_acc_{}", sign * walk.user / G),
+        **xyz("gravity_{}", sign * walk.gravity / G),
+        **xyz("gyro_{}", walk.rate),
+    }
+    device = device_of(tmp_path, text(rows(columns)))
+    assert_walk(device, walk)
+    assert any("gravity in g, apart from the motion, is mostly Core Motion's" in words for words in device.decisions)
+
+
 def test_many_damaged_rows_refuse_the_table(tmp_path: Path, walk: TableWalk) -> None:
     with pytest.raises(RecordingError, match=r"200 of 2000 rows are damaged \(line 11: .*\); export"):
         device_of(
@@ -162,6 +198,11 @@ def test_unix_time_is_known_by_number_or_zone(tmp_path: Path, walk: TableWalk) -
     assert unix.epoch_s == pytest.approx(1_927_857_906.789)
     assert zoned.epoch_s == pytest.approx(1_927_857_906.789)
     assert local.epoch_s is None
+
+
+def test_a_date_whose_month_is_open_is_told(tmp_path: Path, walk: TableWalk) -> None:
+    (doubt,) = device_of(tmp_path, CLEAN["date and time of day in two columns"](walk)).warnings[:1]
+    assert "the day is taken to come first in '03/02/2031 04:05:06.789', but it may be the month" in doubt
 
 
 def test_a_unit_of_the_clock_that_cannot_be_is_told(tmp_path: Path, walk: TableWalk) -> None:

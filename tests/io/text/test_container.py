@@ -2,15 +2,18 @@
 
 import gzip
 import struct
+import tracemalloc
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import Source, SourceKind
 
 TEXT = b"time,x\n0.0,1.0\n"
+METHODS = (zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA)
 
 
 def zip_of(path: Path, members: dict[str, bytes]) -> Path:
@@ -187,10 +190,68 @@ def test_a_zip_that_claims_ten_gigabytes_is_refused_unopened(tmp_path: Path) -> 
         Source.open(path)
 
 
-def test_a_zip_member_that_holds_more_than_it_claims(tmp_path: Path) -> None:
-    path = with_claimed_size(zip_of(tmp_path / "liar.zip", {"a.csv": TEXT * 1000}), 20)
-    with pytest.raises(RecordingError, match=r"liar\.zip, member a\.csv: damaged archive"):
-        Source.open(path).read("a.csv")
+@pytest.mark.parametrize("method", METHODS)
+def test_a_zip_member_that_holds_more_than_it_claims_is_not_unpacked(tmp_path: Path, method: int) -> None:
+    path = tmp_path / "liar.zip"
+    with zipfile.ZipFile(path, "w", method) as archive:
+        archive.writestr("a.csv", b"\0" * (1 << 26))
+    source = Source.open(with_claimed_size(path, 500), limit_bytes=1 << 30)
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordingError, match=r"liar\.zip, member a\.csv: .* holds more than the 500"):
+            source.read("a.csv")
+        assert tracemalloc.get_traced_memory()[1] < 1 << 23
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_STORED, *METHODS])
+@pytest.mark.parametrize("size", [0, 1, 5000, 200_000])
+def test_every_method_of_compression_gives_back_what_was_packed(tmp_path: Path, method: int, size: int) -> None:
+    content = bytes(np.random.default_rng(size).integers(0, 20, size, dtype=np.uint8))
+    path = tmp_path / "walk.zip"
+    with zipfile.ZipFile(path, "w", method) as archive:
+        archive.writestr("first.csv", TEXT)
+        archive.writestr("a.csv", content)
+    source = Source.open(path)
+    assert source.read("a.csv") == content
+    assert source.head("a.csv", 100) == content[:100]
+
+
+def test_a_zip_that_is_packed_tighter_than_any_recording_is_refused_unopened(tmp_path: Path) -> None:
+    path = zip_of(tmp_path / "bomb.zip", {"a.csv": b"1,2,3\n" * (1 << 24)})
+    with pytest.raises(RecordingError, match=r"bomb\.zip: unpacks to more than 100 times its size"):
+        Source.open(path)
+
+
+@pytest.mark.parametrize("head", [b"", TEXT * 10_000])
+def test_a_gzip_bomb_is_refused_before_it_fills_the_memory(tmp_path: Path, head: bytes) -> None:
+    path = tmp_path / "bomb.csv.gz"
+    path.write_bytes(gzip.compress(head) + gzip.compress(b"1,2,3\n" * (1 << 24)))
+    source = Source.open(path)
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordingError, match="unpacks to more than 100 times its size"):
+            source.read("bomb.csv")
+        assert tracemalloc.get_traced_memory()[1] < 1 << 27
+    finally:
+        tracemalloc.stop()
+
+
+def test_two_members_of_one_name_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "walk.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("a.csv", TEXT)
+        with pytest.warns(UserWarning, match="Duplicate name"):
+            archive.writestr("a.csv", b"other")
+    with pytest.raises(RecordingError, match=r"contains 2 members of the name 'a\.csv'"):
+        Source.open(path)
+
+
+def test_the_directory_of_an_archive_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = Source.open(zip_of(tmp_path / "walk.zip", {f"{i}.csv": TEXT for i in range(50)}))
+    monkeypatch.setattr(zipfile, "ZipFile", None)
+    assert all(source.head(member) == source.read(member) == TEXT for member in source.members)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.text.finite_values import finite_signal
+from pdr_est.io.text.finite_values import finite_signal, finite_signal_or_none
 
 
 def test_rows_that_are_not_finite_are_dropped_and_counted() -> None:
@@ -21,3 +21,12 @@ def test_nothing_finite_or_nothing_at_all_is_an_error() -> None:
         finite_signal(np.zeros(1), np.full((1, 3), np.nan), "rotation rate", "walk.csv")
     with pytest.raises(RecordingError, match=r"walk\.csv: rotation rate has no rows"):
         finite_signal(np.zeros(0), np.zeros((0, 3)), "rotation rate", "walk.csv")
+
+
+def test_a_sensor_that_may_be_missing_is_left_out_with_a_warning() -> None:
+    for n_rows, reason in ((0, "it has no rows"), (2, "all 2 rows contain NaN or infinite values")):
+        signal, warnings = finite_signal_or_none(
+            np.arange(float(n_rows)), np.full((n_rows, 3), np.nan), "magnetometer", "walk.csv"
+        )
+        assert signal is None
+        assert warnings == (f"magnetometer: left out because {reason}",)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from fabricated import as_folder, as_zip
 
-from pdr_est.errors import RecordingError
+from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io.text.container import SourceKind
 from pdr_est.io.text.single_archive import open_recording
 
@@ -21,8 +21,10 @@ def test_a_folder_with_one_archive_is_opened_as_the_archive(tmp_path: Path) -> N
 def test_a_folder_of_several_archives_names_them(tmp_path: Path) -> None:
     for i in range(5):
         as_zip(tmp_path / f"walk{i}.zip", {"a.csv": b"1\n"})
-    with pytest.raises(RecordingError, match=r"5 zip archives \(walk0\.zip, walk1\.zip, walk2\.zip, …\); choose one"):
+    message = r"5 zip archives \(walk0\.zip, walk1\.zip, walk2\.zip, …\); choose one"
+    with pytest.raises(SeveralWalksError, match=message) as raised:
         open_recording(tmp_path)
+    assert raised.value.walks == tuple(f"walk{i}.zip" for i in range(5))
 
 
 def test_notes_beside_the_archive_do_no_harm(tmp_path: Path) -> None:

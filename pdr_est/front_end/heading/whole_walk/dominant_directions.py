@@ -54,9 +54,9 @@ class DominantParams:
     """One of the directions in the map, rad, null where unknown; given, the directions hold from the first step on,
     and without a number there are four.
     """
-    least_log_odds: float = 0.0
+    least_log_odds: float = 0.5
     """Log odds of dominant directions that the headings are steady enough to tell, against all else, from which on
-    they are used; 0, because directions that are there gain about what others lose.
+    they are used; above the 0.2 of a straight walk, which has no evidence of any.
     """
     turn_rad: Annotated[float, Ge(0.1), Le(1.5)] = 0.44
     """Change of heading between legs, rad, below which it is no evidence; ours."""

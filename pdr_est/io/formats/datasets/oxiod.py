@@ -13,6 +13,7 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array, quaternion_from_core_motion
 from pdr_est.io.conversion.axes import specific_force_from_core_motion, vertical_mismatch, vertical_mismatch_warnings
+from pdr_est.io.conversion.units import EARLIEST_UNIX_S
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
@@ -108,7 +109,7 @@ def _device(table: NumberTable) -> DeviceRecording:
 
 def _epoch_s(table: NumberTable) -> float | None:
     first_s, _ = table.relative_time("time")
-    return first_s if first_s > 1e9 else None
+    return first_s if first_s > EARLIEST_UNIX_S else None
 
 
 def _poses(source: Source, member: str, n_rows: int) -> tuple[TruePositions | None, tuple[str, ...]]:

@@ -15,7 +15,7 @@ from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.signs import gravity_cosine
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
+from pdr_est.io.text.finite_values import discard_huge_values, finite_signal, finite_signal_or_none
 from pdr_est.io.text.members import find_members, require_single_walk
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import Recording, Signal
@@ -25,6 +25,7 @@ NAME = "RoNIN"
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _SENSORS = {"acce": RawSensor.FORCE, "gyro": RawSensor.RATE, "magnet": RawSensor.FIELD}
 _ATTITUDES = ("game_rv", "rv")
+_COLUMNS = {**dict.fromkeys(_SENSORS, 3), **dict.fromkeys(_ATTITUDES, 4), "poses": 3}
 _GRID, _POSES = "synced", "pose/tango_pos"
 
 
@@ -44,25 +45,32 @@ def read_source(source: Source) -> Recording:
     member = require_single_walk(source, find_members(source, _is_hdf5), NAME)
     place = source.place(member)
     arrays = _arrays(source.read(member), place)
-    first = _start_frame(source, member)
-    if first >= len(arrays["time"]):
-        raise RecordingError(f"{place}: start_frame {first} of info.json lies behind the last row; copy both again")
+    first = _start_frame(source, member, len(arrays["time"]))
     ticks = arrays["time"][first:]
     time_s = ticks - ticks[0]
     device = RawDevice({}, platform="android", sign=1.0, sign_reason="Android's sign")
     device.decisions += [f"the first {first} rows are left out: info.json names the start frame"] if first else []
     for name, sensor in _SENSORS.items():
         if name in arrays:
-            signal, dropped = finite_signal(time_s, arrays[name][first:], name, place)
-            device.signals[sensor] = RawSignal(signal, name, 1.0)
+            required = sensor in (RawSensor.FORCE, RawSensor.RATE)
+            keep = finite_signal if required else finite_signal_or_none
+            signal, dropped = keep(time_s, arrays[name][first:], name, place)
             device.warnings += dropped
+            if signal is not None:
+                device.signals[sensor] = RawSignal(signal, name, 1.0)
     attitude = next((name for name in _ATTITUDES if name in arrays), None)
     if attitude is not None:
-        device.signals[RawSensor.ATTITUDE] = _attitude(device, attitude, time_s, arrays[attitude][first:])
+        turning, dropped = finite_signal_or_none(time_s, arrays[attitude][first:], attitude, place)
+        device.warnings += dropped
+        if turning is not None:
+            device.signals[RawSensor.ATTITUDE] = _attitude(device, attitude, turning)
     unused = sorted(set(arrays) - set(_SENSORS) - {"time", "poses", attitude or ""})
     device.decisions += [f"not used: {', '.join(unused)}"] if unused else []
-    poses = arrays.get("poses")
-    truth = None if poses is None else TruePositions(time_s, poses[first:, :2], 0.0, "poses")
+    poses, truth = arrays.get("poses"), None
+    if poses is not None:
+        known, dropped = finite_signal_or_none(time_s, poses[first:, :2], _POSES, place)
+        device.warnings += dropped
+        truth = None if known is None else TruePositions(known.time_s, known.values, 0.0, "poses")
     name = source.folder_name(member)
     return Recording(name, NAME, (device.convert(),), truth=Truth(positions=truth))
 
@@ -94,9 +102,13 @@ def _arrays(data: bytes, place: str) -> dict[str, Array]:
         raise
     except Exception as error:  # the package raises whatever went wrong inside
         raise RecordingError(f"{place}: damaged HDF5 file ({error}); copy it again") from error
-    shorter = [name for name, values in arrays.items() if len(values) != len(arrays["time"])]
-    if shorter:
-        raise RecordingError(f"{place}: {shorter[0]} has not as many rows as {_GRID}/time; copy the file again")
+    n_rows = arrays["time"].size
+    expected = {name: (n_rows, _COLUMNS[name]) for name in arrays if name in _COLUMNS} | {"time": (n_rows,)}
+    for name, shape in expected.items():
+        if arrays[name].shape != shape:
+            raise RecordingError(
+                f"{place}: {name} has the shape {arrays[name].shape}, not {shape}; copy the file again"
+            )
     return arrays
 
 
@@ -104,7 +116,8 @@ def _numbers(dataset: Any) -> Array:
     return discard_huge_values(np.asarray(dataset, dtype=np.float64))
 
 
-def _start_frame(source: Source, member: str) -> int:
+def _start_frame(source: Source, member: str, n_rows: int) -> int:
+    """Read the first of the rows that are used; 0 where no file states it."""
     beside = source.sibling(member, "info.json")
     if beside is None:
         return 0
@@ -112,13 +125,18 @@ def _start_frame(source: Source, member: str) -> int:
         info: Any = json.loads(beside.read(beside.members[0]))
     except ValueError as error:
         raise RecordingError(f"{beside.path}: damaged JSON ({error}); copy it again") from error
-    return int(info.get("start_frame", 0)) if isinstance(info, dict) else 0
+    first = info.get("start_frame", 0) if isinstance(info, dict) else 0
+    if isinstance(first, bool) or not isinstance(first, int) or not 0 <= first < n_rows:
+        raise RecordingError(
+            f"{beside.path}: start_frame is {first!r}, no number of a row from 0 to {n_rows - 1}; copy it again"
+        )
+    return first
 
 
-def _attitude(device: RawDevice, name: str, time_s: Array, values: Array) -> RawSignal:
+def _attitude(device: RawDevice, name: str, signal: Signal) -> RawSignal:
     """Order the quaternion with w first, as gravity tells: RoNIN has it first, Android's recorders have it last."""
     force = device.signals[RawSensor.FORCE].signal
-    orders = [Signal(time_s, values), Signal(time_s, values[:, [3, 0, 1, 2]])]
+    orders = [signal, Signal(signal.time_s, signal.values[:, [3, 0, 1, 2]])]
     cosines = [abs(gravity_cosine(force, order) or 0.0) for order in orders]
     last = cosines[1] > cosines[0]
     device.decisions.append(

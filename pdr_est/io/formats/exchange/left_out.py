@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from pdr_est.errors import OutputError
 from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.sensors import AttitudeReference
 
 
 def only_device(recording: Recording, place: object) -> DeviceRecording:
@@ -31,7 +32,8 @@ def left_out(recording: Recording, written: Sequence[str]) -> tuple[str, ...]:
     recording
         Recording of one device.
     written
-        Parts that the format holds: "date", "fixes", "waypoints", "positions", "linear acceleration".
+        Parts that the format holds: "date", "fixes", "waypoints", "positions", "pressure", "linear acceleration",
+        "model", "platform", "axes", "reference".
     """
     return tuple(words for part, words in _parts(recording) if part not in written)
 
@@ -57,7 +59,22 @@ def _parts(recording: Recording) -> Iterator[tuple[str, str]]:
     )
     if any(one is not None for one in others):
         yield "truth", "reference data other than positions"
-    if any(device.linear_acceleration is not None for device in recording.devices):
-        yield "linear acceleration", "acceleration without gravity"
+    for device in recording.devices:
+        yield from _parts_of_device(device)
     if recording.messages:
         yield "messages", "clock messages"
+
+
+def _parts_of_device(device: DeviceRecording) -> Iterator[tuple[str, str]]:
+    if device.linear_acceleration is not None:
+        yield "linear acceleration", "acceleration without gravity"
+    if device.pressure is not None:
+        yield "pressure", "air pressure"
+    if device.model:
+        yield "model", f"the model of the device, {device.model}"
+    if device.platform:
+        yield "platform", f"its platform, {device.platform}"
+    if not device.usual_axes:
+        yield "axes", "the statement that its axes are not those of a phone"
+    if device.attitude is not None and device.attitude_reference is not AttitudeReference.UNKNOWN:
+        yield "reference", f"what the yaw of its attitude counts from, {device.attitude_reference}"

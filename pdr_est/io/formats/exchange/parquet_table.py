@@ -9,7 +9,8 @@ from polars.exceptions import PolarsError
 
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.formats.plain_csv.writer import plain_table
+from pdr_est.io.formats.exchange.left_out import left_out
+from pdr_est.io.formats.plain_csv.writer import PARTS_OF_TABLE, plain_table
 from pdr_est.io.tables.quantities import CANONICAL, Quantity
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import finite_signal_or_none
@@ -22,8 +23,13 @@ NAME = "Parquet"
 _MAGIC = b"PAR1"
 
 
-def write_parquet_recording(recording: Recording, path: str | Path) -> None:
+def write_parquet_recording(recording: Recording, path: str | Path) -> tuple[str, ...]:
     """Write the signals and true positions of a recording of one device.
+
+    Returns
+    -------
+    tuple of str
+        What of the recording is not in the table, in words.
 
     Raises
     ------
@@ -36,6 +42,7 @@ def write_parquet_recording(recording: Recording, path: str | Path) -> None:
         raise OutputError(
             f"{path}: cannot be written ({error}); choose a folder that exists and has free space"
         ) from error
+    return left_out(recording, PARTS_OF_TABLE)
 
 
 def sniff(source: Source) -> bool:

@@ -1,12 +1,14 @@
 """Write a recording as Sensor Logger exports it on Android: a folder with one table for each sensor."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import polars as pl
 
 from pdr_est.errors import OutputError
-from pdr_est.io.formats.exchange.left_out import only_device
+from pdr_est.io.formats.exchange.left_out import left_out, only_device
+from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording, Signal
 from pdr_est.types.sensors import AttitudeReference
 
@@ -17,13 +19,19 @@ NO_DATE_S = 946_684_800.0
 """Unix time, s, that stands for time zero of a recording without a date: 1 January 2000. The format needs one."""
 
 _NS = 1e9
+_PLATFORM = "android"
 _QUATERNION = ("qw", "qx", "qy", "qz")
 
 
-def write_sensor_logger_folder(recording: Recording, folder: Path) -> None:
+def write_sensor_logger_folder(recording: Recording, folder: Path) -> tuple[str, ...]:
     """Write the tables of a recording of one device into an existing folder.
 
     Without a date, times count from `NO_DATE_S`. Fixes of GPS are written where latitude and longitude are known.
+
+    Returns
+    -------
+    tuple of str
+        What of the recording is not in the folder, in words.
 
     Raises
     ------
@@ -44,7 +52,7 @@ def write_sensor_logger_folder(recording: Recording, folder: Path) -> None:
     if tables["TotalAcceleration"] is None and tables["Gyroscope"] is None:
         raise OutputError(f"{folder}: the recording has no samples to write")
     by_north = device.attitude_reference is AttitudeReference.MAGNETIC_NORTH
-    metadata = {"device name": device.model, "platform": "android", "appVersion": APP_VERSION if by_north else ""}
+    metadata = {"device name": device.model, "platform": _PLATFORM, "appVersion": APP_VERSION if by_north else ""}
     try:
         for name, frame in tables.items():
             if frame is not None:
@@ -52,6 +60,11 @@ def write_sensor_logger_folder(recording: Recording, folder: Path) -> None:
         pl.DataFrame({key: [value] for key, value in metadata.items()}).write_csv(folder / "Metadata.csv")
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error}); choose another folder") from error
+    others = tuple(fix for fix in recording.fixes if not _is_location(fix, recording))
+    held = ["date", "waypoints", "pressure", "model"]
+    held += ["platform"] if device.platform == _PLATFORM else []
+    held += ["reference"] if by_north else []
+    return left_out(replace(recording, fixes=others), held)
 
 
 def _table(signal: Signal | None, titles: tuple[str, ...], epoch_s: float) -> pl.DataFrame | None:
@@ -72,7 +85,7 @@ def _in_hpa(pressure: Signal | None) -> Signal | None:
 
 
 def _locations(recording: Recording, epoch_s: float) -> pl.DataFrame | None:
-    origin, fixes = recording.origin, [fix for fix in recording.fixes if fix.source == "gps"]
+    origin, fixes = recording.origin, [fix for fix in recording.fixes if _is_location(fix, recording)]
     if origin is None or not fixes:
         return None
     from pymap3d import enu2geodetic
@@ -82,6 +95,11 @@ def _locations(recording: Recording, epoch_s: float) -> pl.DataFrame | None:
     sigma_m = np.sqrt([0.5 * np.trace(fix.covariance_m2) for fix in fixes])
     times = _times(np.array([fix.time_s for fix in fixes]), epoch_s)
     return pl.DataFrame({**times, "latitude": latitude, "longitude": longitude, "horizontalAccuracy": sigma_m})
+
+
+def _is_location(fix: PositionFix, recording: Recording) -> bool:
+    """Tell whether the table of locations can hold a fix."""
+    return recording.origin is not None and fix.source == "gps"
 
 
 def _annotations(recording: Recording, epoch_s: float) -> pl.DataFrame | None:

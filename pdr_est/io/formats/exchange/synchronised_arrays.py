@@ -14,7 +14,7 @@ import numpy as np
 
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.formats.exchange.left_out import only_device
+from pdr_est.io.formats.exchange.left_out import left_out, only_device
 from pdr_est.io.text.container import Source, SourceKind
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.types.ground_truth import TruePositions, Truth
@@ -25,6 +25,7 @@ NAME = "synchronised arrays"
 _TIME, _FORCE, _RATE, _FIELD, _ATTITUDE = "time", "acce", "gyro", "magnet", "game_rv"
 _POSES = "tango_pos"
 _GROUPS = dict.fromkeys((_TIME, _FORCE, _RATE, _FIELD, _ATTITUDE), "synced") | {_POSES: "pose"}
+_TIME_ARRAY = f"{_GROUPS[_TIME]}/{_TIME}"
 _WIDTHS = {_FORCE: 3, _RATE: 3, _FIELD: 3, _ATTITUDE: 4, _POSES: 3}
 _LONGEST_GAP_S = 0.5  # over which samples are interpolated, as in resampling
 
@@ -35,7 +36,8 @@ def synchronised_arrays(recording: Recording, place: object = "recording") -> di
     Returns
     -------
     dict
-        Name with its group, such as "synced/acce" -> array, first dimension n.
+        Name with its group, such as "synced/acce" -> array, first dimension n. An array without any number is left
+        out.
 
     Raises
     ------
@@ -64,11 +66,17 @@ def synchronised_arrays(recording: Recording, place: object = "recording") -> di
     together = np.isfinite(np.asarray(arrays[_RATE])).all(axis=1)
     if together.sum() < 2:
         raise OutputError(f"{place}: accelerometer and gyroscope never run at the same time: convert to CSV instead")
-    return {f"{_GROUPS[name]}/{name}": array[together] for name, array in arrays.items() if array is not None}
+    kept = {name: array[together] for name, array in arrays.items() if array is not None}
+    return {f"{_GROUPS[name]}/{name}": array for name, array in kept.items() if np.isfinite(array).any()}
 
 
-def write_npz(recording: Recording, path: str | Path) -> None:
+def write_npz(recording: Recording, path: str | Path) -> tuple[str, ...]:
     """Write the arrays as a NumPy archive, without any pickled object.
+
+    Returns
+    -------
+    tuple of str
+        What of the recording is not in the arrays, in words.
 
     Raises
     ------
@@ -81,10 +89,16 @@ def write_npz(recording: Recording, path: str | Path) -> None:
             np.savez_compressed(stream, allow_pickle=False, **arrays)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from error
+    return _not_in(arrays, recording)
 
 
-def write_hdf5(recording: Recording, path: str | Path) -> None:
+def write_hdf5(recording: Recording, path: str | Path) -> tuple[str, ...]:
     """Write the arrays as an HDF5 file.
+
+    Returns
+    -------
+    tuple of str
+        What of the recording is not in the arrays, in words.
 
     Raises
     ------
@@ -104,6 +118,21 @@ def write_hdf5(recording: Recording, path: str | Path) -> None:
                 file.create_dataset(name, data=array)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error}); choose another folder") from error
+    return _not_in(arrays, recording)
+
+
+def _not_in(arrays: Mapping[str, Array], recording: Recording) -> tuple[str, ...]:
+    """List what of a recording its arrays do not hold, in words."""
+    device = recording.devices[0]
+    held = ("positions",) if f"{_GROUPS[_POSES]}/{_POSES}" in arrays else ()
+    words = list(left_out(recording, held))
+    for name, signal in ((_FIELD, device.magnetic_field), (_ATTITUDE, device.attitude)):
+        if signal is not None and f"{_GROUPS[name]}/{name}" not in arrays:
+            words.append(f"{name}, which has no sample at the times of the other sensors")
+    missing = (0 if device.specific_force is None else len(device.specific_force)) - len(arrays[_TIME_ARRAY])
+    if missing:
+        words.append(f"{missing} samples of the accelerometer at times without gyroscope, or at repeated times")
+    return tuple(words)
 
 
 def sniff(source: Source) -> bool:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
+from pdr_est.io.tables.quantities import Quantity, unit_factor
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
@@ -24,12 +24,11 @@ _DATA = b"$DATA"
 _IMU = re.compile(rb"^(?:\$COL,)?IMU,time,", re.MULTILINE)
 _KIND = re.compile(r"^\$?(?:COL,|UNIT,)?")
 _N_FIELDS = 12
-_UNITS = {"g": STANDARD_GRAVITY_MPS2, "m/s^2": 1.0, "deg/s": np.pi / 180.0, "rad/s": 1.0, "gauss": 100.0, "uT": 1.0}
 _SENSORS = (
-    (RawSensor.FORCE, "IMU", ("ax", "ay", "az")),
-    (RawSensor.RATE, "IMU", ("wx", "wy", "wz")),
-    (RawSensor.FIELD, "MAG", ("x", "y", "z")),
-    (RawSensor.PRESSURE, "BARO", ("pressure",)),
+    (RawSensor.FORCE, Quantity.FORCE, "IMU", ("ax", "ay", "az")),
+    (RawSensor.RATE, Quantity.RATE, "IMU", ("wx", "wy", "wz")),
+    (RawSensor.FIELD, Quantity.FIELD, "MAG", ("x", "y", "z")),
+    (RawSensor.PRESSURE, Quantity.PRESSURE, "BARO", ("pressure",)),
 )
 _GPS_EPOCH_S = 315_964_800.0  # Unix time of 1980-01-06
 _LEAP_SECONDS = 18.0  # GPS time is ahead of UTC by so much since 2017
@@ -67,7 +66,7 @@ def read_source(source: Source) -> Recording:
         raise RecordingError(f"{place}: no rows of the inertial sensors; record again")
     zero_s = float(np.nanmin(log.numbers("IMU", (1,))))
     raw = RawDevice({}, decisions=["units are those of the header"], sign_reason="")
-    for sensor, tag, titles in _SENSORS:
+    for sensor, quantity, tag, titles in _SENSORS:
         kind = kinds.get(tag)
         if kind is None or not log.count(tag) or not set(titles) <= set(kind.titles):
             continue
@@ -75,9 +74,9 @@ def read_source(source: Source) -> Recording:
         found = log.numbers(tag, at)
         signal, dropped = finite_signal(found[:, 0] - zero_s, found[:, 1:], tag, place)
         unit = kind.units[at[1]] if at[1] < len(kind.units) else ""
-        raw.signals[sensor] = RawSignal(signal, f"{tag} {', '.join(titles)}", _UNITS.get(unit))
+        raw.signals[sensor] = RawSignal(signal, f"{tag} {', '.join(titles)}", unit_factor(quantity, unit))
         raw.warnings += dropped
-    unused = sorted(set(log.tags()) - {tag for _, tag, _ in _SENSORS} - {"TIME"})
+    unused = sorted(set(log.tags()) - {tag for _, _, tag, _ in _SENSORS} - {"TIME"})
     raw.decisions += [f"rows not used: {', '.join(unused)}"] if unused else []
     return Recording(
         name=member_stem(member), format=NAME, devices=(raw.convert(),), epoch_s=_epoch_s(log, kinds, zero_s)

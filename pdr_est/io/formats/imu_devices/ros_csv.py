@@ -8,7 +8,7 @@ import re
 from collections.abc import Sequence
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.formats.named_tables import members_marked, read_named_table, title_with_end, with_columns
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
 from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.text.container import Source
@@ -45,21 +45,15 @@ def _mapping(layout: TableLayout) -> TableMapping:
     known: dict[Quantity, tuple[Sequence[str], float | None]] = {}
     for quantity, stem in _STEMS.items():
         axes = "wxyz" if quantity is Quantity.ATTITUDE else "xyz"
-        titles = [_ending(layout, rf"{stem}[./_]{axis}") for axis in axes]
+        titles = [title_with_end(layout, rf"{stem}[./_]{axis}") for axis in axes]
         if all(titles):
             known[quantity] = (titles, None if quantity is Quantity.ATTITUDE else 1.0)
     mapping = with_columns(layout, known, without=(Quantity.LINEAR, Quantity.ROTATION_VECTOR))
-    seconds = _ending(layout, r"stamp[./_](?:secs?)")
-    nanoseconds = _ending(layout, r"stamp[./_](?:n(?:ano)?secs?)")
-    stamp = _ending(layout, r"header[./_]stamp")
+    seconds = title_with_end(layout, r"stamp[./_](?:secs?)")
+    nanoseconds = title_with_end(layout, r"stamp[./_](?:n(?:ano)?secs?)")
+    stamp = title_with_end(layout, r"header[./_]stamp")
     clocks = [ClockColumn(seconds, 1.0, nanoseconds)] if seconds and nanoseconds else []
     clocks += [ClockColumn(stamp)] if stamp else []
     taken = {title for clock in clocks for title in (clock.title, clock.fraction)}
     rest = tuple(clock for clock in mapping.clocks if clock.title not in taken)
     return TableMapping((*clocks, *rest), mapping.columns, unused=mapping.unused)
-
-
-def _ending(layout: TableLayout, pattern: str) -> str:
-    """Find the title that ends with a field of the message; "" when there is none."""
-    compiled = re.compile(rf"(?:^|[./_%]){pattern}$")
-    return next((title for title in layout.titles if compiled.search(title)), "")

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.formats.named_tables import members_marked, read_named_table, title_with_end, with_columns
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
 from pdr_est.io.tables.quantities import Quantity, unit_factor
 from pdr_est.io.text.container import Source
@@ -53,19 +53,13 @@ def _mapping(layout: TableLayout) -> TableMapping:
     known: dict[Quantity, tuple[Sequence[str], float | None]] = {}
     for quantity, stems in _STEMS.items():
         for stem in stems:
-            titles = [_title(layout, f"{stem}_{axis}_CAL") for axis in "XYZ"]
+            titles = [title_with_end(layout, f"{stem}_{axis}_CAL") for axis in "XYZ"]
             if all(titles) and quantity not in known:
                 known[quantity] = (titles, unit_factor(quantity, unit_of.get(titles[0], "")))
     mapping = with_columns(layout, known, without=tuple(quantity for quantity in _STEMS if quantity not in known))
     clocks = tuple(
         ClockColumn(title, unit_factor(Quantity.TIME, unit_of.get(title, "")))
         for name in _CLOCKS
-        if (title := _title(layout, name))
+        if (title := title_with_end(layout, name))
     )
     return TableMapping(clocks or mapping.clocks, mapping.columns, unused=mapping.unused)
-
-
-def _title(layout: TableLayout, ending: str) -> str:
-    """Find the title that ends with a name, behind the name of the device; "" when there is none."""
-    pattern = re.compile(rf"(?:^|_){ending}$", re.IGNORECASE)
-    return next((title for title in layout.titles if pattern.search(title)), "")

@@ -14,6 +14,7 @@ from pdr_est.io.tables.split import read_tables
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.members import member_stem, require_single_walk
+from pdr_est.io.text.table_layout import detect_layout
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import Recording
 
@@ -42,7 +43,8 @@ def read_mapped(source: Source, mapping: TableMapping) -> Recording:
     Parameters
     ----------
     source
-        Source with one table; of several members the one that holds a table with motion is read.
+        Source with one table; of several members the one that holds a table with motion is read, or the only table
+        where none looks like motion.
     mapping
         Meaning of the columns.
 
@@ -51,7 +53,10 @@ def read_mapped(source: Source, mapping: TableMapping) -> Recording:
     RecordingError
         When there are several tables, or a column of the mapping is absent.
     """
-    members = source.members if len(source.members) == 1 else _tables(source)
+    members = source.members
+    if len(members) > 1:
+        tables = tuple(member for member in members if detect_layout(source.head(member, HEAD_BYTES)) is not None)
+        members = _tables(source) or tables
     return _read(source, require_single_walk(source, members, NAME), mapping)
 
 
@@ -78,4 +83,5 @@ def _read(source: Source, member: str, mapping: TableMapping | None) -> Recordin
         fixes=reading.gnss.fixes,
         origin=reading.gnss.origin,
         epoch_s=reading.epoch_s,
+        local_epoch_s=reading.local_epoch_s,
     )

@@ -9,15 +9,24 @@ import polars as pl
 
 from pdr_est.errors import OutputError
 from pdr_est.frames import Array
+from pdr_est.io.formats.exchange.left_out import left_out
 from pdr_est.io.tables.quantities import CANONICAL, Quantity
 from pdr_est.types.recording import Recording, Signal
 
+PARTS_OF_TABLE = ("positions", "pressure")
+"""Parts of a recording that the table has columns for, as `left_out` names them."""
 
-def write_plain_csv(recording: Recording, path: str | Path) -> None:
+
+def write_plain_csv(recording: Recording, path: str | Path) -> tuple[str, ...]:
     """Write the signals and true positions of a recording of one device, with the titles of `CANONICAL`.
 
     There is one row for each time stamp of any sensor, with empty cells where a sensor has no sample then. Repeated
     and backward time stamps stay in each sensor's own order. Fixes, notes and the Unix time have no columns.
+
+    Returns
+    -------
+    tuple of str
+        What of the recording is not in the table, in words.
 
     Raises
     ------
@@ -32,6 +41,7 @@ def write_plain_csv(recording: Recording, path: str | Path) -> None:
         raise OutputError(
             f"{place}: cannot be written ({error}); choose a folder that exists and has free space"
         ) from error
+    return left_out(recording, PARTS_OF_TABLE)
 
 
 def plain_table(recording: Recording, place: str | Path = "table") -> pl.DataFrame:

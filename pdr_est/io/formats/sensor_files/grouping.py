@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pdr_est.io.tables.header import understand_titles
-from pdr_est.io.tables.quantities import AXES, Quantity
+from pdr_est.io.tables.quantities import AXES, MOTION, Quantity
 from pdr_est.io.tables.signals import layout_of
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.text.container import Source, SourceKind
@@ -12,7 +12,6 @@ from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.table_layout import TableLayout
 
 _BESIDE = (Quantity.ACCURACY, Quantity.TRUE_POSITION)
-_MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
 _HEAD_BYTES = 2048
 _SECOND_CHOICE = ("uncal", "raw", "game")
 _NO_TABLES = (".jpg", ".png", ".mp4", ".pdf", ".wav", ".m4a", ".py", ".m", ".ipynb")
@@ -63,10 +62,10 @@ def sensor_file_walks(source: Source) -> Mapping[str, tuple[SensorFile, ...]]:
             named.setdefault(folder, []).append((member, quantity))
     walks = {}
     for folder, members in named.items():
-        if not any(quantity in _MOTION for _, quantity in members):
+        if not any(quantity in MOTION for _, quantity in members):
             continue
         files = tuple(file for member, quantity in members if (file := _file(source, member, quantity)) is not None)
-        if any(file.quantity in _MOTION for file in files):
+        if any(file.quantity in MOTION for file in files):
             walks[folder] = files
     return walks
 

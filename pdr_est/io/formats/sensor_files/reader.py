@@ -67,6 +67,7 @@ def read_sensor_files(source: Source, files: Sequence[SensorFile]) -> Recording:
         fixes=gnss.fixes,
         origin=gnss.origin,
         epoch_s=reading.epoch_s,
+        local_epoch_s=reading.local_epoch_s,
     )
 
 

@@ -38,6 +38,8 @@ class TableClock:
         Unix time of `start`; None when it is not known.
     decisions, warnings
         How the clock was found, in words.
+    local_epoch_s
+        What the Unix time of `start` would be if its date, which states no time zone, were UTC; None without a date.
     """
 
     time_s: Array
@@ -45,11 +47,15 @@ class TableClock:
     epoch_s: float | None
     decisions: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    local_epoch_s: float | None = None
 
 
 @dataclass(frozen=True)
 class _Candidate:
-    """A column read as times: exact ticks, the seconds in one of them, and what is known of the clock."""
+    """A column read as times: exact ticks, the seconds in one of them, and what is known of the clock.
+
+    is_unix: the ticks count from 1970 in UTC; is_local: from 1970 in a time zone that is not stated.
+    """
 
     column: ClockColumn
     ticks: NDArray[Any]
@@ -57,6 +63,7 @@ class _Candidate:
     unit: Conversion
     is_unix: bool
     distinct: int
+    is_local: bool = False
 
 
 def read_clock(loose: LooseTable, mapping: TableMapping) -> TableClock:
@@ -99,22 +106,26 @@ def _clock(chosen: _Candidate, candidates: Sequence[_Candidate]) -> TableClock:
     since = (chosen.ticks - tick).astype(np.float64)
     since = since * factor if factor >= 1.0 else since / round(1.0 / factor)
     time_s = np.where(chosen.known, since, np.nan)
-    per_s = Fraction(factor) if factor >= 1.0 else Fraction(1, round(1.0 / factor))
-    start = Fraction(int(tick) if chosen.ticks.dtype.kind == "i" else float(tick)) * per_s
-    epoch_s = float(start) if chosen.is_unix else _epoch_from_others(chosen, candidates, at)
+    best_first = (chosen, *(one for one in candidates if one is not chosen))
+    epoch_s = _time_of_row([one for one in best_first if one.is_unix], at)
+    local_epoch_s = _time_of_row([one for one in best_first if one.is_local], at)
     decisions = [chosen.unit.decision]
     if len(candidates) > 1:
         others = ", ".join(repr(one.column.title) for one in candidates if one is not chosen)
         decisions.append(f"time is column {chosen.column.title!r}, with {chosen.distinct} stamps; not used: {others}")
-    return TableClock(time_s, start, epoch_s, tuple(decisions), chosen.unit.warnings)
+    start = _exact_s(chosen, at)
+    return TableClock(time_s, start, epoch_s, tuple(decisions), chosen.unit.warnings, local_epoch_s)
 
 
-def _epoch_from_others(chosen: _Candidate, candidates: Sequence[_Candidate], row: int) -> float | None:
-    """Take the Unix time of a row from another column, if one has it."""
-    for other in candidates:
-        if other is not chosen and other.is_unix and other.known[row]:
-            return float(other.ticks[row]) * other.unit.factor
-    return None
+def _time_of_row(candidates: Sequence[_Candidate], row: int) -> float | None:
+    """Return the time of a row, s, by the first column that knows it; None where none does."""
+    return next((float(_exact_s(one, row)) for one in candidates if one.known[row]), None)
+
+
+def _exact_s(candidate: _Candidate, row: int) -> Fraction:
+    factor, tick = candidate.unit.factor, candidate.ticks[row]
+    per_tick = Fraction(factor) if factor >= 1.0 else Fraction(1, round(1.0 / factor))
+    return Fraction(int(tick) if candidate.ticks.dtype.kind == "i" else float(tick)) * per_tick
 
 
 def _candidate(loose: LooseTable, column: ClockColumn, given: bool) -> _Candidate | None:
@@ -152,18 +163,26 @@ def _date_candidate(loose: LooseTable, column: ClockColumn) -> _Candidate | None
     ticks = dates.ns
     if column.fraction and column.fraction not in loose.text_columns:
         ticks = np.where(dates.known, ticks + _fraction_ns(loose.table.columns[column.fraction]), ticks)
-    return _Candidate(column, ticks, dates.known, _date_unit(dates, texts), dates.has_zone, _count_stamps(ticks))
+    is_local = dates.has_date and not dates.has_zone
+    unit, distinct = _date_unit(dates, texts), _count_stamps(ticks)
+    return _Candidate(column, ticks, dates.known, unit, dates.has_zone, distinct, is_local)
 
 
 def _date_unit(dates: DateTimes, texts: NDArray[np.str_]) -> Conversion:
     what = "date and time" if dates.has_date else "the time of day"
     zone = "" if dates.has_zone else " without a time zone: the Unix time is unknown"
     wrong = np.flatnonzero(~dates.known & (texts != ""))
-    warning = ""
+    warnings = []
     if len(wrong):
         named = ", ".join(f"{str(texts[i])!r} in row {i + 1}" for i in wrong[:_NAMED_CELLS])
-        warning = f"{len(wrong)} rows are left out because their time cannot be read ({named})"
-    return Conversion(1e-9, f"the clock counts {what}{zone}", warning)
+        warnings.append(f"{len(wrong)} rows are left out because their time cannot be read ({named})")
+    if dates.order:
+        other = "month" if dates.order == "day" else "day"
+        warnings.append(
+            f"the date is doubtful: the {dates.order} is taken to come first in {str(texts[dates.known][0])!r}, but "
+            f"it may be the {other}; write dates as 2031-02-28"
+        )
+    return Conversion(1e-9, f"the clock counts {what}{zone}", "; ".join(warnings))
 
 
 def _unit(column: ClockColumn, ticks: NDArray[Any], given: bool) -> Conversion:

@@ -20,7 +20,8 @@ _TIME = (
 )
 _ZONE = r"\s*(?P<zone>Z|UTC|GMT|(?:UTC|GMT)?[+-]\d{2}:?\d{2})?"
 _DATE_FIRST = (
-    rf"^(?P<a>\d{{1,4}})[-/.](?P<b>\d{{1,2}}|[^\W\d_]{{3,9}})\.?[-/.](?P<c>\d{{1,4}})[ T_,-]+{_TIME}{_ZONE}$"
+    r"^(?P<a>\d{1,4})(?P<between>[-/.])(?P<b>\d{1,2}|[^\W\d_]{3,9})\.?[-/.](?P<c>\d{1,4})"
+    rf"[ T_,-]+{_TIME}{_ZONE}$"
 )
 _COMPACT = (
     r"^(?P<a>\d{4})(?P<b>\d{2})(?P<c>\d{2})[ T_-]?(?P<hour>\d{2})(?P<minute>\d{2})(?P<second>\d{2})"
@@ -73,13 +74,16 @@ class DateTimes:
     has_date
         True for dates, False for times of day.
     has_zone
-        True when the texts state their time zone, so that `ns` is Unix time.
+        True when the texts state their time zone, so that `ns` is Unix time; texts without one are then not known.
+    order
+        "day" or "month" if that was taken to come first although the numbers leave it open; "" if they do not.
     """
 
     ns: NDArray[np.int64]
     known: NDArray[np.bool_]
     has_date: bool
     has_zone: bool
+    order: str = ""
 
 
 def parse_dates(texts: NDArray[np.str_]) -> DateTimes | None:
@@ -109,12 +113,14 @@ def _from_groups(groups: pl.DataFrame) -> DateTimes:
         known &= (minute < 60) | ("hour" not in groups.columns)
         period_s = _DAY_S if "hour" in groups.columns else 3600
         return DateTimes(_over_midnight(of_day, known, period_s), known, has_date=False, has_zone=False)
-    days, valid = _days(groups)
+    days, valid, order = _days(groups)
     zones = groups["zone"] if "zone" in groups.columns else pl.Series([None] * len(groups), dtype=pl.String)
     known &= valid & (minute < 60)
-    has_zone = bool(known.any()) and zones.filter(pl.Series(known)).null_count() == 0
+    zoned = known & zones.is_not_null().to_numpy()
+    has_zone = bool(zoned.any())
+    known = zoned if has_zone else known
     ns = days * (_DAY_S * 10**9) + of_day - (_zone_s(zones) * 10**9 if has_zone else 0)
-    return DateTimes(np.where(known, ns, _MISSING_NS), known, has_date=True, has_zone=has_zone)
+    return DateTimes(np.where(known, ns, _MISSING_NS), known, has_date=True, has_zone=has_zone, order=order)
 
 
 def _integers(groups: pl.DataFrame, name: str) -> NDArray[Any]:
@@ -135,7 +141,7 @@ def _fraction_ns(groups: pl.DataFrame) -> NDArray[Any]:
     return digits.str.pad_end(9, "0").cast(pl.Int64).to_numpy()
 
 
-def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_], str]:
     """Compute the days since 1970 from three numbers, one of which may be the name of a month.
 
     Returns
@@ -143,6 +149,8 @@ def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     days : (n,) int
     valid : (n,) bool
         False where the numbers are no date.
+    order : str
+        As in `DateTimes`.
     """
     first, third = _integers(groups, "a"), _integers(groups, "c")
     names = groups["b"].fill_null("0")
@@ -154,17 +162,30 @@ def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_]]:
         second = months.fill_null(short).fill_null(0).to_numpy()
     else:
         second = _integers(groups, "b")
+    order = ""
     if (first > 31).any():
         year, month, day = first, second, third
     elif (not named and (second > 12).any()) or (not named and _american(groups) and not (first > 12).any()):
         year, month, day = third, first, second
+        order = "month" if _is_open(groups, first, second) else ""
     else:
         year, month, day = third, second, first
+        order = "day" if not named and _is_open(groups, first, second) else ""
     year = np.where(year < 100, year + 2000, year)
-    valid = (month >= 1) & (month <= 12) & (day >= 1) & (day <= 31) & (year >= 1970) & (year < 2200)
+    valid = (month >= 1) & (month <= 12) & (year >= 1970) & (year < 2200)
     month_index = np.where(valid, (year - 1970) * 12 + month - 1, 0)
-    days = month_index.astype("datetime64[M]").astype("datetime64[D]").astype(np.int64) + np.where(valid, day - 1, 0)
-    return days, valid
+    first_days, next_days = (
+        index.astype("datetime64[M]").astype("datetime64[D]").astype(np.int64)
+        for index in (month_index, month_index + 1)
+    )
+    valid &= (day >= 1) & (day <= next_days - first_days)
+    return first_days + np.where(valid, day - 1, 0), valid, order
+
+
+def _is_open(groups: pl.DataFrame, first: NDArray[Any], second: NDArray[Any]) -> bool:
+    """Tell whether each of two numbers may be the month; with points between them the day comes first everywhere."""
+    points = groups["between"].drop_nulls().eq(".").all() if "between" in groups.columns else False
+    return not points and not ((first > 12) | (second > 12)).any() and bool((first != second).any())
 
 
 def _american(groups: pl.DataFrame) -> bool:

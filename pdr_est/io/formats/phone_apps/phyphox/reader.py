@@ -5,13 +5,12 @@ the file does. Both platforms write Android's units and signs (m/s^2 up at rest,
 sensor has its own time stamps on one clock, "Time (s)".
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.conversion import signs, units
-from pdr_est.io.conversion.axes import add_gravity
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
+from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.formats.phone_apps.phyphox.metadata import (
     ExperimentClock,
     read_device_properties,
@@ -35,6 +34,19 @@ from pdr_est.types.recording import DeviceRecording, Recording, Signal
 NAME = "phyphox"
 
 _PA_PER_HPA = 100.0
+
+_Sensor = tuple[RawSensor, str, str, float]  # sensor, its name in the export and in messages, factor to SI units
+_ACCELEROMETER: _Sensor = (RawSensor.FORCE, "acceleration", "the accelerometer", 1.0)
+_WITHOUT_ACCELEROMETER: tuple[_Sensor, ...] = (
+    (RawSensor.LINEAR, "linear acceleration", "linear acceleration", 1.0),
+    (RawSensor.GRAVITY, "gravity", "gravity", 1.0),
+)
+_OTHER_SENSORS: tuple[_Sensor, ...] = (
+    (RawSensor.RATE, "gyroscope", "gyroscope", 1.0),
+    (RawSensor.FIELD, "magnetometer", "magnetometer", 1.0),
+    (RawSensor.ATTITUDE, "orientation", "orientation", 1.0),
+    (RawSensor.PRESSURE, "pressure", "pressure", _PA_PER_HPA),
+)
 
 
 @dataclass
@@ -99,13 +111,13 @@ def read_source(source: Source) -> Recording:
     reading = _Reading(source, find_sensors(source, members), clock)
     reading.warnings += [f"{member} is empty" for member in members if not source.head(member).strip()]
     reading.warnings += clock.warnings
-    signals = _signals(reading)
-    gnss = _fixes(reading, signals)
+    device = _device(reading, properties)
+    gnss = _fixes(reading, device)
     _name_unused(reading, members)
     return Recording(
         name=member_stem(source.name) if source.path.is_file() else source.name,
         format=NAME,
-        devices=(_device(reading, signals, properties),),
+        devices=(replace(device, decisions=tuple(reading.decisions), warnings=tuple(reading.warnings)),),
         fixes=gnss.fixes,
         origin=gnss.origin,
         epoch_s=clock.epoch_s,
@@ -133,95 +145,61 @@ def _folder(member: str) -> str:
     return member.rpartition("/")[0]
 
 
-def _signals(reading: _Reading) -> Mapping[str, Signal | None]:
-    force = _specific_force(reading)
-    signals = {
-        "force": force,
-        "linear": _without_gravity(reading) if force is None else None,
-        "rate": reading.signal("gyroscope"),
-        "field": reading.signal("magnetometer"),
-        "attitude": reading.signal("orientation"),
-        "pressure": reading.signal("pressure"),
-    }
-    if force is None and signals["linear"] is None and signals["rate"] is None:
+def _device(reading: _Reading, properties: Mapping[str, str]) -> DeviceRecording:
+    """Convert the sensors of the device.
+
+    Raises
+    ------
+    RecordingError
+        When neither accelerometer nor gyroscope has rows.
+    """
+    device = RawDevice(
+        {},
+        model=" ".join(properties[key] for key in ("deviceBrand", "deviceModel") if properties.get(key)),
+        platform=_platform(reading, properties),
+        sign=1.0,
+        sign_reason="phyphox writes Android's signs on every platform",
+        without_gravity='record with "Acceleration with g" (the sensor Accelerometer) and the gyroscope',
+        decisions=reading.decisions,
+        warnings=reading.warnings,
+    )
+    if not _add(reading, device, (_ACCELEROMETER,)):
+        _add(reading, device, _WITHOUT_ACCELEROMETER)
+    _add(reading, device, _OTHER_SENSORS)
+    if not device.signals.keys() & {RawSensor.FORCE, RawSensor.LINEAR, RawSensor.RATE}:
         found = ", ".join(sorted(reading.sensors))
         raise RecordingError(
             f"{reading.source.path}: neither accelerometer nor gyroscope has rows; found {found}; "
             "record again with both switched on"
         )
-    if force is None and signals["linear"] is None:
+    if not device.signals.keys() & {RawSensor.FORCE, RawSensor.LINEAR}:
         reading.warnings.append("no accelerometer in the export")
-    return signals
+    return device.convert()
 
 
-def _specific_force(reading: _Reading) -> Signal | None:
-    """Read the accelerometer, or linear acceleration plus gravity where that is absent."""
-    force = reading.signal("acceleration")
-    if force is not None:
-        reading.decisions.append("specific force is the accelerometer")
-        return force
-    linear, gravity = reading.signal("linear acceleration"), reading.signal("gravity")
-    if linear is None or gravity is None:
-        return None
-    reading.decisions.append("specific force is linear acceleration + gravity, because there is no accelerometer")
-    total, warnings = add_gravity(linear, gravity)
-    reading.warnings += warnings
-    if not len(total):
-        reading.warnings.append("linear acceleration and gravity do not overlap in time: no specific force")
-        return None
-    return total
+def _add(reading: _Reading, device: RawDevice, sensors: Sequence[_Sensor]) -> bool:
+    """Give the device those of some sensors that have rows; tell whether any has."""
+    added = False
+    for sensor, name, title, factor in sensors:
+        signal = reading.signal(name)
+        if signal is not None:
+            device.signals[sensor] = RawSignal(signal, title, factor)
+            added = True
+    return added
 
 
-def _without_gravity(reading: _Reading) -> Signal | None:
-    """Read the linear acceleration, from which steps can be counted."""
-    linear = reading.signal("linear acceleration")
-    if linear is not None:
-        reading.decisions.append("acceleration without gravity is the linear acceleration")
-        reading.warnings.append(
-            "the acceleration is without gravity: steps can be counted from it; for a track record with "
-            '"Acceleration with g" (the sensor Accelerometer) and the gyroscope'
-        )
-    return linear
-
-
-def _fixes(reading: _Reading, signals: Mapping[str, Signal | None]) -> GnssFixes:
+def _fixes(reading: _Reading, device: DeviceRecording) -> GnssFixes:
     table = reading.table("location")
     if table is None:
         return GnssFixes((), None)
     latitude, longitude, accuracy = (table.numbers(title) for title in FIX_TITLES)
     time_s = reading.clock.to_continuous_time(table.numbers(TIME_TITLE))
     gnss = gnss_fixes(time_s, latitude, longitude, accuracy)
-    motion = [signal.time_s for name in ("force", "linear", "rate") if (signal := signals[name]) is not None]
+    signals = (device.specific_force, device.linear_acceleration, device.rotation_rate)
+    motion = [signal.time_s for signal in signals if signal is not None]
     gnss = drop_fixes_outside(gnss, min(t.min() for t in motion), max(t.max() for t in motion))
     reading.warnings += gnss.warnings
     return gnss
-
-
-def _device(
-    reading: _Reading, signals: Mapping[str, Signal | None], properties: Mapping[str, str]
-) -> DeviceRecording:
-    force, attitude, pressure = signals["force"], signals["attitude"], signals["pressure"]
-    conversions = []
-    if force is not None:
-        conversions.append(units.detect_acceleration_unit(force.values))
-        if attitude is not None:
-            attitude, conversion = signs.resolve_attitude_direction(force, attitude)
-            conversions.append(conversion)
-        sign = signs.detect_force_sign(force, attitude, 1.0, "phyphox writes Android's signs on every platform")
-        conversions.append(sign)
-        force = Signal(force.time_s, force.values * sign.factor)
-    return DeviceRecording(
-        model=" ".join(properties[key] for key in ("deviceBrand", "deviceModel") if properties.get(key)),
-        platform=_platform(reading, properties),
-        specific_force=force,
-        linear_acceleration=signals["linear"],
-        rotation_rate=signals["rate"],
-        magnetic_field=signals["field"],
-        attitude=attitude,
-        pressure=None if pressure is None else Signal(pressure.time_s, pressure.values * _PA_PER_HPA),
-        decisions=(*reading.decisions, *(conversion.decision for conversion in conversions)),
-        warnings=(*reading.warnings, *(warning for conversion in conversions for warning in conversion.warnings)),
-    )
 
 
 def _platform(reading: _Reading, properties: Mapping[str, str]) -> str:

@@ -12,16 +12,15 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion import signs, units
 from pdr_est.io.conversion.axes import turned_to_east
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.conversion.gravity_content import has_gravity
+from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.stale_samples import count_stale_samples
 from pdr_est.io.formats.phone_apps.sensor_logger.acceleration import (
-    acceleration_with_gravity,
-    acceleration_without_gravity,
+    WITHOUT_GRAVITY,
+    add_acceleration,
     expected_sign,
-    upwards,
 )
 from pdr_est.io.formats.phone_apps.sensor_logger.annotations import typed_positions
 from pdr_est.io.formats.phone_apps.sensor_logger.clock import align_fix_times, seconds_since
@@ -80,7 +79,7 @@ def read_source(source: Source) -> Recording:
     reading = ExportReading(export, _metadata(export), zero_ns, used={_METADATA_TABLE: set(_METADATA)})
     reading.warnings += [f"{sensor} is in the export but has no rows" for sensor in export.empty]
     device = read_watch(reading) if sensors is WATCH_MOTION_SENSORS else _device(reading)
-    if not any(True for _ in device.blocks()) and device.linear_acceleration is None:
+    if device.span_s is None:
         raise RecordingError(f"{export.place}: no motion sensor has a finite row; export the recording again")
     gnss, epoch_s = _fixes(reading, _end_s(device))
     notes = _notes(reading)
@@ -167,28 +166,27 @@ def _first_ns(table: NumberTable) -> int | float:
 
 
 def _device(reading: ExportReading) -> DeviceRecording:
-    attitude = reading.signal("Orientation", _QUATERNION)
     sign, reason = expected_sign(reading.metadata)
-    raw = acceleration_with_gravity(reading, attitude, sign)
-    if raw is not None and not len(raw):
-        reading.warnings.append("accelerometer and gravity do not overlap in time: no specific force")
-        raw = None
-    linear = acceleration_without_gravity(reading, sign) if raw is None else None
-    if raw is not None and attitude is not None:
-        attitude, conversion = signs.resolve_attitude_direction(raw, attitude)
-        reading.note(conversion)
-    attitude, reference = _to_east(reading, attitude)
-    return DeviceRecording(
+    device = RawDevice(
+        {},
         model=reading.metadata.get("device name", ""),
         platform=reading.metadata.get("platform", "").lower(),
-        specific_force=None if raw is None else upwards(reading, raw, attitude, sign, reason),
-        linear_acceleration=linear,
-        rotation_rate=_calibrated_or_raw(reading, "Gyroscope"),
-        magnetic_field=_calibrated_or_raw(reading, "Magnetometer"),
-        attitude=attitude,
-        attitude_reference=reference,
-        pressure=_pressure(reading),
+        sign=sign,
+        sign_reason=reason,
+        without_gravity=WITHOUT_GRAVITY,
+        decisions=reading.decisions,
+        warnings=reading.warnings,
     )
+    add_acceleration(reading, device)
+    reading.add(device, RawSensor.ATTITUDE, "Orientation", _QUATERNION)
+    reading.add(device, RawSensor.PRESSURE, "Barometer", ("pressure",))
+    for sensor, name in ((RawSensor.RATE, "Gyroscope"), (RawSensor.FIELD, "Magnetometer")):
+        signal = _calibrated_or_raw(reading, name)
+        if signal is not None:
+            device.signals[sensor] = RawSignal(signal, name, 1.0)
+    converted = device.convert()
+    attitude, reference = _to_east(reading, converted.attitude)
+    return replace(converted, attitude=attitude, attitude_reference=reference)
 
 
 def _to_east(reading: ExportReading, attitude: Signal | None) -> tuple[Signal | None, AttitudeReference]:
@@ -215,13 +213,6 @@ def _calibrated_or_raw(reading: ExportReading, sensor: str) -> Signal | None:
         if signal is not None:
             reading.decisions.append(f"{sensor} is absent, {sensor}Uncalibrated is used")
     return signal
-
-
-def _pressure(reading: ExportReading) -> Signal | None:
-    signal = reading.signal("Barometer", ("pressure",))
-    if signal is None:
-        return None
-    return Signal(signal.time_s, signal.values * reading.note(units.detect_pressure_unit(signal.values)))
 
 
 def _end_s(device: DeviceRecording) -> float:

@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from pdr_est.io.conversion import units
-from pdr_est.io.conversion.axes import add_gravity
+from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
 from pdr_est.io.formats.phone_apps.sensor_logger.clock import seconds_since
 from pdr_est.io.formats.phone_apps.sensor_logger.export import CLOCK_COLUMN, Export
@@ -61,17 +60,26 @@ class ExportReading:
         self.warnings.extend(dropped)
         return signal
 
-    def add_gravity(self, linear: Signal, gravity: Signal) -> Signal:
-        """Add gravity to an acceleration and keep the warnings."""
-        total, warnings = add_gravity(linear, gravity)
-        self.warnings.extend(warnings)
-        return total
+    def add(
+        self, device: RawDevice, sensor: RawSensor, name: str, columns: tuple[str, ...], factor: float | None = None
+    ) -> bool:
+        """Give a device the signal of a sensor of the export, if it has one; tell whether it has.
 
-    def note(self, conversion: units.Conversion) -> float:
-        """Keep the decision and the warning of a conversion; return its factor."""
-        self.decisions.append(conversion.decision)
-        self.warnings.extend(conversion.warnings)
-        return conversion.factor
+        Parameters
+        ----------
+        device
+            Device to complete.
+        sensor
+            What the signal is.
+        name, columns
+            Sensor of the export and its columns.
+        factor
+            Factor to SI units; None where the values tell.
+        """
+        signal = self.signal(name, columns)
+        if signal is not None:
+            device.signals[sensor] = RawSignal(signal, name, factor)
+        return signal is not None
 
     def name_unused(self) -> None:
         """Add the sensors and columns that were not used to the decisions."""
