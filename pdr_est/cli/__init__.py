@@ -35,14 +35,22 @@ COMMANDS = MappingProxyType(
 """Module in `pdr_est.cli.commands` and function of each command, in the order of the help text."""
 
 
+_LONGEST_MESSAGE = 2000
+
+
 class BadInputError(click.ClickException):
     """Error that ends the program with exit code 2 and one line on stderr."""
 
     exit_code = 2
 
     def format_message(self) -> str:
-        """Return the message in one line."""
-        return re.sub(r"\s*\n\s*", " ", self.message)
+        """Return the message in one line, without the middle of one that quotes very much."""
+        line = re.sub(r"\s*\n\s*", " ", self.message)
+        left_out = len(line) - _LONGEST_MESSAGE
+        if left_out <= 0:
+            return line
+        half = _LONGEST_MESSAGE // 2
+        return f"{line[:half]} […{left_out} characters…] {line[-half:]}"
 
 
 class _LazyGroup(click.Group):

@@ -15,12 +15,12 @@ import click
 from pdr_est.cli.walk_list import NamedPath
 from pdr_est.errors import OutputError, PdrError, RecordingError
 from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.types.csv_cells import harmless_cell
 
 SUMMARY = "walks.csv"
 """Name of the table of all walks in a folder of results."""
 
 _FIRST = b"walk,"  # bytes of such a table
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 Row = Mapping[str, Any]
 
 
@@ -179,7 +179,7 @@ def write_summary(outcomes: Sequence[Outcome], path: Path, inputs: Sequence[Path
     text = io.StringIO(newline="")
     table = csv.writer(text, lineterminator="\n")
     table.writerow(rows[0])
-    table.writerows([[_harmless(cell) for cell in row.values()] for row in rows])
+    table.writerows([[harmless_cell(cell) for cell in row.values()] for row in rows])
     with staged_file(path, overwrite=True, inputs=inputs) as file:
         file.write_text(text.getvalue(), encoding="utf-8", errors="backslashreplace")
 
@@ -215,11 +215,6 @@ def _rows(outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
 def _brief(cell: Any) -> str:
     text = "" if cell is None else f"{cell:.2f}" if isinstance(cell, float) else str(cell)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _harmless(cell: Any) -> Any:
-    """Return a cell that no spreadsheet takes for a formula."""
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(_FORMULA) else cell
 
 
 def _attempt(work: Callable[[NamedPath], Done], walk: NamedPath) -> Outcome:

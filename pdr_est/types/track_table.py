@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import wrap_angle
+from pdr_est.types.csv_cells import harmless_name
 from pdr_est.types.steps import CarryingMode
 
 if TYPE_CHECKING:
@@ -64,7 +65,9 @@ def columns_of(track: "Track") -> dict[str, NDArray[Any]]:
 def write_csv(track: "Track", path: str | Path) -> None:
     """Write the track table with its header, numbers rounded to 0.1 mm or finer."""
     texts = [
-        [format(value, _ROUNDING[name]) for value in column.tolist()] if name in _ROUNDING else column.tolist()
+        [format(value, _ROUNDING[name]) for value in column.tolist()]
+        if name in _ROUNDING
+        else list(map(harmless_name, column.tolist()))
         for name, column in columns_of(track).items()
     ]
     with Path(path).open("w", newline="", encoding="utf-8") as stream:

@@ -1,6 +1,7 @@
 """Comparing the results of experiments: read, paired, written."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,15 @@ def test_the_tables_hold_the_same_numbers(results: Path) -> None:
     cells = "error_open_m,m,x,y,2,4.0000,3.5000,-0.5000,-2.0000,1.0000,1,1,0"
     assert as_csv(pairs).splitlines()[1] == cells
     assert as_markdown(pairs).splitlines()[2] == "| " + cells.replace(",", " | ") + " |"
+
+
+def test_names_of_variants_are_neither_html_nor_formulas(results: Path) -> None:
+    (pair, *_) = compare_variants(read_values([results]))
+    hostile = replace(pair, first="<script>alert(1)</script>|[x](http://y)", second="=HYPERLINK(1)")
+    row = as_markdown([hostile]).splitlines()[2]
+    assert "<" not in row
+    assert "\\|\\[x\\](http://y)" in row
+    assert ",'=HYPERLINK(1)," in as_csv([hostile])
 
 
 def test_unknown_names_are_told_with_the_nearest(results: Path, tmp_path: Path) -> None:

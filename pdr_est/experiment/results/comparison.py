@@ -1,8 +1,10 @@
 """Comparison of the variants of finished experiments walk by walk, from their tables of results."""
 
 import csv
+import html
 import io
 import json
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -19,6 +21,7 @@ from pdr_est.experiment.variants.alignment import aligned_in_file
 from pdr_est.io.writers.parquet import read_parquet
 from pdr_est.params.validation_messages import nearest
 from pdr_est.params.yaml_lines import load_yaml
+from pdr_est.types.csv_cells import harmless_cell
 
 Values = Mapping[str, Mapping[str, Mapping[str, float]]]
 """Metric -> variant -> walk -> mean value over the tracks of the walk."""
@@ -214,7 +217,9 @@ def as_csv(pairs: Iterable[PairedComparison]) -> str:
     """Format the comparisons as a CSV table."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerows([HEADINGS, *as_rows(pairs)])
+    writer.writerow(HEADINGS)
+    # Numbers may begin with a minus, as formulas do.
+    writer.writerows([*map(harmless_cell, row[:TEXTS]), *row[TEXTS:]] for row in as_rows(pairs))
     return text.getvalue()
 
 
@@ -222,9 +227,15 @@ def as_markdown(pairs: Sequence[PairedComparison], aligned: Collection[str] = ()
     """Format the comparisons as a Markdown table, with an explanation of its columns and of marked variants."""
     rule = tuple("---" if i < TEXTS else "---:" for i in range(len(HEADINGS)))
     rows = [HEADINGS, rule, *as_rows(pairs, aligned)]
-    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
+    lines = ["| " + " | ".join(map(_markdown_cell, row)) + " |" for row in rows]
     footnote = f"\n\\{ALIGNED_NOTE}\n" if has_aligned(pairs, aligned) else ""
     return "\n".join(lines) + f"\n\n{NOTE}\n{footnote}"
+
+
+def _markdown_cell(text: str) -> str:
+    """Escape what would end a cell or be taken for HTML or a link."""
+    escaped = html.escape(text, quote=False).replace("\n", " ")
+    return re.sub(r"([|\[\]`])", r"\\\1", escaped)
 
 
 NOTE = (

@@ -10,6 +10,7 @@ from pdr_est.experiment.results.result_folder import FAILED, RESULTS, TIMINGS
 from pdr_est.experiment.results.walk_result import WalkResult
 from pdr_est.io.writers.own_files import OwnFiles
 from pdr_est.io.writers.parquet import write_parquet
+from pdr_est.types.csv_cells import harmless_cell
 from pdr_est.types.outcome import TrackOutcome
 
 
@@ -64,7 +65,8 @@ def write_tables(folder: Path, experiment: Experiment, results: Sequence[WalkRes
     writer.writerow(("walk", "what", "reason"))
     for result in results:
         for failure in result.failures:
-            writer.writerow((failure.walk, "walk" if failure.whole else "metric", failure.reason))
+            cells = (failure.walk, "walk" if failure.whole else "metric", failure.reason)
+            writer.writerow(map(harmless_cell, cells))
     own.write(FAILED, text.getvalue())
 
 

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.text.cells import brief_cell
 from pdr_est.io.text.finite_values import discard_huge_values
+from pdr_est.io.text.text_columns import as_texts
 
 _BOM = b"\xef\xbb\xbf"
 _TYPE_INFERENCE_ROWS = 100
@@ -141,6 +143,7 @@ def read_table(
         content = content.replace(b"\r", b"\n")
     if not content:
         raise RecordingError(f"{place}: the table is empty; export it again or leave this file out")
+    _refuse_open_quote(content, place)
     layout = _TableLayout(separator, decimal_comma, has_header)
     frame = _parse_frame(content, place, layout, text_columns)
     if not has_header:
@@ -153,7 +156,7 @@ def read_table(
     empty: dict[str, NDArray[np.bool_]] = {}
     for name in frame.columns:
         if name in text_columns:
-            arrays[name] = frame[name].cast(pl.String).fill_null("").to_numpy().astype(np.str_)
+            arrays[name] = as_texts(frame[name].cast(pl.String))
             continue
         arrays[name] = discard_huge_values(_as_numbers(frame[name], place, layout))
         cells = _empty_cells(frame[name])
@@ -169,6 +172,16 @@ class _TableLayout:
     separator: str
     decimal_comma: bool
     has_header: bool
+
+
+def _refuse_open_quote(content: bytes, place: str) -> None:
+    """Refuse a quote that is never closed: it would make one cell of all that follows."""
+    top = content[: content.find(b"\n")] if b"\n" in content else content
+    in_header = top.count(b'"') % 2 == 1
+    if in_header or content.count(b'"') % 2 == 1:
+        lines = [top] if in_header else content.split(b"\n")
+        number = next(i for i, line in enumerate(lines, start=1) if line.count(b'"') % 2 == 1)
+        raise RecordingError(f"{place}, line {number}: a quote is not closed; remove it")
 
 
 def _parse_frame(content: bytes, place: str, layout: _TableLayout, text_columns: Sequence[str]) -> pl.DataFrame:
@@ -253,7 +266,8 @@ def _as_numbers(column: pl.Series, place: str, layout: _TableLayout) -> NDArray[
     if wrong is not None and numbers[wrong] is None and text[wrong] is not None:
         line = wrong + 1 + layout.has_header
         raise RecordingError(
-            f"{place}, line {line}, column {column.name!r}: {text[wrong]!r} is not a number; correct or remove it"
+            f"{place}, line {line}, column {brief_cell(column.name)}: {brief_cell(text[wrong])} is not a "
+            "number; correct or remove it"
         )
     return numbers.to_numpy().astype(np.float64)
 

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.text.cells import brief_cell
 from pdr_est.io.text.finite_values import discard_huge_values
+from pdr_est.io.text.text_columns import as_texts
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,7 @@ class TaggedLog:
     def texts(self, tag: str, field: int) -> NDArray[np.str_]:
         """Return a field (n,) of the rows with a tag, as text without outer blanks."""
         rows = self._rows.filter(pl.col(self._tag_column) == tag)
-        column = rows[f"field_{field}"].fill_null("").str.strip_chars()
-        return column.to_numpy().astype(np.str_)
+        return as_texts(rows[f"field_{field}"].str.strip_chars())
 
     def numbers(self, tag: str, fields: Sequence[int]) -> Array:
         """Convert fields of the rows with a tag to numbers, (n, len(fields)) float64.
@@ -94,9 +95,10 @@ class TaggedLog:
             numbers = numbers.with_columns(text[name].cast(pl.Float64, strict=False))
             if numbers[name].null_count() != text[name].null_count():
                 wrong = int((numbers[name].is_null() & text[name].is_not_null()).arg_max() or 0)
+                cell = brief_cell(text[name][wrong])
                 raise RecordingError(
-                    f"{self.place}, line {self._line_of(rows.row(wrong))}, {tag}: {text[name][wrong]!r} is not a "
-                    "number; correct or remove this line"
+                    f"{self.place}, line {self._line_of(rows.row(wrong))}, {tag}: {cell} is not a number; correct or "
+                    "remove this line"
                 )
         return discard_huge_values(numbers.fill_null(np.nan).to_numpy().astype(np.float64).reshape(-1, len(fields)))
 

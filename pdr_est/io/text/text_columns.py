@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pdr_est.io.text.cells import MISSING
 from pdr_est.io.text.finite_values import discard_huge_values
 
+_LONGEST_TEXT = 200
 _TEXT_COLUMN_SHARE = 0.5  # a column of which fewer cells are numbers holds something else
 
 
@@ -56,12 +57,20 @@ def parse_text_column(column: pl.Series, may_be_text: bool) -> ParsedColumn:
     present = int((~empty).sum())
     if wrong.sum() > _TEXT_COLUMN_SHARE * present:
         if may_be_text:
-            return ParsedColumn(text.fill_null("").to_numpy().astype(np.str_), empty, nothing, is_text=True)
+            return ParsedColumn(as_texts(text), empty, nothing, is_text=True)
         return without_values(len(text))
     if wrong.any() and not empty.any() and integers.null_count() == int(wrong.sum()):
         # Ticks of a clock stay exact; the damaged rows are left out later.
         return ParsedColumn(integers.fill_null(0).to_numpy(), empty, wrong)
     return ParsedColumn(numbers, empty, wrong)
+
+
+def as_texts(column: pl.Series) -> NDArray[np.str_]:
+    """Return the texts of a column; "" for a missing one.
+
+    Numpy gives every cell the room of the longest, so that one damaged cell could fill the memory: cells are cut.
+    """
+    return column.fill_null("").str.head(_LONGEST_TEXT).to_numpy().astype(np.str_)
 
 
 def parse_numbers(column: pl.Series) -> ParsedColumn:

@@ -17,6 +17,7 @@ import numpy as np
 
 from pdr_est.errors import OutputError
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.types.csv_cells import harmless_name
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin
 from pdr_est.types.steps import CarryingMode, Step
@@ -236,7 +237,7 @@ def write_steps_csv(steps: Mapping[str, Sequence[Step]], path: str | Path) -> No
 def _step_row(device: str, step: Step) -> tuple[str | int, ...]:
     return (
         f"{step.event.time_s:.6f}",
-        device,
+        harmless_name(device),
         step.event.index,
         step.event.segment,
         step.event.mode.name,

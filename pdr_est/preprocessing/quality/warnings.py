@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
 from pdr_est.preprocessing.quality.sampling_rate import slow_sampling_warnings
@@ -79,7 +81,8 @@ def _coverage_warnings(force: Signal, rate: Signal) -> Iterator[str]:
 def _recorded_s(signal: Signal, within: Signal) -> float:
     """Compute how long a signal was recorded, without its gaps, from the first to the last sample of another."""
     start_s, end_s = within.time_s.min(), within.time_s.max()
-    inside_s = signal.time_s[(signal.time_s >= start_s) & (signal.time_s <= end_s)]
+    # Sorted, because a clock that goes back would count gaps twice and make the duration negative.
+    inside_s = np.sort(signal.time_s[(signal.time_s >= start_s) & (signal.time_s <= end_s)])
     if len(inside_s) < 2:
         return 0.0
     gaps_s = sum(gap.length_s for gap in check_clock(inside_s).gaps)

@@ -94,10 +94,17 @@ def _draw(axes: Axes, segments: list[TimeSeries], steps: TimeSeries, axis: TimeA
     parts = [_within(segment, axis) for segment in segments]
     total = sum(len(time_s) for time_s, _ in parts)
     width = 1.1 if total < 2 * OVERVIEW_BINS else 0.6
-    for time_s, vertical in parts:
-        if len(time_s):
-            line_s, line = svg.min_max_envelope(time_s, vertical, max(2, OVERVIEW_BINS * len(time_s) // total))
-            axes.plot(axis(line_s), line, color=svg.MUTED, linewidth=width)
+    # One line with breaks: thousands of single lines would take minutes.
+    broken = (np.array([np.nan]), np.array([np.nan]))
+    pieces = [
+        piece
+        for time_s, vertical in parts
+        if len(time_s)
+        for piece in (svg.min_max_envelope(time_s, vertical, max(2, OVERVIEW_BINS * len(time_s) // total)), broken)
+    ]
+    if pieces:
+        line_s, line = (np.concatenate(column) for column in zip(*pieces[:-1], strict=True))
+        axes.plot(axis(line_s), line, color=svg.MUTED, linewidth=width)
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     shown_s, heights = _within(steps, axis)
     draw_dots(axes, axis(shown_s), heights, colour)

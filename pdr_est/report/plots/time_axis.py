@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
 from pdr_est.frames import Array
@@ -54,12 +56,29 @@ class TimeAxis:
 
     def apply(self, axes: Axes, gaps: Sequence[Gap]) -> None:
         """Set limits and ticks, and shade what was not recorded."""
-        for gap in gaps:
-            axes.axvspan(*self(np.array([gap.start_s, gap.end_s])), facecolor=svg.MUTED, alpha=0.18, linewidth=0)
+        self._shade(axes, gaps)
         steps = [1, 2, 5, 10] if self.unit[1] == "s" else [1, 1.5, 3, 6, 10]  # quarters of an hour, not fifths
         axes.set_xlim(*self(np.array([self.begin_s, self.end_s])))
         axes.xaxis.set_major_locator(MaxNLocator(12, steps=steps))
         axes.ticklabel_format(axis="x", style="plain", useOffset=False)
+
+    def _shade(self, axes: Axes, gaps: Sequence[Gap]) -> None:
+        """Shade all gaps as a single shape, however many they are; those of several channels that overlap are one."""
+        spans: list[list[float]] = []
+        for gap in sorted(gaps, key=lambda one: one.start_s):
+            if spans and gap.start_s <= spans[-1][1]:
+                spans[-1][1] = max(spans[-1][1], gap.end_s)
+            else:
+                spans.append([gap.start_s, gap.end_s])
+        if not spans:
+            return
+        x = self(np.array(spans))
+        corners = [[(a, 0.0), (a, 1.0), (b, 1.0), (b, 0.0), (a, 0.0)] for a, b in x]
+        box = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+        shape = Path(np.concatenate(corners), box * len(corners))
+        axes.add_patch(
+            PathPatch(shape, facecolor=svg.MUTED, alpha=0.18, linewidth=0, transform=axes.get_xaxis_transform())
+        )
 
 
 def time_axis(walk: SmoothedWalk) -> TimeAxis:

@@ -125,6 +125,20 @@ def test_an_incomplete_surveyed_point_is_left_out_and_reported(tmp_path: Path) -
     assert recording.notes == ("1 of 3 surveyed points are incomplete and are left out",)
 
 
+@pytest.mark.parametrize("place", ["0;0", "91;11.111", "49.461;181"])
+@pytest.mark.parametrize("time_s", [0.01, 0.19])
+def test_a_surveyed_point_without_a_possible_place_is_left_out_and_reported(
+    tmp_path: Path, place: str, time_s: float
+) -> None:
+    bad = f"POSI;{time_s};3;{place};0;100\n"
+    recording = read_text(tmp_path, walk() + (bad + POINTS if time_s < 0.05 else POINTS + bad))
+    assert recording.truth.positions is not None
+    assert len(recording.truth.positions.time_s) == 2
+    assert recording.origin is not None
+    assert recording.origin.latitude_deg == 49.461
+    assert "1 of 3 surveyed points have no possible latitude and longitude" in recording.notes[0]
+
+
 def test_gnss_rows_are_fixes_in_the_frame_of_the_truth(tmp_path: Path) -> None:
     recording = read_text(tmp_path, walk() + POINTS + GNSS)
     first, second = recording.fixes

@@ -8,6 +8,7 @@ import polars as pl
 
 from pdr_est.errors import OutputError
 from pdr_est.io.formats.exchange.left_out import left_out, only_device
+from pdr_est.types.csv_cells import harmless_cell
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording, Signal
 from pdr_est.types.sensors import AttitudeReference
@@ -57,7 +58,9 @@ def write_sensor_logger_folder(recording: Recording, folder: Path) -> tuple[str,
         for name, frame in tables.items():
             if frame is not None:
                 frame.write_csv(folder / f"{name}.csv")
-        pl.DataFrame({key: [value] for key, value in metadata.items()}).write_csv(folder / "Metadata.csv")
+        pl.DataFrame({key: [harmless_cell(value)] for key, value in metadata.items()}).write_csv(
+            folder / "Metadata.csv"
+        )
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error}); choose another folder") from error
     others = tuple(fix for fix in recording.fixes if not _is_location(fix, recording))

@@ -166,13 +166,22 @@ def _surveyed_points(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:
     rows = log.numbers("POSI", (1, 3, 4, 5))
     finite = np.isfinite(rows[:, :3]).all(axis=1)
     notes = []
+    latitude_deg, longitude_deg = rows[:, 1], rows[:, 2]
+    unplaced = finite & (((latitude_deg == 0.0) & (longitude_deg == 0.0)) | (np.abs(latitude_deg) > 90.0))
+    unplaced |= finite & (np.abs(longitude_deg) > 180.0)
+    if unplaced.any():
+        notes.append(
+            f"{np.count_nonzero(unplaced)} of {len(rows)} surveyed points have no possible latitude and longitude, "
+            "such as (0, 0), and are left out"
+        )
+    placed = finite & ~unplaced
     if not finite.all():
         notes.append(f"{np.count_nonzero(~finite)} of {len(rows)} surveyed points are incomplete and are left out")
-    known_floors = rows[finite & np.isfinite(rows[:, 3]), 3].tolist()
+    known_floors = rows[placed & np.isfinite(rows[:, 3]), 3].tolist()
     floors = [f"{floor:g}" for floor in dict.fromkeys(known_floors)]
     if len(floors) > 1:
         notes.append(f"surveyed points lie on floors {', '.join(floors)}")
-    return rows[finite, :3], tuple(notes)
+    return rows[placed, :3], tuple(notes)
 
 
 def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:
