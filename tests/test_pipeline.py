@@ -79,10 +79,10 @@ def shown(walk: SmoothedWalk) -> tuple[int, float, float, float, float]:
 @pytest.mark.parametrize(
     ("config", "golden"),
     [
-        (DEAD_RECKONING, (69, 47.767179, 29.122351, 18.973943, 1.589747)),
+        (DEAD_RECKONING, (69, 47.767201, 28.785941, 19.161341, 1.611659)),
         (
             replace(DEAD_RECKONING, steps=StepsParams(detector="mmpdr")),
-            (70, 48.334677, 29.447226, 19.132427, 1.554479),
+            (70, 48.334586, 29.102178, 19.324564, 1.576635),
         ),
     ],
     ids=["defaults", "mmpdr"],

@@ -182,7 +182,8 @@ def _times(table: NumberTable, recording: Recording) -> Array:
     finite = time_s[np.isfinite(time_s)]
     middle_s = float(np.median(finite)) if len(finite) else 0.0
     start_s, end_s = _time_span_s(recording)
-    if middle_s < _EPOCH_FROM_S or start_s - TIME_MARGIN_S <= middle_s <= end_s + TIME_MARGIN_S:
+    counts_from_1970 = start_s >= _EPOCH_FROM_S  # by the recording's own clock
+    if middle_s < _EPOCH_FROM_S or counts_from_1970 or start_s - TIME_MARGIN_S <= middle_s <= end_s + TIME_MARGIN_S:
         return time_s
     if middle_s > _MILLISECONDS_FROM_S:
         raise RecordingError(
