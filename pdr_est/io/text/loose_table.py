@@ -120,6 +120,8 @@ def _fast(
     """Parse the wanted columns in one pass; None where a cell is no number or a row has another length."""
     if layout.decimal_comma and layout.separator == ",":
         return None
+    if source[0].count(b'"') % 2 == 1:  # one that is not closed would make one cell of all that follows
+        return None
     content, in_file = source
     names = dict(zip(layout.titles, in_file, strict=True))
     last = in_file[-1]
