@@ -67,6 +67,7 @@ def test_a_walk_that_fails_leaves_the_others(folder: Path, lines: list[str], tmp
     assert [bool(reason) for reason in failed] == [False, True, False]
 
 
+@pytest.mark.slow
 def test_several_processes_give_the_same(folder: Path, tmp_path: Path) -> None:
     pattern = folder / "[ab].csv"
     assert run("smooth", pattern, "-o", tmp_path / "one", "--each").exit_code == 0
@@ -129,6 +130,7 @@ def test_each_walk_is_learnt(walk: Walk, tmp_path: Path) -> None:
     assert (tmp_path / "me.yaml").read_text(encoding="utf-8").count("sha256:") == 2
 
 
+@pytest.mark.slow
 def test_steps_and_inspect_of_a_folder(folder: Path, tmp_path: Path) -> None:
     for command in ("steps", "inspect"):
         table = tmp_path / f"{command}.csv"

@@ -10,7 +10,7 @@ def test_too_little_memory_ends_with_exit_code_2_in_words(monkeypatch: pytest.Mo
     def fill(*_: object, **__: object) -> None:
         raise MemoryError(words)
 
-    monkeypatch.setattr("pdr_est.cli.recording_options.read", fill)
+    monkeypatch.setattr("pdr_est.cli.recording_part.read", fill)
     result = run("inspect", "any.csv")
     assert result.exit_code == 2
     assert "memory of this computer is not enough" in result.stderr

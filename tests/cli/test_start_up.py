@@ -110,6 +110,7 @@ def test_the_settings_that_a_benchmark_compares_are_those_of_the_package() -> No
     assert {axis.name: (axis.values, axis.value_in(Config())) for axis in AXES} == dict(choices.COMPARED)
 
 
+@pytest.mark.slow
 def test_a_command_loads_only_what_it_uses(good: Path, tmp_path: Path) -> None:
     never = {"sklearn", "pymap3d", "multiprocessing", "rich", *PICTURES}
     call_without(never | ESTIMATION, ["inspect", str(good)], ["steps", str(good)])

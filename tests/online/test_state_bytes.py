@@ -141,7 +141,7 @@ def test_a_state_of_something_else_is_refused(root: Any) -> None:
         Tracker.restore(with_table(lambda _: [root]))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.data())
 def test_a_table_that_was_changed_raises_nothing_but_refusals(data: st.DataObject) -> None:
     def change(table: list[Any]) -> list[Any]:

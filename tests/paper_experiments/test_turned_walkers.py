@@ -19,4 +19,4 @@ def test_no_walk_is_turned_unawares(corners: Corners, walks: int) -> None:
 def test_priors_do_not_decide_between_a_corner_and_half_of_it() -> None:
     """A corner of 45 degrees beside a change: priors on both sides of it made the wrong turn sure."""
     errors = heading_errors(simulate_walk(walker(60105, "mixed")))
-    assert not errors.turned
+    assert not errors.unawares
