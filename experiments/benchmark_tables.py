@@ -41,7 +41,7 @@ ROWS = (
     ("oxiod", "large-scale/hand", "OxIOD, office loops, hand"),
     ("oxiod", "large-scale/pocket", "OxIOD, office loops, pocket"),
     ("oxiod", "large-scale/bag", "OxIOD, office loops, bag"),
-    ("walks", "humolire", "humolire, corridors, held"),
+    ("walks", "humolire", "humolire, corridors, held, heights known"),
     ("walks", "rfbr", "rfbr, held upright"),
     ("walks", "ridi", "RIDI, loops, hand, belt, bag and pocket"),
     ("walks", "oxiod-vicon", "OxIOD, other users in a small room"),
