@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from spelt_tables import spelt_table
 from table_walk import table_walk
@@ -38,14 +38,19 @@ def check_spelling(folder: Path, seed: int) -> None:
     assert right or told, table.header
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(seed=SEEDS)
 def test_some_spellings_are_read_to_the_same_samples(tmp_path: Path, seed: int) -> None:
     check_spelling(tmp_path, seed)
 
 
 @pytest.mark.slow
-@settings(max_examples=1000, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=1000, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(seed=SEEDS)
+@example(seed=1_029_363_966)  # ROS titles with a unit
 def test_many_spellings_are_read_to_the_same_samples(tmp_path: Path, seed: int) -> None:
     check_spelling(tmp_path, seed)

@@ -48,7 +48,9 @@ def _mapping(layout: TableLayout) -> TableMapping:
         titles = [title_with_end(layout, rf"{stem}[./_]{axis}") for axis in axes]
         if all(titles):
             known[quantity] = (titles, None if quantity is Quantity.ATTITUDE else 1.0)
-    mapping = with_columns(layout, known, without=(Quantity.LINEAR, Quantity.ROTATION_VECTOR))
+    # Titles with more than the field, such as a unit, are left to what titles mean everywhere.
+    named = (Quantity.LINEAR,) if Quantity.FORCE in known else ()
+    mapping = with_columns(layout, known, without=(*named, Quantity.ROTATION_VECTOR))
     seconds = title_with_end(layout, r"stamp[./_](?:secs?)")
     nanoseconds = title_with_end(layout, r"stamp[./_](?:n(?:ano)?secs?)")
     stamp = title_with_end(layout, r"header[./_]stamp")
