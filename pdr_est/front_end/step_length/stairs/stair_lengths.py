@@ -6,12 +6,11 @@ from dataclasses import replace
 from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
 from pdr_est.front_end.step_length.stairs.flight_watch import FlightWatch
 from pdr_est.front_end.step_length.stairs.stair_params import StairParams
-from pdr_est.front_end.step_length.stairs.vertical_motion import VerticalMotionMeter
+from pdr_est.front_end.step_length.stairs.vertical_motion import VerticalMotionMeter, step_duration_s
 from pdr_est.front_end.step_length.walk_run_model import share_of_running
 from pdr_est.types.steps import CarryingMode, Step
 
 _TRUSTED = (CarryingMode.HOLDING, CarryingMode.UNKNOWN)  # the vertical velocity is that of the body
-_LEAST_DURATION_S = 0.1
 
 
 class StairLengths:
@@ -56,8 +55,7 @@ class StairLengths:
         step = self._waiting.popleft()
         if not on_stairs:
             return step
-        cadence_hz = 1.0 / max(step.event.time_s - step.start_s, _LEAST_DURATION_S)
-        on_stairs *= 1.0 - share_of_running(step, cadence_hz)
+        on_stairs *= 1.0 - share_of_running(step, 1.0 / step_duration_s(step))
         length_m, sigma_m = mixture_mean_and_sigma(
             on_stairs,
             (step.length_m, step.sigma_length_m),

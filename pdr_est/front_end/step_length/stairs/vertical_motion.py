@@ -56,8 +56,8 @@ class VerticalMotionMeter:
         if begins:
             previous, self._velocity_mps = None, 0.0
         self._previous = step
-        step_s = _duration_s(step)
-        pace_s = step_s if previous is None else 0.5 * (step_s + _duration_s(previous))
+        step_s = step_duration_s(step)
+        pace_s = step_s if previous is None else 0.5 * (step_s + step_duration_s(previous))
         mean_mps = float("nan")
         if len(samples):
             period_s = step_s / len(samples)
@@ -76,7 +76,8 @@ def _follows(step: Step, previous: Step | None) -> bool:
     return previous is not None and step.samples.first_index == previous.samples.first_index + len(previous.samples)
 
 
-def _duration_s(step: Step) -> float:
+def step_duration_s(step: Step) -> float:
+    """Return the duration of a step, s, at least a tenth of a second."""
     return max(step.event.time_s - step.start_s, _LEAST_DURATION_S)
 
 

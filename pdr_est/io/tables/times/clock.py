@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.conversion.units import Conversion, detect_clock_unit
+from pdr_est.io.conversion.units import EARLIEST_UNIX_S, Conversion, detect_clock_unit
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
 from pdr_est.io.tables.times.counter import unwrap_counter
 from pdr_est.io.tables.times.dates import KNOWN_FORMS, DateTimes, parse_dates
 from pdr_est.io.text.loose_table import LooseTable
 
-_EARLIEST_UNIX_S = 9e8  # smaller clocks count from something else
 _AS_FINE = 0.9  # share of the distinct stamps of the finest column, from which on the order of the columns decides
 _FEWEST_KNOWN = 0.5
 _RATE_HZ = (0.2, 5000.0)  # a stated unit outside of this contradicts the values
@@ -145,7 +144,7 @@ def _candidate(loose: LooseTable, column: ClockColumn, given: bool) -> _Candidat
             return None
         ticks, unit = _joined_ticks(loose, column, ticks, known)
     first_s = float(ticks[known][0]) * unit.factor
-    return _Candidate(column, ticks, known, unit, first_s > _EARLIEST_UNIX_S, _count_stamps(ticks[known]))
+    return _Candidate(column, ticks, known, unit, first_s > EARLIEST_UNIX_S, _count_stamps(ticks[known]))
 
 
 def _count_stamps(ticks: NDArray[Any]) -> int:
