@@ -29,6 +29,30 @@ class Stage(Protocol):
         ...
 
 
+@runtime_checkable
+class BatchStage(Stage, Protocol):
+    """A stage that also takes many items at once, at less cost than one after the other.
+
+    `pdr_est.testing` tests that the outputs are those of `push` to the last bit, wherever the batches are cut.
+    """
+
+    def push_all(self, items: Sequence[Any], /) -> list[Any]:
+        """Take items in their order, and return the outputs that are now certain."""
+        ...
+
+
+def push_all(stage: Stage, items: Sequence[Any]) -> list[Any]:
+    """Give items in their order to a stage, at once where it can take them so, and return what it emits."""
+    if isinstance(stage, BatchStage):
+        return stage.push_all(items)
+    return [output for item in items for output in stage.push(item)]
+
+
+def run_through(stage: Stage, items: Sequence[Any]) -> list[Any]:
+    """Give all items of a recording to a stage, flush it, and return what it emits."""
+    return push_all(stage, items) + stage.flush()
+
+
 class Parallel:
     """Stages that each take every item, one after the other; itself a stage.
 
@@ -76,6 +100,10 @@ class Chain:
         """Pass one item through all stages."""
         return self._run([item], self.stages)
 
+    def push_all(self, items: Sequence[Any], /) -> list[Any]:
+        """Pass many items through all stages, each stage after the one before it."""
+        return self._run(items, self.stages)
+
     def flush(self) -> list[Any]:
         """Flush each stage in turn, and pass what it held back through the stages behind it."""
         outputs: list[Any] = []
@@ -86,5 +114,5 @@ class Chain:
     @staticmethod
     def _run(items: Sequence[Any], stages: Sequence[Stage]) -> list[Any]:
         for stage in stages:
-            items = [output for item in items for output in stage.push(item)]
+            items = push_all(stage, items)
         return list(items)

@@ -1,8 +1,12 @@
 """The chain of stages: order, the flush that runs down the chain, and the latency."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from pdr_est.stage import Chain, Stage
+import pytest
+
+from pdr_est.stage import Chain, Stage, push_all, run_through
+from pdr_est.testing import check_partition
 
 
 @dataclass
@@ -61,3 +65,38 @@ def test_a_chain_is_a_stage_and_may_be_part_of_another() -> None:
     inner = Chain([Pairs(), Repeat()])
     assert Chain([inner, Pairs()]).push(5) == []
     assert [output for item in (5, 6) for output in Chain([Chain([Repeat()]), Pairs()]).push(item)] == [10, 12]
+
+
+class SumOfTwo:
+    """Emits the sum of each two numbers; takes many at once."""
+
+    latency_s = 0.0
+
+    def __init__(self, forgets: bool = False) -> None:
+        self.held: list[float] = []
+        self.forgets = forgets
+
+    def push(self, item: float, /) -> list[float]:
+        return self.push_all([item])
+
+    def push_all(self, items: Sequence[float], /) -> list[float]:
+        numbers = [*self.held, *items]
+        pairs = len(numbers) // 2
+        self.held = [] if self.forgets and len(items) > 1 else numbers[2 * pairs :]
+        return [numbers[2 * i] + numbers[2 * i + 1] for i in range(pairs)]
+
+    def flush(self) -> list[float]:
+        return [sum(self.held)] if self.held else []
+
+
+def test_a_chain_gives_a_batch_to_a_stage_at_once_and_single_items_to_another() -> None:
+    numbers = [1.0, 2.0, 4.0, 8.0, 16.0]
+    assert push_all(SumOfTwo(), numbers) == [3.0, 12.0]
+    assert run_through(Chain([SumOfTwo(), SumOfTwo()]), numbers) == [15.0, 16.0]
+
+
+def test_a_batch_stage_whose_batches_differ_from_single_items_is_refused() -> None:
+    numbers = [float(i) for i in range(41)]
+    check_partition(SumOfTwo, numbers, [numbers])
+    with pytest.raises(AssertionError, match="by push_all"):
+        check_partition(lambda: SumOfTwo(forgets=True), numbers, [numbers])

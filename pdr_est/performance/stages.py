@@ -1,7 +1,7 @@
 """CPU time of each stage of the chain, on a simulated walk with two phones."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 from pdr_est import pipeline
@@ -12,7 +12,7 @@ from pdr_est.front_end.odometry import Odometry
 from pdr_est.pipeline.front_end_chain import levelling, stepping, whole_walk_corrections
 from pdr_est.simulate import simulate_walk
 from pdr_est.simulate.people.population import PopulationParams, sample_population
-from pdr_est.stage import Stage
+from pdr_est.stage import Stage, run_through
 from pdr_est.types.recording import Recording
 
 RATE_HZ = 50.0
@@ -43,7 +43,7 @@ def stage_seconds(recording: Recording, minutes: float, config: Config) -> dict[
         stages: list[Stage] = [*to_level.stages, *stepping(config).stages, *corrections.stages]
         items: list[Any] = list(device.blocks())
         for stage in [*stages, Odometry(device.name, config.odometry)]:
-            items = timed(spent, type(stage).__name__, lambda stage=stage, items=items: _run(stage, items))  # type: ignore[misc]
+            items = timed(spent, type(stage).__name__, lambda stage=stage, items=items: run_through(stage, items))  # type: ignore[misc]
     walks = pipeline.analyse_recording(recording, config)
     for name in ESTIMATORS:
         timed(spent, name, lambda name=name: pipeline.estimate_tracks(walks, config.with_estimator(name)))  # type: ignore[misc]
@@ -56,7 +56,3 @@ def timed(spent: dict[str, float], name: str, work: Callable[[], T]) -> T:
     result = work()
     spent[name] = spent.get(name, 0.0) + time.process_time() - begin
     return result
-
-
-def _run(stage: Stage, items: Sequence[Any]) -> list[Any]:
-    return [output for item in items for output in stage.push(item)] + list(stage.flush())

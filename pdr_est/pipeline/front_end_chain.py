@@ -29,7 +29,7 @@ from pdr_est.preprocessing.quality.requirements import (
     required_channels,
 )
 from pdr_est.preprocessing.resampling import Resampler
-from pdr_est.stage import Chain, Parallel, Stage
+from pdr_est.stage import Chain, Parallel, Stage, run_through
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import Channel
@@ -66,18 +66,18 @@ def analyse_device(
         If a part cannot be made.
     """
     resampler, to_level = levelling(device, place, config, parts, north)
-    level = _run(to_level, device.blocks())
+    level = run_through(to_level, device.blocks())
     if not level:
         raise explain_empty_grid(device, place, config.resample.max_gap_s)
-    steps = _run(stepping(config, parts), level)
+    steps = run_through(stepping(config, parts), level)
     has_heading = has_gyroscope(device)
     causal = measuring(device.name, config, north)
-    odometry = _run(causal, steps) if has_heading else []
+    odometry = run_through(causal, steps) if has_heading else []
     corrections = whole_walk_corrections(config, parts) if at_the_end and has_heading else NO_CORRECTIONS
     whole_walk_odometry = odometry
     if corrections.stages:
         measured = measuring(device.name, config, north, at_the_end=corrections.heading is not None)
-        whole_walk_odometry = _run(measured, _run(Chain(corrections.stages), steps))
+        whole_walk_odometry = run_through(measured, run_through(Chain(corrections.stages), steps))
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
@@ -256,8 +256,3 @@ def _given_or(
         return configured()
     own: Stage = given_part(part, STAGE, f"Parts: {name}", {"rate_hz": rate_hz, **offered})
     return own
-
-
-def _run(stage: Any, items: Any) -> list[Any]:
-    outputs = [output for item in items for output in stage.push(item)]
-    return outputs + list(stage.flush())

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pdr_est.stage import BatchStage
 from pdr_est.testing.partitions import cut_finely, cut_randomly, exact_content, run_stage, slice_block
 from pdr_est.types.sensors import ImuBlock, LevelBlock, SensorBlock
 
@@ -99,8 +100,23 @@ def check_partition(
         found, other = run_stage(factory(), pieces, restore_at)
         where = f"{name}, cut {number} of {len(cuttings)} into {len(pieces)} pieces"
         _refuse_difference(exact_content(found), expected, where)
+        _check_batches(factory, pieces, rng, expected, where)
         if compare is not None:
             assert compare(other) == compare(stage), f"{where}: ends in {compare(other)}, uncut in {compare(stage)}"
+
+
+def _check_batches(
+    factory: Callable[[], Any], items: Sequence[Any], rng: np.random.Generator, expected: list[Any], where: str
+) -> None:
+    """Check a stage that takes many items at once: batches cut at random give what single items give."""
+    stage = factory()
+    if not isinstance(stage, BatchStage):
+        return
+    outputs: list[Any] = []
+    cuts = sorted(int(cut) for cut in rng.integers(0, len(items) + 1, _RANDOM_CUTS))
+    for begin, end in zip([0, *cuts], [*cuts, len(items)], strict=True):
+        outputs += stage.push_all(items[begin:end])
+    _refuse_difference(exact_content(outputs + stage.flush()), expected, f"{where}, by push_all")
 
 
 def _outputs_of(stage: Any, items: Sequence[Any], name: str) -> list[Any]:
