@@ -66,7 +66,7 @@ def analyse_device(
         If a part cannot be made.
     """
     resampler, to_level = levelling(device, place, config, parts, north)
-    level = run_through(to_level, device.blocks())
+    level = run_through(to_level, tuple(device.blocks()))
     if not level:
         raise explain_empty_grid(device, place, config.resample.max_gap_s)
     steps = run_through(stepping(config, parts), level)
