@@ -45,7 +45,7 @@ LIBRARIES = {
     "gtsam": ("estimators.factor_graph", "estimators.fixed_lag", "performance.smoothing"),
     "filterpy": ("estimators.kalman",),
     "sklearn": ("front_end.gait",),
-    "vqf": ("front_end.attitude",),
+    "vqf": ("front_end.attitude", "performance.yardsticks"),
     "pygeomag": ("front_end.heading.north",),
     # A track gives data frames and drawings of itself; both libraries are imported at use.
     "polars": ("io", "types.track", "types.track_table"),

@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.estimators import ESTIMATORS, estimate_walk
 from pdr_est.performance import print_speed, run_speed
 from pdr_est.performance.growth import growth
 from pdr_est.performance.odometry import START, walk_of
 from pdr_est.performance.smoothing import smoothing_seconds
+from pdr_est.performance.stages import RATE_HZ, two_phones
+from pdr_est.performance.whole_chain import TEXTBOOK_CHAIN, VQF_ALONE
+from pdr_est.performance.yardsticks import inertial_arrays, textbook_track
 
 
 @pytest.mark.slow
@@ -21,12 +25,18 @@ def test_every_part_is_measured() -> None:
         Config(),
         lengths_min=(1.0,),
         on_progress=lambda *at: calls.append(at),
+        chain_min=0.5,
         recorded_min=0.5,
         smoothed_steps=(50,),
         online_min=0.5,
     )
-    assert calls[-1] == (6, 6)
+    assert calls[-1] == (7, 7)
     document = result.to_dict()
+    assert [(row["devices"], row["chain"]) for row in document["chains"]] == [
+        (devices, name) for devices in (1, 2) for name in (VQF_ALONE, TEXTBOOK_CHAIN, *ESTIMATORS)
+    ]
+    assert all(row["over_textbook"] == 1.0 for row in document["chains"] if row["chain"] == TEXTBOOK_CHAIN)
+    assert all(row["over_vqf"] >= 1.0 for row in document["chains"] if row["chain"] in ESTIMATORS)
     assert {"clock", "Resampler", "VqfAttitude", "Odometry", *ESTIMATORS} <= document[
         "stage_seconds_per_minute"
     ].keys()
@@ -40,6 +50,17 @@ def test_every_part_is_measured() -> None:
     words = io.StringIO()
     print_speed(result, Console(file=words, width=160))
     assert "fixed-lag" in words.getvalue().split("online, ms")[1]
+
+
+def test_the_textbook_chain_walks_the_way_that_it_is_timed_for() -> None:
+    """A yardstick that found no steps would be fast for nothing."""
+    recording = two_phones(2.0)
+    walks = pipeline.analyse_recording(recording, Config())
+    truth = pipeline.estimate_tracks(walks, Config()).of_device(recording.devices[0].name)
+    track_m = textbook_track(inertial_arrays(recording.devices[0], RATE_HZ))
+    assert len(track_m) == pytest.approx(len(truth.time_s), rel=0.1)
+    way_m = np.linalg.norm(np.diff(track_m, axis=0), axis=1).sum()
+    assert way_m == pytest.approx(np.linalg.norm(np.diff(truth.position_m, axis=0), axis=1).sum(), rel=0.3)
 
 
 @pytest.mark.slow
