@@ -7,7 +7,9 @@ READY := $(VENV)/.ready
 READY_FOR_DOCS := $(VENV)/.ready-for-docs
 PARALLEL := -n auto --dist loadfile
 
-.PHONY: demo test test-all check docs format clean
+FUZZ_MINUTES ?= 30
+
+.PHONY: demo test test-all fuzz check docs format clean
 
 demo: $(READY)  ## simulate a walk, smooth it, write a report
 	$(BIN)/pdr-est demo -o demo-out
@@ -17,6 +19,9 @@ test: $(READY)  ## the fast tests
 
 test-all: $(READY)  ## all tests
 	$(BIN)/python -m pytest $(PARALLEL)
+
+fuzz: $(READY)  ## random damage to all inputs for FUZZ_MINUTES; what fails joins the corpus of the tests
+	PDR_EST_FUZZ_MINUTES=$(FUZZ_MINUTES) $(BIN)/python -m pytest tests/fuzz
 
 check: $(READY)  ## lint, format and types
 	$(BIN)/ruff check .
