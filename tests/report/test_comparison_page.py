@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE
-from pdr_est.evaluate.paired_comparison import compare_paired
+from pdr_est.evaluate.paired_comparison import PairedValues, compare_pairs
 from pdr_est.report.comparison.page import ComparisonContent, render_comparison
 from pdr_est.report.comparison.plots import plot_distribution, plot_growth
 from pdr_est.report.comparison.tables import averages_table, groups_table, modes_table, pairs_table, steps_table
@@ -51,15 +51,14 @@ def content() -> ComparisonContent:
     far = [outcome(number, "far", float(number)) for number in range(1, 7)]
     near = [outcome(number, "near", 0.1 * number) for number in range(1, 7)]
     values = [{one.walk: one.metrics["error_heldout_m"] or 0.0 for one in rows} for rows in (far, near)]
-    pair = compare_paired("error_heldout_m", "far", "near", *values)
-    assert pair is not None
+    pairs = compare_pairs([PairedValues("error_heldout_m", "far", "near", *values)])
     return ComparisonContent(
         title="Far & <near>",
         variants=("far", "near"),
         metrics=METRICS,
         group_by=("group",),
         outcomes=tuple(one for both in zip(far, near, strict=True) for one in both),
-        pairs=(pair,),
+        pairs=pairs,
         failed=1,
         failures=(("walk9", "no <step> found"),),
         config="data: {}\n",

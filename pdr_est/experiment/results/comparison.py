@@ -10,11 +10,9 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, marked, unit_of
-from pdr_est.evaluate.paired_comparison import PairedComparison, compare_paired
+from pdr_est.evaluate.paired_comparison import PairedComparison, PairedValues, compare_pairs
 from pdr_est.experiment.results.result_folder import CONFIG, PROVENANCE, RESULTS
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
 from pdr_est.experiment.variants.alignment import aligned_in_file
@@ -87,7 +85,7 @@ def read_values(folders: Sequence[Path], track: str | None = None, metrics: Sequ
             raise ConfigError(f"unknown metric {metric!r}: {nearest(metric, sorted(known))}")
     return {
         metric: {
-            variant: {walk: float(np.mean(values)) for walk, values in walks.items()}
+            variant: {walk: sum(values) / len(values) for walk, values in walks.items()}
             for variant, walks in collected[metric].items()
         }
         for metric in metrics or collected
@@ -160,7 +158,7 @@ def compare_variants(values: Values, reference: str | None = None) -> tuple[Pair
     """
     if all(len(of_metric) < 2 for of_metric in values.values()):
         raise ConfigError("there is one variant only: give several, or the folders of several experiments")
-    found = []
+    found: list[PairedValues] = []
     for metric in values:
         variants = list(values[metric])
         if reference is not None and reference not in variants:
@@ -168,10 +166,11 @@ def compare_variants(values: Values, reference: str | None = None) -> tuple[Pair
         pairs: Iterable[tuple[str, str]] = combinations(variants, 2)
         if reference is not None:
             pairs = ((reference, other) for other in variants if other != reference)
-        for first, second in pairs:
-            pair = compare_paired(metric, first, second, values[metric][first], values[metric][second])
-            found += [] if pair is None else [pair]
-    return tuple(found)
+        found += [
+            PairedValues(metric, first, second, values[metric][first], values[metric][second])
+            for first, second in pairs
+        ]
+    return compare_pairs(found)
 
 
 def read_aligned(folders: Sequence[Path]) -> frozenset[str]:

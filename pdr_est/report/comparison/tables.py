@@ -64,9 +64,9 @@ def averages_table(
 
     Variants in `aligned`, whose estimator only aligns its track with the fixes, are marked where that matters.
     """
-    rows = []
+    rows, of_variant = [], _by_variant(outcomes, variants)
     for metric in metrics:
-        found = [(name, _average(outcomes, name, metric)) for name in variants]
+        found = [(name, _average(of_variant[name], metric)) for name in variants]
         best = _best(metric, [average.mean for _, average in found])
         rows += [
             (
@@ -94,16 +94,17 @@ def groups_table(
     """
     names = sorted({key_of(outcome, key) for outcome in outcomes})
     within = {name: [outcome for outcome in outcomes if key_of(outcome, key) == name] for name in names}
+    tracks = {name: len({(one.walk, one.track) for one in rows_of}) for name, rows_of in within.items()}
+    cells_of = {name: _by_variant(rows_of, variants) for name, rows_of in within.items()}
     if len(variants) > max(_MOST_COLUMNS, len(names)):
-        return _groups_aside(within, variants, metrics, key)
+        return _groups_aside(cells_of, tracks, variants, metrics, key)
     rows = []
     for metric in metrics:
         for name in names:
-            means = [_average(within[name], variant, metric).mean for variant in variants]
+            means = [_average(cells_of[name][variant], metric).mean for variant in variants]
             best = _best(metric, means)
             cells = [TableCell(format_metric(mean), strong=place == best) for place, mean in enumerate(means)]
-            count = len({(outcome.walk, outcome.track) for outcome in within[name]})
-            rows.append((metric_cell(metric), TableCell(name), TableCell(str(count)), *cells))
+            rows.append((metric_cell(metric), TableCell(name), TableCell(str(tracks[name])), *cells))
     headings = (
         TableCell("metric"),
         TableCell(key),
@@ -114,12 +115,16 @@ def groups_table(
 
 
 def _groups_aside(
-    within: Mapping[str, Sequence[TrackOutcome]], variants: Sequence[str], metrics: Sequence[str], key: str
+    within: Mapping[str, Mapping[str, Sequence[TrackOutcome]]],
+    tracks: Mapping[str, int],
+    variants: Sequence[str],
+    metrics: Sequence[str],
+    key: str,
 ) -> ReportTable:
     """Tabulate the same with one column for each value of the key."""
     rows = []
     for metric in metrics:
-        means = [[_average(rows_of, variant, metric).mean for variant in variants] for rows_of in within.values()]
+        means = [[_average(of_variant[name], metric).mean for name in variants] for of_variant in within.values()]
         best = [_best(metric, column) for column in means]
         for place, variant in enumerate(variants):
             cells = [
@@ -128,10 +133,8 @@ def _groups_aside(
             ]
             rows.append((metric_cell(metric), TableCell(variant), *cells))
     headings = (TableCell("metric"), TableCell("variant"), *(TableCell(name) for name in within))
-    tracks = ", ".join(
-        f"{name} {len({(one.walk, one.track) for one in rows_of})}" for name, rows_of in within.items()
-    )
-    return ReportTable(f"Means by {key}", headings, tuple(rows), texts=2, note=f"Number of tracks: {tracks}.")
+    numbers = ", ".join(f"{name} {number}" for name, number in tracks.items())
+    return ReportTable(f"Means by {key}", headings, tuple(rows), texts=2, note=f"Number of tracks: {numbers}.")
 
 
 def pairs_table(found: Iterable[PairedComparison], note: str = "", aligned: Collection[str] = ()) -> ReportTable:
@@ -239,9 +242,16 @@ def format_difference(difference: float) -> str:
     return ("+" if difference > 0.0 else "") + format_number(difference, 3)
 
 
-def _average(outcomes: Iterable[TrackOutcome], variant: str, metric: str) -> Average:
-    rows = [outcome for outcome in outcomes if outcome.variant == variant]
-    return pooled_average(metric, ((outcome.metrics[metric], outcome.counts) for outcome in rows))
+def _by_variant(outcomes: Iterable[TrackOutcome], variants: Sequence[str]) -> dict[str, list[TrackOutcome]]:
+    """Sort results by the name of the variant."""
+    found: dict[str, list[TrackOutcome]] = {name: [] for name in variants}
+    for outcome in outcomes:
+        found[outcome.variant].append(outcome)
+    return found
+
+
+def _average(outcomes: Iterable[TrackOutcome], metric: str) -> Average:
+    return pooled_average(metric, ((outcome.metrics[metric], outcome.counts) for outcome in outcomes))
 
 
 def _best(metric: str, means: Sequence[float | None]) -> int | None:
