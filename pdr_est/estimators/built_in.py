@@ -130,6 +130,10 @@ def _ekf(walk: _Walk) -> Track:
 
 
 def _factor_graph(walk: _Walk) -> Track:
+    from pdr_est.estimators.heading_chain import chain_smoother
+
+    if chain_smoother.positions_follow(walk.timelines, walk.tethers):
+        return chain_smoother.estimate(walk.timelines, walk.start, walk.sigma_length_scale, walk.start_headings_rad)
     from pdr_est.estimators.factor_graph.smoother import estimate
 
     return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.start_headings_rad)

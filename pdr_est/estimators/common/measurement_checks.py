@@ -57,12 +57,13 @@ def refuse_unusable(
                 f"position fix ({fix.source}) at {fix.time_s:.3f} s has the covariance "
                 f"{np.asarray(fix.covariance_m2).tolist()}, which is not positive definite: give it a sigma above 0"
             )
-    for prior in priors:
-        if not np.isfinite((prior.time_s, prior.heading_rad, prior.sigma_rad)).all() or prior.sigma_rad <= 0.0:
-            raise EstimationError(
-                f"heading prior of {device} at {prior.time_s} s is {prior.heading_rad} +- {prior.sigma_rad} rad: "
-                "give it a heading and a sigma above 0"
-            )
+    told = np.array([(prior.time_s, prior.heading_rad, prior.sigma_rad) for prior in priors]).reshape(-1, 3)
+    for row in np.flatnonzero(~(np.isfinite(told).all(axis=1) & (told[:, 2] > 0.0))):
+        prior = priors[int(row)]
+        raise EstimationError(
+            f"heading prior of {device} at {prior.time_s} s is {prior.heading_rad} +- {prior.sigma_rad} rad: "
+            "give it a heading and a sigma above 0"
+        )
     for closure in closures:
         if not np.isfinite(closure.sigma_m) or closure.sigma_m <= 0.0:
             raise EstimationError(f"loop closure of {device} has the sigma {closure.sigma_m} m: give it one above 0")

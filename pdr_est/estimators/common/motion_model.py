@@ -37,6 +37,10 @@ JITTER_VARIANCE = 1e-12
 """Variance far below all that matters; it keeps matrices regular where parts of a state are known exactly."""
 
 
+MIN_SIGMA = 1e-4
+"""Least standard deviation, m or rad, in a smoother; with smaller ones the elimination of a factor graph fails."""
+
+
 @dataclass(frozen=True)
 class SourceState:
     """State of a source of fixes, besides the estimate of its wandering error.
@@ -268,3 +272,10 @@ def reckon_means(nodes: Sequence[Node], first: Array) -> Array:
     heading_rad = np.cumsum(turn_rad)
     steps_m = exp(first[LOG_SCALE]) * length_m[:, None] * np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)
     return np.column_stack([first[:2] + np.cumsum(steps_m, axis=0), heading_rad, np.tile(first[3:], (len(nodes), 1))])
+
+
+def regular_covariances(nodes: Sequence[Node]) -> Array:
+    """Return the covariances (n - 1, 3, 3) of the motions to all nodes but the first, none below `MIN_SIGMA`²."""
+    covariance = np.array([node.covariance for node in nodes[1:]]).reshape(-1, 3, 3)
+    variance, axes = np.linalg.eigh(covariance)
+    return np.asarray((axes * np.maximum(variance, MIN_SIGMA**2)[:, None, :]) @ axes.transpose(0, 2, 1))
