@@ -10,6 +10,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from pdr_est.estimators.common.measurement_checks import averaged_fixes
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry, TurnHypothesis
 from pdr_est.types.steps import CarryingMode
@@ -148,7 +149,7 @@ class NodeBuilder:
             mode = self._steps[0].mode if self._steps else CarryingMode.UNKNOWN
             return [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, mode, standing, priors)]
         step, begin_s = self._steps[number - self._first], self.motion_begin_s(number)
-        inside = _between(fixes, begin_s, step.time_s) if fixes else ()
+        inside = averaged_fixes(_between(fixes, begin_s, step.time_s)) if fixes else ()
         first = bisect_right(split_times_s, begin_s)
         splits = split_times_s[first : bisect_left(split_times_s, step.time_s, first)]
         if not inside and not splits:
@@ -174,7 +175,7 @@ class NodeBuilder:
                 bisect_left(fixes, self.step_end_s(number), key=_time_of),
                 bisect_right(fixes, self.motion_begin_s(number), key=_time_of),
             )
-        return tuple(fixes[begin : bisect_right(fixes, until_s, key=_time_of)])
+        return averaged_fixes(fixes[begin : bisect_right(fixes, until_s, key=_time_of)])
 
     def forget(self, before: int) -> None:
         """Forget the steps before a number, but keep at least the last one."""
