@@ -87,8 +87,9 @@ class Tracker:
         self._flushed = False
         self._reported_missed = 0
         self.refused_fixes = 0
-        for device in devices:
-            self._join(ExpectedDevice(device) if isinstance(device, str) else device)
+        expected = [ExpectedDevice(device) if isinstance(device, str) else device for device in devices]
+        for one in sorted(expected, key=lambda device: device.name):  # as for whole walks
+            self._join(one)
 
     @property
     def devices(self) -> tuple[str, ...]:
