@@ -153,7 +153,8 @@ class NodeBuilder:
         first = bisect_right(split_times_s, begin_s)
         splits = split_times_s[first : bisect_left(split_times_s, step.time_s, first)]
         if not inside and not splits:
-            return [_node_of_step(step, begin_s, standing, priors)]
+            moved = step.length_m, step.heading_change_rad, step.covariance, True, step.length_m
+            return [Node(step.time_s, begin_s, *moved, step.mode, standing, priors, step.turn_hypotheses)]
         nodes = split_step(step, begin_s, inside, splits)
         if standing:
             nodes[-1] = replace(nodes[-1], fixes=standing)
@@ -192,25 +193,6 @@ def sort_fixes(fixes: Iterable[PositionFix]) -> tuple[PositionFix, ...]:
     """Sort fixes by time, those of equal time with the last given first: the order in which estimators use them."""
     latest_first = sorted(fixes, key=_time_of, reverse=True)
     return tuple(reversed(latest_first))
-
-
-def _node_of_step(
-    step: StepOdometry, begin_s: float, fixes: tuple[PositionFix, ...], priors: tuple[HeadingPrior, ...]
-) -> Node:
-    """Return the only node of a step that is not divided."""
-    return Node(
-        step.time_s,
-        begin_s,
-        step.length_m,
-        step.heading_change_rad,
-        step.covariance,
-        True,
-        step.length_m,
-        step.mode,
-        fixes,
-        priors,
-        step.turn_hypotheses,
-    )
 
 
 def split_step(
