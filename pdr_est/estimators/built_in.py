@@ -56,8 +56,24 @@ class BuiltInEstimator:
         """Estimate the track of every device, as the contract says.
 
         For an estimator that smooths, the fixes are compared with the steps first; then it smooths each alternative
-        that the measurements leave open. A filter takes the fixes one by one as they are.
+        that the measurements leave open. A filter takes the fixes one by one as they are. The devices are taken in
+        the order of their names, so that the order in which they are given makes no difference: where nothing tells
+        the direction of the walk, it counts from that of the first device.
         """
+        ordered = sorted(devices, key=lambda one: one.device)
+        track = self._estimate_checked(ordered, _in_order(tethers), start, sigma_length_scale)
+        names = [one.device for one in devices]
+        if names == [one.device for one in ordered]:
+            return track
+        return concatenate([track.of_device(name) for name in names])
+
+    def _estimate_checked(
+        self,
+        devices: Sequence[DeviceMeasurements],
+        tethers: Sequence[DeviceTether],
+        start: StartPose,
+        sigma_length_scale: float,
+    ) -> Track:
         if not self.spec.smooths:
             return self._estimate(devices, tethers, start, sigma_length_scale)
         from pdr_est.estimators.common.length_scale_check import track_scale_finding
@@ -87,6 +103,15 @@ class BuiltInEstimator:
             alternatives,
             lambda one: call(replace(walk, timelines=one.timelines, start_headings_rad=one.start_headings_rad)),
         )
+
+
+def _in_order(tethers: Sequence[DeviceTether]) -> list[DeviceTether]:
+    """Return tethers in order of time and of the names of their devices, also of the two of each."""
+    named = [
+        replace(one, device_a=one.device_b, device_b=one.device_a) if one.device_b < one.device_a else one
+        for one in tethers
+    ]
+    return sorted(named, key=lambda one: (one.time_s, one.device_a, one.device_b))
 
 
 @dataclass(frozen=True)
@@ -130,6 +155,10 @@ def _ekf(walk: _Walk) -> Track:
 
 
 def _factor_graph(walk: _Walk) -> Track:
+    from pdr_est.estimators.heading_chain import chain_smoother
+
+    if chain_smoother.positions_follow(walk.timelines, walk.tethers):
+        return chain_smoother.estimate(walk.timelines, walk.start, walk.sigma_length_scale, walk.start_headings_rad)
     from pdr_est.estimators.factor_graph.smoother import estimate
 
     return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.start_headings_rad)

@@ -1,12 +1,14 @@
 """Dead reckoning: apply MMPDR eq. 1 step by step, with the covariance of the motion model."""
 
-import numpy as np
-
-from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import GaussianState, reckon
+from pdr_est.estimators.common.initial_state import StartPrior, start_prior
+from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.kalman.offline_filter import FilteredSegment, run_filter
+from pdr_est.estimators.kalman.device_filter_step import start_device, step_device
+from pdr_est.estimators.kalman.offline_filter import run_filter
+from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.estimators.kalman.rts_smoother import smooth
+from pdr_est.estimators.reckoned_poses import reckon_poses
+from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 from pdr_est.types.track import Track
 
@@ -28,38 +30,52 @@ def estimate(timeline: Timeline, start: StartPose, sigma_length_scale: float) ->
     sigma_length_scale
         Standard deviation of the walker's length scale around 1.
     """
-    states = _states(timeline, start, sigma_length_scale)
-    mean = np.array([state.mean for state in states])
-    covariance = np.array([state.covariance[:3, :3] for state in states])
-    scale = states[-1].length_scale
+    mean, covariance, scale = _poses(timeline, start, sigma_length_scale)
     return track_from_nodes(timeline, mean[:, :2], mean[:, 2], covariance, "filtered", NAME, scale)
 
 
-def _states(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[GaussianState]:
-    """Dead-reckon the states at all nodes."""
-    prior = start_prior(timeline, start, sigma_length_scale)
+def _poses(
+    timeline: Timeline, start: StartPose, sigma_length_scale: float
+) -> tuple[Array, Array, tuple[float, float]]:
+    """Dead-reckon the poses (n, 3) at all nodes with their covariances (n, 3, 3), and the length scale."""
+    prior, nodes = start_prior(timeline, start, sigma_length_scale), timeline.nodes
     if not prior.heading_open and not prior.position_open:
-        return reckon(timeline.nodes, 0, prior.state)
-    segments = run_filter(timeline, start, sigma_length_scale)
-    before = 0
-    for segment in segments:
-        anchor = _anchor(segment, prior.position_open)
-        if anchor is not None and before == 0 and not prior.heading_open:
-            # One fix can shift a walk but not bend it: the smoother gives the same poses as dead reckoning, and the
-            # exact covariances of the poses before the fix.
-            earlier = smooth(segment.nodes[: anchor + 1], segment.states[: anchor + 1])[:-1]
-            return earlier + reckon(timeline.nodes[anchor:], 0, segment.states[anchor])
-        if anchor is not None:
-            return reckon(timeline.nodes, before + anchor, segment.states[anchor - (segment.aligned_from or 0)])
-        before += len(segment.nodes)
-    return reckon(timeline.nodes, *segments[0].open_anchor())
+        return *reckon_poses(nodes, 0, prior.state), prior.state.length_scale
+    begin, states = _until_known(timeline, prior)
+    if not states:
+        anchor, state = run_filter(timeline, start, sigma_length_scale)[0].open_anchor()
+        return *reckon_poses(nodes, anchor, state), state.length_scale
+    anchor, state = begin + len(states) - 1, states[-1]
+    pose, covariance = reckon_poses(nodes, anchor, state)
+    if begin == 0 and not prior.heading_open:
+        # One fix can shift a walk but not bend it: the smoother gives the same poses as dead reckoning, and the
+        # exact covariances of the poses before the fix.
+        for i, earlier in enumerate(smooth(nodes[: anchor + 1], tuple(states))[:-1]):
+            pose[i], covariance[i] = earlier.mean[:3], earlier.covariance[:3, :3]
+    return pose, covariance, state.length_scale
 
 
-def _anchor(segment: FilteredSegment, position_open: bool) -> int | None:
-    """Find the first node of a segment whose position and heading are known."""
-    if segment.aligned_from is None:
-        return None
-    if not position_open:
-        return segment.aligned_from
-    fixed = next((i for i, node in enumerate(segment.nodes) if node.fixes), None)
-    return None if fixed is None else max(segment.aligned_from, fixed)
+def _until_known(timeline: Timeline, prior: StartPrior) -> tuple[int, list[GaussianState]]:
+    """Filter up to the first node whose position and heading are known.
+
+    Returns
+    -------
+    int
+        Number of the first node of the segment in which it is.
+    list of GaussianState
+        Filtered states from that node on; none if position or heading are never known.
+    """
+    scratch, nodes = MultiDeviceEkf(1), timeline.nodes
+    observing = max((i for i, node in enumerate(nodes) if node.observes_heading), default=0)
+    state = start_device(nodes[0], 0, prior, scratch)
+    states, begin, fixed = [state.state], 0, bool(nodes[0].fixes)
+    for number, node in enumerate(nodes):
+        if number:
+            state = step_device(state, node, number, number <= observing, scratch)
+            if state.segment_begin != begin:
+                states, begin, fixed = [], state.segment_begin, False
+            states.append(state.state)
+            fixed = fixed or bool(node.fixes)
+        if state.heading_known and (fixed or not prior.position_open):
+            return begin, states
+    return 0, []

@@ -84,11 +84,11 @@ class Tracker:
         sigma = self._config.odometry.sigma_length_scale
         shared = self._names, self._front_ends, self._config.devices, online.wait_s
         self._updates = UpdateAssembly(*shared, delays_s, sigma, self._config.start.pose())
-        self._flushed = False
-        self._reported_missed = 0
+        self._flushed, self._reported_missed = False, 0
         self.refused_fixes = 0
-        for device in devices:
-            self._join(ExpectedDevice(device) if isinstance(device, str) else device)
+        expected = [ExpectedDevice(device) if isinstance(device, str) else device for device in devices]
+        for one in sorted(expected, key=lambda device: device.name):  # as for whole walks
+            self._join(one)
 
     @property
     def devices(self) -> tuple[str, ...]:

@@ -27,5 +27,6 @@ def huber_inflation(residual: Array, covariance: Array) -> float:
     ----------
     P. J. Huber, "Robust estimation of a location parameter", Ann. Math. Statist. 35 (1964).
     """
-    distance = float(np.sqrt(residual @ np.linalg.solve(covariance, residual)))
+    solved = residual / covariance[0] if len(residual) == 1 else np.linalg.solve(covariance, residual)
+    distance = float(np.sqrt(residual @ solved))
     return max(1.0, distance / HUBER)

@@ -38,7 +38,7 @@ def extend_late_devices(devices: Sequence[DeviceMeasurements], late_s: float) ->
     """
     first_s = min((one.start_s for one in devices), default=0.0)
     complete: dict[str, DeviceMeasurements] = {}
-    for one in sorted(devices, key=lambda device: device.start_s):
+    for one in sorted(devices, key=lambda device: (device.start_s, device.device)):
         donor = _donor(list(complete.values()), one.start_s) if one.start_s - first_s > late_s else None
         complete[one.device] = one if donor is None else _extended(one, donor)
     return [complete[one.device] for one in devices]

@@ -1,6 +1,8 @@
-"""Checks that refuse measurements which no estimator can use, and find positions that a source repeats."""
+"""Checks that refuse measurements which no estimator can use, and what is done about fixes that come too often."""
 
+from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,6 +10,8 @@ from pdr_est.errors import EstimationError
 from pdr_est.types.measurements import START_SOURCE, HeadingPrior, LoopClosure, PositionFix, StepOdometry
 
 _REPEATED_S = 5.0  # within which exactly the same position of a source is a repetition; ours
+
+_AVERAGED_S = 0.1  # fixes of a source within this time are one; ours: no walker gets farther than its noise meanwhile
 
 GivenFixes = tuple[tuple[float, float, float], ...]
 """Times (s) and positions (east and north, m) that a source gave in the last seconds."""
@@ -57,12 +61,13 @@ def refuse_unusable(
                 f"position fix ({fix.source}) at {fix.time_s:.3f} s has the covariance "
                 f"{np.asarray(fix.covariance_m2).tolist()}, which is not positive definite: give it a sigma above 0"
             )
-    for prior in priors:
-        if not np.isfinite((prior.time_s, prior.heading_rad, prior.sigma_rad)).all() or prior.sigma_rad <= 0.0:
-            raise EstimationError(
-                f"heading prior of {device} at {prior.time_s} s is {prior.heading_rad} +- {prior.sigma_rad} rad: "
-                "give it a heading and a sigma above 0"
-            )
+    told = np.array([(prior.time_s, prior.heading_rad, prior.sigma_rad) for prior in priors]).reshape(-1, 3)
+    for row in np.flatnonzero(~(np.isfinite(told).all(axis=1) & (told[:, 2] > 0.0))):
+        prior = priors[int(row)]
+        raise EstimationError(
+            f"heading prior of {device} at {prior.time_s} s is {prior.heading_rad} +- {prior.sigma_rad} rad: "
+            "give it a heading and a sigma above 0"
+        )
     for closure in closures:
         if not np.isfinite(closure.sigma_m) or closure.sigma_m <= 0.0:
             raise EstimationError(f"loop closure of {device} has the sigma {closure.sigma_m} m: give it one above 0")
@@ -115,3 +120,43 @@ def with_given(earlier: GivenFixes, fix: PositionFix) -> GivenFixes:
     """Return what a source gave in the last seconds after one more fix."""
     kept = (one for one in earlier if fix.time_s - one[0] <= _REPEATED_S and one[1:] != given_at(fix)[1:])
     return (*kept, given_at(fix))
+
+
+def averaged_fixes(fixes: Sequence[PositionFix]) -> tuple[PositionFix, ...]:
+    """Average the fixes of a source that come faster than ten times a second, so that each makes no pose of its own.
+
+    Parameters
+    ----------
+    fixes
+        Fixes in order of time.
+
+    Returns
+    -------
+    tuple of PositionFix
+        Fixes in order of time: of those of one source within the same tenth of a second their mean, weighted by their
+        information, with the information of all. Positions that are repeated count once.
+    """
+    if len(fixes) < 2:
+        return tuple(fixes)
+    groups: defaultdict[tuple[object, ...], list[PositionFix]] = defaultdict(list)
+    for fix in fixes:
+        kind = (fix.source, fix.robust, fix.sigma_wander_m, fix.wander_time_s, fix.clock_known)
+        groups[(int(fix.time_s // _AVERAGED_S), *kind)].append(fix)
+    if len(groups) == len(fixes):
+        return tuple(fixes)
+    averaged = [one for group in groups.values() for one in _average(group)]
+    return tuple(sorted(averaged, key=lambda fix: fix.time_s))
+
+
+def _average(group: Sequence[PositionFix]) -> Sequence[PositionFix]:
+    """Return the average of the fixes of a source; those that were given for exactly one time stay apart."""
+    if group[0].time_s == group[-1].time_s:
+        return group
+    different = list({given_at(fix)[1:]: fix for fix in reversed(group)}.values())
+    information = np.linalg.inv(np.array([fix.covariance_m2 for fix in different], dtype=np.float64))
+    covariance = np.linalg.inv(information.sum(axis=0))
+    position_m = np.array([fix.position_m for fix in different], dtype=np.float64)
+    if len(different) > 1:
+        position_m = (covariance @ np.einsum("nij,nj->i", information, position_m))[None]
+    time_s = float(np.mean([fix.time_s for fix in different]))
+    return [replace(different[0], time_s=time_s, position_m=position_m[0], covariance_m2=covariance)]

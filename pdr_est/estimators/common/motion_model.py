@@ -37,6 +37,10 @@ JITTER_VARIANCE = 1e-12
 """Variance far below all that matters; it keeps matrices regular where parts of a state are known exactly."""
 
 
+MIN_SIGMA = 1e-4
+"""Least standard deviation, m or rad, in a smoother; with smaller ones the elimination of a factor graph fails."""
+
+
 @dataclass(frozen=True)
 class SourceState:
     """State of a source of fixes, besides the estimate of its wandering error.
@@ -166,14 +170,15 @@ def linearise(state: Array, node: Node) -> tuple[Array, Array]:
     Array
         Process noise covariance Q (n, n) in the map frame.
     """
-    heading = state[2] + node.heading_change_rad
+    heading = float(state[2]) + node.heading_change_rad
     c, s = cos(heading), sin(heading)
     length = exp(state[LOG_SCALE]) * node.length_m
-    jacobian = np.eye(len(state))
-    jacobian[:2, 2] = [-length * s, length * c]
-    jacobian[:2, LOG_SCALE] = [length * c, length * s]
+    size = len(state)
+    jacobian = np.eye(size)
+    jacobian[0, 2], jacobian[1, 2] = -length * s, length * c
+    jacobian[0, LOG_SCALE], jacobian[1, LOG_SCALE] = length * c, length * s
     to_map = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    noise = np.zeros((len(state), len(state)))
+    noise = np.zeros((size, size))
     noise[:3, :3] = to_map @ node.covariance @ to_map.T
     return jacobian, noise
 
@@ -261,10 +266,8 @@ def reckon(nodes: tuple[Node, ...], anchor: int, state: GaussianState) -> list[G
     return earlier[:0:-1] + later
 
 
-def reckon_means(nodes: Sequence[Node], first: Array) -> Array:
-    """Compute the means (n, 5) at all nodes by dead reckoning from the mean (5,) at the first node."""
-    turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
-    turn_rad[0], length_m[0] = first[2], 0.0
-    heading_rad = np.cumsum(turn_rad)
-    steps_m = exp(first[LOG_SCALE]) * length_m[:, None] * np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)
-    return np.column_stack([first[:2] + np.cumsum(steps_m, axis=0), heading_rad, np.tile(first[3:], (len(nodes), 1))])
+def regular_covariances(nodes: Sequence[Node]) -> Array:
+    """Return the covariances (n - 1, 3, 3) of the motions to all nodes but the first, none below `MIN_SIGMA`²."""
+    covariance = np.array([node.covariance for node in nodes[1:]]).reshape(-1, 3, 3)
+    variance, axes = np.linalg.eigh(covariance)
+    return np.asarray((axes * np.maximum(variance, MIN_SIGMA**2)[:, None, :]) @ axes.transpose(0, 2, 1))

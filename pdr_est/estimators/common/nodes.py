@@ -6,9 +6,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf
+from operator import attrgetter
 
 import numpy as np
 
+from pdr_est.estimators.common.measurement_checks import averaged_fixes
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry, TurnHypothesis
 from pdr_est.types.steps import CarryingMode
@@ -105,7 +107,7 @@ class NodeBuilder:
                 self._end_before_s = min(self.start_s, item.time_s)
             return
         time_s = item.time_s - SAME_S
-        number = self._first + bisect_left(self._steps, time_s, key=lambda step: step.time_s)
+        number = self._first + bisect_left(self._steps, time_s, key=_time_of)
         if self._first == 1 and time_s <= self._end_before_s:
             number = 0
         self._priors[min(number, self.count)].append(item)
@@ -140,21 +142,23 @@ class NodeBuilder:
         known_until_s
             No later step begins before this time. Fixes after the last step apply to its end up to this time.
         """
-        standing = self.standing_fixes(number, fixes, known_until_s)
+        standing = self.standing_fixes(number, fixes, known_until_s) if fixes else ()
+        priors = tuple(self._priors.get(number, ()))
         if number == 0:
             begin_s = self.step_end_s(0)
             mode = self._steps[0].mode if self._steps else CarryingMode.UNKNOWN
-            nodes = [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, mode, fixes=standing)]
-        else:
-            step, begin_s = self._steps[number - self._first], self.motion_begin_s(number)
-            inside = _between(fixes, begin_s, step.time_s)
-            first = bisect_right(split_times_s, begin_s)
-            nodes = split_step(
-                step, begin_s, inside, split_times_s[first : bisect_left(split_times_s, step.time_s, first)]
-            )
-            if standing:
-                nodes[-1] = replace(nodes[-1], fixes=standing)
-        return _with_priors(nodes, self._priors[number]) if number in self._priors else nodes
+            return [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, mode, standing, priors)]
+        step, begin_s = self._steps[number - self._first], self.motion_begin_s(number)
+        inside = averaged_fixes(_between(fixes, begin_s, step.time_s)) if fixes else ()
+        first = bisect_right(split_times_s, begin_s)
+        splits = split_times_s[first : bisect_left(split_times_s, step.time_s, first)]
+        if not inside and not splits:
+            moved = step.length_m, step.heading_change_rad, step.covariance, True, step.length_m
+            return [Node(step.time_s, begin_s, *moved, step.mode, standing, priors, step.turn_hypotheses)]
+        nodes = split_step(step, begin_s, inside, splits)
+        if standing:
+            nodes[-1] = replace(nodes[-1], fixes=standing)
+        return _with_priors(nodes, priors)
 
     def standing_fixes(
         self, number: int, fixes: Sequence[PositionFix], known_until_s: float = inf
@@ -172,7 +176,7 @@ class NodeBuilder:
                 bisect_left(fixes, self.step_end_s(number), key=_time_of),
                 bisect_right(fixes, self.motion_begin_s(number), key=_time_of),
             )
-        return tuple(fixes[begin : bisect_right(fixes, until_s, key=_time_of)])
+        return averaged_fixes(fixes[begin : bisect_right(fixes, until_s, key=_time_of)])
 
     def forget(self, before: int) -> None:
         """Forget the steps before a number, but keep at least the last one."""
@@ -289,5 +293,4 @@ def _between(fixes: Sequence[PositionFix], begin_s: float, end_s: float) -> Sequ
     return fixes[begin : bisect_left(fixes, end_s, begin, key=_time_of)]
 
 
-def _time_of(fix: PositionFix) -> float:
-    return fix.time_s
+_time_of = attrgetter("time_s")

@@ -15,13 +15,12 @@ import numpy as np
 
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD, start_prior
-from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.motion_model import MIN_SIGMA, GaussianState
 from pdr_est.estimators.common.timeline import Node, Timeline
 from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.frames import Array
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose
 
-MIN_SIGMA = 1e-4  # m or rad; with smaller standard deviations the elimination fails
 _FREE_HEADING_RAD = 1e3  # standard deviation of a heading that a factor does not constrain
 _FREE_POSITION_M = 1e6  # likewise of a position
 _CAUCHY = 1.0  # standard deviations

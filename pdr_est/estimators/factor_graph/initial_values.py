@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import GaussianState, reckon_means
+from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.estimators.kalman.rts_smoother import smooth_segments, smooth_walk
+from pdr_est.estimators.reckoned_poses import reckon_means
 from pdr_est.types.measurements import StartPose
 
 _SIGMA_GUESS_RAD = 0.2  # of a start heading to linearise at

@@ -18,10 +18,9 @@ import numpy as np
 from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.initial_state import starts_of
-from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.motion_model import MIN_SIGMA, GaussianState
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
 from pdr_est.estimators.factor_graph.initial_values import initial_states, with_headings
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map

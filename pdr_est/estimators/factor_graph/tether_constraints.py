@@ -18,8 +18,8 @@ import gtsam
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.common.motion_model import MIN_SIGMA
 from pdr_est.estimators.common.tethers import NodeTether
-from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
 from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array

@@ -21,9 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.huber import HUBER
+from pdr_est.estimators.common.motion_model import MIN_SIGMA
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.common.wandering_error import wander_chain
-from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, fix_noise
+from pdr_est.estimators.factor_graph.factors import fix_noise
 from pdr_est.estimators.factor_graph.keys import GraphKeys, pose_array
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array

@@ -8,9 +8,9 @@ import gtsam
 import numpy as np
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES
+from pdr_est.estimators.common.motion_model import LOG_SCALE, MIN_SIGMA, STATES
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
-from pdr_est.estimators.factor_graph.factors import MIN_SIGMA, add_measurements, displacement, motion_noise
+from pdr_est.estimators.factor_graph.factors import add_measurements, displacement, motion_noise
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose

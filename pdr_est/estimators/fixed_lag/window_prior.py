@@ -8,8 +8,7 @@ import gtsam
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.estimators.common.motion_model import LOG_SCALE, STATES, GaussianState
-from pdr_est.estimators.factor_graph.factors import MIN_SIGMA
+from pdr_est.estimators.common.motion_model import LOG_SCALE, MIN_SIGMA, STATES, GaussianState
 from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.frames import Array
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
@@ -52,7 +53,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         """Set the states of all devices and sources to what `dump` returned."""
         self.x, self.P, self._sources, self._trusts = state.mean, state.covariance, state.sources, state.trusts
         self._trails, self._taken = state.trails or ((),) * self._devices, state.taken
-        self._I = np.eye(len(self.x))  # filterpy's unit matrix
+        self._I = _unit(len(self.x))  # filterpy's unit matrix
 
     def dump(self) -> GaussianState:
         """Return the states of all devices and sources; the covariance is symmetric only up to rounding."""
@@ -120,14 +121,22 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     def predict_node(self, node: Node, device: int = 0) -> None:
         """Predict the motion of a device to a node; the other devices do not move."""
         own = rows_of(device)
-        self.F, self.Q = np.eye(len(self.x)), np.zeros_like(self.P)
-        self.F[own, own], self.Q[own, own] = linearise(self.x[own], node)
+        if self._devices == 1 and len(self.x) == STATES:
+            self.F, self.Q = linearise(self.x, node)
+        else:
+            self.F, self.Q = np.eye(len(self.x)), np.zeros(self.P.shape)
+            self.F[own, own], self.Q[own, own] = linearise(self.x[own], node)
         self.predict((node, own))
         trail = with_node(self._trails[device], node)
         self._trails, self._taken = (*self._trails[:device], trail, *self._trails[device + 1 :]), ()
 
+    def predict(self, u: tuple[Node, slice]) -> None:
+        """Predict mean and covariance as filterpy does, without the copies that it keeps."""
+        self.predict_x(u)
+        self.P = np.dot(self.F, self.P).dot(self.F.T) + self.Q
+
     def predict_x(self, u: tuple[Node, slice]) -> None:
-        """Predict the mean; called by `predict` of filterpy."""
+        """Predict the mean; called by `predict`."""
         node, own = u
         self.x = self.x.copy()
         self.x[own] = move(self.x[own], node)
@@ -204,13 +213,19 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         return whole
 
     def _correct(self, z: Array, jacobian: Array, noise: Array, residual: Callable[[Array, Array], Array]) -> None:
-        self.update(z, lambda _: jacobian, lambda x: jacobian @ x, R=noise, residual=residual)
+        """Update by one number, with the products of filterpy in its order and without the copies that it keeps."""
+        across = np.dot(self.P, jacobian.T)
+        gain = across / (np.dot(jacobian, across) + noise)
+        self.x = self.x + np.dot(gain, residual(z, jacobian @ self.x))
+        rest = self._I - np.dot(gain, jacobian)
+        self.P = np.dot(rest, self.P).dot(rest.T) + np.dot(gain, noise).dot(gain.T)
 
 
 def marginal_of(state: GaussianState, device: int, devices: int) -> GaussianState:
     """Return the state of one of several devices, with a symmetric covariance; of a single one all that is known."""
     if devices == 1:
-        return replace(state, mean=state.mean.copy(), covariance=0.5 * (state.covariance + state.covariance.T))
+        covariance = 0.5 * (state.covariance + state.covariance.T)
+        return GaussianState(state.mean.copy(), covariance, state.sources, state.trusts, state.trails, state.taken)
     own = rows_of(device)
     covariance = state.covariance[own, own]
     trails = state.trails[device : device + 1]
@@ -226,6 +241,14 @@ def _without_device(state: GaussianState, device: int, devices: int) -> Gaussian
         trusts = tuple(one for one in state.trusts if one.device != device)
         return replace(state, mean=mean, covariance=covariance, trusts=trusts)
     return GaussianState(mean[:poses], covariance[:poses, :poses], trails=state.trails)
+
+
+@cache
+def _unit(size: int) -> Array:
+    """Return the unit matrix, which nobody may change."""
+    unit = np.eye(size)
+    unit.flags.writeable = False
+    return unit
 
 
 def rows_of(device: int) -> slice:

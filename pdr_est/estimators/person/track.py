@@ -29,14 +29,14 @@ def fuse(track: Track) -> Track:
     Parameters
     ----------
     track
-        Track of all devices. Each takes part from its first to its last pose only.
+        Track of all devices, whose order makes no difference. Each takes part from its first to its last pose only.
 
     Returns
     -------
     Track
         Track of the device `NAME`: a row for the start, then one for each step.
     """
-    tracks = [track.of_device(device) for device in track.devices]
+    tracks = [track.of_device(device) for device in sorted(track.devices)]
     begin_s = min(float(one.time_s[0]) for one in tracks)
     steps = steps_of_person(tracks)
     time_s = np.concatenate([[begin_s], steps.time_s])

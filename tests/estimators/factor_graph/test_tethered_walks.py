@@ -10,7 +10,7 @@ import pytest
 
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.initial_state import starts_of
-from pdr_est.estimators.common.motion_model import GaussianState, linearise, linearise_each, move, reckon_means
+from pdr_est.estimators.common.motion_model import GaussianState, linearise, linearise_each, move
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
@@ -25,6 +25,7 @@ from pdr_est.estimators.factor_graph.newton import (
 )
 from pdr_est.estimators.factor_graph.smoothing_problem import SmoothingProblem
 from pdr_est.estimators.person.track import fuse
+from pdr_est.estimators.reckoned_poses import reckon_means
 from pdr_est.performance.odometry import SIGMA_SCALE, START, STEP_S, walk_of
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, HeadingPrior, StepOdometry
 from pdr_est.types.track import Track
