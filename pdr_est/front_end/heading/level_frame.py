@@ -48,3 +48,17 @@ def turn_upright(components: Array, up: Array) -> tuple[Array, Array]:
     (x, y, z), (up_x, up_y, up_z) = components, up.T
     tilted = z + (up_x * x + up_y * y) / np.maximum(1.0 + up_z, _LEAST_UPRIGHT)
     return x - up_x * tilted, y - up_y * tilted
+
+
+def upright_axes(up: Array) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
+    """Turn the three device axes by the smallest rotation that takes `up` (3, n) to the z axis.
+
+    Returns
+    -------
+    x_axis, y_axis, z_axis : tuple of ndarray, shape (n,)
+        Horizontal components of each, as `turn_upright` gives them.
+    """
+    up_x, up_y, up_z = up
+    upright = np.maximum(1.0 + up_z, _LEAST_UPRIGHT)
+    across = -up_x * up_y / upright
+    return (1.0 - up_x * up_x / upright, across), (across, 1.0 - up_y * up_y / upright), (-up_x, -up_y)

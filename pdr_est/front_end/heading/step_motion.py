@@ -1,0 +1,116 @@
+"""Posture and acceleration of the phone at each step, for many steps at once.
+
+The mean yaw of a phone in any posture follows from the sums of its axes in the level frame (`phone_posture`), and the
+direction in which the walker moves from the part of the horizontal acceleration that is ahead of the vertical one
+(`course.leading_acceleration`). All of them are sums over the samples of a step.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from pdr_est.frames import Array
+from pdr_est.front_end.heading.level_frame import turn_upright, upright_axes
+from pdr_est.records import changed, made
+from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import Step, StepMotion
+
+LEAST_HARMONIC_SAMPLES = 4
+"""Least number of samples for a first harmonic."""
+
+_AT_ONCE = 128  # steps: their samples fit into the cache of a processor
+_LEAST_LENGTH = 1e-9
+_LEAST_VERTICAL = 1e-9  # m/s^2
+_NO_MOTION = StepMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0j)
+
+
+def motion_of(step: Step) -> StepMotion:
+    """Return the motion of a step, computed where the step has none."""
+    return step.motion or step_motions([step.samples])[0]
+
+
+def motions_of(steps: Sequence[Step]) -> list[StepMotion]:
+    """Return the motion of each step, computed at once for those that have none."""
+    known = [step.motion for step in steps]
+    computed = iter(step_motions([step.samples for step, one in zip(steps, known, strict=True) if one is None]))
+    return [one or next(computed) for one in known]
+
+
+def with_motions(steps: Sequence[Step]) -> list[Step]:
+    """Return steps with the motion by their samples, whatever they had."""
+    motions = step_motions([step.samples for step in steps])
+    return [changed(step, motion=motion) for step, motion in zip(steps, motions, strict=True)]
+
+
+def step_motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
+    """Compute the motion of each of many steps from its samples.
+
+    The order of the sums over a step is the same in whatever company it is: nothing depends on the others.
+    """
+    found = [_NO_MOTION] * len(samples)
+    usable = [number for number, block in enumerate(samples) if len(block.yaw_rad)]
+    borders = [*range(0, len(usable), _AT_ONCE), len(usable)]
+    for begin, end in pairwise(borders):
+        part = usable[begin:end]
+        for number, motion in zip(part, _motions([samples[number] for number in part]), strict=True):
+            found[number] = motion
+    return found
+
+
+def _motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
+    """Compute the same for steps that all have samples."""
+    counts = [len(block.yaw_rad) for block in samples]
+    up = np.concatenate([block.up for block in samples]).T.copy()
+    yaw_rad = np.concatenate([block.yaw_rad for block in samples])
+    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
+    sums = np.empty((15, len(yaw_rad)))
+    sums[:3] = up
+    for row, (x, y) in enumerate(upright_axes(up)):
+        np.subtract(cos * x, sin * y, out=sums[3 + row])
+        np.add(sin * x, cos * y, out=sums[6 + row])
+    _harmonics(samples, counts, up, (cos, sin), sums[9:])
+    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    of_step = np.add.reduceat(sums, first, axis=1)
+    x, y, z = of_step[:3]
+    of_step[:3] /= np.maximum(np.sqrt(x * x + y * y + z * z), _LEAST_LENGTH)
+    ups, easts, norths = (zip(*rows.tolist(), strict=True) for rows in of_step[:9].reshape(3, 3, -1))
+    leading = map(complex, *_leading(of_step[9:], np.array(counts)))
+    return [
+        made(StepMotion, up=up, east=east, north=north, leading_mps2=acceleration)
+        for up, east, north, acceleration in zip(ups, easts, norths, leading, strict=True)
+    ]
+
+
+def _harmonics(
+    samples: Sequence[LevelBlock], counts: Sequence[int], up: Array, turn: tuple[Array, Array], out: Array
+) -> None:
+    """Compute the terms (6, n) of the first harmonics of the vertical, the east and the north acceleration."""
+    wave = np.concatenate([_wave(count) for count in counts], axis=1)
+    acceleration = np.concatenate([block.acceleration_mps2 for block in samples]).T.copy()
+    x, y = turn_upright(acceleration, up.T)
+    cos, sin = turn
+    np.multiply(wave, np.concatenate([block.vertical_mps2 for block in samples]), out=out[:2])
+    np.multiply(wave, cos * x - sin * y, out=out[2:4])
+    np.multiply(wave, sin * x + cos * y, out=out[4:])
+
+
+@lru_cache(maxsize=256)
+def _wave(count: int) -> Array:
+    """Return cosine and negative sine (2, count) of the phase of a step."""
+    wave = np.exp(-2j * np.pi * (np.arange(count) + 0.5) / count)
+    return np.stack([wave.real, wave.imag])
+
+
+def _leading(sums: Array, counts: Array) -> tuple[list[float], list[float]]:
+    """Compute the leading acceleration from first harmonics (6, n), each as real and imaginary part.
+
+    Products of complex arrays are written out: their rounding may depend on where in the array a number is.
+    """
+    real, imaginary = sums[0] / counts, sums[1] / counts
+    scale = np.maximum(np.hypot(real, imaginary), _LEAST_VERTICAL) * counts
+    cos, sin = real / scale, -imaginary / scale
+    enough = counts >= LEAST_HARMONIC_SAMPLES
+    east, north = (np.where(enough, sums[row] * sin + sums[row + 1] * cos, 0.0).tolist() for row in (2, 4))
+    return east, north
