@@ -48,6 +48,15 @@ def push_all(stage: Stage, items: Sequence[Any]) -> list[Any]:
     return [output for item in items for output in stage.push(item)]
 
 
+def push_each(stage: Stage, items: Sequence[Any]) -> list[list[Any]]:
+    """Give items in their order to a stage, and return what it emits at each of them.
+
+    A stage that can take many at once and tell their outputs apart has a method `push_each` that returns the same.
+    """
+    own = getattr(stage, "push_each", None)
+    return [stage.push(item) for item in items] if own is None else list(own(items))
+
+
 def run_through(stage: Stage, items: Sequence[Any]) -> list[Any]:
     """Give all items of a recording to a stage, flush it, and return what it emits."""
     return push_all(stage, items) + stage.flush()
@@ -73,6 +82,11 @@ class Parallel:
     def push(self, item: Any, /) -> list[Any]:
         """Give one item to each stage, and return what they emit."""
         return [output for stage in self.stages for output in stage.push(item)]
+
+    def push_all(self, items: Sequence[Any], /) -> list[Any]:
+        """Give many items to each stage, and return what they emit at each item, item after item."""
+        found = [push_each(stage, items) for stage in self.stages]
+        return [output for at_item in zip(*found, strict=True) for outputs in at_item for output in outputs]
 
     def flush(self) -> list[Any]:
         """Flush each stage, and return what they held back."""

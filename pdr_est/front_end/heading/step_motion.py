@@ -5,11 +5,12 @@ direction in which the walker moves from the part of the horizontal acceleration
 (`course.leading_acceleration`). All of them are sums over the samples of a step.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
-from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.level_frame import turn_upright, upright_axes
@@ -19,6 +20,8 @@ from pdr_est.types.steps import Step, StepMotion
 
 LEAST_HARMONIC_SAMPLES = 4
 """Least number of samples for a first harmonic."""
+
+Result = TypeVar("Result")
 
 _AT_ONCE = 128  # steps: their samples fit into the cache of a processor
 _LEAST_LENGTH = 1e-9
@@ -49,14 +52,35 @@ def step_motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
 
     The order of the sums over a step is the same in whatever company it is: nothing depends on the others.
     """
-    found = [_NO_MOTION] * len(samples)
+    return for_each_step(samples, _motions, _NO_MOTION)
+
+
+def for_each_step(
+    samples: Sequence[LevelBlock], compute: Callable[[Sequence[LevelBlock]], Sequence[Result]], without: Result
+) -> list[Result]:
+    """Compute something of each of many steps from its samples, for some steps at once.
+
+    Parameters
+    ----------
+    samples : sequence of LevelBlock
+        Samples of each step.
+    compute : callable
+        Function of the samples of some steps, at least one sample each, that returns the result of each step.
+    without
+        Result of a step without samples.
+    """
+    found = [without] * len(samples)
     usable = [number for number, block in enumerate(samples) if len(block.yaw_rad)]
-    borders = [*range(0, len(usable), _AT_ONCE), len(usable)]
-    for begin, end in pairwise(borders):
-        part = usable[begin:end]
-        for number, motion in zip(part, _motions([samples[number] for number in part]), strict=True):
-            found[number] = motion
+    for begin in range(0, len(usable), _AT_ONCE):
+        part = usable[begin : begin + _AT_ONCE]
+        for number, result in zip(part, compute([samples[number] for number in part]), strict=True):
+            found[number] = result
     return found
+
+
+def first_samples(samples: Sequence[LevelBlock]) -> NDArray[np.int64]:
+    """Return where the first sample of each step (n,) is in the samples of all."""
+    return np.cumsum([0, *(len(block.yaw_rad) for block in samples[:-1])])
 
 
 def _motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
@@ -71,8 +95,7 @@ def _motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
         np.subtract(cos * x, sin * y, out=sums[3 + row])
         np.add(sin * x, cos * y, out=sums[6 + row])
     _harmonics(samples, counts, up, (cos, sin), sums[9:])
-    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    of_step = np.add.reduceat(sums, first, axis=1)
+    of_step = np.add.reduceat(sums, first_samples(samples), axis=1)
     x, y, z = of_step[:3]
     of_step[:3] /= np.maximum(np.sqrt(x * x + y * y + z * z), _LEAST_LENGTH)
     ups, easts, norths = (zip(*rows.tolist(), strict=True) for rows in of_step[:9].reshape(3, 3, -1))
