@@ -259,7 +259,7 @@ def step_covariances(
 
 
 def course_covariances(length_m: Array, sigma_course_rad: Array) -> Array:
-    """Compute the covariances (n, 3, 3) that a doubtful direction of motion adds to forward (m), left (m), heading (rad).
+    """Compute the covariances (n, 3, 3) that doubtful directions of motion add to forward, left (m), heading (rad).
 
     They are those of the end of a step whose direction has a normal distribution on the circle, so that a step which
     leads anywhere has the variance length^2 / 2 in both axes. The heading of the next step does not depend on it.

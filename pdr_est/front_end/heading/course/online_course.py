@@ -121,11 +121,11 @@ class OnlineCourse:
             self._see(item, motion)
         seen, done = self._seen, list[Step]()
         while len(done) < len(items):
-            at, left = known + len(done), items[len(done) :][:_AT_ONCE]
+            k, at = len(done), known + len(done)
             if self._chain is None:
-                done.append(self._look(left[0], seen[: at + 1]))
+                done.append(self._look(items[k], at))
             else:
-                done += self._follow(self._chain, left, seen[at - 1 : at + len(left)])
+                done += self._follow(self._chain, items[k : k + _AT_ONCE], seen[at - 1 : at + _AT_ONCE])
         self._seen = seen[-_REMEMBERED:]
         return done
 
@@ -138,11 +138,11 @@ class OnlineCourse:
         turns = max(latest) - heading > LEAST_TURN_RAD or heading - min(latest) > LEAST_TURN_RAD
         self._seen.append(_Seen(heading, motion.leading_mps2 * rect(1.0, -heading), shows_course(item), turns))
 
-    def _look(self, item: Step, seen: Sequence[_Seen]) -> Step:
-        """Take a step of a walker who moves ahead, and begin a chain if the phone turned."""
+    def _look(self, item: Step, at: int) -> Step:
+        """Take a step, number `at` of those seen, of a walker who moves ahead; begin a chain if the phone turned."""
         self._waits = max(self._waits - 1, 0)
-        if seen[-1].turns and not self._waits:
-            return self._first(item, seen[-_REMEMBERED:])
+        if self._seen[at].turns and not self._waits:
+            return self._first(item, self._seen[max(at + 1 - _REMEMBERED, 0) : at + 1])
         self._log_evidence = [one + more for one, more in zip(self._log_evidence, _LOG_GOES_ON, strict=True)]
         return item
 
