@@ -2,17 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
+from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.front_end.heading.placement_change.turn_density import mean_and_sigma
+from pdr_est.front_end.step_noise import course_covariance, course_covariances, step_covariance, step_covariances
 from pdr_est.params import NonNegative, Positive, params
 from pdr_est.records import made
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.steps import LONGEST_STEP_S, CarryingMode, Step
 
+_FEW_STEPS = 4  # below, arrays cost more than they save
 _LEAST_STEP_S = 0.2
 _SHORT_GAP_S = 5.0  # beyond, a walker may have stood meanwhile
 
@@ -80,34 +84,51 @@ class Odometry:
 
     def push(self, item: Step, /) -> list[StepOdometry | HeadingPrior]:
         """Turn a step into its measurements."""
-        return self.push_all([item])
+        previous, self._previous = self._previous, item
+        begins = previous is None or item.event.segment != previous.event.segment
+        if previous is None or begins:
+            change_rad, sigma_rad = 0.0, self._sigma_heading(item.event.time_s - item.start_s)
+        else:
+            change_rad = wrapped(item.heading_rad - previous.heading_rad)
+            elapsed_s = item.event.time_s - previous.event.time_s
+            sigma_rad = self._sigma_heading(elapsed_s, self._extra_sigma(previous, item))
+        odometry = self._step(item, change_rad, sigma_rad)
+        return self._measurements(previous, item, odometry, sigma_rad)
 
     def push_all(self, items: Sequence[Step], /) -> list[StepOdometry | HeadingPrior]:
         """Turn steps into their measurements."""
         return [output for outputs in self.push_each(items) for output in outputs]
 
     def push_each(self, items: Sequence[Step], /) -> list[list[StepOdometry | HeadingPrior]]:
-        """Turn steps into the measurements of each."""
-        if not items:
-            return []
+        """Turn steps into the measurements of each, by the operations of `push` on arrays."""
+        if len(items) < _FEW_STEPS:
+            return [self.push(item) for item in items]
         first, self._previous = self._previous, items[-1]
         previous = [items[0] if first is None else first, *items[:-1]]
         begins = [item.event.segment != before.event.segment for before, item in zip(previous, items, strict=True)]
         begins[0] = begins[0] or first is None
         change_rad, sigma_rad = self._turns(previous, items, np.array(begins))
-        found: list[list[StepOdometry | HeadingPrior]] = [[one] for one in self._steps(items, change_rad, sigma_rad)]
-        for k, item in enumerate(items):
-            if item.turn_hypotheses:
-                found[k] = [self._undecided_step(item, float(sigma_rad[k]))]
-            if begins[k] and (k or first is not None):
-                found[k].insert(0, self._bridge(previous[k], item))
-            if item.path_heading_rad == item.path_heading_rad:  # is not NaN
-                found[k].append(self._heading_prior(item))
-        return found
+        steps = self._steps(items, change_rad, sigma_rad)
+        measured = zip([first, *items[:-1]], items, steps, sigma_rad.tolist(), strict=True)
+        return [self._measurements(*one) for one in measured]
 
     def flush(self) -> list[StepOdometry | HeadingPrior]:
         """Return nothing: no measurement is held back."""
         return []
+
+    def _measurements(
+        self, previous: Step | None, step: Step, odometry: StepOdometry, sigma_heading_rad: float
+    ) -> list[StepOdometry | HeadingPrior]:
+        """Put the measurements of a step together."""
+        found: list[StepOdometry | HeadingPrior] = [odometry]
+        if previous is not None:
+            if step.turn_hypotheses:
+                found = [self._undecided_step(step, sigma_heading_rad)]
+            if step.event.segment != previous.event.segment:
+                found.insert(0, self._bridge(previous, step))
+        if not isnan(step.path_heading_rad):
+            found.append(self._heading_prior(step))
+        return found
 
     def _heading_prior(self, step: Step) -> HeadingPrior:
         sigma = float(np.hypot(step.sigma_path_heading_rad, self._parameters.sigma_straight_rad))
@@ -143,8 +164,35 @@ class Odometry:
         change_rad = np.where(begins, 0.0, wrap_angle(np.diff(heading_rad)))
         return change_rad, np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), extra_rad)
 
+    def _extra_sigma(self, previous: Step, item: Step) -> float:
+        """Compute the extra heading-change sigma (rad) from mode changes and re-orientation."""
+        modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
+        changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in TRANS the phone turns all the time
+        of_mode = self._parameters.sigma_mode_change_rad if changed and not item.placement_tracked else 0.0
+        return float(np.hypot(of_mode, item.sigma_turn_rad))
+
     def _sigma_heading(self, elapsed_s: float, extra_sigma_rad: float = 0.0) -> float:
         return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), extra_sigma_rad))
+
+    def _step(self, step: Step, heading_change_rad: float, sigma_heading_rad: float) -> StepOdometry:
+        p = self._parameters
+        covariance = step_covariance(
+            length_m=step.length_m,
+            sigma_length_m=float(np.hypot(step.sigma_length_m, p.sigma_length_drift * step.length_m)),
+            sigma_direction_rad=p.sigma_direction_rad,
+            sigma_heading_rad=sigma_heading_rad,
+        )
+        if step.sigma_course_rad:
+            covariance += p.sideways_steps * course_covariance(step.length_m, step.sigma_course_rad)
+        return StepOdometry(
+            device=self._device,
+            time_s=step.event.time_s,
+            start_s=step.start_s,
+            length_m=step.length_m,
+            heading_change_rad=heading_change_rad,
+            covariance=covariance,
+            mode=step.event.mode,
+        )
 
     def _steps(self, steps: Sequence[Step], change_rad: Array, sigma_heading_rad: Array) -> list[StepOdometry]:
         p = self._parameters
@@ -180,8 +228,7 @@ class Odometry:
             replace(one, sigma_rad=float(np.hypot(one.sigma_rad, sigma_heading_rad))) for one in step.turn_hypotheses
         )
         change_rad, sigma_rad = mean_and_sigma(hypotheses)
-        (odometry,) = self._steps([step], np.array([change_rad]), np.array([sigma_rad]))
-        return replace(odometry, turn_hypotheses=hypotheses)
+        return replace(self._step(step, change_rad, sigma_rad), turn_hypotheses=hypotheses)
 
     def _bridge(self, previous: Step, item: Step) -> StepOdometry:
         """Make the unobserved motion over the gaps between two steps.
@@ -221,58 +268,3 @@ def _walks_on(previous: Step, item: Step) -> bool:
     before_s = item.holes[0].start_s - previous.event.time_s
     after_s = item.start_s - item.holes[-1].end_s
     return before_s < LONGEST_STEP_S and after_s < LONGEST_STEP_S
-
-
-def step_covariance(
-    length_m: float, sigma_length_m: float, sigma_direction_rad: float, sigma_heading_rad: float
-) -> Array:
-    """Compute the covariance (3, 3) of forward (m), left (m) and heading (rad) at the end of a step.
-
-    The heading error of the step turns its displacement too: left = length * heading error.
-
-    Parameters
-    ----------
-    length_m, sigma_length_m : float
-        Length of the step and its standard deviation.
-    sigma_direction_rad : float
-        Standard deviation of the direction of the step around the heading.
-    sigma_heading_rad : float
-        Standard deviation of the heading change over the step.
-    """
-    single = (np.array([value]) for value in (length_m, sigma_length_m, sigma_heading_rad))
-    length, sigma_length, sigma_heading = single
-    return np.asarray(step_covariances(length, sigma_length, sigma_direction_rad, sigma_heading)[0])
-
-
-def step_covariances(
-    length_m: Array, sigma_length_m: Array, sigma_direction_rad: float, sigma_heading_rad: Array
-) -> Array:
-    """Compute the same covariances (n, 3, 3) for many steps, from arrays (n,)."""
-    least = 1e-3  # m; keeps the matrices regular for steps of no length
-    turn = sigma_heading_rad**2
-    covariance = np.zeros((len(length_m), 3, 3))
-    covariance[:, 0, 0] = sigma_length_m**2 + least**2
-    covariance[:, 1, 1] = length_m**2 * (turn + sigma_direction_rad**2) + least**2
-    covariance[:, 1, 2] = covariance[:, 2, 1] = length_m * turn
-    covariance[:, 2, 2] = turn + least**2
-    return covariance
-
-
-def course_covariances(length_m: Array, sigma_course_rad: Array) -> Array:
-    """Compute the covariances (n, 3, 3) that doubtful directions of motion add to forward, left (m), heading (rad).
-
-    They are those of the end of a step whose direction has a normal distribution on the circle, so that a step which
-    leads anywhere has the variance length^2 / 2 in both axes. The heading of the next step does not depend on it.
-
-    Parameters
-    ----------
-    length_m : ndarray, shape (n,)
-        Lengths of the steps.
-    sigma_course_rad : ndarray, shape (n,)
-        Standard deviations of their directions, rad.
-    """
-    variance = sigma_course_rad**2
-    covariance = np.zeros((len(length_m), 3, 3))
-    covariance[:, 0, 0] = length_m**2 * (0.5 * (1.0 - np.exp(-variance)) ** 2)
-    covariance[:, 1, 1] = length_m**2 * (0.5 * (1.0 - np.exp(-2.0 * variance)))
-    return covariance
