@@ -105,14 +105,14 @@ class StepMotion:
     east, north
         East and north components of each of the three device axes, summed over the samples.
     leading_mps2
-        East (real) and north (imaginary) component of the acceleration that is ahead of the vertical one by a quarter
-        of a step, m/s²; 0 for a step with too few samples.
+        East and north component of the acceleration that is ahead of the vertical one by a quarter of a step, m/s²; 0
+        for a step with too few samples.
     """
 
     up: tuple[float, float, float]
     east: tuple[float, float, float]
     north: tuple[float, float, float]
-    leading_mps2: complex
+    leading_mps2: tuple[float, float]
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ Result = TypeVar("Result")
 _AT_ONCE = 128  # steps: their samples fit into the cache of a processor
 _LEAST_LENGTH = 1e-9
 _LEAST_VERTICAL = 1e-9  # m/s^2
-_NO_MOTION = StepMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0j)
+_NO_MOTION = StepMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0))
 
 
 def motion_of(step: Step) -> StepMotion:
@@ -99,7 +99,7 @@ def _motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
     x, y, z = of_step[:3]
     of_step[:3] /= np.maximum(np.sqrt(x * x + y * y + z * z), _LEAST_LENGTH)
     ups, easts, norths = (zip(*rows.tolist(), strict=True) for rows in of_step[:9].reshape(3, 3, -1))
-    leading = map(complex, *_leading(of_step[9:], np.array(counts)))
+    leading = zip(*_leading(of_step[9:], np.array(counts)), strict=True)
     return [
         made(StepMotion, up=up, east=east, north=north, leading_mps2=acceleration)
         for up, east, north, acceleration in zip(ups, easts, norths, leading, strict=True)

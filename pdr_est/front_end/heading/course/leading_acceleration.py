@@ -29,7 +29,7 @@ def leading_acceleration(steps: Sequence[Step]) -> NDArray[np.complex128]:
         Amplitude, m/s^2, in the level frame of the yaw; 0 for a step with too few samples. The sway of a stride is
         contained with opposite signs in two neighbouring steps.
     """
-    return np.array([motion.leading_mps2 for motion in motions_of(steps)], dtype=np.complex128)
+    return np.array([complex(*motion.leading_mps2) for motion in motions_of(steps)], dtype=np.complex128)
 
 
 def shows_course(step: Step) -> bool:
