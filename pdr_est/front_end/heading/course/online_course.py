@@ -136,7 +136,9 @@ class OnlineCourse:
         latest = self._latest_headings
         latest.append(heading)
         turns = max(latest) - heading > LEAST_TURN_RAD or heading - min(latest) > LEAST_TURN_RAD
-        self._seen.append(_Seen(heading, complex(*motion.leading_mps2) * rect(1.0, -heading), shows_course(item), turns))
+        self._seen.append(
+            _Seen(heading, complex(*motion.leading_mps2) * rect(1.0, -heading), shows_course(item), turns)
+        )
 
     def _look(self, item: Step, at: int) -> Step:
         """Take a step, number `at` of those seen, of a walker who moves ahead; begin a chain if the phone turned."""
