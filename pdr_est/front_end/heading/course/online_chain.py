@@ -68,12 +68,11 @@ class OnlineChain:
         state = moved_on(self._state, turn_rad, RATES)
         if likelihood is not None:
             state *= likelihood
-        together, alone = (state.reshape(-1, ANGLES) @ _SUMS).reshape(2, len(RATES), 4).tolist()
-        self._sums = [[a + b for a, b in zip(*pair, strict=True)] for pair in zip(together, alone, strict=True)]
-        total = [of_all for of_all, *_ in self._sums]
-        self._state = state / np.array(total)[:, None]
-        self.log_evidence = [known + log(one) for known, one in zip(self.log_evidence, total, strict=True)]
-        self.ahead = min(ahead / of_all for of_all, ahead, *_ in self._sums)
+        sums = (state[0] + state[1]) @ _SUMS
+        state /= sums[:, :1]
+        self._state, self._sums = state, sums.tolist()
+        self.log_evidence = [known + log(one[0]) for known, one in zip(self.log_evidence, self._sums, strict=True)]
+        self.ahead = min([ahead / total for total, ahead, _, _ in self._sums])
 
     def angle_and_doubt(self) -> tuple[float, float]:
         """Compute mean and standard deviation of the angle, rad; what is nearly ahead counts as straight ahead."""
