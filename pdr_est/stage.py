@@ -43,8 +43,9 @@ class BatchStage(Stage, Protocol):
 
 def push_all(stage: Stage, items: Sequence[Any]) -> list[Any]:
     """Give items in their order to a stage, at once where it can take them so, and return what it emits."""
-    if isinstance(stage, BatchStage):
-        return stage.push_all(items)
+    own = getattr(stage, "push_all", None)  # `isinstance` with a protocol takes longer than most stages for a sample
+    if own is not None:
+        return list(own(items))
     return [output for item in items for output in stage.push(item)]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.level_frame import turn_upright, upright_axes
+from pdr_est.front_end.heading.level_frame import axes_upright
 from pdr_est.records import changed, made
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import Step, StepMotion
@@ -24,6 +24,7 @@ LEAST_HARMONIC_SAMPLES = 4
 Result = TypeVar("Result")
 
 _AT_ONCE = 128  # steps: their samples fit into the cache of a processor
+_AXES = (slice(0, 3), slice(3, 6), slice(7, 10))  # rows of up, and of the device axes to the east and to the north
 _LEAST_LENGTH = 1e-9
 _LEAST_VERTICAL = 1e-9  # m/s^2
 _NO_MOTION = StepMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0))
@@ -86,37 +87,37 @@ def first_samples(samples: Sequence[LevelBlock]) -> NDArray[np.int64]:
 def _motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
     """Compute the same for steps that all have samples."""
     counts = [len(block.yaw_rad) for block in samples]
-    up = np.concatenate([block.up for block in samples]).T.copy()
-    yaw_rad = np.concatenate([block.yaw_rad for block in samples])
-    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
-    sums = np.empty((15, len(yaw_rad)))
-    sums[:3] = up
-    for row, (x, y) in enumerate(upright_axes(up)):
-        np.subtract(cos * x, sin * y, out=sums[3 + row])
-        np.add(sin * x, cos * y, out=sums[6 + row])
-    _harmonics(samples, counts, up, (cos, sin), sums[9:])
-    of_step = np.add.reduceat(sums, first_samples(samples), axis=1)
-    x, y, z = of_step[:3]
-    of_step[:3] /= np.maximum(np.sqrt(x * x + y * y + z * z), _LEAST_LENGTH)
-    ups, easts, norths = (zip(*rows.tolist(), strict=True) for rows in of_step[:9].reshape(3, 3, -1))
-    leading = zip(*_leading(of_step[9:], np.array(counts)), strict=True)
+    of_step = np.add.reduceat(_terms(samples, counts), first_samples(samples), axis=1)
+    length = np.sqrt((of_step[:3] * of_step[:3]).sum(axis=0))
+    of_step[:3] /= np.maximum(length, _LEAST_LENGTH)
+    ups, easts, norths = (zip(*of_step[rows].tolist(), strict=True) for rows in _AXES)
+    leading = zip(*_leading(of_step[11:], np.array(counts)).tolist(), strict=True)
     return [
         made(StepMotion, up=up, east=east, north=north, leading_mps2=acceleration)
         for up, east, north, acceleration in zip(ups, easts, norths, leading, strict=True)
     ]
 
 
-def _harmonics(
-    samples: Sequence[LevelBlock], counts: Sequence[int], up: Array, turn: tuple[Array, Array], out: Array
-) -> None:
-    """Compute the terms (6, n) of the first harmonics of the vertical, the east and the north acceleration."""
-    wave = np.concatenate([_wave(count) for count in counts], axis=1)
+def _terms(samples: Sequence[LevelBlock], counts: Sequence[int]) -> Array:
+    """Compute at each sample (17, n) what is summed over a step.
+
+    These are the direction up, the east and the north components of the device axes and of the acceleration, and the
+    terms of the first harmonics of the vertical, the east and the north acceleration.
+    """
+    yaw_rad = np.concatenate([block.yaw_rad for block in samples])
+    up = np.concatenate([block.up for block in samples]).T.copy()
     acceleration = np.concatenate([block.acceleration_mps2 for block in samples]).T.copy()
-    x, y = turn_upright(acceleration, up.T)
-    cos, sin = turn
-    np.multiply(wave, np.concatenate([block.vertical_mps2 for block in samples]), out=out[:2])
-    np.multiply(wave, cos * x - sin * y, out=out[2:4])
-    np.multiply(wave, sin * x + cos * y, out=out[4:])
+    x, y = axes_upright(up, acceleration)
+    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
+    wave = np.concatenate([_wave(count) for count in counts], axis=1)
+    terms = np.empty((17, len(yaw_rad)))
+    terms[:3] = up
+    east = np.subtract(cos * x, sin * y, out=terms[3:7])
+    north = np.add(sin * x, cos * y, out=terms[7:11])
+    np.multiply(wave, np.concatenate([block.vertical_mps2 for block in samples]), out=terms[11:13])
+    np.multiply(wave, east[3], out=terms[13:15])
+    np.multiply(wave, north[3], out=terms[15:])
+    return terms
 
 
 @lru_cache(maxsize=256)
@@ -126,14 +127,13 @@ def _wave(count: int) -> Array:
     return np.stack([wave.real, wave.imag])
 
 
-def _leading(sums: Array, counts: Array) -> tuple[list[float], list[float]]:
-    """Compute the leading acceleration from first harmonics (6, n), each as real and imaginary part.
+def _leading(sums: Array, counts: Array) -> Array:
+    """Compute the leading acceleration (2, n) from the first harmonics (6, n), each as real and imaginary part.
 
     Products of complex arrays are written out: their rounding may depend on where in the array a number is.
     """
-    real, imaginary = sums[0] / counts, sums[1] / counts
-    scale = np.maximum(np.hypot(real, imaginary), _LEAST_VERTICAL) * counts
-    cos, sin = real / scale, -imaginary / scale
-    enough = counts >= LEAST_HARMONIC_SAMPLES
-    east, north = (np.where(enough, sums[row] * sin + sums[row + 1] * cos, 0.0).tolist() for row in (2, 4))
-    return east, north
+    vertical = sums[:2] / counts
+    size = np.sqrt((vertical * vertical).sum(axis=0))
+    real, imaginary = vertical / (np.maximum(size, _LEAST_VERTICAL) * counts)
+    leading = sums[3::2] * real - sums[2::2] * imaginary
+    return np.where(counts >= LEAST_HARMONIC_SAMPLES, leading, 0.0)
