@@ -25,7 +25,7 @@ ORDER: list[set[str]] = [
     {"io.side_tables", "front_end.mode", "estimators.dead_reckoning", "estimators.person", "estimators.factor_graph"},
     {"io.formats", "io.writers", "front_end.steps", "estimators.fixed_lag", "estimators.robust_dr"},
     {"io", "front_end.gait", "estimators"},
-    {"front_end.step_length", "front_end.heading"},
+    {"front_end.step_length", "front_end.heading", "front_end.step_noise"},
     {"front_end.odometry"},
     {"front_end"},
     {"preprocessing", "evaluate"},

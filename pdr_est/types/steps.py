@@ -96,7 +96,7 @@ class TurnHypothesis:
 
 @dataclass(frozen=True)
 class StepMotion:
-    """How a phone lies and moves during a step, in the level frame that its yaw counts in.
+    """Posture and acceleration of a phone during a step, in the level frame that its yaw counts in.
 
     Attributes
     ----------

@@ -39,7 +39,7 @@ _LOG_GOES_ON = np.log1p(-RATES).tolist()
 
 
 class _Seen(NamedTuple):
-    """What a step shows.
+    """Direction and acceleration of a step.
 
     Attributes
     ----------

@@ -141,7 +141,7 @@ class ForwardPass:
 
 @dataclass(frozen=True)
 class _Observed:
-    """What several drifts, side by side, make of the sections.
+    """Sections as several drifts, side by side, have them.
 
     `heading_rad` (n, drifts); `along` (n, drifts, cells): likelihood of each section if its leg follows a direction;
     `diagonal` (n, drifts): that if it does not; `sigma`, `damping` (n - 1, drifts) and (n - 1, drifts, cells): of the
