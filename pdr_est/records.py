@@ -1,4 +1,4 @@
-"""Change fields of frozen records."""
+"""Make frozen records, and change fields of them, where there are many."""
 
 from typing import Any, TypeVar
 
@@ -26,3 +26,18 @@ def changed(record: Record, **fields: Any) -> Record:
     copy = object.__new__(type(record))
     copy.__dict__.update(record.__dict__, **fields)
     return copy
+
+
+def made(record: type[Record], **fields: Any) -> Record:
+    """Make a frozen record with all its fields, at a fraction of the cost of its constructor.
+
+    Parameters
+    ----------
+    record
+        A dataclass without slots and without validation.
+    **fields
+        All its fields; which there are is not checked.
+    """
+    new = object.__new__(record)
+    new.__dict__.update(fields)
+    return new

@@ -38,7 +38,7 @@ ORDER: list[set[str]] = [
         "estimators.heading_chain",
     },
     {"io", "front_end.gait", "estimators"},
-    {"front_end.step_length", "front_end.heading"},
+    {"front_end.step_length", "front_end.heading", "front_end.step_noise"},
     {"front_end.odometry"},
     {"front_end"},
     {"preprocessing", "evaluate"},

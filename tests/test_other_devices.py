@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pdr_est.front_end.odometry import step_covariance
+from pdr_est.front_end.step_noise import step_covariance
 from pdr_est.pipeline.other_devices import with_turns_of_others
 from pdr_est.types.measurements import DeviceMeasurements, StepOdometry, TurnHypothesis
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from pdr_est.stage import Chain, Stage, push_all, run_through
+from pdr_est.stage import Chain, Parallel, Stage, push_all, run_through
 from pdr_est.testing import check_partition
 
 
@@ -100,3 +100,25 @@ def test_a_batch_stage_whose_batches_differ_from_single_items_is_refused() -> No
     check_partition(SumOfTwo, numbers, [numbers])
     with pytest.raises(AssertionError, match="by push_all"):
         check_partition(lambda: SumOfTwo(forgets=True), numbers, [numbers])
+
+
+class Halves:
+    """Emits even numbers halved; takes many at once and tells their outputs apart."""
+
+    latency_s = 0.0
+
+    def push(self, item: int, /) -> list[int]:
+        return self.push_each([item])[0]
+
+    def push_each(self, items: Sequence[int], /) -> list[list[int]]:
+        return [[] if item % 2 else [item // 2] for item in items]
+
+    def flush(self) -> list[int]:
+        return []
+
+
+def test_stages_side_by_side_emit_item_after_item_also_when_they_take_many_at_once() -> None:
+    items = [10, 11, 20]
+    assert Parallel([Halves(), Repeat()]).push_all(items) == [5, 10, 10, 11, 11, 10, 20, 20]
+    check_partition(lambda: Parallel([Halves(), Pairs(), Repeat()]), items)
+    assert Parallel([]).push_all(items) == []

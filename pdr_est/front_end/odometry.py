@@ -1,15 +1,22 @@
 """Turn steps into measurements for the estimators; the noise of the odometry is set here and nowhere else."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from math import isnan
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
+from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.front_end.heading.placement_change.turn_density import mean_and_sigma
+from pdr_est.front_end.step_noise import course_covariance, course_covariances, step_covariance, step_covariances
 from pdr_est.params import NonNegative, Positive, params
+from pdr_est.records import made
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.steps import LONGEST_STEP_S, CarryingMode, Step
 
+_FEW_STEPS = 4  # below, arrays cost more than they save
 _LEAST_STEP_S = 0.2
 _SHORT_GAP_S = 5.0  # beyond, a walker may have stood meanwhile
 
@@ -77,33 +84,85 @@ class Odometry:
 
     def push(self, item: Step, /) -> list[StepOdometry | HeadingPrior]:
         """Turn a step into its measurements."""
-        return [*self._motion(item), *self._heading_prior(item)]
+        previous, self._previous = self._previous, item
+        begins = previous is None or item.event.segment != previous.event.segment
+        if previous is None or begins:
+            change_rad, sigma_rad = 0.0, self._sigma_heading(item.event.time_s - item.start_s)
+        else:
+            change_rad = wrapped(item.heading_rad - previous.heading_rad)
+            elapsed_s = item.event.time_s - previous.event.time_s
+            sigma_rad = self._sigma_heading(elapsed_s, self._extra_sigma(previous, item))
+        odometry = self._step(item, change_rad, sigma_rad)
+        return self._measurements(previous, item, odometry, sigma_rad)
+
+    def push_all(self, items: Sequence[Step], /) -> list[StepOdometry | HeadingPrior]:
+        """Turn steps into their measurements."""
+        return [output for outputs in self.push_each(items) for output in outputs]
+
+    def push_each(self, items: Sequence[Step], /) -> list[list[StepOdometry | HeadingPrior]]:
+        """Turn steps into the measurements of each, by the operations of `push` on arrays."""
+        if len(items) < _FEW_STEPS:
+            return [self.push(item) for item in items]
+        first, self._previous = self._previous, items[-1]
+        previous = [items[0] if first is None else first, *items[:-1]]
+        begins = [item.event.segment != before.event.segment for before, item in zip(previous, items, strict=True)]
+        begins[0] = begins[0] or first is None
+        change_rad, sigma_rad = self._turns(previous, items, np.array(begins))
+        steps = self._steps(items, change_rad, sigma_rad)
+        measured = zip([first, *items[:-1]], items, steps, sigma_rad.tolist(), strict=True)
+        return [self._measurements(*one) for one in measured]
 
     def flush(self) -> list[StepOdometry | HeadingPrior]:
         """Return nothing: no measurement is held back."""
         return []
 
-    def _heading_prior(self, step: Step) -> list[HeadingPrior]:
-        if np.isnan(step.path_heading_rad):
-            return []
-        sigma = float(np.hypot(step.sigma_path_heading_rad, self._parameters.sigma_straight_rad))
-        return [HeadingPrior(self._device, step.event.time_s, step.path_heading_rad, sigma, relative=True)]
+    def _measurements(
+        self, previous: Step | None, step: Step, odometry: StepOdometry, sigma_heading_rad: float
+    ) -> list[StepOdometry | HeadingPrior]:
+        """Put the measurements of a step together."""
+        found: list[StepOdometry | HeadingPrior] = [odometry]
+        if previous is not None:
+            if step.turn_hypotheses:
+                found = [self._undecided_step(step, sigma_heading_rad)]
+            if step.event.segment != previous.event.segment:
+                found.insert(0, self._bridge(previous, step))
+        if not isnan(step.path_heading_rad):
+            found.append(self._heading_prior(step))
+        return found
 
-    def _motion(self, item: Step) -> list[StepOdometry]:
-        previous, self._previous = self._previous, item
-        if previous is None:
-            return [self._step(item, 0.0, self._sigma_heading(item.event.time_s - item.start_s))]
-        elapsed = item.event.time_s - previous.event.time_s
-        if item.event.segment == previous.event.segment:
-            sigma = self._sigma_heading(elapsed, self._extra_sigma(previous, item))
-            if item.turn_hypotheses:
-                return [self._undecided_step(item, sigma)]
-            return [self._step(item, float(wrap_angle(item.heading_rad - previous.heading_rad)), sigma)]
-        bridge = self._bridge(previous, item)
-        sigma = self._sigma_heading(item.event.time_s - item.start_s)
-        if item.turn_hypotheses:
-            return [bridge, self._undecided_step(item, sigma)]
-        return [bridge, self._step(item, 0.0, sigma)]
+    def _heading_prior(self, step: Step) -> HeadingPrior:
+        sigma = float(np.hypot(step.sigma_path_heading_rad, self._parameters.sigma_straight_rad))
+        return HeadingPrior(self._device, step.event.time_s, step.path_heading_rad, sigma, relative=True)
+
+    def _turns(
+        self, previous: Sequence[Step], items: Sequence[Step], begins: NDArray[np.bool_]
+    ) -> tuple[Array, Array]:
+        """Compute the heading changes (n,) of steps since those before, rad, and their standard deviations.
+
+        Steps that begin a segment have none, and the noise of their own time.
+        """
+        time_s, heading_rad, sigma_turn_rad, start_s, mode, tracked = np.array(
+            [
+                (
+                    one.event.time_s,
+                    one.heading_rad,
+                    one.sigma_turn_rad,
+                    one.start_s,
+                    one.event.mode,
+                    one.placement_tracked,
+                )
+                for one in (previous[0], *items)
+            ]
+        ).T
+        before, after, unknown = mode[:-1], mode[1:], float(CarryingMode.UNKNOWN)
+        other_mode = (before != after) & (before != unknown) & (after != unknown)
+        turns_all_the_time = (before == CarryingMode.TRANS) | (after == CarryingMode.TRANS)
+        changed_mode = (other_mode | turns_all_the_time) & (tracked[1:] == 0.0)
+        of_mode = np.where(changed_mode, self._parameters.sigma_mode_change_rad, 0.0)
+        extra_rad = np.where(begins, 0.0, np.hypot(of_mode, sigma_turn_rad[1:]))
+        elapsed_s = time_s[1:] - np.where(begins, start_s[1:], time_s[:-1])
+        change_rad = np.where(begins, 0.0, wrap_angle(np.diff(heading_rad)))
+        return change_rad, np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), extra_rad)
 
     def _extra_sigma(self, previous: Step, item: Step) -> float:
         """Compute the extra heading-change sigma (rad) from mode changes and re-orientation."""
@@ -117,21 +176,51 @@ class Odometry:
 
     def _step(self, step: Step, heading_change_rad: float, sigma_heading_rad: float) -> StepOdometry:
         p = self._parameters
+        covariance = step_covariance(
+            length_m=step.length_m,
+            sigma_length_m=float(np.hypot(step.sigma_length_m, p.sigma_length_drift * step.length_m)),
+            sigma_direction_rad=p.sigma_direction_rad,
+            sigma_heading_rad=sigma_heading_rad,
+        )
+        if step.sigma_course_rad:
+            covariance += p.sideways_steps * course_covariance(step.length_m, step.sigma_course_rad)
         return StepOdometry(
             device=self._device,
             time_s=step.event.time_s,
             start_s=step.start_s,
             length_m=step.length_m,
             heading_change_rad=heading_change_rad,
-            covariance=step_covariance(
-                length_m=step.length_m,
-                sigma_length_m=float(np.hypot(step.sigma_length_m, p.sigma_length_drift * step.length_m)),
-                sigma_direction_rad=p.sigma_direction_rad,
-                sigma_heading_rad=sigma_heading_rad,
-            )
-            + p.sideways_steps * course_covariance(step.length_m, step.sigma_course_rad),
+            covariance=covariance,
             mode=step.event.mode,
         )
+
+    def _steps(self, steps: Sequence[Step], change_rad: Array, sigma_heading_rad: Array) -> list[StepOdometry]:
+        p = self._parameters
+        length_m, sigma_length_m, sigma_course_rad = np.array(
+            [(step.length_m, step.sigma_length_m, step.sigma_course_rad) for step in steps]
+        ).T
+        covariance = step_covariances(
+            length_m=length_m,
+            sigma_length_m=np.hypot(sigma_length_m, p.sigma_length_drift * length_m),
+            sigma_direction_rad=p.sigma_direction_rad,
+            sigma_heading_rad=sigma_heading_rad,
+        )
+        covariance += p.sideways_steps * course_covariances(length_m, sigma_course_rad)
+        return [
+            made(
+                StepOdometry,
+                device=self._device,
+                time_s=step.event.time_s,
+                start_s=step.start_s,
+                length_m=step.length_m,
+                heading_change_rad=change,
+                covariance=matrix,
+                mode=step.event.mode,
+                observed=True,
+                turn_hypotheses=(),
+            )
+            for step, change, matrix in zip(steps, change_rad.tolist(), covariance, strict=True)
+        ]
 
     def _undecided_step(self, step: Step, sigma_heading_rad: float) -> StepOdometry:
         """Make the motion of a step with several possible turns, and their mean and covariance."""
@@ -179,50 +268,3 @@ def _walks_on(previous: Step, item: Step) -> bool:
     before_s = item.holes[0].start_s - previous.event.time_s
     after_s = item.start_s - item.holes[-1].end_s
     return before_s < LONGEST_STEP_S and after_s < LONGEST_STEP_S
-
-
-def step_covariance(
-    length_m: float, sigma_length_m: float, sigma_direction_rad: float, sigma_heading_rad: float
-) -> Array:
-    """Compute the covariance (3, 3) of forward (m), left (m) and heading (rad) at the end of a step.
-
-    The heading error of the step turns its displacement too: left = length * heading error.
-
-    Parameters
-    ----------
-    length_m, sigma_length_m : float
-        Length of the step and its standard deviation.
-    sigma_direction_rad : float
-        Standard deviation of the direction of the step around the heading.
-    sigma_heading_rad : float
-        Standard deviation of the heading change over the step.
-    """
-    least = 1e-3  # m; keeps the matrix regular for steps of no length
-    turn = sigma_heading_rad**2
-    return np.array(
-        [
-            [sigma_length_m**2 + least**2, 0.0, 0.0],
-            [0.0, length_m**2 * (turn + sigma_direction_rad**2) + least**2, length_m * turn],
-            [0.0, length_m * turn, turn + least**2],
-        ]
-    )
-
-
-def course_covariance(length_m: float, sigma_course_rad: float) -> Array:
-    """Compute the covariance (3, 3) that a doubtful direction of motion adds to forward (m), left (m), heading (rad).
-
-    It is that of the end of a step whose direction has a normal distribution on the circle, so that a step which
-    leads anywhere has the variance length^2 / 2 in both axes. The heading of the next step does not depend on it.
-
-    Parameters
-    ----------
-    length_m : float
-        Length of the step.
-    sigma_course_rad : float
-        Standard deviation of the direction, rad.
-    """
-    variance = sigma_course_rad**2
-    if not variance:
-        return np.zeros((3, 3))
-    along, across = 0.5 * (1.0 - np.exp(-variance)) ** 2, 0.5 * (1.0 - np.exp(-2.0 * variance))
-    return length_m**2 * np.diag([along, across, 0.0])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pdr_est.front_end.odometry import step_covariance
+from pdr_est.front_end.step_noise import step_covariance
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, StartPose, StepOdometry
 
 START, SIGMA_SCALE = StartPose((0.0, 0.0), 0.0), 0.11

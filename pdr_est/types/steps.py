@@ -95,6 +95,27 @@ class TurnHypothesis:
 
 
 @dataclass(frozen=True)
+class StepMotion:
+    """Posture and acceleration of a phone during a step, in the level frame that its yaw counts in.
+
+    Attributes
+    ----------
+    up
+        Mean unit vector upwards in device axes; zeros without samples.
+    east, north
+        East and north components of each of the three device axes, summed over the samples.
+    leading_mps2
+        East and north component of the acceleration that is ahead of the vertical one by a quarter of a step, m/s²; 0
+        for a step with too few samples.
+    """
+
+    up: tuple[float, float, float]
+    east: tuple[float, float, float]
+    north: tuple[float, float, float]
+    leading_mps2: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Step:
     """A step on its way through the front end; length and heading are NaN until their stages have run.
 
@@ -115,6 +136,9 @@ class Step:
         Heading of the step, rad, with an arbitrary zero.
     holes
         Gaps of the recording since the previous step.
+    motion
+        Posture and acceleration of the phone, for stages that need them after the heading stage; None where that has
+        not computed them.
     sigma_turn_rad
         Standard deviation of the heading change since the previous step, rad, in addition to the noise that every
         step has.
@@ -164,6 +188,7 @@ class Step:
     stairs_probability: float = 0.0
     recorded_share: float = 1.0
     holes: tuple[Hole, ...] = ()
+    motion: StepMotion | None = None
 
     @property
     def time_s(self) -> float:

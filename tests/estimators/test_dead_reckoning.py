@@ -5,7 +5,7 @@ import pytest
 from estimator_walks import SIGMA_SCALE, fix, heading_prior, run, simulate, step, straight, winding
 
 from pdr_est.frames import Array
-from pdr_est.front_end.odometry import step_covariance
+from pdr_est.front_end.step_noise import step_covariance
 from pdr_est.types.measurements import StartPose
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from signals import run, step
 
-from pdr_est.front_end.odometry import Odometry, OdometryParams, course_covariance, step_covariance
+from pdr_est.front_end.odometry import Odometry, OdometryParams
+from pdr_est.front_end.step_noise import course_covariance, step_covariance
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.sensors import Hole
 from pdr_est.types.steps import CarryingMode, Step, TurnHypothesis

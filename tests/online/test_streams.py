@@ -21,7 +21,7 @@ from two_phones import (
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
-from pdr_est.front_end.odometry import step_covariance
+from pdr_est.front_end.step_noise import step_covariance
 from pdr_est.online import OnlineParams, Tracker, track_of
 from pdr_est.online.walk_estimator import WalkEstimator
 from pdr_est.types.measurements import PositionFix, StepOdometry

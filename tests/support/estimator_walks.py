@@ -8,7 +8,7 @@ import numpy as np
 from pdr_est.estimators import EstimatorName, estimate_track, timelines_of
 from pdr_est.estimators.factor_graph.smoother import estimate
 from pdr_est.frames import Array, rotation_matrix
-from pdr_est.front_end.odometry import step_covariance
+from pdr_est.front_end.step_noise import step_covariance
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     HeadingPrior,

@@ -8,7 +8,7 @@ import numpy as np
 from pdr_est.config import Config, DevicesParams, EstimatorParams, StartParams
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.tethers import TetherParams, tethers_between
-from pdr_est.front_end.odometry import step_covariance
+from pdr_est.front_end.step_noise import step_covariance
 from pdr_est.online import OnlineParams
 from pdr_est.online.walk_estimator import WalkEstimator
 from pdr_est.types.measurements import (

@@ -4,27 +4,66 @@ The twist of an attitude about the vertical is undefined for a phone upside down
 posture, its yaw is well defined for anything less than half a turn away from that.
 """
 
+from dataclasses import dataclass
+from functools import cached_property
+from math import acos, atan2, pi
+
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.level_frame import turn_upright
+from pdr_est.front_end.heading.step_motion import step_motions
 from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import StepMotion
+
+Vector = tuple[float, float, float]
+"""Vector in device axes."""
 
 _LEAST_LENGTH = 1e-9
 _AXES = np.eye(3)
 
 
+@dataclass(frozen=True)
+class Posture:
+    """Posture of a phone by its unit vector upwards, to which the zero of a yaw belongs."""
+
+    up: Vector
+
+    @cached_property
+    def _level_axes(self) -> tuple[Vector, Vector]:
+        first, second = (tuple(axis.tolist()) for axis in level_axes(np.array(self.up)))
+        return first, second
+
+    def yaw_rad(self, motion: StepMotion) -> float:
+        """Compute the mean yaw of the phone over a step, rad in (-pi, pi].
+
+        Two axes of the phone that are level in this posture are turned into the level frame, where the one is a
+        quarter turn ahead of the other.
+        """
+        first, second = self._level_axes
+        east, north = motion.east, motion.north
+        return atan2(_dot(north, first) - _dot(east, second), _dot(east, first) + _dot(north, second))
+
+    def angle_to(self, up: Vector) -> float:
+        """Compute the angle, rad, to another unit vector upwards."""
+        return acos(min(max(_dot(self.up, up), -1.0), 1.0))
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def wrapped(angle_rad: float) -> float:
+    """Wrap a single angle to [-pi, pi), as `wrap_angle` does at a higher cost."""
+    return (angle_rad + pi) % (2.0 * pi) - pi
+
+
 def mean_up(samples: LevelBlock) -> Array:
     """Compute the mean unit vector (3,) upwards in device axes over some samples."""
-    total = samples.up.sum(axis=0)
-    return np.asarray(total / max(float(np.sqrt(total.dot(total))), 1e-9))
+    return np.array(step_motions([samples])[0].up)
 
 
 def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
     """Compute the mean yaw over some samples of a phone in a known posture.
-
-    Two axes of the phone that are level in that posture are turned into the level frame, where the one is a quarter
-    turn ahead of the other.
 
     Parameters
     ----------
@@ -38,13 +77,13 @@ def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
     float
         Yaw, rad in (-pi, pi].
     """
-    first, second = level_axes(reference_up)
-    # `to_level` of both axes would turn them by the yaw one after the other; this is done at every step.
-    c, s = np.cos(samples.yaw_rad), np.sin(samples.yaw_rad)
-    (first_x, first_y), (second_x, second_y) = (turn_upright(axis, samples.up) for axis in (first, second))
-    east = np.add.reduce((c * first_x - s * first_y) + (s * second_x + c * second_y))
-    north = np.add.reduce((s * first_x + c * first_y) - (c * second_x - s * second_y))
-    return float(np.arctan2(north, east))
+    return posture_of(reference_up).yaw_rad(step_motions([samples])[0])
+
+
+def posture_of(up: Array) -> Posture:
+    """Return the posture of a unit vector (3,) upwards in device axes."""
+    x, y, z = up.tolist()
+    return Posture((x, y, z))
 
 
 def level_axes(up: Array) -> tuple[Array, Array]:

@@ -73,3 +73,14 @@ def test_of_the_uniform_density_the_sigma_is_more_than_the_spacing() -> None:
     circle = CircularGrid(np.pi / 2.0)
     _, sigma = circle.mean_and_sigma(circle.uniform()[None])
     assert sigma[0] > circle.spacing_rad
+
+
+@pytest.mark.parametrize("spacing_rad", SPACINGS)
+def test_many_densities_spread_as_each_of_them(spacing_rad: float) -> None:
+    """Few are multiplied by matrices, many are Fourier transformed."""
+    circle = CircularGrid(spacing_rad)
+    sigmas = np.linspace(0.0, 0.3, 400)
+    densities = np.random.default_rng(0).uniform(size=(400, circle.cells))
+    together = circle.diffuse(densities, sigmas)
+    alone = [circle.diffuse(density, sigma) for density, sigma in zip(densities, sigmas.tolist(), strict=True)]
+    np.testing.assert_allclose(together, alone, atol=1e-12)

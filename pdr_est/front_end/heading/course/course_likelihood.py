@@ -20,8 +20,11 @@ LEAST_TURN_RAD = 0.25
 """Least angle of such a turn, rad."""
 LEAST_VARIANCE = 1e-4
 """Least variance of the acceleration in one direction, (m/s^2)^2."""
+RATE_PROBABILITY = (0.7, 0.25, 0.05)
+"""Their prior probabilities."""
+LEAST_SPREAD_LENGTH = 1e-3
+"""Length of a mean unit vector below which an angle may be any."""
 
-_RATE_PROBABILITY = np.array([0.7, 0.25, 0.05])
 _WILD, _WILDER = 0.1, 3.0  # share of steps with larger errors, and how much larger
 _PHASORS = np.exp(1j * ANGLES_RAD)
 
@@ -59,7 +62,7 @@ def angle_and_doubt(probability: Array, log_evidence: Array) -> tuple[Array, Arr
     log_evidence : ndarray, shape (r,)
         Logarithm of the evidence of each rate.
     """
-    weight = _RATE_PROBABILITY * np.exp(log_evidence - log_evidence.max())
+    weight = np.array(RATE_PROBABILITY) * np.exp(log_evidence - log_evidence.max())
     angle = (probability @ _PHASORS) @ (weight / weight.sum())
-    spread = np.sqrt(-2.0 * np.log(np.clip(np.abs(angle), 1e-3, 1.0)))
+    spread = np.sqrt(-2.0 * np.log(np.clip(np.abs(angle), LEAST_SPREAD_LENGTH, 1.0)))
     return np.angle(angle), np.minimum(spread, SIGMA_UNIFORM_RAD)

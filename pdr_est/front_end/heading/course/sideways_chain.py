@@ -24,6 +24,8 @@ _TURNS_BACK = 0.1  # probability per step that the body begins to turn again in 
 _WALKS_AHEAD = 0.05  # probability per step that the walker turns into the direction of the body
 _TURN_ENDS = 0.3  # probability per step that a turn of the body alone ends
 _STAYS = 1.0 - _TURNS_BACK - _WALKS_AHEAD  # probability per step in a stretch that the angle stays
+_STEP = np.array([[_STAYS, _TURN_ENDS], [_TURNS_BACK, 1.0 - _TURN_ENDS]])  # to the rows
+_TO_AHEAD = np.full(ANGLES, _WALKS_AHEAD)
 
 
 @dataclass(frozen=True)
@@ -97,15 +99,11 @@ def moved_on(state: Array, turn_rad: float, rates: Array) -> Array:
 
     The first ones are those of a walker who turns with the body, the second ones those of a body that turns alone.
     """
-    together, alone = state
-    ahead = together[:, 0]
-    beginning = _TURNS_BACK * together
-    beginning[:, 0] = rates * ahead
-    moved = np.empty(state.shape)
-    np.multiply(together, _STAYS, out=moved[0])
-    moved[0, :, 0] = (1.0 - rates - _WALKS_AHEAD) * ahead + _WALKS_AHEAD * together.sum(axis=1)
-    moved[0] += _TURN_ENDS * alone
-    moved[1] = _shifted((1.0 - _TURN_ENDS) * alone + beginning, -turn_rad)
+    moved = (_STEP @ state.reshape(2, -1)).reshape(state.shape)
+    less_begins = (_TURNS_BACK - rates) * state[0, :, 0]  # from ahead, where it is rarer than in a stretch
+    moved[0, :, 0] += less_begins + state[0] @ _TO_AHEAD
+    moved[1, :, 0] -= less_begins
+    moved[1] = _shifted(moved[1], -turn_rad)
     return moved
 
 

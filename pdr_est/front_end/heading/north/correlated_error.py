@@ -7,12 +7,10 @@ ends up with the variance of the heading that one has which knows about both kin
 """
 
 from dataclasses import dataclass
+from math import exp, inf, sqrt
 
-import numpy as np
+from pdr_est.front_end.heading.phone_posture import wrapped
 
-from pdr_est.frames import Array, wrap_angle
-
-_HEADING, _STAYS, _WANDERS = 0, 1, 2
 _UNKNOWN_VARIANCE = 1e4  # rad², of a heading of which nothing is known
 _SAME_WEIGHT_SIGMAS = 2.0  # larger innovations count less, by Huber's weight
 
@@ -49,56 +47,66 @@ class CorrelatedHeadingError:
 
     def __init__(self, sigma_stays_rad: float, sigma_wanders_rad: float, length_m: float) -> None:
         self._wander_variance, self._length_m = sigma_wanders_rad**2, length_m
-        self._mean = np.zeros(3)
-        self._covariance = np.diag([_UNKNOWN_VARIANCE, sigma_stays_rad**2, self._wander_variance])
+        self._heading_rad = self._stays_rad = self._wanders_rad = 0.0
+        # Covariance of heading (h), the error that stays (s) and the one that wanders (w).
+        self._hh, self._ss, self._ww = _UNKNOWN_VARIANCE, sigma_stays_rad**2, self._wander_variance
+        self._hs = self._hw = self._sw = 0.0
         self._known = False
 
     def set_stays(self, sigma_rad: float) -> None:
         """Set the standard deviation, rad, of the error that stays; only before the first measurement."""
-        self._covariance[_STAYS, _STAYS] = sigma_rad**2
+        self._ss = sigma_rad**2
 
     def forget_heading(self) -> None:
         """Begin anew with an unknown heading; what is known of the errors stays."""
-        self._covariance[_HEADING, :] = self._covariance[:, _HEADING] = 0.0
-        self._covariance[_HEADING, _HEADING] = _UNKNOWN_VARIANCE
+        self._hh, self._hs, self._hw = _UNKNOWN_VARIANCE, 0.0, 0.0
         self._known = False
 
     def move(self, turn_rad: float, variance_rad2: float, distance_m: float) -> None:
         """Predict the state after a step."""
-        self._mean[_HEADING] += turn_rad
-        self._covariance[_HEADING, _HEADING] += variance_rad2
-        kept = float(np.exp(-distance_m / self._length_m))
-        scale = np.array([1.0, 1.0, kept])
-        self._mean *= scale
-        self._covariance *= np.outer(scale, scale)
-        self._covariance[_WANDERS, _WANDERS] += (1.0 - kept**2) * self._wander_variance
+        kept = exp(-distance_m / self._length_m)
+        self._heading_rad += turn_rad
+        self._wanders_rad *= kept
+        self._hh += variance_rad2
+        self._hw, self._sw = kept * self._hw, kept * self._sw
+        self._ww = kept * kept * self._ww + (1.0 - kept * kept) * self._wander_variance
 
     def expected_sigma(self, sigma_white_rad: float) -> float:
         """Return the standard deviation that stands for a measurement now, rad, if it is as expected.
 
         It is infinite for a measurement that would tell nothing new.
         """
-        with_sum: Array = self._covariance.sum(axis=1)
-        return self._equivalent_sigma(with_sum, float(with_sum.sum()) + sigma_white_rad**2)
+        with_sum = self._with_sum()
+        return self._equivalent_sigma(with_sum[0], sum(with_sum) + sigma_white_rad**2)
 
     def measure(self, heading_rad: float, sigma_white_rad: float) -> IndependentSigma:
         """Update with a heading, rad, whose independent error has that standard deviation."""
         if not self._known:
-            self._mean[_HEADING] = heading_rad - self._mean[_STAYS] - self._mean[_WANDERS]
+            self._heading_rad = heading_rad - self._stays_rad - self._wanders_rad
             self._known = True
-        with_sum: Array = self._covariance.sum(axis=1)  # the sum of all states is what is measured
-        variance = float(with_sum.sum()) + sigma_white_rad**2
-        innovation = float(wrap_angle(heading_rad - float(self._mean.sum())))
-        sigmas = abs(innovation) / float(np.sqrt(variance))
+        heading, stays, wanders = with_sum = self._with_sum()
+        variance = sum(with_sum) + sigma_white_rad**2
+        innovation = wrapped(heading_rad - (self._heading_rad + self._stays_rad + self._wanders_rad))
+        sigmas = abs(innovation) / sqrt(variance)
         variance *= max(sigmas / _SAME_WEIGHT_SIGMAS, 1.0)
-        sigma_rad = self._equivalent_sigma(with_sum, variance)
-        self._mean = self._mean + with_sum * (innovation / variance)
-        self._covariance = self._covariance - np.outer(with_sum, with_sum) / variance
+        sigma_rad = self._equivalent_sigma(heading, variance)
+        self._heading_rad += heading * (innovation / variance)
+        self._stays_rad += stays * (innovation / variance)
+        self._wanders_rad += wanders * (innovation / variance)
+        self._hh -= heading * heading / variance
+        self._ss -= stays * stays / variance
+        self._ww -= wanders * wanders / variance
+        self._hs -= heading * stays / variance
+        self._hw -= heading * wanders / variance
+        self._sw -= stays * wanders / variance
         return IndependentSigma(sigma_rad, innovation, sigmas)
 
-    def _equivalent_sigma(self, with_sum: Array, variance: float) -> float:
+    def _with_sum(self) -> tuple[float, float, float]:
+        """Return the covariance of each state with the sum of all, which is what is measured."""
+        return self._hh + self._hs + self._hw, self._hs + self._ss + self._sw, self._hw + self._sw + self._ww
+
+    def _equivalent_sigma(self, shared: float, variance: float) -> float:
         """Return the independent standard deviation that leaves the heading the variance that the update leaves."""
-        before, shared = float(self._covariance[_HEADING, _HEADING]), float(with_sum[_HEADING])
         if shared <= 0.0:
-            return float("inf")
-        return float(np.sqrt(max(before * (before * variance / shared**2 - 1.0), 0.0)))
+            return inf
+        return sqrt(max(self._hh * (self._hh * variance / shared**2 - 1.0), 0.0))

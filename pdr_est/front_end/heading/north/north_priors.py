@@ -1,17 +1,17 @@
 """Stage that makes heading priors in the map from the direction of north."""
 
 import cmath
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import degrees, hypot, sqrt
+from math import degrees, hypot, inf, isfinite, isinf, nan, sqrt
 
-import numpy as np
-
-from pdr_est.frames import SIGMA_UNIFORM_RAD, wrap_angle
+from pdr_est.frames import SIGMA_UNIFORM_RAD
 from pdr_est.front_end.heading.north.correlated_error import CorrelatedHeadingError, IndependentSigma
-from pdr_est.front_end.heading.north.north_offset import magnetic_north_offset, recorded_north_offset
+from pdr_est.front_end.heading.north.north_offset import magnetic_north_offsets, recorded_north_offsets
 from pdr_est.front_end.heading.north.params import NorthParams
 from pdr_est.front_end.heading.north.pointing import HoldTracker, Pointing, final_pointings
 from pdr_est.front_end.heading.north.reference import NorthReference
+from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import HeadingPrior
 from pdr_est.types.steps import Step
@@ -81,7 +81,7 @@ class NorthPriors:
         self._steps = 0  # number of these
         self._doubt = 0.0  # sum of their probabilities that the phone is elsewhere
         self._offset_sum = 0j  # unit vectors of their headings in the map less those of the steps
-        self._walked_m = float("inf")  # since the last prior
+        self._walked_m = inf  # since the last prior
         self._disturbed: list[_Stretch] = []
         self._in_disturbance = False
 
@@ -92,18 +92,37 @@ class NorthPriors:
 
     def push(self, item: Step, /) -> list[HeadingPrior]:
         """Take a step; return a prior where one is due."""
-        if self._waiting is not None:
-            self._waiting.append(item)
-            return []
-        hold = self._holds.push(item)
-        return self._take(item, None if hold is None else hold.pointing())
+        return self.push_all([item])
 
-    def _take(self, item: Step, pointing: Pointing | None) -> list[HeadingPrior]:
+    def push_all(self, items: Sequence[Step], /) -> list[HeadingPrior]:
+        """Take steps; return the priors that are due."""
+        return [prior for priors in self.push_each(items) for prior in priors]
+
+    def push_each(self, items: Sequence[Step], /) -> list[list[HeadingPrior]]:
+        """Take steps; return the priors that are due at each."""
+        if self._waiting is not None:
+            self._waiting += items
+            return [[] for _ in items]
+        return self._take_all(
+            items, [None if hold is None else hold.pointing() for hold in map(self._holds.push, items)]
+        )
+
+    def _take_all(self, items: Sequence[Step], pointings: Sequence[Pointing | None]) -> list[list[HeadingPrior]]:
+        told = [pointing is not None and pointing.decided for pointing in pointings]
+        offsets = recorded_north_offsets if self._reference.source == "device" else magnetic_north_offsets
+        found = iter(offsets([item.samples for item, decided in zip(items, told, strict=True) if decided]))
+        return [
+            self._take(item, pointing, next(found) if decided else nan)
+            for item, pointing, decided in zip(items, pointings, told, strict=True)
+        ]
+
+    def _take(self, item: Step, pointing: Pointing | None, north_rad: float) -> list[HeadingPrior]:
+        """Take a step, where the offset of north in the level frame is known if the pointing is decided."""
         self._move(item)
-        offset_rad = float("nan")
+        offset_rad = nan
         if pointing is not None and pointing.decided:
-            offset_rad, self._pointing_rad = self._offset(item, pointing), pointing.sigma_rad
-        if np.isfinite(offset_rad):
+            offset_rad, self._pointing_rad = self._offset(item, pointing, north_rad), pointing.sigma_rad
+        if isfinite(offset_rad):
             self._first = self._first or item
             self._steps, self._offset_sum = self._steps + 1, self._offset_sum + cmath.rect(1.0, offset_rad)
             self._doubt += 1.0 - item.event.mode_probability
@@ -125,13 +144,13 @@ class NorthPriors:
             return []
         self._measured = True
         offset_rad = cmath.phase(self._offset_sum)
-        found = self._error.measure(float(wrap_angle(step.heading_rad + offset_rad)), sigma_rad)
+        found = self._error.measure(wrapped(step.heading_rad + offset_rad), sigma_rad)
         self._note_disturbance(found, first.start_s, step.event.time_s)
         # What orients the walk belongs to its beginning.
-        begins = np.isinf(self._walked_m) and step.event.time_s - first.event.time_s < _LATEST_S
+        begins = isinf(self._walked_m) and step.event.time_s - first.event.time_s < _LATEST_S
         at = first if begins else step
         self._begin_window(0.0)
-        heading_rad = float(wrap_angle(at.heading_rad + offset_rad))
+        heading_rad = wrapped(at.heading_rad + offset_rad)
         return [HeadingPrior(self._device, at.event.time_s, heading_rad, found.sigma_rad)]
 
     def flush(self) -> list[HeadingPrior]:
@@ -139,8 +158,8 @@ class NorthPriors:
         if self._waiting is None:
             return []
         steps, self._waiting = self._waiting, []
-        pairs = zip(steps, final_pointings(steps, self._reference.usual_axes), strict=True)
-        return [prior for step, pointing in pairs for prior in self._take(step, pointing)]
+        found = self._take_all(steps, final_pointings(steps, self._reference.usual_axes))
+        return [prior for priors in found for prior in priors]
 
     def _move(self, step: Step) -> None:
         previous, self._previous = self._previous, step
@@ -149,23 +168,21 @@ class NorthPriors:
         if step.event.segment != previous.event.segment:
             self._error.forget_heading()
             self._in_disturbance = False
-            self._begin_window(float("inf"))
+            self._begin_window(inf)
             return
         passed_s = max(step.event.time_s - previous.event.time_s, 0.0)
         variance = self._drift_per_sqrt_s**2 * passed_s + step.sigma_turn_rad**2
-        self._error.move(float(wrap_angle(step.heading_rad - previous.heading_rad)), variance, step.length_m)
+        self._error.move(wrapped(step.heading_rad - previous.heading_rad), variance, step.length_m)
         self._walked_m += step.length_m
 
     def _begin_window(self, walked_m: float) -> None:
         self._first, self._steps, self._doubt = None, 0, 0.0
         self._offset_sum, self._walked_m = 0j, walked_m
 
-    def _offset(self, step: Step, pointing: Pointing) -> float:
+    def _offset(self, step: Step, pointing: Pointing, north_rad: float) -> float:
         """Compute the heading in the map less that of the step, rad; NaN where the phone does not tell it."""
-        by_device = self._reference.source == "device"
-        north_rad = recorded_north_offset(step.samples) if by_device else magnetic_north_offset(step.samples)
         map_rad = pointing.azimuth(step) + north_rad - self._reference.declination_rad
-        return float(wrap_angle(map_rad + step.course_offset_rad - step.heading_rad))
+        return wrapped(map_rad + step.course_offset_rad - step.heading_rad)
 
     def _note_disturbance(self, found: IndependentSigma, begin_s: float, end_s: float) -> None:
         disturbed = found.innovation_sigmas > self._parameters.disturbed_sigmas

@@ -15,9 +15,10 @@ import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.north.usual_azimuth import usual_azimuth
-from pdr_est.front_end.heading.phone_posture import angle_between, mean_up, mean_yaw, yaw_between_postures
+from pdr_est.front_end.heading.phone_posture import Posture, Vector, yaw_between_postures
 from pdr_est.front_end.heading.placement_change.stride_cues import StrideCue, stride_cues
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD, CELLS, gaussian, mixed, normalised
+from pdr_est.front_end.heading.step_motion import motion_of
 from pdr_est.types.steps import CarryingMode, Step, begins_walk
 
 _SIGMA_AXIS_RAD = 0.2  # of the principal axis of a hand, to one side; ILC20's walkers differ by 0.25 on average
@@ -37,19 +38,19 @@ _KEPT = 0.8  # probability that a phone which was tilted, or put away and taken 
 
 @dataclass(frozen=True)
 class Pointing:
-    """Direction of the walker less the yaw of the phone in the posture `up` (3,), rad, and its standard deviation.
+    """Direction of the walker less the yaw of the phone in a posture, rad, and its standard deviation.
 
     It is `decided` if no direction further away is probable; then the standard deviation is that of the near ones.
     """
 
-    up: Array
+    posture: Posture
     offset_rad: float
     sigma_rad: float
     decided: bool
 
     def azimuth(self, step: Step) -> float:
         """Return the direction, rad, in the level frame of the phone's yaw."""
-        return mean_yaw(step.samples, self.up) + self.offset_rad
+        return self.posture.yaw_rad(motion_of(step)) + self.offset_rad
 
 
 class Hold:
@@ -66,25 +67,33 @@ class Hold:
     """
 
     def __init__(self, first: Step, usual_axes: bool, before: Array) -> None:
-        self.up = mean_up(first.samples)
-        self._edges = _edge_shares(first, self.up) if usual_axes else np.full(4, 0.25)
+        self.posture = Posture(motion_of(first).up)
+        self._edges = _edge_shares(first, self.posture) if usual_axes else np.full(4, 0.25)
         self._before = before
         self._previous: Step | None = None
         self._cues: list[StrideCue] = []
-        self.density = before
+        self._density: Array | None = None
         self._pointing: Pointing | None = None
 
     def push(self, step: Step) -> None:
         """Take the next step."""
-        previous, self._previous = self._previous, step
-        if previous is None or begins_walk(step, previous) or len(self._cues) >= _MOST_STRIDES:
+        if len(self._cues) >= _MOST_STRIDES:
             return
-        found = stride_cues((previous, step), self.up)
+        previous, self._previous = self._previous, step
+        if previous is None or begins_walk(step, previous):
+            return
+        found = stride_cues((previous, step), np.array(self.posture.up))
         if found:
-            self._previous = None
+            self._previous = self._density = self._pointing = None
             self._cues += found
-            self._pointing = None
-            self.density = normalised(self._before * _direction_density(self._cues))
+
+    @property
+    def density(self) -> Array:
+        """Density (360,) of the direction less the yaw by the strides so far."""
+        if self._density is None:
+            known = _direction_density(self._cues) if self._cues else None
+            self._density = self._before if known is None else normalised(self._before * known)
+        return self._density
 
     def pointing(self) -> Pointing:
         """Return the direction and its uncertainty by the strides so far."""
@@ -103,16 +112,17 @@ class Hold:
         share = float(weight[near].sum() / weight.sum())
         mean = float(best + np.average(wrap_angle(angle[near] - best), weights=weight[near]))
         variance = np.average(wrap_angle(angle[near] - mean) ** 2, weights=weight[near])
-        return Pointing(self.up, mean, float(np.sqrt(variance)), share >= _DECIDED)
+        return Pointing(self.posture, mean, float(np.sqrt(variance)), share >= _DECIDED)
 
 
-def _edge_shares(step: Step, up: Array) -> Array:
+def _edge_shares(step: Step, posture: Posture) -> Array:
     """Compute the probability (4,) of each edge by the usual axes of phones."""
-    usual_rad = usual_azimuth(step.samples)
+    motion = motion_of(step)
+    usual_rad = usual_azimuth(motion)
     if np.isnan(usual_rad):
         return np.full(4, 0.25)
     shares = np.full(4, (1.0 - _USUAL_SHARE) / 3.0)
-    shares[round((usual_rad - mean_yaw(step.samples, up)) / (0.5 * np.pi)) % 4] = _USUAL_SHARE
+    shares[round((usual_rad - posture.yaw_rad(motion)) / (0.5 * np.pi)) % 4] = _USUAL_SHARE
     return shares
 
 
@@ -164,19 +174,20 @@ class HoldTracker:
         if step.event.mode is not CarryingMode.HOLDING or step.event.compensated:
             self._held = False
             return None
-        up, hold = mean_up(step.samples), self._hold
+        up, hold = motion_of(step).up, self._hold
         if hold is None:
             hold = Hold(step, self._usual_axes, np.ones(CELLS))
-        elif not self._held or angle_between(up, hold.up) > _OTHER_POSTURE_RAD:
+        elif not self._held or hold.posture.angle_to(up) > _OTHER_POSTURE_RAD:
             hold = Hold(step, self._usual_axes, _as_before(hold, up))
         hold.push(step)
         self._hold, self._held = hold, True
         return hold
 
 
-def _as_before(hold: Hold, up: Array) -> Array:
+def _as_before(hold: Hold, up: Vector) -> Array:
     """Compute the density (360,) in another posture, which is probably reached by the shortest way."""
-    turned = np.interp(ANGLES_RAD + yaw_between_postures(hold.up, up), ANGLES_RAD, hold.density, period=2.0 * np.pi)
+    change_rad = yaw_between_postures(np.array(hold.posture.up), np.array(up))
+    turned = np.interp(ANGLES_RAD + change_rad, ANGLES_RAD, hold.density, period=2.0 * np.pi)
     return np.asarray(_KEPT * normalised(turned) + (1.0 - _KEPT))
 
 

@@ -1,18 +1,14 @@
 """The direction that a phone in front of the body points to by the usual axes of phones, which is the walker's."""
 
-import numpy as np
+from math import atan2, cos, hypot, nan, radians
 
-from pdr_est.frames import Array
-from pdr_est.front_end.heading.level_frame import to_level
-from pdr_est.front_end.heading.phone_posture import mean_up
-from pdr_est.types.sensors import LevelBlock
+from pdr_est.types.steps import StepMotion
 
-_TOP, _BACK = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])
-_LYING = float(np.cos(np.deg2rad(30.0)))  # cosine of the tilt below which a phone has no side that is up
+_LYING = cos(radians(30.0))  # cosine of the tilt below which a phone has no side that is up
 _SCREEN_DOWN = -0.3  # upward component of the screen below which nobody looks at it
 
 
-def usual_azimuth(samples: LevelBlock) -> float:
+def usual_azimuth(motion: StepMotion) -> float:
     """Compute the direction, in the level frame of the yaw, that a phone in front of the body points to.
 
     Of a phone that lies flat, it is that of the top edge; of an upright one, that of the camera on its back. In
@@ -24,19 +20,11 @@ def usual_azimuth(samples: LevelBlock) -> float:
     float
         Direction, rad, counter-clockwise from the x axis of the level frame; NaN for a phone with its screen down.
     """
-    up = mean_up(samples)
+    up, east, north = motion.up, motion.east, motion.north
     if up[2] < _SCREEN_DOWN:
-        return float("nan")
-    back = _level_mean(_BACK, samples)
-    portrait = up[2] > _LYING or up[1] > abs(up[0])
-    if portrait:
-        top, level = _level_mean(_TOP, samples), float(np.hypot(up[0], up[1]))
-        forward = max(float(up[2]), 0.0) * top + level * back
-    else:
-        forward = back
-    return float(np.arctan2(forward[1], forward[0]))
-
-
-def _level_mean(axis: Array, samples: LevelBlock) -> Array:
-    level: Array = to_level(np.broadcast_to(axis, samples.up.shape), samples.up, samples.yaw_rad).mean(axis=0)
-    return level
+        return nan
+    top, back = 0.0, 1.0
+    if up[2] > _LYING or up[1] > abs(up[0]):  # portrait format
+        top, back = max(up[2], 0.0), hypot(up[0], up[1])
+    # The top edge is along the second axis of the device, the back against the third one.
+    return atan2(top * north[1] - back * north[2], top * east[1] - back * east[2])

@@ -11,12 +11,13 @@ from enum import Enum, auto
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.front_end.heading.phone_posture import angle_between, mean_up, mean_yaw
+from pdr_est.front_end.heading.phone_posture import Posture, Vector, posture_of
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
+from pdr_est.front_end.heading.step_motion import motion_of, motions_of
 from pdr_est.types.steps import CarryingMode, Step
 
 LIMB_MODES = (CarryingMode.SWING, CarryingMode.POCKET)
-_DISTINCT_MODES = (CarryingMode.HOLDING, *LIMB_MODES)
+_DISTINCT_MODES = frozenset((CarryingMode.HOLDING, *LIMB_MODES))
 # Turn of the phone from one step to the next: of a walker who goes straight on with a phone on a limb, in a corner,
 # and by any angle; and the probability that a hand still moves a phone that seems to have settled. Ours.
 _SIGMA_STRAIGHT_RAD, _SIGMA_CORNER_RAD = 0.2, 0.6
@@ -48,8 +49,8 @@ class PlacementTracker:
 
     Attributes
     ----------
-    up : ndarray, shape (3,)
-        Unit vector upwards in device axes in the present place, or in the last one while the phone is away from it.
+    posture : Posture
+        Posture in the present place, or in the last one while the phone is away from it.
     training : list of Step
         Steps since the hand let go of the phone, while it is away from its last place; the first one may still be
         disturbed. At the step at which it settles they are those that it settled by, without the first.
@@ -61,15 +62,20 @@ class PlacementTracker:
         self._away = False
         self._started = False
         self._otherwise = 0  # steps in a row in another mode, with hardly another posture
-        self.up: Array = np.array([0.0, 0.0, 1.0])
+        self.posture = Posture((0.0, 0.0, 1.0))
         self.training: list[Step] = []
+
+    @property
+    def up(self) -> Array:
+        """Return the unit vector (3,) upwards in device axes in that posture."""
+        return np.array(self.posture.up)
 
     def push(self, step: Step) -> Placing:
         """Take the next step of the segment."""
-        up, handled = mean_up(step.samples), is_handled(step)
+        up, handled = motion_of(step).up, is_handled(step)
         if not self._started:
-            self._started, self.up, self._mode = True, up, step.event.mode
-        moved_rad = angle_between(up, self.up)
+            self._started, self.posture, self._mode = True, Posture(up), step.event.mode
+        moved_rad = self.posture.angle_to(up)
         other_mode = self._in_other_mode(step)
         if self._away:
             if not (handled or other_mode) and moved_rad < self._parameters.returned_rad:
@@ -90,30 +96,31 @@ class PlacementTracker:
         while len(stay) > 1 and self._in_other_mode(stay[-1]):
             stay.pop()
         slight_rad = 0.5 * self._parameters.moved_in_mode_rad
-        if len(stay) > 1 and angle_between(mean_up(stay[-1].samples), self.up) > slight_rad:
+        if len(stay) > 1 and self.posture.angle_to(motion_of(stay[-1]).up) > slight_rad:
             stay.pop()
         return stay
 
     def _in_other_mode(self, step: Step) -> bool:
         """Return True for a mode that is another one for certain: recognisers tell these apart well."""
-        return step.event.mode is not self._mode and {step.event.mode, self._mode} <= set(_DISTINCT_MODES)
+        mode = step.event.mode
+        return mode is not self._mode and mode in _DISTINCT_MODES and self._mode in _DISTINCT_MODES
 
-    def _settle(self, step: Step, up: Array, handled: bool) -> Placing:
+    def _settle(self, step: Step, up: Vector, handled: bool) -> Placing:
         self.training = [] if handled else self._steady(step, up)
         if not handled:
             self.training.append(step)
         if len(self.training) <= self._parameters.training_steps:
             return Placing.AWAY
         self.training = _in_place(self.training[1:])
-        self.up, self._mode, self._away = common_up(self.training), step.event.mode, False
+        self.posture, self._mode, self._away = posture_of(common_up(self.training)), step.event.mode, False
         return Placing.SETTLES
 
-    def _steady(self, step: Step, up: Array) -> list[Step]:
+    def _steady(self, step: Step, up: Vector) -> list[Step]:
         """Return the steps since the hand let go of the phone that have the same posture as a step.
 
         A wide swing of the arm takes the phone to another posture at the next step, and back at the one after.
         """
-        off_rad = [angle_between(up, mean_up(one.samples)) for one in self.training[-2:]]
+        off_rad = [Posture(up).angle_to(motion_of(one).up) for one in self.training[-2:]]
         if not off_rad:
             return []
         swings = step.event.mode is self.training[-1].event.mode is CarryingMode.SWING
@@ -178,7 +185,8 @@ def _in_place(steps: Sequence[Step]) -> list[Step]:
 
     A hand turns it about the vertical by any angle, a walker mostly by a small one.
     """
-    yaw = [mean_yaw(step.samples, common_up(steps)) for step in steps]
+    posture = posture_of(common_up(steps))
+    yaw = [posture.yaw_rad(motion) for motion in motions_of(steps)]
     change = wrap_angle(np.diff(yaw))
     straight = np.exp(-0.5 * (change / _SIGMA_STRAIGHT_RAD) ** 2) / _SIGMA_STRAIGHT_RAD
     corner = np.exp(-0.5 * (change / _SIGMA_CORNER_RAD) ** 2) / _SIGMA_CORNER_RAD
@@ -195,5 +203,5 @@ def is_handled(step: Step) -> bool:
 
 def common_up(steps: Sequence[Step]) -> Array:
     """Compute the mean unit vector (3,) upwards in device axes over some steps, at least one."""
-    total = np.sum([mean_up(step.samples) for step in steps], axis=0)
+    total = np.sum([motion.up for motion in motions_of(steps)], axis=0)
     return np.asarray(total / max(float(np.linalg.norm(total)), 1e-9))

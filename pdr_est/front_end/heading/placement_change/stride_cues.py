@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.level_frame import to_level
-from pdr_est.front_end.heading.phone_posture import mean_yaw
+from pdr_est.front_end.heading.phone_posture import posture_of
 from pdr_est.front_end.heading.principal_axis import StrideMotion, is_walking_stride
+from pdr_est.front_end.heading.step_motion import motion_of
 from pdr_est.front_end.heading.stride_pairing import StridePairing
 from pdr_est.types.steps import CarryingMode, Step
 
@@ -49,7 +50,8 @@ def stride_cues(steps: Sequence[Step], up: Array) -> list[StrideCue]:
 
 
 def _cue(pair: Sequence[Step], up: Array) -> StrideCue:
-    phasor = sum(len(step.samples) * np.exp(1j * mean_yaw(step.samples, up)) for step in pair)
+    yaw_at = posture_of(up).yaw_rad
+    phasor = sum(len(step.samples) * np.exp(1j * yaw_at(motion_of(step))) for step in pair)
     yaw_rad = float(np.angle(phasor))
     horizontal, rotation, at_steps = (np.zeros(2, dtype=np.complex128) for _ in range(3))
     vertical, twist, lift, count = 0j, 0j, 0j, sum(len(step.samples) for step in pair)

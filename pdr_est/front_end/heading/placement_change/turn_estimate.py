@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
-from pdr_est.front_end.heading.phone_posture import angle_between, mean_yaw, yaw_between_postures
+from pdr_est.front_end.heading.phone_posture import angle_between, posture_of, yaw_between_postures
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.placement_change.direction_cues import direction_density
 from pdr_est.front_end.heading.placement_change.stride_cues import stride_cues
@@ -27,6 +27,7 @@ from pdr_est.front_end.heading.placement_change.turn_density import (
     mixed,
     normalised,
 )
+from pdr_est.front_end.heading.step_motion import motions_of
 from pdr_est.types.steps import CarryingMode, Step, TurnHypothesis
 
 _LEAST_SIGMA_RAD = 0.02  # of a hypothesis
@@ -58,7 +59,8 @@ class PlacedSteps:
     @cached_property
     def yaws_rad(self) -> Array:
         """Yaw (n,) of the phone at each step, rad, continuous."""
-        return np.unwrap([mean_yaw(step.samples, self.up) for step in self.steps])
+        posture = posture_of(self.up)
+        return np.unwrap([posture.yaw_rad(motion) for motion in motions_of(self.steps)])
 
     def known(self, offset_rad: float) -> KnownPlace:
         """Return the place with its offset."""

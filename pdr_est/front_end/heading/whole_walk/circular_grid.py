@@ -6,6 +6,8 @@ from pdr_est.frames import Array
 
 _CELL_RAD = 0.035
 _LEAST_CELLS = 18
+_LEAST_DENSITY = 1e-12
+_LARGEST_PRODUCT = 1 << 18  # multiplications: products with matrices are faster than Fourier transforms only below
 
 
 class CircularGrid:
@@ -29,6 +31,7 @@ class CircularGrid:
         self.cells = max(round(spacing_rad / _CELL_RAD), _LEAST_CELLS)
         self._angle = (np.arange(self.cells) + 0.5) * spacing_rad / self.cells
         self._frequency = np.fft.rfftfreq(self.cells, 1.0 / self.cells) * 2.0 * np.pi / spacing_rad
+        self._to_waves, self._from_waves = _waves(self.cells)
 
     def uniform(self) -> Array:
         """Return the uniform density (cells,)."""
@@ -45,7 +48,12 @@ class CircularGrid:
 
     def damp(self, density: Array, damping: Array) -> Array:
         """Compute densities (..., cells) after changes that leave so much of each frequency."""
-        return np.maximum(np.fft.irfft(np.fft.rfft(density) * damping, self.cells), 1e-12)
+        if density.size * self.cells > _LARGEST_PRODUCT:
+            return np.maximum(np.fft.irfft(np.fft.rfft(density) * damping, self.cells), _LEAST_DENSITY)
+        shape = (*density.shape[:-1], 2, len(self._frequency))
+        waves = (density.reshape(-1, self.cells) @ self._to_waves).reshape(shape) * damping[..., None, :]
+        damped = (waves.reshape(-1, self._to_waves.shape[1]) @ self._from_waves).reshape(density.shape)
+        return np.maximum(damped, _LEAST_DENSITY, out=damped)
 
     def likelihood(self, angles_rad: Array, sigma_rad: Array | float, outlier_share: float) -> Array:
         """Compute the likelihood of measured angles in each cell.
@@ -54,7 +62,7 @@ class CircularGrid:
         ----------
         angles_rad : ndarray, shape (...)
             Measured angles.
-        sigma_rad : float or ndarray that fits to it
+        sigma_rad : float or ndarray that broadcasts with it
             Standard deviation of a measurement.
         outlier_share : float
             Probability of a measurement that may be any angle.
@@ -64,12 +72,15 @@ class CircularGrid:
         ndarray, shape (..., cells)
             Relative to the uniform density.
         """
-        half = 0.5 * self.spacing_rad
-        error = (angles_rad[..., None] - self._angle + half) % self.spacing_rad - half
-        gaussian = np.exp(-0.5 * (error / np.asarray(sigma_rad)[..., None]) ** 2)
-        gaussian /= gaussian.mean(axis=-1, keepdims=True)
-        mixed: Array = (1.0 - outlier_share) * gaussian + outlier_share
-        return mixed
+        likelihood = (angles_rad / self.spacing_rad)[..., None] - self._angle / self.spacing_rad
+        likelihood -= np.rint(likelihood)
+        likelihood *= (self.spacing_rad / np.asarray(sigma_rad))[..., None]
+        likelihood *= likelihood
+        likelihood *= -0.5
+        np.exp(likelihood, out=likelihood)
+        likelihood *= (1.0 - outlier_share) / likelihood.mean(axis=-1, keepdims=True)
+        likelihood += outlier_share
+        return np.asarray(likelihood)
 
     def mean_and_sigma(self, density: Array) -> tuple[Array, Array]:
         """Compute circular mean and standard deviation, both (n,), of densities (n, cells)."""
@@ -78,3 +89,15 @@ class CircularGrid:
         length = np.clip(np.abs(moment), 1e-9, 1.0)
         radian = self.spacing_rad / (2.0 * np.pi)
         return np.angle(moment) * radian, np.sqrt(-2.0 * np.log(length)) * radian
+
+
+def _waves(cells: int) -> tuple[Array, Array]:
+    """Return the matrices of a discrete Fourier transform of real numbers, and of its inverse.
+
+    The frequencies come twice, first for the cosines and then for the sines.
+    """
+    frequency = np.arange(cells // 2 + 1)
+    phase = np.outer(np.arange(cells), frequency) % cells * (2.0 * np.pi / cells)
+    waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
+    twice = np.where((frequency > 0) & (2 * frequency < cells), 2.0, 1.0)
+    return waves, np.ascontiguousarray(waves.T * (np.tile(twice, 2)[:, None] / cells))

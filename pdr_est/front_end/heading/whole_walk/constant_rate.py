@@ -5,6 +5,7 @@ is taken off. So the candidates are the rates at which they agree best; the pass
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections
@@ -41,15 +42,35 @@ def rate_candidates(sections: LegSections, number: int) -> list[tuple[float, flo
     width = 0.5 / (number * spread_s)  # within it the agreement hardly changes
     count = int(min(np.ceil(4.0 * _LARGEST_RADPS / width), 1000))
     rates = np.linspace(-_LARGEST_RADPS, _LARGEST_RADPS, 2 * count + 1)
-    angles = number * (sections.heading_rad[None] - rates[:, None] * time_s)
-    steps = sections.last - sections.first
-    agreement = np.hypot(np.cos(angles) @ steps, np.sin(angles) @ steps) / steps.sum()
+    agreement = _agreement(sections, number, time_s, rates)
     inner = agreement[1:-1]
     peaks = 1 + np.flatnonzero(
         (inner >= agreement[:-2]) & (inner >= agreement[2:]) & (np.abs(rates[1:-1]) > 0.5 * width)
     )
     best = peaks[np.argsort(-agreement[peaks])][:_MOST_CANDIDATES]
     return [none, *zip(rates[best].tolist(), np.log(_mass(rates[best], width)).tolist(), strict=True)]
+
+
+def _agreement(sections: LegSections, number: int, time_s: Array, rates_radps: Array) -> Array:
+    """Compute the length, 0 to 1, of the mean unit vector of the headings at equally spaced rates (n,).
+
+    Every rate is the sum of a multiple of a large spacing and one of a small spacing, so that the unit vectors of all
+    of them are products of few.
+    """
+    few = int(np.ceil(np.sqrt(len(rates_radps))))
+    spacing = float(rates_radps[1] - rates_radps[0])
+    steps = sections.last - sections.first
+    coarse = number * (sections.heading_rad - (rates_radps[0] + spacing * few * np.arange(few)[:, None]) * time_s)
+    fine = (-number * spacing * np.arange(few)) * time_s[:, None]
+    total = (steps * _unit(coarse)) @ _unit(fine)
+    return np.asarray(np.abs(total).reshape(-1)[: len(rates_radps)] / steps.sum())
+
+
+def _unit(angle_rad: Array) -> NDArray[np.complex128]:
+    unit = np.empty(angle_rad.shape, dtype=np.complex128)
+    np.cos(angle_rad, out=unit.real)
+    np.sin(angle_rad, out=unit.imag)
+    return unit
 
 
 def _mass(rate_radps: Array, width_radps: float) -> Array:

@@ -28,10 +28,12 @@ from pdr_est.front_end.heading.whole_walk.drift_passes import (
     DRIFT_LEVELS,
     OUTLIER_SHARE,
     Drift,
+    DriftEvidence,
     ForwardPass,
     SectionTransitions,
     backward_pass,
-    forward_passes,
+    drift_evidences,
+    forward_pass,
 )
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams
 from pdr_est.params import params
@@ -113,7 +115,7 @@ def best_fit(sections: LegSections, parameters: DominantParams) -> BestFit:
     given = parameters.given_number
     numbers = _NUMBER_PRIOR if given is None else {given: 1.0 - _PRIOR_OF_NONE}
     transitions = SectionTransitions.of(sections, parameters.turn_rad)
-    passes = {number: forward_passes(sections, transitions, number, _drifts(sections, number)) for number in numbers}
+    passes = {number: drift_evidences(sections, transitions, number, _drifts(sections, number)) for number in numbers}
     usable = {
         number: [run for run in runs if given is not None or run.drift.level.tells_directions]
         for number, runs in passes.items()
@@ -126,7 +128,8 @@ def best_fit(sections: LegSections, parameters: DominantParams) -> BestFit:
     best = max(usable[number], key=lambda run: run.log_evidence + run.drift.log_prior)
     weight = np.exp([run.log_evidence + run.drift.log_prior - best.log_evidence for run in usable[number]])
     rate = weight @ [run.drift.rate_radps for run in usable[number]] / weight.sum()
-    return BestFit(number, float(log_odds[number]), best, float(rate / (1.0 + np.exp(-log_odds[number]))))
+    fitted = forward_pass(sections, transitions, number, best.drift)
+    return BestFit(number, float(log_odds[number]), fitted, float(rate / (1.0 + np.exp(-log_odds[number]))))
 
 
 def _drifts(sections: LegSections, number: int) -> list[Drift]:
@@ -139,12 +142,12 @@ def _drifts(sections: LegSections, number: int) -> list[Drift]:
     ]
 
 
-def _log_probability(passes: Sequence[ForwardPass]) -> float:
+def _log_probability(passes: Sequence[DriftEvidence]) -> float:
     """Compute the log probability of the headings with dominant directions, over the drifts."""
     return float(np.logaddexp.reduce([run.log_evidence + run.drift.log_prior for run in passes]))
 
 
-def _log_probability_else(passes: Sequence[ForwardPass], prior: float) -> float:
+def _log_probability_else(passes: Sequence[DriftEvidence], prior: float) -> float:
     """Compute the log probability of all else: no dominant directions, or headings that drift too much to tell them.
 
     Without directions a constant rate changes nothing.

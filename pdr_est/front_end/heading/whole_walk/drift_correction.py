@@ -6,7 +6,7 @@ from math import erf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.frames import wrap_angle
+from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.course.course_offsets import moves_ahead, with_courses, without_courses
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
@@ -111,28 +111,40 @@ class WholeWalkHeading:
         self.directions = directions = dominant_directions(sections, self._parameters)
         if directions is None:
             return steps
-        steps = _without_rate(steps, directions.rate_radps)
-        if not directions.used:
-            return steps
-        if not self._as_priors:
-            return _without_drift(steps, sections, directions)
-        return _with_drift_noise(_with_priors(steps, sections, directions), directions.drift_per_sqrt_s)
+        time_s = np.array([step.event.time_s for step in steps])
+        heading_rad = _without_rate(np.array([step.heading_rad for step in steps]), time_s, directions.rate_radps)
+        if directions.used and self._as_priors:
+            return _with_priors(steps, time_s, heading_rad, sections, directions)
+        if directions.used:
+            heading_rad = wrap_angle(heading_rad - np.interp(time_s, sections.time_s, directions.drift_rad))
+        return [changed(step, heading_rad=one) for step, one in zip(steps, heading_rad.tolist(), strict=True)]
 
 
-def _with_priors(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
-    marked = list(steps)
+def _with_priors(
+    steps: Sequence[Step], time_s: Array, heading_rad: Array, sections: LegSections, directions: DominantDirections
+) -> list[Step]:
+    """Give steps their headings, and those along a dominant direction that of their path.
+
+    The drift that the walk shows adds to the standard deviations of the turns: so a phone that slips about in its
+    pocket has less weight than one in a steady hand.
+    """
     run = _decided_runs(steps, directions.spacing_rad)[sections.first]
     follows = directions.follows >= _LEAST_PROBABILITY
     # Priors tell the angles between parts of a walk: of parts whose angle is not known the longest one has them.
     chosen = int(np.argmax(np.bincount(run, weights=follows * (sections.last - sections.first))))
-    for i in np.flatnonzero(follows & (run == chosen)):
-        for k in range(sections.first[i], sections.last[i]):
-            marked[k] = changed(
-                marked[k],
-                path_heading_rad=float(wrap_angle(directions.path_heading_rad[i])),
-                sigma_path_heading_rad=float(directions.sigma_rad[i]),
-            )
-    return marked
+    path = [(step.path_heading_rad, step.sigma_path_heading_rad) for step in steps]
+    for i in np.flatnonzero(follows & (run == chosen)).tolist():
+        along = float(wrap_angle(directions.path_heading_rad[i])), float(directions.sigma_rad[i])
+        first, last = int(sections.first[i]), int(sections.last[i])
+        path[first:last] = [along] * (last - first)
+    drift_rad = directions.drift_per_sqrt_s * np.sqrt(np.maximum(np.diff(time_s, prepend=time_s[0]), 0.0))
+    sigma_rad = np.hypot([step.sigma_turn_rad for step in steps], drift_rad)
+    return [
+        changed(step, heading_rad=heading, sigma_turn_rad=sigma, path_heading_rad=along, sigma_path_heading_rad=off)
+        for step, heading, sigma, (along, off) in zip(
+            steps, heading_rad.tolist(), sigma_rad.tolist(), path, strict=True
+        )
+    ]
 
 
 def _decided_runs(steps: Sequence[Step], spacing_rad: float) -> NDArray[np.int64]:
@@ -142,7 +154,11 @@ def _decided_runs(steps: Sequence[Step], spacing_rad: float) -> NDArray[np.int64
     directions. Priors on both sides of such a turn would follow from its most probable angle, and make this one
     certain.
     """
-    undecided = [_nearest(step, (0.25 if step.turn_hypotheses else 0.5) * spacing_rad) < _DECIDED for step in steps]
+    undecided = [
+        bool(step.turn_hypotheses or step.sigma_turn_rad)
+        and _nearest(step, (0.25 if step.turn_hypotheses else 0.5) * spacing_rad) < _DECIDED
+        for step in steps
+    ]
     return np.cumsum(undecided)
 
 
@@ -155,33 +171,8 @@ def _nearest(step: Step, within_rad: float) -> float:
     return sum(one.probability for one in near)
 
 
-def _with_drift_noise(steps: Sequence[Step], per_sqrt_s: float) -> list[Step]:
-    """Add the drift that the walk shows to the standard deviations of the turns.
-
-    So a phone that slips about in its pocket has less weight than one in a steady hand.
-    """
-    times = [step.event.time_s for step in steps]
-    elapsed_s = np.diff(times, prepend=times[0])
-    return [
-        changed(step, sigma_turn_rad=float(np.hypot(step.sigma_turn_rad, per_sqrt_s * np.sqrt(max(passed, 0.0)))))
-        for step, passed in zip(steps, elapsed_s, strict=True)
-    ]
-
-
-def _without_rate(steps: Sequence[Step], rate_radps: float) -> list[Step]:
-    """Take a constant rate off the headings."""
-    start_s = steps[0].event.time_s
-    if abs(rate_radps) * (steps[-1].event.time_s - start_s) < _LEAST_DRIFT_RAD:
-        return list(steps)
-    return [
-        changed(step, heading_rad=float(wrap_angle(step.heading_rad - rate_radps * (step.event.time_s - start_s))))
-        for step in steps
-    ]
-
-
-def _without_drift(steps: Sequence[Step], sections: LegSections, directions: DominantDirections) -> list[Step]:
-    drift = np.interp([step.event.time_s for step in steps], sections.time_s, directions.drift_rad)
-    return [
-        changed(step, heading_rad=float(wrap_angle(step.heading_rad - off)))
-        for step, off in zip(steps, drift, strict=True)
-    ]
+def _without_rate(heading_rad: Array, time_s: Array, rate_radps: float) -> Array:
+    """Take a constant rate off headings (n,) at times (n,)."""
+    if abs(rate_radps) * (time_s[-1] - time_s[0]) < _LEAST_DRIFT_RAD:
+        return heading_rad
+    return wrap_angle(heading_rad - rate_radps * (time_s - time_s[0]))

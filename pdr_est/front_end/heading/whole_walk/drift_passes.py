@@ -1,6 +1,6 @@
 """Forward and backward pass over the drift of the headings, on a circle of the angle between two directions."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +55,7 @@ OUTLIER_SHARE = 0.1  # share of sections off their direction, such as the rest o
 _DIAGONAL_SHARE = 0.02  # share of legs that follow no dominant direction; ours
 LEG_PRIOR = np.array([1.0 - _DIAGONAL_SHARE, _DIAGONAL_SHARE])
 LEG_PRIOR.flags.writeable = False
+_AT_ONCE = 32  # sections: their likelihoods fit into the cache of a processor
 _QUARTER_RAD = 0.5 * np.pi
 _MOST_TURN = 2.0  # quarter turns beyond which a turn adds no more uncertainty
 
@@ -102,13 +103,31 @@ class Drift:
 
 
 @dataclass(frozen=True)
+class DriftEvidence:
+    """Evidence of one drift for one number of directions.
+
+    Attributes
+    ----------
+    drift : Drift
+        The drift.
+    log_evidence : float
+        Log probability of the headings with dominant directions.
+    log_evidence_of_none : float
+        The same if each turn leads anywhere; NaN for a drift with a constant rate, which changes nothing there.
+    """
+
+    drift: Drift
+    log_evidence: float
+    log_evidence_of_none: float
+
+
+@dataclass(frozen=True)
 class ForwardPass:
     """Forward pass for one number of directions and one drift.
 
     `heading_rad`: (n,) of the sections without the constant rate. `likelihood`, `forward`: (n, 2, cells) of each
     section and drift, if its leg follows a direction and if it is a diagonal. `sigma`: (n - 1,) of the drift between
-    sections. `log_evidence`, `log_evidence_of_none`: log probability of the headings with dominant directions, and if
-    each turn leads anywhere.
+    sections.
     """
 
     grid: CircularGrid
@@ -118,14 +137,28 @@ class ForwardPass:
     forward: Array
     sigma: Array
     new_leg: NDArray[np.bool_]
-    log_evidence: float
-    log_evidence_of_none: float
 
 
-def forward_passes(
+@dataclass(frozen=True)
+class _Observed:
+    """Sections as several drifts, side by side, have them.
+
+    `heading_rad` (n, drifts); `along` (n, drifts, cells): likelihood of each section if its leg follows a direction;
+    `diagonal` (n, drifts): that if it does not; `sigma`, `damping` (n - 1, drifts) and (n - 1, drifts, cells): of the
+    drift between sections.
+    """
+
+    heading_rad: Array
+    along: Array
+    diagonal: Array
+    sigma: Array
+    damping: Array
+
+
+def drift_evidences(
     sections: LegSections, transitions: SectionTransitions, number: int, drifts: Sequence[Drift]
-) -> list[ForwardPass]:
-    """Compute the density of each drift at each section given the sections up to it, all drifts side by side.
+) -> list[DriftEvidence]:
+    """Compute how probable the headings are with each drift, all drifts side by side.
 
     Parameters
     ----------
@@ -139,41 +172,77 @@ def forward_passes(
         Drifts of the headings.
     """
     grid = CircularGrid(2.0 * np.pi / number)
+    observed = _observed(grid, sections, transitions, drifts)
+    means = np.array([mean for _, mean in _passed(grid, observed, transitions)])
+    log_evidence = np.log(means).sum(axis=0)
+    steady = np.flatnonzero([not drift.rate_radps for drift in drifts])
+    of_none = np.full(len(drifts), np.nan)
+    predicted = _predictive_likelihoods(
+        grid, observed.along[:, steady], observed.damping[:, steady], transitions.informative
+    )
+    of_none[steady] = np.log(predicted).sum(axis=0)
+    return [
+        DriftEvidence(drift, *logs)
+        for drift, *logs in zip(drifts, log_evidence.tolist(), of_none.tolist(), strict=True)
+    ]
+
+
+def forward_pass(sections: LegSections, transitions: SectionTransitions, number: int, drift: Drift) -> ForwardPass:
+    """Compute the density of one drift at each section given the sections up to it; see `drift_evidences`."""
+    grid = CircularGrid(2.0 * np.pi / number)
+    observed = _observed(grid, sections, transitions, [drift])
+    forward = np.array([belief[:, 0].copy() for belief, _ in _passed(grid, observed, transitions)])
+    diagonal = np.broadcast_to(observed.diagonal[..., None], observed.along.shape)
+    return ForwardPass(
+        grid=grid,
+        drift=drift,
+        heading_rad=observed.heading_rad[:, 0],
+        likelihood=np.concatenate([observed.along, diagonal], axis=1),
+        forward=forward,
+        sigma=observed.sigma[:, 0],
+        new_leg=transitions.new_leg,
+    )
+
+
+def _observed(
+    grid: CircularGrid, sections: LegSections, transitions: SectionTransitions, drifts: Sequence[Drift]
+) -> _Observed:
     rate = np.array([drift.rate_radps for drift in drifts])
     of_section = np.array([drift.level.of_section for drift in drifts])
     heading = sections.since_first_rad[:, None] - rate * (sections.time_s - sections.time_s[0])[:, None]
-    along = grid.likelihood(heading, of_section, OUTLIER_SHARE)  # (n, drifts, cells)
-    sigma = np.stack([_sigma_between(sections, transitions, drift.level) for drift in drifts], axis=1)
-    damping = grid.damping(sigma)
-    diagonal, of_none = _predictive_likelihoods(grid, along, damping, transitions)
-    likelihood = np.stack([along, np.broadcast_to(diagonal[..., None], along.shape)], axis=2)
-    belief = np.broadcast_to(LEG_PRIOR[:, None] * grid.uniform(), likelihood.shape[1:])
-    log_evidence = np.zeros(len(drifts))
-    forward = np.empty_like(likelihood)
-    for i, row in enumerate(likelihood):
+    along = np.empty((*heading.shape, grid.cells))
+    for begin in range(0, len(heading), _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        along[part] = grid.likelihood(heading[part], of_section, OUTLIER_SHARE)
+    levels = list(dict.fromkeys(drift.level for drift in drifts))
+    which = [levels.index(drift.level) for drift in drifts]
+    sigma = np.stack([_sigma_between(sections, transitions, level) for level in levels], axis=1)
+    damping = grid.damping(sigma)[:, which]
+    diagonal = _predictive_likelihoods(grid, along, damping, transitions.new_leg)
+    return _Observed(heading, along, diagonal, sigma[:, which], damping)
+
+
+def _passed(
+    grid: CircularGrid, observed: _Observed, transitions: SectionTransitions
+) -> Iterator[tuple[Array, Array]]:
+    """Yield the density (2, drifts, cells) given the sections so far, and the likelihood (drifts,) of each section.
+
+    The first densities are those in legs that follow a direction, the second ones those in diagonals. They are
+    changed in place.
+    """
+    prior = LEG_PRIOR[:, None, None]
+    belief = np.empty((2, *observed.along.shape[1:]))
+    belief[:] = prior
+    for i, along in enumerate(observed.along):
         if i:
-            belief = grid.damp(belief, damping[i - 1][:, None])
+            belief = grid.damp(belief, observed.damping[i - 1])
             if transitions.new_leg[i - 1]:
-                belief = LEG_PRIOR[:, None] * (belief[:, 0] + belief[:, 1])[:, None]
-        belief = belief * row
-        evidence = np.add.reduce(belief[:, 0] + belief[:, 1], axis=-1) / grid.cells
-        log_evidence += np.log(evidence)
-        forward[i] = belief = belief / evidence[:, None, None]
-    log_of_none = np.log(of_none).sum(axis=0)
-    return [
-        ForwardPass(
-            grid,
-            drift,
-            heading[:, k],
-            likelihood[:, k],
-            forward[:, k],
-            sigma[:, k],
-            transitions.new_leg,
-            float(log_evidence[k]),
-            float(log_of_none[k]),
-        )
-        for k, drift in enumerate(drifts)
-    ]
+                belief = prior * (belief[0] + belief[1])
+        belief[0] *= along
+        belief[1] *= observed.diagonal[i, :, None]
+        mean = np.add.reduce(belief[0] + belief[1], axis=-1) / grid.cells
+        belief /= mean[:, None]
+        yield belief, mean
 
 
 def _sigma_between(sections: LegSections, transitions: SectionTransitions, level: DriftLevel) -> Array:
@@ -183,39 +252,26 @@ def _sigma_between(sections: LegSections, transitions: SectionTransitions, level
     return sigma
 
 
-def _predictive_likelihoods(
-    grid: CircularGrid, along: Array, damping: Array, transitions: SectionTransitions
-) -> tuple[Array, Array]:
-    """Compute the likelihoods (n, drifts) of the sections given those before, relative to the uniform density.
+def _predictive_likelihoods(grid: CircularGrid, along: Array, damping: Array, anew: NDArray[np.bool_]) -> Array:
+    """Compute the likelihood (n, drifts) of the sections given those before, relative to the uniform density.
 
-    The first ones are those of directions that may be any in each leg, the second ones those of directions that may
-    be any after each turn that is evidence.
+    Where `anew` (n - 1,), the next section may have any direction: so the sections fall into runs, which are passed
+    side by side.
     """
-    of_leg, of_turn = np.empty(along.shape[:2]), np.empty(along.shape[:2])
-    anywhere = np.ones(along.shape[1:])
-    in_leg = since_turn = anywhere
-    for i, row in enumerate(along):
-        alike = since_turn is in_leg
-        if i and transitions.new_leg[i - 1]:
-            turn = transitions.informative[i - 1]
-            since_turn = anywhere if turn else grid.damp(since_turn, damping[i - 1])
-            in_leg = anywhere
-        elif i:
-            in_leg = grid.damp(in_leg, damping[i - 1])
-            since_turn = in_leg if alike else grid.damp(since_turn, damping[i - 1])
-        alike = since_turn is in_leg
-        in_leg, of_leg[i] = _normalised(in_leg * row, grid.cells)
-        if alike:
-            since_turn, of_turn[i] = in_leg, of_leg[i]
-        else:
-            since_turn, of_turn[i] = _normalised(since_turn * row, grid.cells)
-    return of_leg, of_turn
-
-
-def _normalised(belief: Array, cells: int) -> tuple[Array, Array]:
-    """Return densities (drifts, cells) over their means, and the means."""
-    mean = np.add.reduce(belief, axis=-1) / cells
-    return belief / mean[:, None], mean
+    likelihood = np.empty(along.shape[:2])
+    begin = np.concatenate([[0], np.flatnonzero(anew) + 1])
+    length = np.diff(begin, append=len(along))
+    order = np.argsort(-length, kind="stable")
+    begin, length = begin[order], length[order]
+    belief = np.ones((len(begin), *along.shape[1:]))
+    for k in range(int(length[0])):
+        at = begin[: np.count_nonzero(length > k)] + k
+        if k:
+            belief = grid.damp(belief[: len(at)], damping[at - 1])
+        belief = belief * along[at]
+        likelihood[at] = mean = np.add.reduce(belief, axis=-1) / grid.cells
+        belief /= mean[..., None]
+    return likelihood
 
 
 def backward_pass(fitted: ForwardPass) -> Array:

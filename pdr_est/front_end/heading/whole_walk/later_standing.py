@@ -31,16 +31,18 @@ def with_later_standing(steps: Sequence[Step]) -> list[Step]:
         All steps of a walk, at least one.
     """
     known = [step.samples.turn_bias_radps for step in steps]
-    present = [one[-1] for one in known if one is not None]
+    present = [(one.item(-2), one.item(-1)) for one in known if one is not None]
     if len(present) < len(steps):
         return list(steps)
     bias, sigma = np.array(present).T
     time_s = np.array([step.event.time_s for step in steps])
     passed_s = np.diff(time_s, prepend=time_s[0])
     cut = np.array([_follows_a_cut(step, before) for before, step in pairwise(steps)], dtype=np.bool_)
-    up = np.array([step.samples.up[-1] for step in steps])
+    ups = [step.samples.up for step in steps]
+    up = np.array([(one.item(-3), one.item(-2), one.item(-1)) for one in ups])
     error = _smoothed(bias, sigma, np.where(cut, np.inf, passed_s[1:]), up) - bias
-    turned = error * np.maximum(passed_s - [_unseen_s(step) for step in steps], 0.0)
+    unseen_s = [_unseen_s(step) if step.holes else 0.0 for step in steps]
+    turned = error * np.maximum(passed_s - unseen_s, 0.0)
     total = np.cumsum(turned)
     if np.abs(total).max() < _LEAST_RAD:
         return list(steps)
@@ -84,7 +86,7 @@ def _smoothed(bias: Array, sigma: Array, passed_s: Array, up: Array) -> Array:
     variance = sigma[:-1] ** 2
     alike = np.clip((up[1:] * up[:-1]).sum(axis=1), 0.0, 1.0)
     gain = alike * variance / (variance + _WALK_RADPS_PER_SQRT_S**2 * passed_s)
-    smoothed = bias.tolist()
-    for k in range(len(gain) - 1, -1, -1):
-        smoothed[k] += float(gain[k]) * (smoothed[k + 1] - float(alike[k]) * smoothed[k])
+    smoothed, later = bias.tolist(), float(bias[-1])
+    for k, share, same in zip(range(len(gain) - 1, -1, -1), gain[::-1].tolist(), alike[::-1].tolist(), strict=True):
+        later = smoothed[k] = smoothed[k] + share * (later - same * smoothed[k])
     return np.array(smoothed)

@@ -1,0 +1,86 @@
+"""The chain of `sideways_chain` at the step, forward only, with what it tells of the direction of motion so far."""
+
+from cmath import phase
+from collections.abc import Sequence
+from math import exp, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import SIGMA_UNIFORM_RAD, Array
+from pdr_est.front_end.heading.course.course_likelihood import (
+    LEAST_SPREAD_LENGTH,
+    RATE_PROBABILITY,
+    RATES,
+    course_log_likelihood,
+)
+from pdr_est.front_end.heading.course.course_params import CourseParams
+from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, moved_on, walking_ahead
+
+_COS, _SIN = np.cos(ANGLES_RAD), np.sin(ANGLES_RAD)
+_AHEAD = np.abs(ANGLES_RAD) < 0.6  # by so little the hand may turn against the body
+# Sums over the angles that tell what is to be known: of all, of those ahead, and of the unit vectors of the others.
+_SUMS = np.stack([np.ones(ANGLES), _AHEAD, np.where(_AHEAD, 0.0, _COS), np.where(_AHEAD, 0.0, _SIN)], axis=1)
+
+
+class OnlineChain:
+    """Probabilities of the angle between motion and body, from one step to the next.
+
+    Parameters
+    ----------
+    mean : complex
+        Mean acceleration of a walker who moves ahead, m/s^2.
+    variance : float
+        Its variance in one direction.
+    log_evidence : sequence of float
+        Logarithm of the evidence of each rate so far.
+    parameters : CourseParams
+        Parameters.
+
+    Attributes
+    ----------
+    log_evidence : list of float
+        Logarithm of the evidence of each rate.
+    ahead : float
+        Probability that the walker moves ahead, for the rate at which it is least.
+    """
+
+    def __init__(
+        self, mean: complex, variance: float, log_evidence: Sequence[float], parameters: CourseParams
+    ) -> None:
+        self._east, self._north = mean.real * _COS - mean.imag * _SIN, mean.real * _SIN + mean.imag * _COS
+        self._variance = variance
+        self._parameters = parameters
+        self._state = walking_ahead(len(RATES))
+        self.log_evidence = list(log_evidence)
+        self.ahead = 1.0
+        self._sums: list[list[float]] = []  # of the products of the probabilities with _SUMS, for each rate
+
+    def likelihoods(self, acceleration: Sequence[complex] | NDArray[np.complex128]) -> Array:
+        """Compute the likelihood (n, 72) of accelerations at each angle, over that ahead."""
+        seen = np.array(acceleration, dtype=np.complex128)
+        east, north = seen.real[:, None] - self._east, seen.imag[:, None] - self._north
+        density = course_log_likelihood(east * east + north * north, self._variance, self._parameters)
+        return np.asarray(np.exp(density - density[:, :1]))
+
+    def move(self, turn_rad: float, likelihood: Array | None) -> None:
+        """Move on by a step with its turn and likelihood (72,) of its acceleration, None if that tells nothing."""
+        state = moved_on(self._state, turn_rad, RATES)
+        if likelihood is not None:
+            state *= likelihood
+        sums = (state[0] + state[1]) @ _SUMS
+        state /= sums[:, :1]
+        self._state, self._sums = state, sums.tolist()
+        self.log_evidence = [known + log(one[0]) for known, one in zip(self.log_evidence, self._sums, strict=True)]
+        self.ahead = min([ahead / total for total, ahead, _, _ in self._sums])
+
+    def angle_and_doubt(self) -> tuple[float, float]:
+        """Compute mean and standard deviation of the angle, rad; what is nearly ahead counts as straight ahead."""
+        best = max(self.log_evidence)
+        weights = [share * exp(one - best) for share, one in zip(RATE_PROBABILITY, self.log_evidence, strict=True)]
+        phasor = 0j
+        for weight, (total, ahead, east, north) in zip(weights, self._sums, strict=True):
+            phasor += weight / total * complex(ahead + east, north)
+        phasor /= sum(weights)
+        length = min(max(abs(phasor), LEAST_SPREAD_LENGTH), 1.0)
+        return phase(phasor), min(sqrt(-2.0 * log(length)), SIGMA_UNIFORM_RAD)
