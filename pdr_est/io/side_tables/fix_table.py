@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.tables.quantities import Quantity, plain_unit, unit_spellings
+from pdr_est.io.tables.quantities import Quantity, unit_spellings
 from pdr_est.io.tables.times.dates import parse_dates
+from pdr_est.io.tables.words.units import plain_unit
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.number_table import NumberTable, read_table

@@ -8,11 +8,11 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor
-from pdr_est.io.tables.browser_axes import settle_browser_axes
 from pdr_est.io.tables.placed import PlacedSignal, first_motion, place_signals
 from pdr_est.io.tables.quantities import MOTION, Quantity
-from pdr_est.io.tables.settling import settle_quantities, settle_sign
 from pdr_est.io.tables.signals import TableSignals
+from pdr_est.io.tables.values.angle_axes import settle_angle_axes
+from pdr_est.io.tables.values.settling import settle_quantities, settle_sign
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import DeviceRecording
 
@@ -87,8 +87,8 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
     true = placed.get(Quantity.TRUE_POSITION)
     positions = None if true is None else TruePositions(true.raw.signal.time_s, true.raw.signal.values, 0.0, "poses")
     converted = device.convert()
-    if Quantity.RATE in placed and placed[Quantity.RATE].has_browser_angles:
-        converted = settle_browser_axes(converted)
+    if Quantity.RATE in placed and placed[Quantity.RATE].other_order:
+        converted = settle_angle_axes(converted, placed[Quantity.RATE].other_order)
     return DeviceReading(converted, gnss, first.clock.epoch_s, first.clock.local_epoch_s, positions)
 
 

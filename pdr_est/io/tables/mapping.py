@@ -23,8 +23,13 @@ class QuantityColumns:
         gyroscope or gravity.
     turned
         For each column 1, or -1 where its axis points the other way; empty where none does.
-    browser_angles
-        True where the titles are alpha, beta and gamma of a browser, so that the values must tell the axes.
+    other_order
+        Order of the axes that is meant as well by titles such as alpha, beta and gamma, so that the values must tell;
+        empty where the titles name the axes.
+    unknown_units
+        For each column the text that stands where a unit stands but is none that is known; empty where there is none.
+    nameless
+        True where the titles name axes but no sensor.
     """
 
     titles: tuple[str, ...]
@@ -32,7 +37,9 @@ class QuantityColumns:
     canonical: bool = False
     ambiguous: bool = False
     turned: tuple[float, ...] = ()
-    browser_angles: bool = False
+    other_order: tuple[int, ...] = ()
+    unknown_units: tuple[str, ...] = ()
+    nameless: bool = False
 
 
 @dataclass(frozen=True)

@@ -10,17 +10,14 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawSignal
 from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
-from pdr_est.io.conversion.units import Conversion
-from pdr_est.io.tables.column_units import complete_factors
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
-from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit, unit_factor
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
 from pdr_est.io.tables.times.bursts import spread_bursts
 from pdr_est.io.tables.times.clock import TableClock, read_clock
-from pdr_est.io.tables.titles import understand_title
+from pdr_est.io.tables.values.measurements import Notes, find_missing_rows, read_measurements
 from pdr_est.io.text.encoding import as_utf8
-from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table
 from pdr_est.io.text.number_table import NumberTable
 from pdr_est.io.text.table_layout import TableLayout, detect_layout
@@ -161,8 +158,10 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
         clock = replace(clock, time_s=time_s)
         warnings += [warning] if warning else []
     signals = {}
+    notes = Notes(decisions, warnings)
+    missing = find_missing_rows(loose.table, mapping.columns, notes)
     for quantity, columns in mapping.columns.items():
-        signal = _signal(loose.table, clock.time_s, quantity, columns, decisions, warnings)
+        signal = read_measurements(loose.table, clock.time_s, quantity, columns, missing.get(quantity), notes)
         if signal is not None:
             signals[quantity] = signal
     if mapping.guessed:
@@ -175,64 +174,6 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
     if unused:
         decisions.append(f"not used: {', '.join(unused)}")
     return TableSignals(loose.table.place, clock, mapping, signals, tuple(decisions), tuple(warnings))
-
-
-def _signal(
-    table: NumberTable,
-    time_s: Array,
-    quantity: Quantity,
-    columns: QuantityColumns,
-    decisions: list[str],
-    warnings: list[str],
-) -> RawSignal | None:
-    """Read the rows of a quantity that have a finite value; None when none has."""
-    if any(title not in table for title in columns.titles):
-        return None
-    sampled = table.has_values(columns.titles)
-    if not sampled.any():
-        decisions.append(f"{quantity}: the columns are there but have no values")
-        return None
-    values, factor, conversion = _in_one_unit(table.stack(columns.titles), columns, quantity)
-    if conversion is not None:
-        decisions.append(conversion.decision)
-        warnings += conversion.warnings
-    elif factor is not None and _states_unit(columns, quantity):
-        decisions.append(f"{quantity}: the unit is in the header ({columns.titles[0]})")
-    if not sampled.all():
-        decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows have values")
-        time_s, values = time_s[sampled], values[sampled]
-    signal, dropped = finite_signal_or_none(time_s, values, quantity, table.place)
-    warnings += dropped
-    return None if signal is None else RawSignal(signal, ", ".join(columns.titles), factor)
-
-
-def _states_unit(columns: QuantityColumns, quantity: Quantity) -> bool:
-    """Tell whether the unit comes from the title, and not from what is known of an app."""
-    meaning = understand_title(columns.titles[0])
-    return columns.canonical or (meaning is not None and unit_factor(quantity, meaning.unit) is not None)
-
-
-def _in_one_unit(
-    values: Array, columns: QuantityColumns, quantity: Quantity
-) -> tuple[Array, float | None, Conversion | None]:
-    """Bring columns of different units to SI units.
-
-    Returns
-    -------
-    values : (n, k)
-    factor : float or None
-        Factor to SI units of all of them; None where no unit is known.
-    conversion : Conversion or None
-        How the unit of columns was found that state none, beside others that do.
-    """
-    if columns.turned:
-        values = values * np.array(columns.turned)
-    if all(factor is None for factor in columns.factors):
-        return values, None, None
-    if len(set(columns.factors)) == 1:
-        return values, columns.factors[0], None
-    factors, conversion = complete_factors(values, columns, quantity)
-    return values * factors, 1.0, conversion
 
 
 def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:

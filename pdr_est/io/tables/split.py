@@ -18,10 +18,10 @@ from pdr_est.io.tables.quantities import AXES, MOTION, Quantity, is_unit
 from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of, signals_of_text
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.tables.words.sensors import ANDROID_TYPES
-from pdr_est.io.text.cells import Cell, kind_of_cell
+from pdr_est.io.text.cells import Cell, kind_of_cell, split_line
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table
-from pdr_est.io.text.table_layout import TableLayout, split_line
+from pdr_est.io.text.table_layout import TableLayout
 
 _TAG = re.compile(r"[$#%\s]*([A-Za-z][\w ]{0,40})\s*")
 _MARKS = ("COL", "UNIT", "VAR")  # FlySight's lines that describe a kind of row

@@ -14,10 +14,10 @@ import polars as pl
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.text.cells import MISSING_SPELLINGS
+from pdr_est.io.text.cells import BLANKS, MISSING_SPELLINGS
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.number_table import NumberTable
-from pdr_est.io.text.table_layout import BLANKS, TableLayout
+from pdr_est.io.text.table_layout import TableLayout
 from pdr_est.io.text.text_columns import ParsedColumn, parse_text_column
 from pdr_est.io.text.whole_rows import WholeRows, pieces_of_lines
 
@@ -92,7 +92,19 @@ def _body(data: bytes, layout: TableLayout) -> memoryview:
         while b"  " in body:
             body = body.replace(b"  ", b" ")
         return memoryview(body.replace(b"\n ", b"\n").replace(b" \n", b"\n").lstrip(b" "))
+    if layout.split_decimals:
+        return memoryview(_with_points(data[start:end], len(layout.titles)))
     return memoryview(data)[start:end]
+
+
+def _with_points(body: bytes, width: int) -> bytes:
+    """Put a point where a comma cuts the decimals off; rows of another length stay as they are, to be told."""
+    lines = []
+    for line in body.split(b"\n"):
+        cells = line.split(b",")
+        whole = len(cells) == 2 * width
+        lines.append(b",".join(map(b".".join, zip(cells[::2], cells[1::2], strict=True))) if whole else line)
+    return b"\n".join(lines)
 
 
 def _names(layout: TableLayout) -> list[str]:
@@ -102,8 +114,13 @@ def _names(layout: TableLayout) -> list[str]:
 def _in_place(data: bytes, body: memoryview, layout: TableLayout) -> tuple[bytes, list[str]]:
     """Return what polars parses and its names of the columns: the file as it is if possible, to copy nothing."""
     top = data.find(b"\n") + 1
-    plain = layout.header_line == 0 and layout.first_line == 1 and layout.separator != BLANKS
-    if plain and len(data) - top <= len(body) + 1:
+    plain = (
+        layout.header_line == 0
+        and layout.first_line == 1
+        and layout.separator != BLANKS
+        and not layout.split_decimals
+    )
+    if plain and not layout.split_decimals and len(data) - top <= len(body) + 1:
         names = pl.read_csv(data[:top], separator=layout.separator, n_rows=0).columns
         if len(names) == len(layout.titles):
             return data, names

@@ -10,12 +10,13 @@ from pdr_est.io.tables.mapping_file import draft_mapping
 from pdr_est.io.tables.recognition import describe_content
 from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
 from pdr_est.io.tables.titles import sensor_by_name
+from pdr_est.io.text.cells import split_line
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import read_loose_table
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.single_archive import open_recording
-from pdr_est.io.text.table_layout import TableLayout, split_line
+from pdr_est.io.text.table_layout import TableLayout
 from pdr_est.io.text.workbook import unpack_workbook
 
 _MEMBERS_NAMED = 3
