@@ -65,11 +65,12 @@ def find_impossible_rows(
     found = np.zeros(len(columns[0]), dtype=np.bool_)
     words: list[str] = []
     zero_is_code = False
-    if len(found) < _FEWEST_ROWS:
+    count = int(np.isfinite(columns[0]).sum())
+    if count < _FEWEST_ROWS:
         return ImpossibleRows(found, ())
     for code, rows in _equal_in_all_axes(columns):
         if code == 0.0:
-            if not never_zero and len(rows) < len(found):
+            if not never_zero and len(rows) < count:
                 continue
             zero_is_code = never_zero
         elif not _is_code(columns, rows, _JUMP_OF_CODE if len(rows) >= _CODE_ROWS else _JUMP_OF_ONE_ROW):

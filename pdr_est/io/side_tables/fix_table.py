@@ -21,8 +21,8 @@ from pdr_est.io.tables.quantities import Quantity, unit_spellings
 from pdr_est.io.tables.times.dates import parse_dates
 from pdr_est.io.tables.words.units import plain_unit
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.text.table_layout import detect_header
 
 FIRST_LINE = 2
 """Line of the first fix; line 1 is the header."""
@@ -98,7 +98,7 @@ def read_fix_table(path: str | Path) -> NumberTable:
         )
     member = source.members[0]
     data, place = source.read(member), source.place(member)
-    dialect = detect_dialect(data[:_HEAD_BYTES])
+    dialect = detect_header(data[:_HEAD_BYTES])
     if dialect is None:
         raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
     found = _known_columns(dialect.titles, place)

@@ -102,7 +102,7 @@ def _taken_apart(title: str) -> _Parts:
     unit, remarks = "", []
     for inside in _BRACKETS.findall(title):
         text = _without_link(inside)
-        if is_unit(text) and not unit and text.lower() not in AXIS_WORDS:
+        if is_unit(text) and not unit and not {text.lower()} & (BLOCKED | AXIS_WORDS.keys()):
             unit = text
         else:
             remarks.append(inside.strip())
@@ -118,7 +118,8 @@ def _without_unit(base: str) -> tuple[str, str]:
     for found in _BEFORE_UNIT.finditer(base):
         head, tail = base[: found.start()], _without_link(base[found.end() :])
         signs = set(tail) & set("/°²^'") or set(found[0]) & set(",;:|/") or tail != base[found.end() :]
-        quantities = quantities_of_unit(tail) if head and signs and tail.lower() not in AXIS_WORDS else ()
+        is_word = tail.lower() in BLOCKED or tail.lower() in AXIS_WORDS
+        quantities = quantities_of_unit(tail) if head and signs and not is_word else ()
         if quantities and (Quantity.TIME not in quantities or set(split_words(head)) & (TIMES | TIME_WORDS)):
             return " ".join(head.split()), tail
     return base, ""

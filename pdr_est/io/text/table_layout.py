@@ -124,12 +124,12 @@ def detect_header(head: bytes, is_unit: Callable[[str], bool] = lambda cell: Fal
         None when the text is no table or has no titles.
     """
     layout = detect_layout(head, is_unit)
-    if layout is not None:
-        return layout if layout.has_header else None
+    if layout is not None and layout.has_header:
+        return layout
     top = next((line for line in _first_lines(head) if line.strip()), "")
     separator = max(SEPARATORS[:-1], key=top.count)
     titles = [title.strip() for title in split_line(top, separator)]
-    if len(titles) < 2 or not any(any(c.isalpha() for c in title) for title in titles):
+    if len(titles) < 2 or not all(kind_of_cell(title) in (Cell.TEXT, Cell.MISSING) for title in titles):
         return None
     return TableLayout(separator, False, _distinct(titles), (), True, 1, (), header_line=0)
 

@@ -11,11 +11,11 @@ from pdr_est.io.tables.quantities import MOTION, USUAL_UNITS, Quantity, usual_un
 
 _GRAVITY_LOG_SIGMA = 0.1  # of the length of the mean; a walk's is within 10 % of gravity
 # Of the ratio of the motion along one axis to that along the others: the logarithm has a standard deviation of 0.5
-# over 74 recordings of eleven data sets, 1.6 at most.
-_MOTION_LOG_SIGMA = 0.6
-# The axes of one sensor almost always have one unit, and m/s^2 and rad/s are the likeliest of the others: odds of
-# 150 and of 12 to 1, a judgement. As squares in standard deviations.
-_OTHER_UNIT, _OTHER_UNIT_IN_SI = 10.0, 5.0
+# over 74 recordings of eleven data sets, but of 1.1 in one of them.
+_MOTION_LOG_SIGMA = 1.0
+# The axes of one sensor mostly have one unit, and where a title states none it is m/s^2 or rad/s more often than
+# another: odds of 150 and of 3 to 1, a judgement. As squares in standard deviations.
+_OTHER_UNIT, _OTHER_UNIT_IN_SI = 10.0, 2.5
 _DECISIVE = 6.0
 
 

@@ -25,10 +25,10 @@ from pdr_est.io.formats.phone_apps.phyphox.sensor_titles import (
     unused_columns,
 )
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
 from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.text.table_layout import detect_header
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "phyphox"
@@ -67,7 +67,7 @@ class _Reading:
         self.used.add(sensor)
         where = self.sensors[sensor]
         head = self.source.head(where.member)
-        dialect = detect_dialect(head)
+        dialect = detect_header(head)
         if dialect is None or b"\n" not in head.strip():
             self.warnings.append(f"{sensor}: {where.member} has no rows")
             return None

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import sensor_of_name
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.text.table_layout import detect_header
 
 CLOCK_COLUMN = "time"
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')
@@ -111,7 +111,7 @@ class FolderExport:
 
     def titles(self, sensor: str) -> tuple[str, ...]:
         """Return the titles of all columns of a sensor."""
-        dialect = detect_dialect(self.source.head(self.members[sensor]))
+        dialect = detect_header(self.source.head(self.members[sensor]))
         return () if dialect is None else dialect.titles
 
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
