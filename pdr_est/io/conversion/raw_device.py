@@ -269,6 +269,12 @@ class RawDevice:
         converted = Signal(raw.signal.time_s, raw.signal.values * raw.factor) if raw.factor != 1.0 else raw.signal
         if detect is not None:
             checked = detect(converted.values)
+            as_written = detect(raw.signal.values) if checked.warnings and sensor is RawSensor.FORCE else checked
+            if not as_written.warnings and checked.warnings:
+                self.warnings.append(
+                    f"the stated unit of {raw.title} contradicts its values and is not used: {as_written.decision}"
+                )
+                return Signal(raw.signal.time_s, raw.signal.values * as_written.factor)
             if checked.factor != 1.0:
                 self.warnings.append(f"the stated unit of {raw.title} contradicts its values: {checked.decision}")
             elif sensor is RawSensor.FORCE:

@@ -22,7 +22,7 @@ _BRACKETS = re.compile(r"[\[(（【{<「〔]([^\])）】}>」〕]*)[\])）】}>�
 _BEFORE_UNIT = re.compile(r"[\s_,;:|/]+")
 _LINKS = frozenset({"in", "en", "im", "-", "–", "unit", "units", "einheit"})
 _NUMBERED = re.compile(r"([^\W\d_]+)(\d+)([^\W\d_]*)")
-_LOOKS_LIKE_UNIT = re.compile(r"[/°²^·%]|-[12]$|^(lsb|adc|counts?|raw|ticks|digits?|per)$|\bper\b", re.IGNORECASE)
+_LOOKS_LIKE_UNIT = re.compile(r"[/°²^·%]|-[12]$|^(lsb|adc|counts?|ticks|digits?)$|\bper\b", re.IGNORECASE)
 _LONGEST_UNIT_WORDS = 4
 
 
@@ -69,6 +69,7 @@ def understand_title(title: str) -> TitleMeaning | None:
     """Find out what a title means; None when it names nothing that the project uses."""
     parts = _taken_apart(title)
     words = split_words(parts.base)
+    words = _without_glue(words)
     readings = list(_without_unit_suffix(words, parts.unit))
     for remark in (parts.words, ()) if parts.words and not BLOCKED & set(parts.words) else (parts.words,):
         for rest, suffix in readings:
@@ -146,7 +147,19 @@ def _without_unit_suffix(words: Sequence[str], unit: str) -> Iterator[tuple[list
             ):
                 rest = words[:-length]
                 yield list(rest[:-1] if len(rest) > 1 and rest[-1] in _LINKS else rest), " ".join(words[-length:])
+        if len(words) > 2 and words[-1] in AXIS_WORDS and len(words[-2]) > 1:  # `acc_mg_x`
+            quantities = quantities_of_unit(words[-2])
+            if quantities and quantities[0] is not Quantity.TIME:
+                yield [*words[:-2], words[-1]], words[-2]
     yield list(words), unit
+
+
+def _without_glue(words: Sequence[str]) -> list[str]:
+    """Cut an axis off the unit or the filler that is glued to it, as in `accelXg` and `gyroXrate`."""
+    last = words[-1] if len(words) > 1 else ""
+    if last[:1] in ("x", "y", "z") and (last[1:] in FILLERS | {"rate"} or quantities_of_unit(last[1:])):
+        return [*words[:-1], last[0], last[1:]]
+    return list(words)
 
 
 def _column(words: Sequence[str], unit: str) -> TitleMeaning | None:
@@ -185,8 +198,11 @@ def _sensor_of(useful: list[str], unit: str) -> TitleMeaning | None:
     for start in range(len(useful)):
         joined = "".join(useful[start:])
         prefix = "".join(useful[:start])
+        named = any(word in SENSORS and len(word) > 1 for word in useful[:start])  # `accel xg` is no gyroscope
         for stem, axis in ((joined[:-1], joined[-1:]), (joined[1:], joined[:1])):
-            if axis in AXIS_WORDS and stem in SENSORS and not axis.isdigit() and not BLOCKED & set(useful[:start]):
+            if axis not in AXIS_WORDS or axis.isdigit() or BLOCKED & set(useful[:start]):
+                continue
+            if stem in SENSORS and (len(stem) > 1 or not named):
                 return TitleMeaning(SENSORS[stem], AXIS_WORDS[axis], unit, prefix)
         if joined[:-1] == "q" and joined[-1:].isdigit():
             return TitleMeaning(SENSORS["q"], joined[-1], unit, prefix)

@@ -88,7 +88,7 @@ WITHOUT_MEANING = frozenset(
         *("", "-", "--", "1", "none", "null", "na", "n/a", "nounits", "nounit", "unitless", "dimensionless"),
         *("txt", "text", "string", "str", "bool", "boolean", "int", "integer", "float", "double", "number", "char"),
         *("deg", "rad", "degc", "°c", "c", "celsius", "k", "f", "%", "percent", "lux", "lx", "cm", "n", "v", "mv"),
-        *("m/s", "km/h", "mps", "mph", "bpm", "hz", "db", "dbm", "count", "counts", "lsb", "raw", "iso8601"),
+        *("m/s", "km/h", "mps", "mph", "bpm", "hz", "db", "dbm", "count", "counts", "lsb", "iso8601"),
     }
 )
 """What stands in a row of units beside the units that are used here, as `plain_unit` writes it."""
