@@ -138,7 +138,9 @@ def _far_away(column: NDArray[Any], found: Mask) -> Iterator[tuple[float, NDArra
         return
     low, middle, high = np.percentile(sample, (25.0, 50.0, 75.0))
     ordinary = _FAR * max(high - middle, middle - low)
-    lowest, highest = np.fmin.reduce(column), np.fmax.reduce(column)
+    lowest, highest = column.min(), column.max()
+    if lowest != lowest:  # NaN
+        lowest, highest = np.fmin.reduce(column), np.fmax.reduce(column)
     if ordinary == 0.0 or max(middle - lowest, highest - middle) <= _FAR_OF_CODE * ordinary:
         return
     away = np.abs(column - middle)
@@ -184,7 +186,7 @@ def _distance(
 
 def _spikes(columns: Sequence[NDArray[Any]], largest: float, found: Mask) -> NDArray[np.intp]:
     """Find single rows beyond what a phone can measure, with ordinary rows before and after."""
-    if max(np.fmax.reduce(c) for c in columns) <= largest and min(np.fmin.reduce(c) for c in columns) >= -largest:
+    if all(c.max() <= largest and c.min() >= -largest for c in columns):
         return np.zeros(0, dtype=np.intp)
     size = np.max([np.abs(c, dtype=np.float64) for c in columns], axis=0)
     size[found | ~np.isfinite(size)] = 0.0

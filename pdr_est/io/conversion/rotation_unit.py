@@ -142,16 +142,20 @@ def _likelihood(log_ratio: float) -> float:
     return float(np.exp(-0.5 * away * away) / (_SIGMA * np.sqrt(2.0 * np.pi)))
 
 
+def _without_gaps(values: Array) -> Array:
+    """Set rows that are not finite to zero."""
+    return np.where(np.isfinite(values).all(axis=1, keepdims=True), values, 0.0)
+
+
 def _mean_squares(signal: Signal, begins_s: Array, about_mean: bool) -> tuple[Array, NDArray[np.bool_]]:
     """Compute the mean square norm (k,) of a signal in intervals that begin at (k,), and where samples are enough."""
     time_s, values = signal.time_s, signal.values
     if (np.diff(time_s) < 0.0).any():
         order = np.argsort(time_s, kind="stable")
         time_s, values = time_s[order], values[order]
-    values = np.where(np.isfinite(values).all(axis=1, keepdims=True), values, 0.0)
     first, last = (np.searchsorted(time_s, times_s) for times_s in (begins_s, begins_s + _INTERVAL_S))
     # Sums of each interval alone, not differences of one long sum, which a single damaged number would spoil.
-    within = [values[a:b] for a, b in zip(first, last, strict=True)]
+    within = [_without_gaps(values[a:b]) for a, b in zip(first, last, strict=True)]
     if about_mean:
         within = [part - part.mean(axis=0) if len(part) else part for part in within]
     mean_squares = np.array([np.square(part).sum() / max(len(part), 1) for part in within])

@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.io.conversion.units import sampled_rows
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Signal
 
@@ -62,8 +63,9 @@ def screen_evidence(force: Signal) -> SignEvidence:
     force
         (n, 3) acceleration with gravity, in the axes of a phone.
     """
-    norm = max(float(np.median(np.linalg.norm(force.values, axis=1))), 1e-9)
-    share = float(np.clip(force.values[:, 2].mean() / norm, -1.0, 1.0))
+    sample = sampled_rows(force.values)
+    norm = max(float(np.median(np.linalg.norm(sample, axis=1))), 1e-9)
+    share = float(np.clip(sample[:, 2].mean() / norm, -1.0, 1.0))
     facing = "up" if share > 0.0 else "down"
     return SignEvidence(_BY_SCREEN * share, f"the screen would face {facing} ({share:+.2f} g)")
 
@@ -110,12 +112,13 @@ def dip_evidence(force: Signal, field: Signal, latitude_deg: float | None = None
     """
     if latitude_deg is not None and abs(latitude_deg) < _EQUATOR_DEG:
         return None
-    along = np.stack([_interpolated(field, force.time_s, axis) for axis in range(3)], axis=1)
-    lengths = np.linalg.norm(along, axis=1) * np.linalg.norm(force.values, axis=1)
+    time_s, values = sampled_rows(force.time_s), sampled_rows(force.values)
+    along = _interpolated(field, time_s)
+    lengths = np.linalg.norm(along, axis=1) * np.linalg.norm(values, axis=1)
     usable = lengths > 0.0
     if not usable.any():
         return None
-    cosine = float(np.median((along * force.values).sum(axis=1)[usable] / lengths[usable]))
+    cosine = float(np.median((along * values).sum(axis=1)[usable] / lengths[usable]))
     if abs(cosine) < _LEAST_DIP_COSINE:
         return None
     south = -1.0 if latitude_deg is not None and latitude_deg < 0.0 else 1.0
@@ -211,7 +214,8 @@ def _log_density(angle_rad: Array, variance_rad2: Array) -> Array:
     return density
 
 
-def _interpolated(signal: Signal, time_s: Array, axis: int) -> Array:
+def _interpolated(signal: Signal, time_s: Array) -> Array:
+    """Interpolate a signal (n, k) at some times (m,), whatever the order of its clock."""
     order = np.argsort(signal.time_s, kind="stable")
-    at: Array = np.interp(time_s, signal.time_s[order], signal.values[order, axis])
-    return at
+    own_s = signal.time_s[order]
+    return np.stack([np.interp(time_s, own_s, column[order]) for column in signal.values.T], axis=1)

@@ -86,7 +86,7 @@ def detect_acceleration_unit(values: Array) -> Conversion:
         (n, 3) acceleration including gravity, of one walk.
     """
     mean = float(
-        np.median([np.linalg.norm(part.mean(axis=0)) for part in np.array_split(values, _parts(len(values)))])
+        np.median([np.linalg.norm(mean_vector(part)) for part in np.array_split(values, _parts(len(values)))])
     )
     share = mean / max(_median_norm(values), 1e-9)
     if share >= _GRAVITY_SHARE:
@@ -120,8 +120,9 @@ def detect_rotation_rate_unit(values: Array) -> Conversion:
         (n, 3) rotation rate of one walk.
     """
     # A single damaged number must not decide, however large it is.
-    peak = float(np.percentile(_largest_component(values), _PEAK_PERCENTILE, method="lower"))
-    high = float(np.percentile(_lengths(values), 95))
+    sample = sampled_rows(values)
+    peak = float(np.percentile(_largest_component(sample), _PEAK_PERCENTILE, method="lower"))
+    high = float(np.percentile(_lengths(sample), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
     if high > _FASTEST_WALK_DEGPS:
         return Conversion(ROTATION_RATE_UNITS["mdeg/s"], f"rotation rate is in mdeg/s: {numbers}")
@@ -201,13 +202,24 @@ def _step_of_rows(ticks: NDArray[np.float64] | NDArray[np.int64]) -> float:
     return step / max(1.0, shared)
 
 
+def mean_vector(values: Array) -> Array:
+    """Compute the mean (k,) of rows (n, k), several times as fast as `mean` does it of short rows."""
+    mean: Array = np.einsum("ij->j", values) / len(values)
+    return mean
+
+
+def sampled_rows(values: Array) -> Array:
+    """Return every k-th row of a long recording: what is taken of them hardly changes by the others."""
+    return values[:: max(1, len(values) // _ROWS_OF_MEDIAN)]
+
+
 def _parts(n: int) -> int:
     return max(1, min(_PARTS, n))
 
 
 def _median_norm(values: Array) -> float:
     """Compute the median length of the rows; of a long recording every k-th row is enough."""
-    return float(np.median(_lengths(values[:: max(1, len(values) // _ROWS_OF_MEDIAN)])))
+    return float(np.median(_lengths(sampled_rows(values))))
 
 
 def _lengths(values: Array) -> Array:
