@@ -19,6 +19,7 @@ from pdr_est.io.tables.words.folding import split_words
 from pdr_est.io.tables.words.sensors import SENSORS, Word
 
 _BRACKETS = re.compile(r"[\[(（【{<「〔]([^\])）】}>」〕]*)[\])）】}>」〕]+")
+_DIVIDED = re.compile(r"/\(([^()]*)\)")  # m/(s^2)
 _BEFORE_UNIT = re.compile(r"[\s_,;:|/]+")
 _LINKS = frozenset({"in", "en", "im", "-", "–", "unit", "units", "einheit"})
 _NUMBERED = re.compile(r"([^\W\d_]+)(\d+)([^\W\d_]*)")
@@ -101,6 +102,7 @@ def sensor_by_name(name: str) -> Quantity | None:
 def _taken_apart(title: str) -> _Parts:
     """Split a title into its base, the unit in brackets or behind it, and what else stands in brackets."""
     unit, remarks = "", []
+    title = _DIVIDED.sub(r"/\1", title)
     for inside in _BRACKETS.findall(title):
         text = _without_link(inside)
         if is_unit(text) and not unit and not {text.lower()} & (BLOCKED | AXIS_WORDS.keys()):

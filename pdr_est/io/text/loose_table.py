@@ -138,7 +138,7 @@ def _fast(
     if layout.decimal_comma and layout.separator == ",":
         return None
     content, in_file = source
-    # A quote that is not closed would make one cell of all that follows. To count them takes longer than to find none.
+    # A quote that is not closed would make one cell of all that follows; to find none is faster than to count them.
     if b'"' in content and content.count(b'"') % 2 == 1:
         return None
     names = dict(zip(layout.titles, in_file, strict=True))
