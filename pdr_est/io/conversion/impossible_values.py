@@ -7,7 +7,7 @@ axes are no acceleration with gravity and no magnetic field; those of a gyroscop
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -63,14 +63,19 @@ def find_impossible_rows(
         Most that a phone can measure along an axis, in the unit of the values; None where it is not known.
     """
     found = np.zeros(len(columns[0]), dtype=np.bool_)
+    if len(found) and not np.isfinite(sum(column.sum(dtype=np.float64) for column in columns)):
+        # Rows without a value, as of a slower sensor, are no neighbours of others.
+        whole = np.all([np.isfinite(column) for column in columns], axis=0)
+        inner = find_impossible_rows([column[whole] for column in columns], never_zero=never_zero, largest=largest)
+        found[whole] = inner.rows
+        return replace(inner, rows=found)
+    if len(found) < _FEWEST_ROWS:
+        return ImpossibleRows(found, ())
     words: list[str] = []
     zero_is_code = False
-    count = int(np.isfinite(columns[0]).sum())
-    if count < _FEWEST_ROWS:
-        return ImpossibleRows(found, ())
     for code, rows in _equal_in_all_axes(columns):
         if code == 0.0:
-            if not never_zero and len(rows) < count:
+            if not never_zero and len(rows) < len(found):
                 continue
             zero_is_code = never_zero
         elif not _is_code(columns, rows, _JUMP_OF_CODE if len(rows) >= _CODE_ROWS else _JUMP_OF_ONE_ROW):
@@ -133,14 +138,9 @@ def _equal_in_all_axes(columns: Sequence[NDArray[Any]]) -> Iterator[tuple[float,
 def _far_away(column: NDArray[Any], found: Mask) -> Iterator[tuple[float, NDArray[np.intp]]]:
     """Iterate over numbers of one axis that come back far from all others, with their rows."""
     sample = column[:: max(1, len(column) // _SAMPLED_ROWS)]
-    sample = sample[np.isfinite(sample)]
-    if not len(sample):
-        return
     low, middle, high = np.percentile(sample, (25.0, 50.0, 75.0))
     ordinary = _FAR * max(high - middle, middle - low)
     lowest, highest = column.min(), column.max()
-    if lowest != lowest:  # NaN
-        lowest, highest = np.fmin.reduce(column), np.fmax.reduce(column)
     if ordinary == 0.0 or max(middle - lowest, highest - middle) <= _FAR_OF_CODE * ordinary:
         return
     away = np.abs(column - middle)
@@ -150,7 +150,7 @@ def _far_away(column: NDArray[Any], found: Mask) -> Iterator[tuple[float, NDArra
         own = rows[place == at]
         first, last = _runs(own)
         around = np.concatenate([away[first[first > 0] - 1], away[last[last < len(column) - 1] + 1]])
-        if (around <= ordinary).sum() >= _ORDINARY_SHARE * np.isfinite(around).sum():
+        if (around <= ordinary).sum() >= _ORDINARY_SHARE * len(around):
             yield float(values[at]), own
 
 
@@ -167,9 +167,6 @@ def _is_code(columns: Sequence[NDArray[Any]], rows: NDArray[np.intp], least_jump
     jumps = _distance(columns, first, before, after)
     middle = np.arange(1, len(kept) - 1, max(1, len(kept) // _SAMPLED_ROWS))
     usual = _distance(columns, kept[middle], kept[middle - 1], kept[middle + 1])
-    usual, jumps = usual[np.isfinite(usual)], jumps[np.isfinite(jumps)]
-    if not len(usual) or not len(jumps):
-        return False
     return float(np.median(jumps)) > least_jump * max(float(np.percentile(usual, 95.0)), 1e-12)
 
 
@@ -189,7 +186,7 @@ def _spikes(columns: Sequence[NDArray[Any]], largest: float, found: Mask) -> NDA
     if all(c.max() <= largest and c.min() >= -largest for c in columns):
         return np.zeros(0, dtype=np.intp)
     size = np.max([np.abs(c, dtype=np.float64) for c in columns], axis=0)
-    size[found | ~np.isfinite(size)] = 0.0
+    size[found] = 0.0
     rows = np.flatnonzero(size > largest)
     before, after = np.maximum(rows - 1, 0), np.minimum(rows + 1, len(size) - 1)
     around = np.maximum(np.where(rows > 0, size[before], 0.0), np.where(rows < len(size) - 1, size[after], 0.0))

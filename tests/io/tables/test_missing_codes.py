@@ -125,3 +125,12 @@ def test_a_sensor_at_its_limit_loses_nothing() -> None:
 def test_coarse_values_at_rest_lose_nothing() -> None:
     values = np.round(np.random.default_rng(2).normal(0.0, 0.6, (3000, 3)))
     assert not find_impossible_rows(list(values.T), never_zero=False, largest=40.0).rows.any()
+
+
+def test_a_quiet_sensor_with_empty_rows_between_loses_nothing() -> None:
+    rng = np.random.default_rng(4)
+    values = np.round(rng.normal(0.0, 0.01, (4000, 3)), 3)
+    values[1000:1400] = np.round(rng.normal(0.0, 1.5, (400, 3)), 1)
+    apart = np.full((8000, 3), np.nan)
+    apart[::2] = values
+    assert not find_impossible_rows(list(apart.T), never_zero=False, largest=40.0).rows.any()
