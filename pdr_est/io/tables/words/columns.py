@@ -16,29 +16,42 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(map(folded, text.split()))
 
 
-_PRESSURE = _names(
+PRESSURES = _names(
     """press pressure barometer baro altimeterpressure atmosphericpressure airpressure typepressure luftdruck druck
     presion presionatmosferica pression pressionatmospherique pressione pressioneatmosferica pressao
     pressaoatmosferica luchtdruk ciśnienie давление барометр 气压 氣壓 気圧 大气压 压力 气压计 기압 기압계"""
 )
-_LATITUDE = _names(
+"""Names of columns with the air pressure."""
+
+LATITUDES = _names(
     """latitude lat locationlatitude gpslatitude gpslat latitudedegrees latitud breitengrad breite geobreite
     latitudine breedtegraad szerokość широта 纬度 緯度 위도"""
 )
-_LONGITUDE = _names(
+"""Names of columns with the latitude."""
+
+LONGITUDES = _names(
     """longitude lng lon long locationlongitude gpslongitude gpslon gpslng longitudedegrees longitud langengrad
     lange laengengrad geolange longitudine lengtegraad długość долгота 经度 経度 經度 경도"""
 )
-_ACCURACY = _names(
+"""Names of columns with the longitude."""
+
+ACCURACIES = _names(
     """horizontalaccuracy locationhorizontalaccuracy locationaccuracy gpsaccuracy gpshorizontalaccuracy
     accuracymeters hacc horizontalegenauigkeit precisionhorizontal 水平精度"""
 )
+"""Names of columns with the accuracy of a position."""
+
+EASTINGS = _names("x east easting xpos posx positionx xcoordinate xcoord e ost est este oost восток 东 東 동")
+"""Names of columns with the position to the east, in a table of positions."""
+
+NORTHINGS = _names("y north northing ypos posy positiony ycoordinate ycoord n nord norte noord север 北 북")
+"""Names of columns with the position to the north, in a table of positions."""
 
 SCALARS: Mapping[str, tuple[Quantity, str]] = {
-    **dict.fromkeys(_PRESSURE, (Quantity.PRESSURE, "")),
-    **dict.fromkeys(_LATITUDE, (Quantity.LATITUDE_LONGITUDE, "latitude")),
-    **dict.fromkeys(_LONGITUDE, (Quantity.LATITUDE_LONGITUDE, "longitude")),
-    **dict.fromkeys(_ACCURACY, (Quantity.ACCURACY, "")),
+    **dict.fromkeys(PRESSURES, (Quantity.PRESSURE, "")),
+    **dict.fromkeys(LATITUDES, (Quantity.LATITUDE_LONGITUDE, "latitude")),
+    **dict.fromkeys(LONGITUDES, (Quantity.LATITUDE_LONGITUDE, "longitude")),
+    **dict.fromkeys(ACCURACIES, (Quantity.ACCURACY, "")),
 }
 """Name -> quantity and the part of it."""
 
