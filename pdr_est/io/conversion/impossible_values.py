@@ -74,10 +74,10 @@ def find_impossible_rows(
     words: list[str] = []
     zero_is_code = False
     for code, rows in _equal_in_all_axes(columns):
+        if code == 0.0 and not never_zero:
+            continue
         if code == 0.0:
-            if not never_zero and len(rows) < len(found):
-                continue
-            zero_is_code = never_zero
+            zero_is_code = True
         elif not _is_code(columns, rows, _JUMP_OF_CODE if len(rows) >= _CODE_ROWS else _JUMP_OF_ONE_ROW):
             continue
         found[rows] = True

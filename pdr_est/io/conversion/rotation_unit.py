@@ -23,11 +23,8 @@ _MOST_INTERVALS = 100  # spread over longer recordings
 _LEAST_SAMPLES = 4  # in an interval
 _LEAST_INTERVALS = 1
 _DECISIVE = 0.99
-_LIKELY = 0.95  # enough where the size of the values says the same
-_RPM = 2.0 * np.pi / 60.0
-# Turns a minute are rare, and lie between rad/s and deg/s, so that what fits neither is not taken as one of them.
-_PRIORS = {"rad/s": 0.6, "deg/s": 0.345, "mdeg/s": 0.05, "rpm": 0.005}
-_UNITS = tuple((name, ROTATION_RATE_UNITS.get(name, _RPM)) for name in _PRIORS)
+_PRIORS = {"rad/s": 0.6, "deg/s": 0.35, "mdeg/s": 0.05}
+_UNITS = tuple((name, ROTATION_RATE_UNITS[name]) for name in _PRIORS)
 
 
 def motion_log_ratio(rate: Signal, acceleration: Signal) -> float | None:
@@ -91,10 +88,13 @@ def detect_rotation_unit(rate: Signal, acceleration: Signal | None) -> Conversio
         f"rotation rate is in {name}: it is {np.exp(ratio):.2g} of the acceleration's variation, usual are "
         f"{np.exp(_USUAL_LOG_RATIO) / factor:.2g}"
     )
-    doubt = f"the unit of the rotation rate is doubtful: {_odd_ratio(ratio)}; write the unit into the header"
     if factor == by_size.factor or probability >= _DECISIVE:
-        return Conversion(factor, decision, "" if probability >= _LIKELY else doubt)
-    return Conversion(by_size.factor, by_size.decision, doubt)
+        return Conversion(factor, decision)
+    return Conversion(
+        by_size.factor,
+        by_size.decision,
+        f"the unit of the rotation rate is doubtful: {_odd_ratio(ratio)}; write the unit into the header",
+    )
 
 
 def rotation_unit_warnings(rate: Signal, acceleration: Signal) -> tuple[str, ...]:

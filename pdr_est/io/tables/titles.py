@@ -20,6 +20,7 @@ from pdr_est.io.tables.words.sensors import SENSORS, Word
 
 _BRACKETS = re.compile(r"[\[(（【{<「〔]([^\])）】}>」〕]*)[\])）】}>」〕]+")
 _DIVIDED = re.compile(r"/\(([^()]*)\)")  # m/(s^2)
+_IN_BRACKETS = re.compile("[,;]")
 _BEFORE_UNIT = re.compile(r"[\s_,;:|/]+")
 _LINKS = frozenset({"in", "en", "im", "-", "–", "unit", "units", "einheit"})
 _NUMBERED = re.compile(r"([^\W\d_]+)(\d+)([^\W\d_]*)")
@@ -103,7 +104,7 @@ def _taken_apart(title: str) -> _Parts:
     """Split a title into its base, the unit in brackets or behind it, and what else stands in brackets."""
     unit, remarks = "", []
     title = _DIVIDED.sub(r"/\1", title)
-    for inside in _BRACKETS.findall(title):
+    for inside in (part for found in _BRACKETS.findall(title) for part in _IN_BRACKETS.split(found)):
         text = _without_link(inside)
         if is_unit(text) and not unit and not {text.lower()} & (BLOCKED | AXIS_WORDS.keys()):
             unit = text
@@ -167,7 +168,7 @@ def _without_glue(words: Sequence[str]) -> list[str]:
 def _column(words: Sequence[str], unit: str) -> TitleMeaning | None:
     """Recognise a column other than a time."""
     found = _scalar(words, unit) or _sensor(words, unit)
-    if found is None and any(map(_NUMBERED.fullmatch, words)):
+    if found is None and any(_NUMBERED.fullmatch(word) or word.isdigit() for word in words):
         found = _numbered(words, unit)
     return found or _bare_axis(words, unit) or _by_unit(words, unit)
 
@@ -238,8 +239,11 @@ def _numbered(words: Sequence[str], unit: str) -> TitleMeaning | None:
     rest: list[str] = []
     for word in words:
         match = _NUMBERED.fullmatch(word)
-        numbers += [match[2]] if match else []
-        rest += [part for part in match.groups()[::2] if part] if match else [word]
+        if match is None and not word.isdigit():
+            rest.append(word)
+            continue
+        numbers.append(word if match is None else match[2])
+        rest += [part for part in match.groups()[::2] if part] if match is not None else []
     found = _sensor(rest, unit) or _bare_axis(rest, unit)
     if found is not None:
         return replace(found, prefix=found.prefix + "".join(numbers))

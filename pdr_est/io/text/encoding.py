@@ -10,6 +10,8 @@ _HIGH_BYTES = re.compile(rb"[\x80-\xff]+")
 _KANA = re.compile("[\u30a1-\u30fc]")
 _IDEOGRAPHS = re.compile("[\u4e00-\u9fff]")
 _FEWEST_LETTERS = 2
+# Frequent in titles of recordings: time, acceleration, angle, axis, magnetism, sensor, gyroscope, place.
+_TELLING = re.compile("[時間刻加速度角軸轴磁気地力重压圧緯経度方向位置回転时间戳传感器陀螺仪场强气纬经旋转值]")
 # First bytes of signs and digits that mean the same as those of ASCII: minus and dashes, full-width, Arabic, Persian.
 _FOREIGN_LEADS = (b"\xe2\x88\x92", b"\xe2\x80\x93", b"\xef\xbc", b"\xd9", b"\xdb")
 _DASHES = re.compile("[−–－](?=[0-9０-９٠-٩۰-۹.])")
@@ -84,7 +86,8 @@ def _encoding_of_bytes(sample: bytes) -> str:
     runs = [run for run in _HIGH_BYTES.findall(sample) if len(run) > 1]
     if 2 * len(runs) < len(_HIGH_BYTES.findall(sample)):
         return "cp1252"
-    for encoding, script in (("cp932", _KANA), ("gb18030", _IDEOGRAPHS)):
+    likelier = max(("cp932", "gb18030"), key=lambda one: len(_TELLING.findall(sample.decode(one, "ignore"))))
+    for encoding, script in ((likelier, _TELLING), ("cp932", _KANA), ("gb18030", _IDEOGRAPHS)):
         text = sample.decode(encoding, "ignore")
         if len(script.findall(text)) >= _FEWEST_LETTERS and "\ufffd" not in sample[:-2].decode(encoding, "replace"):
             return encoding

@@ -162,8 +162,9 @@ def _header_cells(line: str, split: SplitLines) -> list[str] | None:
     others = [other for other in SEPARATORS if other != split.separator]
     # The titles above rows with blanks may be separated by commas.
     for separator in (*others, BLANKS) if split.separator == BLANKS else (split.separator, *others):
-        cells = [cell.strip().strip("\"'") for cell in split_line(bare.strip("\n"), separator)]
-        fitted = _fitted(cells, split)
+        raw = split_line(bare.strip("\n"), separator)
+        cells = [cell.strip().strip("\"'") for cell in raw]
+        fitted = _fitted(cells, split) or _with_units_behind_commas(raw, split)
         if fitted is not None and any(any(c.isalpha() for c in cell) for cell in fitted):
             return fitted
     return None
@@ -185,6 +186,17 @@ def _fitted(cells: list[str], split: SplitLines) -> list[str] | None:
         if all(row[0].strip().strip('"').isdigit() for row in rows):
             return ["", *cells]
     return None
+
+
+def _with_units_behind_commas(cells: Sequence[str], split: SplitLines) -> list[str] | None:
+    """Join `acc_x, m/s^2`, which the separator cut in two, where the rows then have as many cells."""
+    titles: list[str] = []
+    for cell in cells:
+        if titles and cell.startswith(" "):
+            titles[-1] = f"{titles[-1]},{cell.rstrip()}"
+        else:
+            titles.append(cell.strip())
+    return titles if len(cells) > len(titles) == split.width else None
 
 
 def _date_with_time(rows: Sequence[Sequence[str]]) -> int | None:

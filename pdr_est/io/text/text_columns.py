@@ -109,18 +109,18 @@ def _with_points(text: pl.Series) -> pl.Series:
     In a column with commas and points the sign that comes last in a number is the decimal one. Two commas in one
     number can only set thousands apart. Otherwise a comma is the decimal mark.
     """
-    plain = text.str.replace_all(r"(\d)[ '\x{00a0}\x{202f}](\d{3})", "${1}${2}").str.replace(
-        r"^([+-]?[\d.,]+)[dD]([+-]?\d+)$", "${1}e${2}"
-    )
+    plain = text.str.replace(r"^([+-]?[\d.,]+)[dD]([+-]?\d+)$", "${1}e${2}")
+    for _ in range(2):  # neighbouring groups share a digit
+        plain = plain.str.replace_all(r"(\d)[ '\x{00a0}\x{202f}](\d{3})", "${1}${2}")
     if not plain.str.contains(",", literal=True).any():
         return plain
     both_american = plain.str.contains(r"\d,\d{3}(,\d{3})*\.\d*$").any()
     both_european = plain.str.contains(r"\d\.\d{3}(\.\d{3})*,\d*$").any()
     grouped = plain.str.contains(r"^[+-]?\d{1,3},\d{3},\d{3}").any()
     if (both_american or grouped) and not both_european:
-        return plain.str.replace_all(r"(\d),(\d{3})", "${1}${2}")
+        return plain.str.replace_all(",", "", literal=True)
     if both_european and not both_american:
-        plain = plain.str.replace_all(r"(\d)\.(\d{3})", "${1}${2}")
+        plain = plain.str.replace_all(".", "", literal=True)
     return plain.str.replace(",", ".", literal=True)
 
 

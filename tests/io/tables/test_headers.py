@@ -49,6 +49,7 @@ HEADS: dict[str, Sequence[str]] = {
         "time,acc_x,acc_y,acc_z,gyro_x,gyro_y,gyro_z",
         f"seconds,{','.join(3 * ['meters per second squared'])},{','.join(3 * ['radians per second'])}",
     ],
+    "units behind commas": ["time, s,acc_x, m/s²,acc_y, m/s²,acc_z, m/s²,gyro_x, rad/s,gyro_y, rad/s,gyro_z, rad/s"],
     "one unit that is not known": [
         "time,acc_x,acc_y,acc_z,gyro_x,gyro_y,gyro_z",
         "s,m/s^2,m/s^2,zorg,rad/s,rad/s,rad/s",
@@ -111,6 +112,14 @@ def test_thousands_that_are_set_apart(tmp_path: Path, walk: TableWalk, form: str
     device = device_of(tmp_path, text(lines))
     assert device.specific_force is not None
     np.testing.assert_allclose(device.specific_force.values, walk.force, atol=2e-5)
+
+
+def test_a_clock_whose_thousands_are_set_apart(tmp_path: Path, walk: TableWalk) -> None:
+    micros = [f'"{tick:,}"' for tick in np.round(1e6 * walk.time_s).astype(int).tolist()]
+    device = device_of(tmp_path, text(rows({**plain(walk), "time": micros})))
+    assert_walk(device, walk)
+    assert device.specific_force is not None
+    np.testing.assert_allclose(device.specific_force.time_s, walk.time_s, atol=1e-6)
 
 
 @pytest.mark.parametrize("word", ["<null>", "#NUM!", "#N/A", "inf", "-", "--", "#DIV/0!", "-1.#IND", "(null)", "—"])

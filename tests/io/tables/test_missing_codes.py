@@ -89,13 +89,6 @@ def test_a_gyroscope_at_rest_keeps_its_zeros(tmp_path: Path, walk: TableWalk) ->
     assert len(device.rotation_rate) == len(walk.time_s)
 
 
-def test_a_gyroscope_that_never_ran_is_none(tmp_path: Path, walk: TableWalk) -> None:
-    columns = {**plain(walk), **xyz("gyro_{}", np.zeros_like(walk.rate))}
-    device = device_of(tmp_path, text(rows(columns)))
-    assert device.rotation_rate is None
-    assert any("rotation rate: 2000 of 2000 rows are left out" in words for words in device.warnings)
-
-
 @pytest.mark.parametrize(("axis", "value"), [(0, 400.0), (2, -900.0)])
 def test_lone_spikes_of_the_accelerometer(tmp_path: Path, walk: TableWalk, axis: int, value: float) -> None:
     at = np.array([17, 800, 1500])

@@ -39,6 +39,9 @@ zaman,ivme x,ivme y,ivme z,jiroskop x,jiroskop y,jiroskop z
 time,acc1_x,acc1_y,acc1_z,gyr1_x,gyr1_y,gyr1_z
 time,ACCX1,ACCY1,ACCZ1,GYROX1,GYROY1,GYROZ1
 time,acc1,acc2,acc3,gyro1,gyro2,gyro3
+time,Beschl. x,Beschl. y,Beschl. z,Gyro x,Gyro y,Gyro z
+time,vehicle_acceleration.xyz[0],vehicle_acceleration.xyz[1],vehicle_acceleration.xyz[2],gyro[0],gyro[1],gyro[2]
+time,ACCX_1,ACCY_1,ACCZ_1,GYRX_1,GYRY_1,GYRZ_1
 time,acc[0],acc[1],acc[2],gyro[0],gyro[1],gyro[2]
 time,AccX(g),AccY(g),AccZ(g),AsX(°/s),AsY(°/s),AsZ(°/s),AngleX(°),AngleY(°),AngleZ(°)
 Time,GYROSCOPE Yaw (rad/s),GYROSCOPE Pitch (rad/s),GYROSCOPE Roll (rad/s),ACCELEROMETER X,ACCELEROMETER Y,\
@@ -72,7 +75,7 @@ def test_accelerometer_gyroscope_and_time_are_found(line: str) -> None:
     assert not mapping.incomplete
     for quantity in (Quantity.FORCE, Quantity.RATE):
         chosen = mapping.columns[quantity].titles
-        if not any(word in line.lower() for word in ("pitch", "acc[", "acc1,")):
+        if not any(word in line.lower() for word in ("pitch", "acc[", "acc1,", "xyz[")):
             wanted = [{"x": "xх", "y": "yу", "z": "z"}[axis] for axis in "xyz"]
             for title, letters in zip(chosen, wanted, strict=True):
                 assert set(letters) & set(title.lower())
@@ -155,4 +158,7 @@ def test_a_text_that_is_no_known_unit_is_kept_and_divides_no_sensor() -> None:
     columns = mapping.columns[Quantity.FORCE]
     assert columns.factors == (1.0, None, 1.0)
     assert columns.unknown_units == ("", "zorgs/s", "")
+    remarked = understand_title("acc_x (m/s^2, with gravity)")
+    assert remarked is not None
+    assert remarked.unit == "m/s^2"
     assert not mapping.incomplete

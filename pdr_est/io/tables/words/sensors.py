@@ -57,7 +57,8 @@ _ACCELEROMETER = {
     ),
     **_named(
         Word(Quantity.FORCE, 2, ambiguous=True),
-        """acceleration accelerations beschleunigung aceleracion aceleração accelerazione versnelling przyspieszenie
+        """acceleration accelerations beschleunigung beschl accn aceleracion aceleração accelerazione versnelling
+        przyspieszenie
         zrychlení ivme kiihtyvyys percepatan akselerasi acelerações akceleration akselerasjon ускорение прискорення
         επιτάχυνση giatoc 가속도 加速度 a arss acclin""",
     ),
