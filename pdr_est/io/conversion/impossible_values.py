@@ -94,6 +94,12 @@ def find_impossible_rows(
     return ImpossibleRows(found, tuple(dict.fromkeys(words)), zero_is_code)
 
 
+def without_impossible_rows(values: Array) -> Array:
+    """Return the rows of an acceleration (n, 3) with gravity that are finite and hold a measurement."""
+    finite = values[np.isfinite(values).all(axis=1)]
+    return finite[~find_impossible_rows(list(finite.T), never_zero=True).rows] if len(finite) else finite
+
+
 def rows_without_measurement(columns: Sequence[NDArray[Any]], missing: Mask, zero_is_code: bool) -> Mask:
     """Find the rows of a sensor that are empty because another sensor of the same table has no measurement there.
 

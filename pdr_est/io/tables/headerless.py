@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.gravity_content import has_gravity
+from pdr_est.io.conversion.impossible_values import without_impossible_rows
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.tables.times.dates import parse_dates
@@ -103,7 +104,9 @@ def _columns(loose: LooseTable, numbers: Sequence[str], hint: Quantity | None) -
         return {hint: _of(numbers[:1])}
     if len(numbers) not in _USUAL_WIDTHS:
         return {}
-    force = next((triple for triple in triples[:2] if has_gravity(_finite(loose.table.stack(triple)))), None)
+    force = next(
+        (triple for triple in triples[:2] if has_gravity(without_impossible_rows(loose.table.stack(triple)))), None
+    )
     if force is None:
         return {}
     found = {Quantity.FORCE: _of(force)}

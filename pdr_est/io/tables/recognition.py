@@ -2,10 +2,9 @@
 
 from enum import IntEnum
 
-import numpy as np
-
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gravity_content import has_gravity
+from pdr_est.io.conversion.impossible_values import without_impossible_rows
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.quantities import MOTION, Quantity
@@ -123,5 +122,5 @@ def _head_has_gravity(text: bytes, layout: TableLayout, titles: tuple[str, ...])
         values = read_loose_table(text, "", layout, titles).table.stack(titles)
     except RecordingError:
         return False
-    finite = values[np.isfinite(values).all(axis=1)]
-    return len(finite) > 0 and has_gravity(finite)
+    measured = without_impossible_rows(values)
+    return len(measured) > 0 and has_gravity(measured)

@@ -89,6 +89,15 @@ def test_a_gyroscope_at_rest_keeps_its_zeros(tmp_path: Path, walk: TableWalk) ->
     assert len(device.rotation_rate) == len(walk.time_s)
 
 
+@pytest.mark.parametrize("head", [["time,x,y,z"], []], ids=["axes without a sensor", "no header"])
+def test_codes_hide_no_gravity(tmp_path: Path, walk: TableWalk, head: list[str]) -> None:
+    at = np.arange(5, len(walk.time_s), 100)
+    lines = rows({"time": walk.time_s, **xyz("{}", spoilt(walk.force, at, -999.0))})[1:]
+    device = device_of(tmp_path, text([*head, *lines]))
+    assert device.specific_force is not None
+    np.testing.assert_allclose(device.specific_force.values, np.delete(walk.force, at, axis=0), atol=2e-5)
+
+
 @pytest.mark.parametrize(("axis", "value"), [(0, 400.0), (2, -900.0)])
 def test_lone_spikes_of_the_accelerometer(tmp_path: Path, walk: TableWalk, axis: int, value: float) -> None:
     at = np.array([17, 800, 1500])
