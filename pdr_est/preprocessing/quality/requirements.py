@@ -68,7 +68,7 @@ def require_track_sensors(device: DeviceRecording, label: str, one_of_several: b
 
 
 def require_plausible_samples(device: DeviceRecording, label: str) -> None:
-    """Check the clocks and units of accelerometer and gyroscope, of those that a device has.
+    """Check the clocks, rates and units of accelerometer and gyroscope, of those that a device has.
 
     Parameters
     ----------
@@ -80,13 +80,17 @@ def require_plausible_samples(device: DeviceRecording, label: str) -> None:
     Raises
     ------
     RecordingError
-        When one has a single sample, a clock that does not advance or spans more than a year, or a wrong unit.
+        When one has a single sample, a clock that does not advance or spans more than a year, or a wrong unit, or
+        when the accelerometer is too slow for steps.
     """
     for channel in _UNITS:
         signal = _signal(device, channel)
         if signal is not None:
             _check_clock(signal, _SENSOR_NAMES[channel], label)
             _check_unit(channel, signal, label)
+    force = _signal(device, Channel.SPECIFIC_FORCE)
+    if force is not None:
+        refuse_slow_sampling(force, label)
 
 
 def prefers_recorded_attitude(device: DeviceRecording) -> bool:
