@@ -181,7 +181,11 @@ def _date_unit(dates: DateTimes, texts: NDArray[np.str_]) -> Conversion:
             f"the date is doubtful: the {dates.order} is taken to come first in {str(texts[dates.known][0])!r}, but "
             f"it may be the {other}; write dates as 2031-02-28"
         )
-    return Conversion(1e-9, f"the clock counts {what}{zone}", "; ".join(warnings))
+    counted = ""
+    if dates.counted:
+        shown = str(texts[dates.known][0])
+        counted = f"; the digits behind the seconds count {dates.counted}, as in {shown!r}, so that time rises evenly"
+    return Conversion(1e-9, f"the clock counts {what}{zone}{counted}", "; ".join(warnings))
 
 
 def _unit(column: ClockColumn, ticks: NDArray[Any], given: bool) -> Conversion:
