@@ -149,7 +149,8 @@ def _active_windows(values: Array, size: int) -> Array:
     windows: Array = values[starts[:, None] + np.arange(-2, size)]
     low, high = np.percentile(windows, _INNER_PERCENTILES, axis=1)  # a damaged number is no motion
     spread = (high - low).sum(axis=1)
-    return windows[spread >= _ACTIVE * float(np.percentile(spread, _STRONGEST_PERCENTILE))]
+    moving: Array = windows[spread >= _ACTIVE * float(np.percentile(spread, _STRONGEST_PERCENTILE))]
+    return moving
 
 
 def _share_of_new(windows: Array) -> float:

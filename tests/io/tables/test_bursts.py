@@ -55,6 +55,6 @@ def test_stamps_of_no_steady_rate_are_only_spread() -> None:
     steps_s = np.random.default_rng(6).exponential(0.2, 400)
     counts = np.random.default_rng(7).integers(1, 16, 400)
     stamps_s = np.repeat(np.cumsum(steps_s), counts)
-    time_s, warning = spread_bursts(stamps_s, np.random.default_rng(1).normal(size=(len(stamps_s), 3)))
+    _, warning = spread_bursts(stamps_s, np.random.default_rng(1).normal(size=(len(stamps_s), 3)))
     assert "Hz" not in warning
     assert warning == "" or "until the next stamp" in warning

@@ -122,7 +122,9 @@ def test_texts_that_are_no_dates() -> None:
 )
 def test_digits_without_zeros_in_front_count_parts_of_a_second(places: int, mark: str, counted: str) -> None:
     ns = MOMENT + 20_000_000 * np.arange(300)
-    parts = [(str(stamp)[:19], int(at) % 10**9 // 10 ** (9 - places)) for at, stamp in zip(ns, stamps(ns), strict=True)]
+    parts = [
+        (str(stamp)[:19], int(at) % 10**9 // 10 ** (9 - places)) for at, stamp in zip(ns, stamps(ns), strict=True)
+    ]
     found = parse_dates(np.array([f"{second}{mark}{fraction}" for second, fraction in parts]))
     assert found is not None
     assert found.ns.tolist() == ns.tolist()

@@ -58,9 +58,9 @@ def spread_bursts(time_s: Array, values: Array) -> tuple[Array, str]:
 def _steady_warning(steady: SteadyTimes, counts: NDArray[np.intp]) -> str:
     row = "last" if steady.by_last else "first"
     return (
-        f"{counts.min()} to {counts.max()} rows share one time stamp: they are spread evenly at {steady.rate_hz:.1f} Hz, "
-        f"which the stamps fit to {steady.scatter_s:.2g} s as the times of the {row} rows; their true times are not "
-        "known better than that"
+        f"{counts.min()} to {counts.max()} rows share one time stamp: they are spread evenly at "
+        f"{steady.rate_hz:.1f} Hz, which the stamps fit to {steady.scatter_s:.2g} s as the times of the {row} rows; "
+        "their true times are not known better than that"
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from pdr_est.io.tables.times.calendar import DAY_S, MISSING_NS, days_since_1970, over_midnight
 from pdr_est.io.tables.times.fractions import read_fractions
 from pdr_est.io.tables.times.scripts import with_usual_marks
 
@@ -35,7 +36,8 @@ _NAMED_DAY = (
     r"(?:(?P<mark>[.,])(?P<fraction>\d{1,9}))? (?:[A-Z]{3,4})?(?P<zone>[+-]\d{2}:?\d{2})? ?(?P<c>\d{4})$"
 )
 _DAY_IN_WORDS = (
-    rf"^(?P<a>\d{{1,2}})\.? (?:de )?(?P<b>[^\W\d_]{{3,9}})\.?,? (?:de )?(?P<c>\d{{4}}),? (?:at |um |à )?{_TIME}{_ZONE}$"
+    r"^(?P<a>\d{1,2})\.? (?:de )?(?P<b>[^\W\d_]{3,9})\.?,? (?:de )?(?P<c>\d{4}),? (?:at |um |à )?"
+    rf"{_TIME}{_ZONE}$"
 )
 _MONTH_IN_WORDS = rf"^(?P<b>[^\W\d_]{{3,9}})\.? (?P<a>\d{{1,2}}),? (?P<c>\d{{4}}),? (?:at )?{_TIME}{_ZONE}$"
 _TIME_OF_DAY = rf"^{_TIME}{_ZONE}$"
@@ -63,8 +65,6 @@ _MONTHS = {
     for name in names.split()
 }
 _SMALLEST_SHARE = 0.9
-_DAY_S = 86400
-_MISSING_NS = np.iinfo(np.int64).min
 
 
 @dataclass(frozen=True)
@@ -121,8 +121,8 @@ def _from_groups(groups: pl.DataFrame) -> DateTimes:
     of_day, counted = seconds * 10**9 + fractions.ns, fractions.counted
     if "a" not in groups.columns:
         known &= (minute < 60) | ("hour" not in groups.columns)
-        period_s = _DAY_S if "hour" in groups.columns else 3600
-        ns = _over_midnight(of_day, known, period_s)
+        period_s = DAY_S if "hour" in groups.columns else 3600
+        ns = over_midnight(of_day, known, period_s)
         return DateTimes(ns, known, has_date=False, has_zone=False, counted=counted)
     days, valid, order = _days(groups)
     zones = groups["zone"] if "zone" in groups.columns else pl.Series([None] * len(groups), dtype=pl.String)
@@ -130,8 +130,8 @@ def _from_groups(groups: pl.DataFrame) -> DateTimes:
     zoned = known & zones.is_not_null().to_numpy()
     has_zone = bool(zoned.any())
     known = zoned if has_zone else known
-    ns = days * (_DAY_S * 10**9) + of_day - (_zone_s(zones) * 10**9 if has_zone else 0)
-    return DateTimes(np.where(known, ns, _MISSING_NS), known, True, has_zone, order, counted)
+    ns = days * (DAY_S * 10**9) + of_day - (_zone_s(zones) * 10**9 if has_zone else 0)
+    return DateTimes(np.where(known, ns, MISSING_NS), known, True, has_zone, order, counted)
 
 
 def _integers(groups: pl.DataFrame, name: str) -> NDArray[Any]:
@@ -170,15 +170,7 @@ def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_], str]:
     else:
         year, month, day = third, second, first
         order = "day" if not named and _is_open(groups, first, second) else ""
-    year = np.where(year < 100, year + 2000, year)
-    valid = (month >= 1) & (month <= 12) & (year >= 1970) & (year < 2200)
-    month_index = np.where(valid, (year - 1970) * 12 + month - 1, 0)
-    first_days, next_days = (
-        index.astype("datetime64[M]").astype("datetime64[D]").astype(np.int64)
-        for index in (month_index, month_index + 1)
-    )
-    valid &= (day >= 1) & (day <= next_days - first_days)
-    return first_days + np.where(valid, day - 1, 0), valid, order
+    return *days_since_1970(year, month, day), order
 
 
 def _is_open(groups: pl.DataFrame, first: NDArray[Any], second: NDArray[Any]) -> bool:
@@ -201,15 +193,3 @@ def _zone_s(zones: pl.Series) -> NDArray[Any]:
     negative = (digits["sign"] == "-").fill_null(False).to_numpy()
     offsets: NDArray[Any] = np.where(negative, -seconds, seconds)
     return offsets
-
-
-def _over_midnight(of_day: NDArray[Any], known: NDArray[np.bool_], period_s: int) -> NDArray[Any]:
-    """Add a day (or hour) wherever the time falls back by more than half of it."""
-    period_ns = period_s * 10**9
-    index = np.flatnonzero(known)
-    result = np.full(len(of_day), _MISSING_NS)
-    if len(index):
-        times = of_day[index]
-        turns = np.concatenate([[0], np.cumsum(np.diff(times) < -period_ns // 2)])
-        result[index] = times + turns * period_ns
-    return result
