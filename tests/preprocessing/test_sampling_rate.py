@@ -14,8 +14,8 @@ from pdr_est.preprocessing.quality.sampling_rate import (
     mean_rate_hz,
     refuse_slow_sampling,
     sampling_rate,
+    sampling_rate_warnings,
     slow_gyroscope_warnings,
-    slow_sampling_warnings,
 )
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.simulate import preset, simulate_walk
@@ -39,7 +39,7 @@ def test_gaps_and_shared_stamps_do_not_change_the_rate() -> None:
 def test_what_cannot_show_steps_is_refused_and_what_misses_some_is_warned_of(
     rate_hz: float, warned: int, refused: bool
 ) -> None:
-    warnings = slow_sampling_warnings(sampled(rate_hz))
+    warnings = sampling_rate_warnings(sampled(rate_hz))
     assert len(warnings) == warned
     assert all(f"{rate_hz:.1f} samples a second" in words for words in warnings)
     if refused:
@@ -92,7 +92,7 @@ def test_values_that_repeat_or_follow_lines_are_no_new_ones(fill: Any, by: int, 
     signal = fill(moving(50.0), by)
     assert sampling_rate(signal).new_hz == pytest.approx(50.0 / by, rel=0.1)
     assert sampling_rate(signal).samples_hz == pytest.approx(50.0)
-    words = [*slow_sampling_warnings(signal), *slow_gyroscope_warnings(signal)]
+    words = [*sampling_rate_warnings(signal), *slow_gyroscope_warnings(signal)]
     assert len(words) == 2 * warned
     assert all("new values a second (repeated" in one for one in words)
     if refused:
@@ -106,10 +106,10 @@ def test_a_few_repeated_values_and_few_digits_are_no_slow_sensor() -> None:
     walk = moving(50.0)
     coarse = Signal(walk.time_s, np.round(walk.values / 0.15) * 0.15)
     assert (coarse.values[:1000] == coarse.values[0]).all()
-    assert slow_sampling_warnings(coarse) == ()
+    assert sampling_rate_warnings(coarse) == ()
     again = np.random.default_rng(5).random(len(walk)) < 0.4
     repeated = Signal(walk.time_s, walk.values[np.arange(len(walk)) - again])
-    assert slow_sampling_warnings(repeated) == ()
+    assert sampling_rate_warnings(repeated) == ()
 
 
 def test_a_held_accelerometer_is_refused_and_a_held_gyroscope_told() -> None:

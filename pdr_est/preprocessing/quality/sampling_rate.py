@@ -17,6 +17,7 @@ SLOWEST_STEPS_HZ = 8.0
 """Rate below which steps are missed, Hz: four samples a step. Of a walk thinned to 5 Hz a quarter is missed."""
 
 _LEAST_RATE_HZ = 4.0  # two samples for each of two steps a second; below, what looks like steps is another frequency
+_FASTEST_HZ = 1500.0
 _NO_RATE_HZ = 1.0  # of no recorder; the clock is in another unit
 _FEWEST_SAMPLES = 5
 _WINDOW_S = 4.0  # ours: some steps, so that the slowest rate is still known to 6 %
@@ -88,9 +89,10 @@ def sampling_rate(signal: Signal) -> SamplingRate:
     """
     samples_hz = mean_rate_hz(signal.time_s)
     size = round(samples_hz * _WINDOW_S)
-    if size < _FEWEST_SAMPLES or len(signal) < _FEWEST_SAMPLES:
+    finite = np.isfinite(signal.values).all(axis=1)
+    if size < _FEWEST_SAMPLES or finite.sum() < _FEWEST_SAMPLES:
         return SamplingRate(samples_hz, samples_hz)
-    share = _share_of_new(_active_windows(signal.values, size))
+    share = _share_of_new(_active_windows(signal.values[finite], size))
     return SamplingRate(samples_hz, samples_hz * (share or 1.0))
 
 
@@ -112,9 +114,16 @@ def refuse_slow_sampling(acceleration: Signal, label: str) -> None:
         )
 
 
-def slow_sampling_warnings(acceleration: Signal) -> tuple[str, ...]:
-    """Warn of an accelerometer (n, 3) that is so slow that steps are missed."""
+def sampling_rate_warnings(acceleration: Signal) -> tuple[str, ...]:
+    """Warn of an accelerometer (n, 3) that is so slow that steps are missed, or impossibly fast."""
     rate = sampling_rate(acceleration)
+    if rate.samples_hz > _FASTEST_HZ:
+        span_s = float(np.ptp(acceleration.time_s))
+        return (
+            f"the accelerometer has {rate.samples_hz:.0f} samples a second, more than any phone: its time spans "
+            f"{span_s:.3g} s for {len(acceleration)} samples; state the unit of time with --map (time: {{column: "
+            "time_s, unit: min})",
+        )
     if not 0.0 < rate.new_hz < SLOWEST_STEPS_HZ:
         return ()
     return (
