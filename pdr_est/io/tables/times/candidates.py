@@ -185,12 +185,14 @@ def _unit(column: ClockColumn, ticks: NDArray[Any], loose: LooseTable, mapping: 
         return detected
     step_s = step_of_rows(ticks) * column.factor
     plausible = step_s == 0.0 or _RATE_HZ[0] <= 1.0 / step_s <= _RATE_HZ[1]
-    if detected.factor == column.factor or (plausible and not is_impossible_rate(ticks, column.factor)):
+    assumed = detected.factor == 1.0 and bool(detected.warning)
+    agrees = detected.factor == column.factor and not assumed
+    if agrees or (plausible and not is_impossible_rate(ticks, column.factor)):
         return stated
-    if detected.warning or plausible:
-        return replace(stated, warning=_doubt(column, ticks, step_s))
-    warning = f"the unit in the header ({column.title}) contradicts the values: {detected.decision}"
-    return replace(detected, warning=warning)
+    if assumed or plausible:
+        return replace(stated, warning=_doubt(column, ticks, step_s)) if mapping.has_motion else stated
+    contradiction = f"the unit in the header ({column.title}) contradicts the values: {detected.decision}"
+    return replace(detected, warning="; ".join([contradiction, *detected.warnings]))
 
 
 def _doubt(column: ClockColumn, ticks: NDArray[Any], step_s: float) -> str:

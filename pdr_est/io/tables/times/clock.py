@@ -146,6 +146,8 @@ def _is_impossible(candidate: ClockCandidate, mapping: TableMapping) -> bool:
     """Tell whether seconds are only assumed for the clock of a sensor, and cannot be its unit."""
     if not mapping.has_motion or candidate.column.factor is not None or candidate.unit.factor != 1.0:
         return False
+    if not candidate.unit.warning:
+        return False
     return is_impossible_rate(candidate.ticks[candidate.known], 1.0)
 
 
