@@ -70,7 +70,8 @@ LENGTH_UNITS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3
 """Units of length with their factors to m."""
 
 USUAL_UNITS: Mapping[Quantity, Mapping[str, float]] = {
-    Quantity.TIME: {unit: 1.0 / per_s for unit, per_s in CLOCK_UNITS.items()},
+    Quantity.TIME: {unit: 1.0 / per_s for unit, per_s in CLOCK_UNITS.items()}
+    | {"100ns": 1e-7, "min": 60.0, "h": 3600.0},
     Quantity.FORCE: ACCELERATION_UNITS,
     Quantity.LINEAR: ACCELERATION_UNITS,
     Quantity.GRAVITY: ACCELERATION_UNITS,

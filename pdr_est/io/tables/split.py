@@ -6,21 +6,19 @@ of its kind, and rows of different kinds have different columns: `IMU,0.02,-0.7,
 
 import re
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import AXES, MOTION, Quantity, is_unit
-from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of, signals_of_text
+from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of, signals_of_text, tables_of_text
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.tables.words.sensors import ANDROID_TYPES
 from pdr_est.io.text.cells import Cell, kind_of_cell, split_line
 from pdr_est.io.text.encoding import as_utf8
-from pdr_est.io.text.loose_table import LooseTable, read_loose_table
+from pdr_est.io.text.loose_table import read_loose_table
 from pdr_est.io.text.table_layout import TableLayout
 
 _TAG = re.compile(r"[$#%\s]*([A-Za-z][\w ]{0,40})\s*")
@@ -53,7 +51,7 @@ class TaggedTable:
 def read_tables(
     data: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
 ) -> tuple[TableSignals, ...]:
-    """Read a file that holds one table, a long table or a tagged log.
+    """Read a file that holds one table, a long table, a tagged log, or a table with a clock for each sensor.
 
     Parameters
     ----------
@@ -73,7 +71,7 @@ def read_tables(
             return _read_long(text, place, layout, column)
         if tagged_separator(text[:HEAD_BYTES]) is not None:
             return _read_tagged(text, place)
-    return (signals_of_text(text, place, hint=hint, mapping=mapping),)
+    return tables_of_text(text, place, hint=hint, mapping=mapping)
 
 
 def sensor_column(layout: TableLayout) -> str | None:
@@ -202,7 +200,7 @@ def _read_long(text: bytes, place: str, layout: TableLayout, column: str) -> tup
     titles = [title for title in layout.titles if title != column]
     units = [unit for title, unit in zip(layout.titles, layout.units, strict=False) if title != column]
     clocks = understand_titles(titles, units=units).clocks
-    times = [title for clock in clocks for title in (clock.title, clock.fraction) if title]
+    times = [title for clock in clocks for title in clock.titles]
     numbers = [title for title in titles if title not in times]
     loose = read_loose_table(text, place, layout, numbers, [*times, column])
     names = loose.table.texts(column)
@@ -213,8 +211,8 @@ def _read_long(text: bytes, place: str, layout: TableLayout, column: str) -> tup
         if mapping is None:
             skipped.append(name)
             continue
-        rows = _rows_of(loose, names == name, f"{place}, rows {name}")
-        signals = signals_of(rows, mapping)
+        rows = loose.only(names == name, f"{place}, rows {name}")
+        signals = signals_of(replace(rows, warnings=()), mapping)
         if signals.signals:
             found.append(signals)
     if not found:
@@ -233,19 +231,13 @@ def _mapping_of(titles: Sequence[str], units: Sequence[str], quantity: Quantity)
     mapping = understand_titles(titles, quantity, units)
     if quantity in mapping.columns:
         return replace(mapping, columns={quantity: mapping.columns[quantity]}, unused=())
-    times = {title for clock in mapping.clocks for title in (clock.title, clock.fraction)}
+    times = {title for clock in mapping.clocks for title in clock.titles}
     values = [title for title in titles if title not in times]
     needed = len(AXES[quantity])
     if len(values) < needed or quantity is Quantity.ATTITUDE:
         return None
     columns = QuantityColumns(tuple(values[:needed]), (None,) * needed)
     return replace(mapping, columns={quantity: columns}, unused=())
-
-
-def _rows_of(loose: LooseTable, rows: np.ndarray[tuple[int], np.dtype[np.bool_]], place: str) -> LooseTable:
-    columns: Mapping[str, np.ndarray] = {title: column[rows] for title, column in loose.table.columns.items()}
-    empty = {title: cells[rows] for title, cells in loose.table.empty.items()}
-    return replace(loose, table=replace(loose.table, place=place, columns=columns, empty=empty), warnings=())
 
 
 def _android(cell: str) -> Quantity | None:

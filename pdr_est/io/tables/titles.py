@@ -140,14 +140,15 @@ def _unit_among(remarks: Sequence[str]) -> str:
     return next((remark for remark in remarks if _LOOKS_LIKE_UNIT.search(remark)), "")
 
 
-def _without_unit_suffix(words: Sequence[str], unit: str) -> Iterator[tuple[list[str], str]]:
+def _without_unit_suffix(
+    words: Sequence[str], unit: str, not_units: frozenset[str] = BLOCKED
+) -> Iterator[tuple[list[str], str]]:
     """Iterate over the readings of a title: first with its last words as the unit, then without a unit."""
     if not unit:
         for length in range(min(_LONGEST_UNIT_WORDS, len(words) - 1), 0, -1):
             suffix = "".join(words[-length:])
-            if (quantities_of_unit(suffix) or quantities_of_unit(" ".join(words[-length:]))) and (
-                suffix not in AXIS_WORDS
-            ):
+            known = quantities_of_unit(suffix) or quantities_of_unit(" ".join(words[-length:]))
+            if known and suffix not in AXIS_WORDS and suffix not in not_units:
                 rest = words[:-length]
                 yield list(rest[:-1] if len(rest) > 1 and rest[-1] in _LINKS else rest), " ".join(words[-length:])
         if len(words) > 2 and words[-1] in AXIS_WORDS and len(words[-2]) > 1:  # `acc_mg_x`
@@ -276,7 +277,7 @@ def _by_unit(words: Sequence[str], unit: str) -> TitleMeaning | None:
 def _time(words: Sequence[str], unit: str) -> TitleMeaning | None:
     """Recognise a time, with a unit among its words."""
     word = Word(Quantity.TIME)
-    for rest, suffix in _without_unit_suffix(words, unit):
+    for rest, suffix in _without_unit_suffix(words, unit, frozenset()):
         if "".join(rest) in TIMES:
             return TitleMeaning(word, "", suffix)
     if Quantity.TIME in quantities_of_unit(unit) and not set(words) & BLOCKED:

@@ -37,6 +37,9 @@ TIME_SPELLINGS: Mapping[str, str] = {
     "ms": "msec msecs millis milli millisecond milliseconds millisekunden milisegundos millisecondes 毫秒 ミリ秒 мс",
     "us": "usec usecs micros microsecond microseconds mikrosekunden microsegundos 微秒 マイクロ秒 мкс",
     "ns": "nsec nsecs nanos nano nanosecond nanoseconds nanosekunden nanosegundos 纳秒 奈秒 ナノ秒 нс",
+    "100ns": "",
+    "min": "mins minute minutes minuten minutos minuti мин 分 分钟 分鐘 분",
+    "h": "hr hrs hour hours stunde stunden horas heures ore 小时 小時",
 }
 """Usual name of each unit of time -> other spellings, as `plain_unit` writes them."""
 
