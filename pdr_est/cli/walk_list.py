@@ -89,7 +89,9 @@ def _distinct_end(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> st
     return "/".join(own[1:])
 
 
-def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = None) -> bool:
+def are_separate_walks(
+    paths: Sequence[Path], mapping: TableMapping | None = None, devices: Sequence[str] = ()
+) -> bool:
     """Tell whether several recordings, by their dates, were all made at different times.
 
     Parameters
@@ -98,6 +100,8 @@ def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = Non
         The recordings.
     mapping
         What the columns of their tables mean; None to find it out.
+    devices
+        Names of the devices that are used; all without names.
 
     Raises
     ------
@@ -108,7 +112,7 @@ def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = Non
         return False
     spans: list[tuple[float, float]] = []
     for path in paths:
-        span = _dated_span_s(read(path, mapping))
+        span = _dated_span_s(read(path, mapping, devices))
         if span is None or any(span[0] < end_s and begin_s < span[1] for begin_s, end_s in spans):
             return False
         spans.append(span)

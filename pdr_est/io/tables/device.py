@@ -1,7 +1,7 @@
 """Put the signals of one or several tables of one device together: one clock, units, signs, fixes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from pdr_est.io.tables.placed import PlacedSignal, first_motion, place_signals
 from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.settling import settle_quantities, settle_sign
 from pdr_est.io.tables.signals import TableSignals
+from pdr_est.io.tables.split.reader import DeviceTables
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import DeviceRecording
 
@@ -54,7 +55,39 @@ class DeviceReading:
     true_positions: TruePositions | None = None
 
 
-def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceReading:
+def read_devices(devices: Sequence[DeviceTables], device: RawDevice) -> tuple[DeviceReading, ...]:
+    """Make device recordings of the tables of several devices, with one time zero: the first row with motion of any.
+
+    Parameters
+    ----------
+    devices
+        Tables of each device, and its name.
+    device
+        Facts about all of them; its name is that of a device without one.
+
+    Raises
+    ------
+    RecordingError
+        When a device has no values of an accelerometer or gyroscope.
+    """
+    zero = first_motion([table for one in devices for table in one.tables])
+    return tuple(
+        read_device(
+            one.tables,
+            replace(
+                device,
+                name=one.name or device.name,
+                signals={},
+                decisions=[*device.decisions, *one.decisions],
+                warnings=[*device.warnings, *one.warnings],
+            ),
+            zero,
+        )
+        for one in devices
+    )
+
+
+def read_device(tables: Sequence[TableSignals], device: RawDevice, zero: TableSignals | None = None) -> DeviceReading:
     """Make a device recording of tables that were recorded together.
 
     Parameters
@@ -63,13 +96,15 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
         Tables of the device; where two hold the same quantity, the first one is taken.
     device
         Facts about the device (`RawDevice` without signals); its decisions and warnings are continued.
+    zero
+        Table whose first row is time zero; None for the first table of the device with motion.
 
     Raises
     ------
     RecordingError
         When no table has values of an accelerometer or gyroscope.
     """
-    first = first_motion(tables)
+    first = zero or first_motion(tables)
     for table in tables:
         prefix = f"{table.place.rsplit('/', 1)[-1]}: " if len(tables) > 1 else ""
         device.decisions += [f"{prefix}{text}" for text in table.decisions]
@@ -79,7 +114,8 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
     settle_sign(placed, device)
     if not set(MOTION) & set(placed):
         reasons = f" ({'; '.join(device.warnings)})" if device.warnings else ""
-        raise RecordingError(f"{first.place}: neither accelerometer nor gyroscope has values{reasons}; record again")
+        place = first.place if first in tables else tables[0].place
+        raise RecordingError(f"{place}: neither accelerometer nor gyroscope has values{reasons}; record again")
     device.signals = {_SENSORS[quantity]: one.raw for quantity, one in placed.items() if quantity in _SENSORS}
     gnss = _fixes(placed, device)
     device.fixes = gnss.fixes

@@ -19,6 +19,7 @@ from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit, unit_factor
 from pdr_est.io.tables.times.bursts import spread_bursts
 from pdr_est.io.tables.times.clock import TableClock, read_clock
 from pdr_est.io.tables.titles import understand_title
+from pdr_est.io.tables.zero_filled import without_zero_fill
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table
@@ -152,6 +153,7 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
         When no row has a time.
     """
     clock = read_clock(loose, mapping)
+    loose = without_zero_fill(loose, mapping)
     decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings, *mapping.incomplete]
     documented = any(column.canonical for column in mapping.clocks)
     loose, clock, told = (loose, clock, ()) if documented else _without_stale_rows(loose, clock)
