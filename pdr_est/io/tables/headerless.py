@@ -22,6 +22,7 @@ _RISING_SHARE = 0.95
 _NEW_STAMPS_SHARE = 0.02
 _UNIT_NORM = 0.02
 _USUAL_WIDTHS = (3, 6, 9)  # one to three sensors; other widths are too uncertain
+_MOST_GRADES = 4
 _VECTORS = (Quantity.FORCE, Quantity.RATE, Quantity.FIELD, Quantity.GRAVITY, Quantity.LINEAR)
 
 
@@ -84,13 +85,16 @@ def _is_row_number(column: NDArray[Any]) -> bool:
 
 
 def _is_measured(loose: LooseTable, title: str, clocks: Sequence[str]) -> bool:
-    """Tell whether a column has changing numbers that are no clock."""
+    """Tell whether a column has numbers that are neither a clock nor the grades of an accuracy."""
     column = loose.table.columns[title]
     if title in clocks or title in loose.text_columns:
         return False
     values = column.astype(np.float64)
     finite = values[np.isfinite(values)]
-    return len(finite) > 0 and (column.dtype.kind != "i" or len(np.unique(finite)) > 4)
+    few = len(np.unique(finite)) <= _MOST_GRADES
+    if column.dtype.kind != "i" and few:
+        few = bool((finite == np.round(finite)).all() and (finite != 0.0).any())  # zeros may be a sensor at rest
+    return len(finite) > 0 and not few
 
 
 def _columns(loose: LooseTable, numbers: Sequence[str], hint: Quantity | None) -> dict[Quantity, QuantityColumns]:

@@ -222,10 +222,17 @@ def _header_cells(line: str, split: _Split) -> list[str] | None:
     # The titles above rows with blanks may be separated by commas.
     for separator in (*others, BLANKS) if split.separator == BLANKS else (split.separator, *others):
         cells = [cell.strip().strip("\"'") for cell in split_line(bare.strip("\n"), separator)]
+        if separator != split.separator and not _are_titles(cells):
+            continue
         fitted = _fitted(cells, split)
         if fitted is not None and any(any(c.isalpha() for c in cell) for cell in fitted):
             return fitted
     return None
+
+
+def _are_titles(cells: Sequence[str]) -> bool:
+    """Tell whether cells can be titles, rather than the words of a remark such as `Subject ID: 1`."""
+    return all(any(c.isalpha() for c in cell) and not cell.endswith(":") for cell in cells)
 
 
 def _fitted(cells: list[str], split: _Split) -> list[str] | None:

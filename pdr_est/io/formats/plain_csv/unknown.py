@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from pdr_est.errors import RecordingError
+from pdr_est.io.formats.sensor_files.grouping import files_without_time
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import TableMapping
@@ -25,6 +26,13 @@ _TEXT_BYTES = bytes({*range(32, 256), 9, 10, 13})
 
 def describe_unknown(source: Source) -> str:
     """Say in one line what a source holds that no format is known for."""
+    timeless = files_without_time(source)
+    if timeless:
+        named = ", ".join(timeless[:_MEMBERS_NAMED]) + (", …" if len(timeless) > _MEMBERS_NAMED else "")
+        return (
+            f"the rows of {named} have three axes and no time; a mapping can give the rate of each file, time: "
+            "{rate_hz: 50}"
+        )
     with_rows = [member for member in source.members if layout_of(source.head(member, HEAD_BYTES)) is not None]
     if len(source.members) == 1 and source.head(source.members[0], 1) in (b"{", b"["):
         return "it is JSON; only that of Sensor Logger is known"

@@ -59,6 +59,13 @@ class _Column:
     names: NDArray[np.str_]
 
 
+def names_owners(titles: Sequence[str]) -> bool:
+    """Tell whether a title is that of a column of devices, persons or sessions."""
+    owners = (Owner.DEVICE, Owner.PERSON, Owner.SESSION)
+    plain = ["".join(split_words(title)) for title in titles]
+    return any(OWNERS.get(title) in owners and title not in OWNERS_IN_WORDS for title in plain)
+
+
 def split_by_owner(
     text: bytes, place: str, layout: TableLayout, mapping: TableMapping, sensor: str | None, chosen: Sequence[str]
 ) -> tuple[OwnedRows, ...]:

@@ -51,7 +51,7 @@ TIMES = _names(
 
 TIME_WORDS = _names(
     """time timestamp timestamps stamp clock datetime date elapsed epoch zeit uhrzeit loggingtime
-    ms us ns millis nanos millisecond milliseconds microseconds nanoseconds seconds secs nsecs sec nsec nanosec
+    ms us ns millis micros nanos millisecond milliseconds microseconds nanoseconds seconds secs nsecs sec nsec nanosec
     sekunden millisekunden nanosekunden segundos milisegundos secondes millisecondes
     时间 時間 时间戳 時刻 秒 毫秒 纳秒 ミリ秒"""
 )
@@ -60,7 +60,7 @@ TIME_WORDS = _names(
 FILLERS = _names(
     """axis axes achse axe eje asse direction richtung component raw data value values val reading readings
     measurement sensor sensors imu calibrated cal si wert werte ios android phone device core motion body frame field
-    of the in de der du del rs s en des 轴 軸 方向 軸方向 轴向"""
+    of the in de der du del rs s en des attr 轴 軸 方向 軸方向 轴向"""
 )
 """Words of a title that carry no meaning."""
 
