@@ -144,7 +144,9 @@ def _inside(path: Path, mapping: TableMapping | None) -> tuple[Path, ...]:
         return (path,)
     try:
         return walks_in_folder(path, mapping)
-    except SeveralWalksError:
+    except SeveralWalksError as error:
+        if error.by_device:  # reading it says so, unless --device names one of them
+            return (path,)
         raise
     except RecordingError:  # reading it says so
         return (path,)

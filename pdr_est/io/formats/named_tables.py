@@ -47,12 +47,15 @@ class NamedTableFormat:
         Facts about the device (without signals), from the beginning of the table.
     mapping_of
         Meaning of the columns; None for what the titles say by themselves.
+    BESIDE
+        Names of files that lie beside such a table and are no walks.
     """
 
     NAME: str
     mark: re.Pattern[bytes]
     device_of: Callable[[bytes], RawDevice]
     mapping_of: MappingOf | None = None
+    BESIDE: re.Pattern[str] = re.compile(r"(?!)")
 
     def sniff(self, source: Source) -> bool:
         """Tell whether a member of the source is such a table."""

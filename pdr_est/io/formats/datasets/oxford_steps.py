@@ -23,6 +23,8 @@ from pdr_est.types.ground_truth import TrueSteps, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
 NAME = "Oxford steps"
+BESIDE = re.compile(r"(?:stepcounter\.csv|notes\.txt)(?:\.gz)?")
+"""Names of files that are read beside a walk, or describe the data set."""
 
 _COLUMNS = ("time", "accuracy", "x", "y", "z")
 _CONTACT_COLUMNS = ("time", "left", "right")

@@ -39,5 +39,5 @@ def _mapping(layout: TableLayout) -> TableMapping:
     )
 
 
-FORMAT = NamedTableFormat("RIDI", _MARK, _device, _mapping)
+FORMAT = NamedTableFormat("RIDI", _MARK, _device, _mapping, BESIDE=re.compile(r".+\.txt(?:\.gz)?"))
 """The format, for the registry."""

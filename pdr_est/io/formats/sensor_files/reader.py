@@ -52,6 +52,7 @@ def read_chosen(source: Source, chosen: Sequence[str]) -> Recording:
             f"{source.path}: by their names the files are of {len(wanted)} walks ({named}): choose one with --device "
             "NAME, or put the files of each into a folder of its own",
             wanted,
+            by_device=True,
         )
     walk = require_single_walk(source, wanted, NAME)
     recording = read_sensor_files(source, walks[walk], chosen)

@@ -122,6 +122,7 @@ def split_by_owner(
         raise SeveralWalksError(
             f"{place}: the rows are of {len(wanted)} walks, by the {kinds}: {named}; choose one with --device NAME",
             tuple(wanted),
+            by_device=True,
         )
     return _rows_of_owners(text, layout, [column.title for column in separating], titles, wanted)
 
