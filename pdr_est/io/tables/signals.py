@@ -98,7 +98,7 @@ def signals_of_text(
     if layout is None:
         raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
     if mapping is not None:
-        mapping = _checked(mapping, layout, place)
+        mapping = with_titles_of(mapping, layout, place)
     else:
         mapping = understand_titles(layout.titles, hint, layout.units) if layout.has_header else TableMapping()
     if not layout.has_header and not mapping.columns:
@@ -117,8 +117,14 @@ def signals_of_text(
     return signals_of(loose, mapping)
 
 
-def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
-    """Return a stated mapping with the titles as the table writes them; a column may be given by its number."""
+def with_titles_of(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
+    """Return a stated mapping with the titles as the table writes them; a column may be given by its number.
+
+    Raises
+    ------
+    RecordingError
+        For a column that the table does not have.
+    """
     known = {title.casefold(): title for title in layout.titles}
     known |= {f"column {number}": title for number, title in enumerate(layout.titles, start=1)}
 
@@ -134,7 +140,9 @@ def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMap
     columns = {q: replace(one, titles=tuple(map(find, one.titles))) for q, one in mapping.columns.items()}
     used = {title for one in columns.values() for title in one.titles}
     used |= {title for clock in clocks for title in (clock.title, clock.fraction)}
-    return replace(mapping, clocks=clocks, columns=columns, unused=tuple(t for t in layout.titles if t not in used))
+    rows = None if mapping.rows is None else (find(mapping.rows[0]), mapping.rows[1])
+    unused = tuple(title for title in layout.titles if title not in used)
+    return replace(mapping, clocks=clocks, columns=columns, unused=unused if rows is None else (), rows=rows)
 
 
 def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:

@@ -7,7 +7,7 @@ from pdr_est.io.formats.sensor_files.grouping import files_without_time
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.tables.mapping_file import draft_mapping
+from pdr_est.io.tables.mapping_draft import draft_mapping
 from pdr_est.io.tables.recognition import describe_content
 from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
 from pdr_est.io.tables.titles import sensor_by_name

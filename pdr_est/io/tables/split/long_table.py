@@ -15,7 +15,7 @@ from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import AXES, MOTION, Quantity
-from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, signals_of
+from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, signals_of, with_titles_of
 from pdr_est.io.tables.titles import sensor_by_name, split_words
 from pdr_est.io.tables.words.sensors import ANDROID_TYPES
 from pdr_est.io.text.cells import Cell, kind_of_cell
@@ -102,7 +102,7 @@ def read_long_table(text: bytes, place: str, layout: TableLayout, column: str) -
         quantity = _android(name) if name.isdigit() else sensor_by_name(name)
         rows = _selected(loose, names == name, f"{place}, rows {name}")
         mapping = None if quantity is None else _mapping_of(rows, layout, titles, units, quantity)
-        signals = None if mapping is None else signals_of(rows, mapping)
+        signals = None if mapping is None else signals_of(rows, replace(mapping, rows=(column, name)))
         if signals is None or not signals.signals:
             skipped.append(name)
         else:
@@ -116,6 +116,41 @@ def read_long_table(text: bytes, place: str, layout: TableLayout, column: str) -
     found[0] = replace(
         found[0], decisions=(note, *found[0].decisions), warnings=(*loose.warnings, *found[0].warnings)
     )
+    return tuple(found)
+
+
+def read_stated_rows(
+    text: bytes, place: str, layout: TableLayout, parts: Sequence[TableMapping]
+) -> tuple[TableSignals, ...]:
+    """Read the sensors of a table as a person states them: all rows, or those that a column names.
+
+    Parameters
+    ----------
+    text, place, layout
+        As for `read_long_table`.
+    parts
+        Meaning of the columns for each sensor or group of sensors.
+
+    Raises
+    ------
+    RecordingError
+        For a column that the table does not have, a name that no row has, and rows without time.
+    """
+    found = []
+    for part in parts:
+        stated = with_titles_of(part, layout, place)
+        numbers = [title for columns in stated.columns.values() for title in columns.titles]
+        times = [title for clock in stated.clocks for title in (clock.title, clock.fraction) if title]
+        if stated.rows is None:
+            found.append(signals_of(read_loose_table(text, place, layout, numbers, times), stated))
+            continue
+        column, name = stated.rows
+        loose = read_loose_table(text, place, layout, numbers, [*times, column])
+        names = loose.table.texts(column)
+        if name not in names:
+            known = ", ".join(dict.fromkeys(names.tolist()))
+            raise RecordingError(f"{place}: no row has {name!r} in column {column!r}, which has {known}; correct it")
+        found.append(signals_of(_selected(loose, names == name, f"{place}, rows {name}"), stated))
     return tuple(found)
 
 

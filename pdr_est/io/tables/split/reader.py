@@ -3,16 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pdr_est.errors import RecordingError
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of_text
-from pdr_est.io.tables.split.long_table import read_long_table, sensor_column
+from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of_text, with_titles_of
+from pdr_est.io.tables.split.long_table import read_long_table, read_stated_rows, sensor_column
 from pdr_est.io.tables.split.owners import split_by_owner
 from pdr_est.io.tables.split.sections import read_sections, table_sections
 from pdr_est.io.tables.split.side_by_side import read_side_by_side
 from pdr_est.io.tables.split.tagged_log import read_tagged_log, tagged_separator
 from pdr_est.io.text.encoding import as_utf8
+from pdr_est.io.text.table_layout import TableLayout
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ def read_tables(
     Parameters
     ----------
     data, place, hint, mapping
-        As for `read_table_signals`; a mapping is that of one table.
+        As for `read_table_signals`; a mapping may have parts for rows of several sensors.
     chosen
         Names of the devices, persons or sessions whose rows are wanted; all without names.
 
@@ -66,14 +68,26 @@ def read_tables(
     layout = layout_of(text)
     if layout is None:
         return (DeviceTables("", _tables_of_device(text, place, hint, mapping)),)
-    sensor = None if mapping is not None else sensor_column(layout, text[:HEAD_BYTES])
-    known = understand_titles(layout.titles, hint, layout.units) if mapping is None else mapping
+    if mapping is None:
+        sensor = sensor_column(layout, text[:HEAD_BYTES])
+        known = understand_titles(layout.titles, hint, layout.units)
+    else:
+        sensor, known = _stated(mapping, layout, place)
     found = []
     for rows in split_by_owner(text, place, layout, known, sensor, chosen):
         own_place = f"{place}, rows of {rows.name}" if rows.name else place
         tables = _tables_of_device(rows.text, own_place, hint, mapping)
         found.append(DeviceTables(rows.name, tables, rows.decisions, rows.warnings))
     return tuple(found)
+
+
+def _stated(mapping: TableMapping, layout: TableLayout, place: str) -> tuple[str | None, TableMapping]:
+    """Return the column that names the sensor, and all columns that a stated mapping uses."""
+    parts = [with_titles_of(part, layout, place) for part in mapping.parts or (mapping,)]
+    sensor = next((part.rows[0] for part in parts if part.rows is not None), None)
+    columns = {(number, q): one for number, part in enumerate(parts) for q, one in part.columns.items()}
+    used = {quantity: one for (_, quantity), one in columns.items()}
+    return sensor, TableMapping(clocks=parts[0].clocks, columns=used)
 
 
 def _tables_of_device(
@@ -90,4 +104,9 @@ def _tables_of_device(
         tables = () if layout is None else read_side_by_side(text, place, layout, hint)
         if tables:
             return tables
+    elif mapping.parts:
+        layout = layout_of(text)
+        if layout is None:
+            raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
+        return read_stated_rows(text, place, layout, mapping.parts)
     return (signals_of_text(text, place, hint=hint, mapping=mapping),)
