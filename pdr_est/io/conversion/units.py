@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 
@@ -43,10 +42,6 @@ _PEAK_PERCENTILE = 99.9
 _CALMEST_WALK_DEGPS = 15.0
 _FASTEST_WALK_DEGPS = 3000.0  # no gyroscope of a phone or watch measures more; a calm walk has 15 000 mdeg/s
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
-_UNIX_RANGE_S = (EARLIEST_UNIX_S, 4e9)  # to 2096
-_DAY_S = 86400.0
-_DAY_NUMBERS = (25_569.0, 80_000.0)  # days since 1899-12-30, from 1970 on
-_SAMPLING_RATE_HZ = (2.0, 1500.0)
 
 
 @dataclass(frozen=True)
@@ -148,57 +143,6 @@ def detect_pressure_unit(values: Array) -> Conversion:
         f"air pressure is assumed to be in Pa, although its median is {median:.5g}",
         f"the median air pressure {median:.5g} fits neither Pa nor hPa nor kPa: the pressure cannot be used",
     )
-
-
-def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Conversion:
-    """Detect the unit of a numeric clock: s, ms, us or ns, or the days of a spreadsheet.
-
-    The rate of the rows decides, which must be that of a sensor with 2 to 1500 samples a second: the units differ by
-    a factor of 1000, so that at most one fits. Rows that share a stamp count, too. A first value that is a Unix time
-    between 1998 and 2096 decides only where no unit gives such a rate, because the boot clock of a phone that has run
-    for 10 to 46 days looks like a Unix time in the next larger unit.
-
-    Parameters
-    ----------
-    ticks
-        (n,) clock values, at least one.
-    """
-    first = float(ticks[0])
-    step = _step_of_rows(ticks)
-    unix = [unit for unit, per_s in CLOCK_UNITS.items() if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]]
-    by_rate = [
-        unit
-        for unit, per_s in CLOCK_UNITS.items()
-        if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]
-    ]
-    if _DAY_NUMBERS[0] <= first <= _DAY_NUMBERS[1] and 0.0 < step * _DAY_S < 1.0 / _SAMPLING_RATE_HZ[0]:
-        return Conversion(_DAY_S, f"the clock counts days, as spreadsheets do: the first value is {first:.6f}")
-    if unix and (unix == by_rate or not by_rate):
-        factor = 1.0 / CLOCK_UNITS[unix[0]]
-        return Conversion(factor, f"the clock counts Unix time in {unix[0]}: the first value is {ticks[0]}")
-    if by_rate:
-        unit = by_rate[0]
-        decision = f"the clock counts {unit}: the median step is {step:.4g}"
-        if unix:
-            decision += f", which cannot be Unix time in {unix[0]}"
-        return Conversion(1.0 / CLOCK_UNITS[unit], decision)
-    return Conversion(
-        1.0,
-        f"the clock is assumed to count seconds, although its median step is {step:.4g}",
-        f"the unit of the clock cannot be determined from its median step of {step:.4g}: seconds are assumed; write "
-        "the unit into the header to be sure",
-    )
-
-
-def _step_of_rows(ticks: NDArray[np.float64] | NDArray[np.int64]) -> float:
-    """Compute the median step of the stamps, divided by the rows that share a stamp where most do."""
-    steps = np.diff(ticks)
-    rises = steps[steps > 0]
-    if not len(rises):
-        return 0.0
-    step = float(np.median(rises))
-    shared = float(np.median(np.diff(np.flatnonzero(np.concatenate([[True], steps > 0, [True]])))))
-    return step / max(1.0, shared)
 
 
 def _parts(n: int) -> int:

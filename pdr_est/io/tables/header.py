@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import AXES, CANONICAL, Quantity, quantities_of_unit, unit_factor
+from pdr_est.io.tables.times.date_parts import find_date_parts
 from pdr_est.io.tables.titles import TitleMeaning, split_words, understand_title
 from pdr_est.io.tables.words.sensors import Word
 
@@ -58,7 +59,7 @@ def understand_titles(titles: Sequence[str], hint: Quantity | None = None, units
         columns[quantity] = _with_units(found, quantity, meanings)
     apple = next((g for g in groups if g.word.apple and _is_used(g, columns)), None)
     used = {title for one in columns.values() for title in one.titles}
-    used |= {title for clock in clocks for title in (clock.title, clock.fraction)}
+    used |= {title for clock in clocks for title in clock.titles}
     return TableMapping(
         clocks=clocks,
         columns=columns,
@@ -98,7 +99,14 @@ def _clock_columns(
         ClockColumn(title, unit_factor(Quantity.TIME, unit))
         for _, title, unit in sorted(found, key=lambda one: one[0])
     ]
-    return _with_named_fractions(ordered)
+    parts = find_date_parts([title for title in titles if meanings.get(title) is None or _is_time(meanings[title])])
+    alone = [clock for clock in ordered if clock.title not in parts.values()]
+    by_parts = (ClockColumn(parts["second"], parts=parts),) if parts else ()
+    return (*_with_named_fractions(alone), *by_parts)
+
+
+def _is_time(meaning: TitleMeaning | None) -> bool:
+    return meaning is not None and meaning.word is not None and meaning.word.quantity is Quantity.TIME
 
 
 def _with_named_fractions(clocks: Sequence[ClockColumn]) -> tuple[ClockColumn, ...]:

@@ -50,12 +50,21 @@ class ClockColumn:
         time of day beside a date; "" when there is none.
     canonical
         True for `time_s` of the documented header: seconds of the recording, not shifted.
+    parts
+        Titles of the columns of year, month … second by the names of these parts, where a column each holds them;
+        empty for a column that tells the time by itself.
     """
 
     title: str
     factor: float | None = None
     fraction: str = ""
     canonical: bool = False
+    parts: Mapping[str, str] = field(default_factory=dict, hash=False)
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """Return the titles of all columns that are needed."""
+        return tuple(dict.fromkeys(title for title in (self.title, self.fraction, *self.parts.values()) if title))
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,8 @@ MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
 """Quantities of which a recording needs at least one; the first that is there gives its time."""
 
 USUAL_UNITS: Mapping[Quantity, Mapping[str, float]] = {
-    Quantity.TIME: {unit: 1.0 / per_s for unit, per_s in CLOCK_UNITS.items()},
+    Quantity.TIME: {unit: 1.0 / per_s for unit, per_s in CLOCK_UNITS.items()}
+    | {"100ns": 1e-7, "min": 60.0, "h": 3600.0},
     Quantity.FORCE: ACCELERATION_UNITS,
     Quantity.LINEAR: ACCELERATION_UNITS,
     Quantity.GRAVITY: ACCELERATION_UNITS,
@@ -89,6 +90,9 @@ _SPELLINGS: Mapping[Quantity, Mapping[str, str]] = {
         "ms": "msec msecs millis milli millisecond milliseconds 毫秒",
         "us": "usec usecs micros microsecond microseconds 微秒",
         "ns": "nsec nsecs nanos nano nanosecond nanoseconds 纳秒",
+        "100ns": "",
+        "min": "minutes minuten minutos 分钟 分鐘",
+        "h": "hr hrs hours stunden horas heures 小时 小時",
     },
     Quantity.FORCE: _ACCELERATION_SPELLINGS,
     Quantity.LINEAR: _ACCELERATION_SPELLINGS,

@@ -9,7 +9,6 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawSignal
-from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.io.tables.column_units import complete_factors
 from pdr_est.io.tables.header import understand_titles
@@ -17,7 +16,8 @@ from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit, unit_factor
 from pdr_est.io.tables.times.bursts import spread_bursts
-from pdr_est.io.tables.times.clock import TableClock, read_clock
+from pdr_est.io.tables.times.clock import TableClock, read_clock, without_stale_rows
+from pdr_est.io.tables.times.sensor_clocks import by_sensor_clock, rows_of_clocks
 from pdr_est.io.tables.titles import understand_title
 from pdr_est.io.tables.zero_filled import without_zero_fill
 from pdr_est.io.text.encoding import as_utf8
@@ -94,6 +94,29 @@ def signals_of_text(
     text: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
 ) -> TableSignals:
     """Read the signals of a table that is in UTF-8 already; see `read_table_signals`."""
+    return signals_of(*_understood(text, place, hint, mapping))
+
+
+def tables_of_text(
+    text: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
+) -> tuple[TableSignals, ...]:
+    """Read a table like `signals_of_text`; where sensors have clocks of their own, each clock makes a table."""
+    loose, mapping = _understood(text, place, hint, mapping)
+    parts = by_sensor_clock(mapping, loose.table.names)
+    if len(parts) == 1:
+        return (signals_of(loose, mapping),)
+    clocks = ", ".join(f"{part.clocks[0].title} of {' and '.join(part.columns)}" for part in parts)
+    found = [signals_of(rows_of_clocks(replace(loose, warnings=()), part), part) for part in parts]
+    first = found[0]
+    decisions = (f"sensors have clocks of their own: {clocks}", *first.decisions)
+    found[0] = replace(first, decisions=decisions, warnings=(*loose.warnings, *first.warnings))
+    return tuple(found)
+
+
+def _understood(
+    text: bytes, place: str, hint: Quantity | None, mapping: TableMapping | None
+) -> tuple[LooseTable, TableMapping]:
+    """Read the wanted columns of a table, and find out what they mean."""
     layout = layout_of(text)
     if layout is None:
         raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
@@ -106,7 +129,7 @@ def signals_of_text(
         mapping = replace(guess_columns(everything, hint), guessed=hint is None)
         loose = everything
     else:
-        clocks = [title for clock in mapping.clocks for title in (clock.title, clock.fraction) if title]
+        clocks = [title for clock in mapping.clocks for title in clock.titles]
         numbers = [title for columns in mapping.columns.values() for title in columns.titles]
         loose = read_loose_table(text, place, layout, numbers, clocks)
     if not mapping.has_time:
@@ -114,7 +137,7 @@ def signals_of_text(
             f"{place}: the table has no time column among {', '.join(map(repr, layout.titles[:12]))}; name it, "
             "or give the sampling rate, with --map (rate_hz: 50)"
         )
-    return signals_of(loose, mapping)
+    return loose, mapping
 
 
 def with_titles_of(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
@@ -136,10 +159,13 @@ def with_titles_of(mapping: TableMapping, layout: TableLayout, place: str) -> Ta
             )
         return known[title.strip().casefold()] if title else ""
 
-    clocks = tuple(replace(c, title=find(c.title), fraction=find(c.fraction)) for c in mapping.clocks)
+    clocks = tuple(
+        replace(c, title=find(c.title), fraction=find(c.fraction), parts={k: find(t) for k, t in c.parts.items()})
+        for c in mapping.clocks
+    )
     columns = {q: replace(one, titles=tuple(map(find, one.titles))) for q, one in mapping.columns.items()}
     used = {title for one in columns.values() for title in one.titles}
-    used |= {title for clock in clocks for title in (clock.title, clock.fraction)}
+    used |= {title for clock in clocks for title in clock.titles}
     rows = None if mapping.rows is None else (find(mapping.rows[0]), mapping.rows[1])
     unused = tuple(title for title in layout.titles if title not in used)
     return replace(mapping, clocks=clocks, columns=columns, unused=unused if rows is None else (), rows=rows)
@@ -163,8 +189,11 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
     clock = read_clock(loose, mapping)
     loose = without_zero_fill(loose, mapping)
     decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings, *mapping.incomplete]
+    if clock.left_out is not None:
+        loose = loose.only(~clock.left_out)
+        clock = replace(clock, time_s=clock.time_s[~clock.left_out], left_out=None)
     documented = any(column.canonical for column in mapping.clocks)
-    loose, clock, told = (loose, clock, ()) if documented else _without_stale_rows(loose, clock)
+    loose, clock, told = (loose, clock, ()) if documented else without_stale_rows(loose, clock)
     warnings += told
     if not documented:
         time_s, warning = spread_bursts(clock.time_s, _motion_values(loose.table, mapping))
@@ -255,29 +284,3 @@ def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:
     ]
     titles = [title for title in titles if title in table]
     return table.stack(titles) if titles else np.zeros((len(table), 0))
-
-
-def _without_stale_rows(loose: LooseTable, clock: TableClock) -> tuple[LooseTable, TableClock, tuple[str, ...]]:
-    """Leave out first rows that were measured long before the rest."""
-    known = np.flatnonzero(np.isfinite(clock.time_s))
-    count = count_stale_samples(clock.time_s[known])
-    if not count:
-        return loose, clock, ()
-    first = int(known[count])
-    start_s = float(clock.time_s[first])
-    kept = replace(
-        loose,
-        table=replace(
-            loose.table,
-            columns={title: column[first:] for title, column in loose.table.columns.items()},
-            empty={title: cells[first:] for title, cells in loose.table.empty.items()},
-        ),
-    )
-    shifted = replace(
-        clock,
-        time_s=clock.time_s[first:] - start_s,
-        start=clock.start + type(clock.start)(start_s),
-        epoch_s=None if clock.epoch_s is None else clock.epoch_s + start_s,
-        local_epoch_s=None if clock.local_epoch_s is None else clock.local_epoch_s + start_s,
-    )
-    return kept, shifted, (stale_warning("time", count, len(clock.time_s)),)

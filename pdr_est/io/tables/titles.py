@@ -98,7 +98,8 @@ def _split_unit(title: str) -> tuple[str, str, list[str]]:
     """Split a title into its base, the unit in brackets, and other words in brackets."""
     unit, extra = "", []
     for inside in _BRACKETS.findall(title):
-        if is_unit(inside) and not unit and inside.strip().lower() not in AXIS_WORDS:
+        plain = inside.strip().lower()
+        if is_unit(inside) and not unit and plain not in AXIS_WORDS and plain not in BLOCKED:
             unit = inside.strip()
         else:
             extra += split_words(inside)
@@ -122,12 +123,14 @@ def _split_slash(base: str) -> tuple[str, str]:
     return base, ""
 
 
-def _without_unit_suffix(words: Sequence[str], unit: str) -> Iterator[tuple[list[str], str]]:
+def _without_unit_suffix(
+    words: Sequence[str], unit: str, not_units: frozenset[str] = BLOCKED
+) -> Iterator[tuple[list[str], str]]:
     """Iterate over the readings of a title: first with its last words as the unit, then without a unit."""
     if not unit:
         for length in range(min(_LONGEST_UNIT_WORDS, len(words) - 1), 0, -1):
             suffix = "".join(words[-length:])
-            if quantities_of_unit(suffix) and suffix not in AXIS_WORDS:
+            if quantities_of_unit(suffix) and suffix not in AXIS_WORDS and suffix not in not_units:
                 yield list(words[:-length]), suffix
     yield list(words), unit
 
@@ -190,7 +193,7 @@ def _bare_axis(words: Sequence[str], unit: str) -> TitleMeaning | None:
 def _time(words: Sequence[str], unit: str) -> TitleMeaning | None:
     """Recognise a time, with a unit among its words."""
     word = Word(Quantity.TIME)
-    for rest, suffix in _without_unit_suffix(words, unit):
+    for rest, suffix in _without_unit_suffix(words, unit, frozenset()):
         if "".join(rest) in TIMES:
             return TitleMeaning(word, "", suffix)
     if Quantity.TIME in quantities_of_unit(unit) and not set(words) & BLOCKED:

@@ -44,6 +44,15 @@ class LooseTable:
     text_columns: frozenset[str]
     warnings: tuple[str, ...] = ()
 
+    def only(self, rows: NDArray[np.bool_] | slice, place: str = "") -> "LooseTable":
+        """Return the table with some of its rows, as that of another place if one is given."""
+        table = NumberTable(
+            place or self.table.place,
+            {title: column[rows] for title, column in self.table.columns.items()},
+            {title: cells[rows] for title, cells in self.table.empty.items()},
+        )
+        return LooseTable(table, self.text_columns, self.warnings)
+
 
 def read_loose_table(
     data: bytes, place: str, layout: TableLayout, numbers: Sequence[str], times: Sequence[str] = ()

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from pdr_est.preprocessing.quality.sampling_rate import slow_sampling_warnings
+from pdr_est.preprocessing.quality.sampling_rate import sampling_rate_warnings, slow_gyroscope_warnings
 from pdr_est.types.recording import Signal
 
 
@@ -18,14 +18,15 @@ def describe_capabilities(signals: Mapping[str, Signal], together: bool) -> tupl
     """
     force, attitude = "specific_force" in signals, "attitude" in signals
     acceleration = signals.get("specific_force") or signals.get("linear_acceleration")
-    slow = () if acceleration is None else slow_sampling_warnings(acceleration)
+    slow = () if acceleration is None else sampling_rate_warnings(acceleration)
     if slow:
         return slow
     rate = "rotation_rate" in signals and bool(signals["rotation_rate"].values.any())
     if force and rate and not together:
         return ("accelerometer and gyroscope never run at the same time: a track is not possible",)
     if force and rate:
-        return ("steps, headings and a track",)
+        turns = slow_gyroscope_warnings(signals["rotation_rate"])
+        return ("steps and distance", *turns) if turns else ("steps, headings and a track",)
     if force:
         return ("no gyroscope: steps and distance are possible, headings and a track are not",)
     if acceleration is not None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
-from pdr_est.preprocessing.quality.sampling_rate import slow_sampling_warnings
+from pdr_est.preprocessing.quality.sampling_rate import sampling_rate_warnings, slow_gyroscope_warnings
 from pdr_est.preprocessing.quality.sensor_checks import check_clock, stuck_intervals
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
@@ -25,15 +25,16 @@ def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
     force, rate = (_non_empty(signal) for signal in (device.specific_force, device.rotation_rate))
     if force is None and needs_stand_in(device):
         force = device.linear_acceleration
-        return (*slow_sampling_warnings(force), _GUESSED) if force is not None else ()
+        return (*sampling_rate_warnings(force), _GUESSED) if force is not None else ()
     found = [*_range_warnings("accelerometer", Channel.SPECIFIC_FORCE, force)]
     found += _range_warnings("gyroscope", Channel.ROTATION_RATE, rate)
     if force is not None:
-        found += slow_sampling_warnings(force)
+        found += sampling_rate_warnings(force)
         found += _stuck_warnings("accelerometer", force, rate, "steps cannot be seen there")
     if rate is not None and not rate.values.any():
         found.append("all values of the gyroscope are zero, the sensor is missing or faulty: turns cannot be seen")
     elif rate is not None:
+        found += slow_gyroscope_warnings(rate)
         found += _stuck_warnings("gyroscope", rate, force, "turns cannot be seen there")
     if force is not None and rate is not None:
         found += _coverage_warnings(force, rate)

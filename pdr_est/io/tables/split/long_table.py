@@ -4,7 +4,7 @@ The columns may stand in any order and have any titles (`v1`, `value_0`); withou
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -86,7 +86,7 @@ def read_long_table(text: bytes, place: str, layout: TableLayout, column: str) -
     titles = [title for title in layout.titles if title != column]
     units = [unit for title, unit in zip(layout.titles, layout.units, strict=False) if title != column]
     clocks = understand_titles(titles, units=units).clocks if layout.has_header else ()
-    times = [title for clock in clocks for title in (clock.title, clock.fraction) if title]
+    times = [title for clock in clocks for title in clock.titles]
     if layout.has_header and not times:
         raise RecordingError(
             f"{place}: the rows of the sensors in column {column!r} have no time among "
@@ -140,7 +140,7 @@ def read_stated_rows(
     for part in parts:
         stated = with_titles_of(part, layout, place)
         numbers = [title for columns in stated.columns.values() for title in columns.titles]
-        times = [title for clock in stated.clocks for title in (clock.title, clock.fraction) if title]
+        times = [title for clock in stated.clocks for title in clock.titles]
         if stated.rows is None:
             found.append(signals_of(read_loose_table(text, place, layout, numbers, times), stated))
             continue
@@ -160,10 +160,7 @@ def is_second_choice(name: str) -> bool:
 
 
 def _selected(loose: LooseTable, rows: NDArray[np.bool_], place: str) -> LooseTable:
-    """Return some rows (n,) of a table that has been read, named for messages."""
-    columns: Mapping[str, np.ndarray] = {title: column[rows] for title, column in loose.table.columns.items()}
-    empty = {title: cells[rows] for title, cells in loose.table.empty.items()}
-    return replace(loose, table=replace(loose.table, place=place, columns=columns, empty=empty), warnings=())
+    return replace(loose.only(rows, place), warnings=())
 
 
 def _is_wide(layout: TableLayout) -> bool:
@@ -198,7 +195,7 @@ def _mapping_of(
         return replace(mapping, columns={quantity: mapping.columns[quantity]}, unused=(), incomplete=())
     if quantity is Quantity.ATTITUDE:
         return None
-    times = {title for clock in mapping.clocks for title in (clock.title, clock.fraction)}
+    times = {title for clock in mapping.clocks for title in clock.titles}
     values = [title for title in titles if title not in times and not _NO_VALUES & set(split_words(title))]
     needed = len(AXES[quantity])
     chosen = _numbered(values, needed) or _measured(rows, values)

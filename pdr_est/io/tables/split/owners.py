@@ -6,14 +6,14 @@ has to be chosen.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.frames import Array
-from pdr_est.io.tables.mapping import ClockColumn, TableMapping
+from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.times.clock import read_clock
 from pdr_est.io.tables.titles import split_words
 from pdr_est.io.tables.words.owners import OWNERS, OWNERS_IN_WORDS, Owner
@@ -104,7 +104,7 @@ def split_by_owner(
     columns = _columns(read_loose_table(text, place, layout, (), [*candidates, *_one(sensor)]), candidates, sensor)
     if not columns:
         return whole
-    times = [title for clock in mapping.clocks for title in (clock.title, clock.fraction) if title]
+    times = [title for clock in mapping.clocks for title in clock.titles]
     loose = read_loose_table(text, place, layout, (), [*times, *candidates, *_one(sensor)])
     columns = _columns(loose, candidates, sensor)
     time_s = _times(loose, mapping)
@@ -136,7 +136,7 @@ def _candidates(layout: TableLayout, mapping: TableMapping, sensor: str | None) 
     if not layout.has_header:
         return {}
     taken = {title for one in mapping.columns.values() for title in one.titles} | {sensor}
-    taken |= {title for clock in mapping.clocks for title in (clock.title, clock.fraction)}
+    taken |= {title for clock in mapping.clocks for title in clock.titles}
     found = {}
     for title, cell in zip(layout.titles, layout.sample, strict=True):
         plain = "".join(split_words(title))
@@ -186,13 +186,11 @@ def _times(loose: LooseTable, mapping: TableMapping) -> Array:
     if not mapping.clocks:
         return unknown
     try:
-        return read_clock(loose, TableMapping(clocks=tuple(_plain(clock) for clock in mapping.clocks))).time_s
+        return read_clock(
+            loose, TableMapping(clocks=tuple(replace(clock, canonical=False) for clock in mapping.clocks))
+        ).time_s
     except RecordingError:
         return unknown
-
-
-def _plain(clock: ClockColumn) -> ClockColumn:
-    return ClockColumn(clock.title, clock.factor, clock.fraction)
 
 
 def _separates(column: _Column, names: NDArray[np.str_], time_s: Array) -> bool:

@@ -7,11 +7,10 @@ from pdr_est.errors import RecordingError
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of_text, with_titles_of
+from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, tables_of_text, with_titles_of
 from pdr_est.io.tables.split.long_table import read_long_table, read_stated_rows, sensor_column
 from pdr_est.io.tables.split.owners import split_by_owner
 from pdr_est.io.tables.split.sections import read_sections, table_sections
-from pdr_est.io.tables.split.side_by_side import read_side_by_side
 from pdr_est.io.tables.split.tagged_log import read_tagged_log, tagged_separator
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.table_layout import TableLayout
@@ -101,12 +100,9 @@ def _tables_of_device(
             return read_long_table(text, place, layout, column)
         if tagged_separator(text[:HEAD_BYTES]) is not None:
             return read_tagged_log(text, place)
-        tables = () if layout is None else read_side_by_side(text, place, layout, hint)
-        if tables:
-            return tables
     elif mapping.parts:
         layout = layout_of(text)
         if layout is None:
             raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
         return read_stated_rows(text, place, layout, mapping.parts)
-    return (signals_of_text(text, place, hint=hint, mapping=mapping),)
+    return tables_of_text(text, place, hint=hint, mapping=mapping)
