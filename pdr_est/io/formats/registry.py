@@ -36,6 +36,7 @@ from pdr_est.io.formats.phone_apps import (
 from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
+from pdr_est.io.formats.plain_csv.mapped import read_mapped
 from pdr_est.io.formats.plain_csv.unknown import describe_unknown
 from pdr_est.io.formats.sensor_files import reader as sensor_files
 from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
@@ -139,7 +140,7 @@ def read(path: str | Path, mapping: TableMapping | None = None, devices: Sequenc
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
     if mapping is not None:
-        return mend_clocks(replace(plain_csv.read_mapped(source, mapping, devices), messages=messages))
+        return mend_clocks(replace(read_mapped(source, mapping, devices), messages=messages))
     for known in FORMATS:
         if known.sniff(source):
             return mend_clocks(replace(_read_known(known, source, devices), messages=messages))

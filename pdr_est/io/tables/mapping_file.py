@@ -58,7 +58,8 @@ SECTIONS: Mapping[str, Quantity] = {
     "pressure": Quantity.PRESSURE,
 }
 """Section of a mapping file -> quantity that it describes."""
-_SIGNS = {"up": 1.0, "down": -1.0}
+SIGNS: Mapping[str, float] = {"up": 1.0, "down": -1.0}
+"""Direction of the acceleration of a device that lies still -> factor to specific force."""
 _SIGNED = (Quantity.FORCE, Quantity.LINEAR)
 LOCATION = ("latitude", "longitude")
 """Keys of the section `location` for the columns of a position."""
@@ -206,12 +207,12 @@ def _sign(sections: Mapping[str, Any], place: str) -> float | None:
         if quantity in _SIGNED and isinstance(sections.get(name), dict) and sections[name].get("sign") is not None
     }
     for name, sign in stated.items():
-        if not isinstance(sign, str) or sign not in _SIGNS:
+        if not isinstance(sign, str) or sign not in SIGNS:
             raise ConfigError(f"{place}, {name}: unknown sign {sign!r}; known are up and down")
     if len(set(stated.values())) > 1:
         said = " and ".join(f"sign {sign} of {name}" for name, sign in stated.items())
         raise ConfigError(f"{place}: {said} contradict each other; a device has one sign, so correct one of them")
-    return next((_SIGNS[sign] for sign in stated.values()), None)
+    return next((SIGNS[sign] for sign in stated.values()), None)
 
 
 def _location(settings: Any, place: str) -> dict[Quantity, QuantityColumns]:

@@ -1,12 +1,13 @@
 """Find the files of one walk among the members of a source, and the sensor that each of them holds."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.quantities import AXES, MOTION, Quantity
 from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
 from pdr_est.io.tables.split.long_table import is_second_choice
+from pdr_est.io.tables.split.reader import DeviceTables
 from pdr_est.io.tables.titles import sensor_by_name, split_words
 from pdr_est.io.text.container import Source, SourceKind
 from pdr_est.io.text.encoding import as_utf8
@@ -176,3 +177,20 @@ def _has_no_rows(head: bytes) -> bool:
     """Tell whether a file is empty, or ends after its titles."""
     lines = [line for line in as_utf8(head).split(b"\n") if line.strip()]
     return len(lines) < 2
+
+
+def by_device(files: Sequence[Sequence[DeviceTables]]) -> tuple[DeviceTables, ...]:
+    """Put the tables of each device together, which the rows of the files may name."""
+    found: dict[str, DeviceTables] = {}
+    for one in (one for devices in files for one in devices):
+        known = found.get(one.name)
+        if known is not None:
+            decisions = tuple(dict.fromkeys((*known.decisions, *one.decisions)))
+            warnings = tuple(dict.fromkeys((*known.warnings, *one.warnings)))
+            one = DeviceTables(one.name, (*known.tables, *one.tables), decisions, warnings)
+        found[one.name] = one
+    named = [one for name, one in found.items() if name]
+    if not named or "" not in found:
+        return tuple(found.values())
+    shared = found[""]  # a file of all devices, such as that of the only receiver of satellites
+    return (replace(named[0], tables=(*named[0].tables, *shared.tables)), *named[1:])

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io.conversion.gnss import drop_fixes_outside
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.sensor_files.grouping import SensorFile, SensorFiles, sensor_file_walks
+from pdr_est.io.formats.sensor_files.grouping import SensorFile, SensorFiles, by_device, sensor_file_walks
 from pdr_est.io.formats.sensor_files.known_apps import app_of_files
 from pdr_est.io.tables.device import read_devices
 from pdr_est.io.tables.quantities import Quantity
@@ -73,7 +73,7 @@ def read_sensor_files(source: Source, walk: SensorFiles, chosen: Sequence[str] =
     app = app_of_files(files, [source.head(file.member, 256) for file in files])
     device = RawDevice({}, platform=app.platform, sign=app.sign, sign_reason=f"the sign of {app.name}")
     device.warnings += [f"{member} has no rows and is left out" for member in walk.empty]
-    devices = _by_device([_read(source, file, chosen) for file in files])
+    devices = by_device([_read(source, file, chosen) for file in files])
     read = {file.member for file in files} | set(walk.empty)
     unused = [member for member in source.members if member not in read]
     if unused:
@@ -93,6 +93,16 @@ def read_sensor_files(source: Source, walk: SensorFiles, chosen: Sequence[str] =
     )
 
 
+def files_of_walk(source: Source) -> tuple[SensorFile, ...]:
+    """Return the files that are read of the first walk, one for each sensor."""
+    return _one_per_sensor(source, next(iter(sensor_file_walks(source).values())).files)
+
+
+def sign_of(source: Source, files: Sequence[SensorFile]) -> float | None:
+    """Return the sign of the acceleration by the app that wrote the files; None where it is not known."""
+    return app_of_files(files, [source.head(file.member, 256) for file in files]).sign
+
+
 def _read(source: Source, file: SensorFile, chosen: Sequence[str]) -> tuple[DeviceTables, ...]:
     """Read a file, whose name names its signals; columns without titles are no fault where it tells the sensor."""
     place, stem = source.place(file.member), member_stem(file.member)
@@ -108,23 +118,6 @@ def _named(table: TableSignals, file: SensorFile, stem: str) -> TableSignals:
     told = tuple(text.rpartition(":")[0] for text in expected)  # without the advice to name the columns
     others = tuple(text for text in table.warnings if text not in expected)
     return replace(table, decisions=(*table.decisions, *told), warnings=others)
-
-
-def _by_device(files: Sequence[Sequence[DeviceTables]]) -> tuple[DeviceTables, ...]:
-    """Put the tables of each device together, which the rows of the files may name."""
-    found: dict[str, DeviceTables] = {}
-    for one in (one for devices in files for one in devices):
-        known = found.get(one.name)
-        if known is not None:
-            decisions = tuple(dict.fromkeys((*known.decisions, *one.decisions)))
-            warnings = tuple(dict.fromkeys((*known.warnings, *one.warnings)))
-            one = DeviceTables(one.name, (*known.tables, *one.tables), decisions, warnings)
-        found[one.name] = one
-    named = [one for name, one in found.items() if name]
-    if not named or "" not in found:
-        return tuple(found.values())
-    shared = found[""]  # a file of all devices, such as that of the only receiver of satellites
-    return (replace(named[0], tables=(*named[0].tables, *shared.tables)), *named[1:])
 
 
 def _one_per_sensor(source: Source, files: Sequence[SensorFile]) -> tuple[SensorFile, ...]:
