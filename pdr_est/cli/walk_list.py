@@ -90,7 +90,9 @@ def _distinct_end(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> st
     return "/".join(own[1:])
 
 
-def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = None) -> bool:
+def are_separate_walks(
+    paths: Sequence[Path], mapping: TableMapping | None = None, devices: Sequence[str] = ()
+) -> bool:
     """Tell whether several recordings, by their dates, were all made at different times.
 
     Parameters
@@ -99,6 +101,8 @@ def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = Non
         The recordings.
     mapping
         What the columns of their tables mean; None to find it out.
+    devices
+        Names of the devices that are used; all without names.
 
     Raises
     ------
@@ -109,7 +113,7 @@ def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = Non
         return False
     spans: list[tuple[bool, float, float]] = []
     for path in paths:
-        span = _dated_span_s(read(path, mapping))
+        span = _dated_span_s(read(path, mapping, devices))
         if span is None or any(_may_overlap(span, other) for other in spans):
             return False
         spans.append(span)
@@ -150,7 +154,9 @@ def _inside(path: Path, mapping: TableMapping | None) -> tuple[Path, ...]:
         return (path,)
     try:
         return walks_in_folder(path, mapping)
-    except SeveralWalksError:
+    except SeveralWalksError as error:
+        if error.by_device:  # reading it says so, unless --device names one of them
+            return (path,)
         raise
     except RecordingError:  # reading it says so
         return (path,)

@@ -98,6 +98,12 @@ class TableMapping:
         Sensors of which some axes are named and others are missing, in words.
     unused
         Titles of the columns that mean nothing to the project, or are not needed beside better ones.
+    parts
+        Mappings of several tables, or of several sensors in the rows of one; everything else is then in them.
+    file
+        Name of the file that a part describes; "" for the only one.
+    rows
+        Column with the names of the sensors, and the name whose rows a part describes; None for all rows.
     """
 
     clocks: tuple[ClockColumn, ...] = ()
@@ -109,13 +115,18 @@ class TableMapping:
     guessed: bool = False
     incomplete: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
+    parts: tuple["TableMapping", ...] = ()
+    file: str = ""
+    rows: tuple[str, str] | None = None
 
     @property
     def has_time(self) -> bool:
         """Tell whether the times of the rows can be known."""
+        if self.parts:
+            return all(part.has_time for part in self.parts)
         return bool(self.clocks) or self.rate_hz is not None
 
     @property
     def has_motion(self) -> bool:
         """Tell whether an accelerometer or a gyroscope is among the columns."""
-        return any(quantity in self.columns for quantity in MOTION)
+        return any(quantity in self.columns for quantity in MOTION) or any(part.has_motion for part in self.parts)

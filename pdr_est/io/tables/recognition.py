@@ -9,7 +9,8 @@ from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
-from pdr_est.io.tables.split import sensor_column, tagged_tables
+from pdr_est.io.tables.split.long_table import sensor_column
+from pdr_est.io.tables.split.tagged_log import tagged_tables
 from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import read_loose_table
@@ -44,7 +45,7 @@ def motion_evidence(head: bytes, stem: str) -> Evidence:
     """
     text = _whole_lines(head)
     layout = layout_of(text)
-    if layout is not None and sensor_column(layout) is not None:
+    if layout is not None and sensor_column(layout, text) is not None:
         return Evidence.TITLES
     if any(_is_motion(table.tag, table.text) for table in tagged_tables(text)):
         return Evidence.TITLES

@@ -13,6 +13,7 @@ from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
+from pdr_est.io.tables.split.zero_filled import without_zero_fill
 from pdr_est.io.tables.times.bursts import spread_bursts
 from pdr_est.io.tables.times.clock import TableClock, read_clock, without_stale_rows
 from pdr_est.io.tables.times.sensor_clocks import by_sensor_clock, rows_of_clocks
@@ -117,7 +118,7 @@ def _understood(
     if layout is None:
         raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
     if mapping is not None:
-        mapping = _checked(mapping, layout, place)
+        mapping = with_titles_of(mapping, layout, place)
     else:
         mapping = understand_titles(layout.titles, hint, layout.units) if layout.has_header else TableMapping()
     if not layout.has_header and not mapping.columns:
@@ -136,8 +137,14 @@ def _understood(
     return loose, mapping
 
 
-def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
-    """Return a stated mapping with the titles as the table writes them; a column may be given by its number."""
+def with_titles_of(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
+    """Return a stated mapping with the titles as the table writes them; a column may be given by its number.
+
+    Raises
+    ------
+    RecordingError
+        For a column that the table does not have.
+    """
     known = {title.casefold(): title for title in layout.titles}
     known |= {f"column {number}": title for number, title in enumerate(layout.titles, start=1)}
 
@@ -156,7 +163,9 @@ def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMap
     columns = {q: replace(one, titles=tuple(map(find, one.titles))) for q, one in mapping.columns.items()}
     used = {title for one in columns.values() for title in one.titles}
     used |= {title for clock in clocks for title in clock.titles}
-    return replace(mapping, clocks=clocks, columns=columns, unused=tuple(t for t in layout.titles if t not in used))
+    rows = None if mapping.rows is None else (find(mapping.rows[0]), mapping.rows[1])
+    unused = tuple(title for title in layout.titles if title not in used)
+    return replace(mapping, clocks=clocks, columns=columns, unused=unused if rows is None else (), rows=rows)
 
 
 def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
@@ -175,6 +184,7 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
         When no row has a time.
     """
     clock = read_clock(loose, mapping)
+    loose = without_zero_fill(loose, mapping)
     decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings, *mapping.incomplete]
     if clock.left_out is not None:
         loose = loose.only(~clock.left_out)

@@ -164,10 +164,17 @@ def _header_cells(line: str, split: SplitLines) -> list[str] | None:
     for separator in (*others, BLANKS) if split.separator == BLANKS else (split.separator, *others):
         raw = split_line(bare.strip("\n"), separator)
         cells = [cell.strip().strip("\"'") for cell in raw]
+        if separator != split.separator and not _are_titles(cells):
+            continue
         fitted = _fitted(cells, split) or _with_units_behind_commas(raw, split)
         if fitted is not None and any(any(c.isalpha() for c in cell) for cell in fitted):
             return fitted
     return None
+
+
+def _are_titles(cells: Sequence[str]) -> bool:
+    """Tell whether cells can be titles, rather than the words of a remark such as `Subject ID: 1`."""
+    return all(any(c.isalpha() for c in cell) and not cell.endswith(":") for cell in cells)
 
 
 def _fitted(cells: list[str], split: SplitLines) -> list[str] | None:

@@ -39,6 +39,8 @@ class TableClock:
         the seconds since midnight; None without either.
     left_out
         (n,) rows whose time cannot be known, as the warnings tell; None without any.
+    column
+        Column that was chosen, with the unit of its title where that is used; None where no column tells the time.
     """
 
     time_s: Array
@@ -48,6 +50,7 @@ class TableClock:
     warnings: tuple[str, ...] = ()
     local_epoch_s: float | None = None
     left_out: NDArray[np.bool_] | None = None
+    column: ClockColumn | None = None
 
 
 def read_clock(loose: LooseTable, mapping: TableMapping) -> TableClock:
@@ -131,7 +134,9 @@ def _clock(chosen: ClockCandidate, candidates: Sequence[ClockCandidate]) -> Tabl
         decisions.append(f"time is column {chosen.column.title!r}, with {chosen.distinct} stamps; not used: {others}")
     start = chosen.exact_s(at)
     left_out = chosen.left_out if chosen.left_out.any() else None
-    return TableClock(time_s, start, epoch_s, tuple(decisions), chosen.unit.warnings, local_epoch_s, left_out)
+    stated = replace(chosen.column, factor=factor if chosen.column.factor == factor else None)
+    told = chosen.unit.warnings
+    return TableClock(time_s, start, epoch_s, tuple(decisions), told, local_epoch_s, left_out, stated)
 
 
 def _time_of_row(candidates: Sequence[ClockCandidate], row: int) -> float | None:

@@ -75,7 +75,7 @@ TIMES = _names(
 
 TIME_WORDS = _words(
     """time timestamp timestamps stamp clock datetime date elapsed epoch zeit uhrzeit loggingtime
-    ms us ns millis nanos millisecond milliseconds microseconds nanoseconds seconds secs nsecs sec nsec nanosec
+    ms us ns millis micros nanos millisecond milliseconds microseconds nanoseconds seconds secs nsecs sec nsec nanosec
     sekunden millisekunden nanosekunden segundos milisegundos secondes millisecondes secondi millisecondi
     tempo temps tiempo tijd czas tid время 시간 타임스탬프 タイムスタンプ
     时间 時間 时间戳 時刻 秒 毫秒 纳秒 ミリ秒"""
@@ -84,8 +84,8 @@ TIME_WORDS = _words(
 
 FILLERS = _words(
     """axis axes achse axe eje asse eixo as os oś ось axel direction richtung direccion component komponente
-    xyz vector vehicle raw data value values val reading readings measurement sensor sensors imu calibrated cal
-    si wert werte ios android phone device core motion body frame field of the in de der du del rs s en des di
+    xyz vector vehicle attr raw data value values val reading readings measurement sensor sensors imu calibrated
+    cal si wert werte ios android phone device core motion body frame field of the in de der du del rs s en des di
     del do da van od wzdłuż по le la lungo along about around um 轴 軸 方向 軸方向 轴向 축"""
 )
 """Words of a title that carry no meaning."""

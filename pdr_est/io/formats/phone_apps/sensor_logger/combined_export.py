@@ -7,6 +7,7 @@ from typing import Any
 
 from pdr_est.io.formats.phone_apps.sensor_logger.export import CLOCK_COLUMN
 from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import MOTION_SENSORS, WATCH_SENSORS, column_of_title
+from pdr_est.io.tables.split.owners import names_owners
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.io.text.table_layout import detect_header
@@ -87,7 +88,7 @@ class CombinedExport:
 def looks_combined(head: bytes) -> bool:
     """Tell whether a member begins like the combined table: Unix ns and the axes of a motion sensor."""
     dialect = detect_header(head)
-    if dialect is None or "time" not in dialect.titles:
+    if dialect is None or "time" not in dialect.titles or names_owners(dialect.titles):
         return False
     columns = _columns(dialect.titles)
     motion = [columns[name] for name in (*MOTION_SENSORS, *WATCH_SENSORS) if name in columns]

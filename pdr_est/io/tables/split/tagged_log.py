@@ -1,7 +1,6 @@
-"""Split files that hold several sensors in turn: a row for each sample with the sensor's name, or tagged rows.
+"""Split tagged logs: each row begins with the name of its kind, and rows of different kinds have different columns.
 
-In a long table one column names the sensor: `timestamp,sensor,x,y,z`. In a tagged log each row begins with the name
-of its kind, and rows of different kinds have different columns: `IMU,0.02,-0.7,…` or `UncalAccel,1663164669189,…`.
+Examples are `IMU,0.02,-0.7,…` below a line that names the columns, and `UncalAccel,1663164669189,…`.
 """
 
 import re
@@ -11,15 +10,11 @@ from dataclasses import dataclass, replace
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.tables.header import understand_titles
-from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import AXES, MOTION, Quantity, is_unit
-from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of, signals_of_text, tables_of_text
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.io.tables.quantities import MOTION, is_unit
+from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, signals_of_text
 from pdr_est.io.tables.titles import sensor_by_name
-from pdr_est.io.tables.words.sensors import ANDROID_TYPES
 from pdr_est.io.text.cells import Cell, kind_of_cell, split_line
-from pdr_est.io.text.encoding import as_utf8
-from pdr_est.io.text.loose_table import read_loose_table
-from pdr_est.io.text.table_layout import TableLayout
 
 _TAG = re.compile(r"[$#%\s]*([A-Za-z][\w ]{0,40})\s*")
 _MARKS = ("COL", "UNIT", "VAR")  # FlySight's lines that describe a kind of row
@@ -27,9 +22,6 @@ _SEPARATORS = (",", ";", "\t", " ")
 _LINES_LOOKED_AT = 300
 _TAGGED_SHARE = 0.8
 _MOST_TAGS = 40
-_SENSOR_TITLES = frozenset(
-    {"sensor", "sensortype", "type", "sensorname", "name", "source", "stream", "topic", "kind"}
-)
 
 
 @dataclass(frozen=True)
@@ -46,48 +38,6 @@ class TaggedTable:
 
     tag: str
     text: bytes
-
-
-def read_tables(
-    data: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
-) -> tuple[TableSignals, ...]:
-    """Read a file that holds one table, a long table, a tagged log, or a table with a clock for each sensor.
-
-    Parameters
-    ----------
-    data, place, hint, mapping
-        As for `read_table_signals`; a mapping is that of one table.
-
-    Raises
-    ------
-    RecordingError
-        When the content is no table, has no time, or is damaged.
-    """
-    text = as_utf8(data)
-    if mapping is None:
-        layout = layout_of(text)
-        column = None if layout is None else sensor_column(layout)
-        if layout is not None and column is not None:
-            return _read_long(text, place, layout, column)
-        if tagged_separator(text[:HEAD_BYTES]) is not None:
-            return _read_tagged(text, place)
-    return tables_of_text(text, place, hint=hint, mapping=mapping)
-
-
-def sensor_column(layout: TableLayout) -> str | None:
-    """Find the column of a long table that names the sensor; None when the table is not long."""
-    if not layout.has_header:
-        return None
-    for title, cell in zip(layout.titles, layout.sample, strict=True):
-        kind = kind_of_cell(cell)
-        plain = re.sub(r"[\W_]", "", title.casefold())
-        if kind is Cell.TEXT and sensor_by_name(cell) is not None:
-            return title
-        if kind is Cell.NUMBER and plain in ("sensortype", "sensorid") and _android(cell) is not None:
-            return title
-        if kind is Cell.TEXT and plain in _SENSOR_TITLES and any(t.strip().lower() == "x" for t in layout.titles):
-            return title
-    return None
 
 
 def tagged_separator(head: bytes) -> str | None:
@@ -168,7 +118,7 @@ def _with_titles(rows: Sequence[str], heads: Sequence[Sequence[str]], separator:
     return "\n".join([separator.join(title.strip() for title in titles), *rows]).encode()
 
 
-def _read_tagged(text: bytes, place: str) -> tuple[TableSignals, ...]:
+def read_tagged_log(text: bytes, place: str) -> tuple[TableSignals, ...]:
     """Read the kinds of rows that name a sensor or have titles that do; the others are told."""
     found, skipped, lost = [], [], []
     for table in tagged_tables(text):
@@ -193,52 +143,3 @@ def _read_tagged(text: bytes, place: str) -> tuple[TableSignals, ...]:
     decisions = [f"not used: rows {', '.join(skipped)}"] if skipped else []
     found[0] = replace(found[0], decisions=(*found[0].decisions, *decisions), warnings=(*found[0].warnings, *lost))
     return tuple(found)
-
-
-def _read_long(text: bytes, place: str, layout: TableLayout, column: str) -> tuple[TableSignals, ...]:
-    """Read a long table: the rows of each sensor become a table of their own."""
-    titles = [title for title in layout.titles if title != column]
-    units = [unit for title, unit in zip(layout.titles, layout.units, strict=False) if title != column]
-    clocks = understand_titles(titles, units=units).clocks
-    times = [title for clock in clocks for title in clock.titles]
-    numbers = [title for title in titles if title not in times]
-    loose = read_loose_table(text, place, layout, numbers, [*times, column])
-    names = loose.table.texts(column)
-    found, skipped = [], []
-    for name in dict.fromkeys(names.tolist()):
-        quantity = _android(name) if name.isdigit() else sensor_by_name(name)
-        mapping = None if quantity is None else _mapping_of(titles, units, quantity)
-        if mapping is None:
-            skipped.append(name)
-            continue
-        rows = loose.only(names == name, f"{place}, rows {name}")
-        signals = signals_of(replace(rows, warnings=()), mapping)
-        if signals.signals:
-            found.append(signals)
-    if not found:
-        raise RecordingError(f"{place}: column {column!r} names no sensor that is known ({', '.join(skipped)})")
-    note = f"column {column!r} names the sensor of each row" + (
-        f"; not used: rows {', '.join(skipped)}" if skipped else ""
-    )
-    found[0] = replace(
-        found[0], decisions=(note, *found[0].decisions), warnings=(*loose.warnings, *found[0].warnings)
-    )
-    return tuple(found)
-
-
-def _mapping_of(titles: Sequence[str], units: Sequence[str], quantity: Quantity) -> TableMapping | None:
-    """Find the columns of the values of one sensor; None when there are too few."""
-    mapping = understand_titles(titles, quantity, units)
-    if quantity in mapping.columns:
-        return replace(mapping, columns={quantity: mapping.columns[quantity]}, unused=())
-    times = {title for clock in mapping.clocks for title in clock.titles}
-    values = [title for title in titles if title not in times]
-    needed = len(AXES[quantity])
-    if len(values) < needed or quantity is Quantity.ATTITUDE:
-        return None
-    columns = QuantityColumns(tuple(values[:needed]), (None,) * needed)
-    return replace(mapping, columns={quantity: columns}, unused=())
-
-
-def _android(cell: str) -> Quantity | None:
-    return ANDROID_TYPES.get(int(cell)) if cell.strip().isdigit() else None
