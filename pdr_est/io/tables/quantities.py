@@ -116,6 +116,12 @@ def usual_unit(quantity: Quantity, factor: float) -> str | None:
     return next((name for name, other in USUAL_UNITS.get(quantity, {}).items() if other == factor), None)
 
 
+def known_units(quantity: Quantity) -> Mapping[str, float]:
+    """List the units of a quantity, the usual and the rare ones, with their factors to SI units."""
+    usual = USUAL_UNITS.get(quantity, {})
+    return {**usual, **{name: _RARE_UNITS[name] for name in _SPELLINGS.get(quantity, {}) if name not in usual}}
+
+
 def quantities_of_unit(unit: str) -> tuple[Quantity, ...]:
     """List the quantities that a unit can belong to, those with an acceleration first."""
     plain = plain_unit(unit)

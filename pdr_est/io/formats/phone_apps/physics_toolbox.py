@@ -15,7 +15,7 @@ from pdr_est.io.text.table_layout import TableLayout
 
 # With g-force; or, without it, the blank first line and the comma at the end of the header that this app writes.
 _MARK = re.compile(
-    rb'^"?time"?[,;][^\n]*\bgF[xyz]\b|\A\s*\n"?time"?[,;](?:(?:[awB][xyz]|TgF|aT|wT|BT)[,;])+\s*$',
+    rb'^"?time"?[,;](?=[^\n]*\bgFx\b)(?=[^\n]*\bgFy\b)[^\n]*\bgFz\b|\A\s*\n"?time"?[,;](?:(?:[awB][xyz]|TgF|aT|wT|BT)[,;])+\s*$',
     re.MULTILINE | re.IGNORECASE,
 )
 _DATED_ROW = re.compile(rb"^\"?\d{4}-\d{1,2}-\d{1,2}[ T]", re.MULTILINE)

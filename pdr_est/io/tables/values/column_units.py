@@ -7,15 +7,16 @@ import numpy as np
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.io.tables.mapping import QuantityColumns
-from pdr_est.io.tables.quantities import MOTION, USUAL_UNITS, Quantity, usual_unit
+from pdr_est.io.tables.quantities import MOTION, Quantity, known_units, usual_unit
 
 _GRAVITY_LOG_SIGMA = 0.1  # of the length of the mean; a walk's is within 10 % of gravity
 # Of the ratio of the motion along one axis to that along the others: the logarithm has a standard deviation of 0.5
 # over 74 recordings of eleven data sets, but of 1.1 in one of them.
 _MOTION_LOG_SIGMA = 1.0
 # The axes of one sensor mostly have one unit, and where a title states none it is m/s^2 or rad/s more often than
-# another: odds of 150 and of 3 to 1, a judgement. As squares in standard deviations.
-_OTHER_UNIT, _OTHER_UNIT_IN_SI = 10.0, 2.5
+# another: odds of 3 and of 150 to 1, and of 1000 to 1 for units such as mrad/s, a judgement. As squares in standard
+# deviations.
+_OTHER_UNIT_IN_SI, _OTHER_UNIT, _RARE_UNIT = 2.5, 10.0, 14.0
 _DECISIVE = 6.0
 
 
@@ -50,10 +51,11 @@ def complete_factors(values: Array, columns: QuantityColumns, quantity: Quantity
         factors[unknown] = stated[0]
         return factors, Conversion(1.0, f"{titles}: taken in the unit of the other axes")
     finite = values[np.isfinite(values).all(axis=1)]
-    names = {factor: usual_unit(quantity, factor) or "the unit of the other axes" for factor in stated}
-    names |= {factor: name for name, factor in USUAL_UNITS[quantity].items()}
+    names = {factor: name for name, factor in known_units(quantity).items()}
     costs = {
-        factor: _cost(finite, factors, unknown, factor, quantity) + _prior_cost(factor, stated) for factor in names
+        factor: _cost(finite, factors, unknown, factor, quantity)
+        + _prior_cost(factor, stated, usual_unit(quantity, factor) is not None)
+        for factor in names
     }
     best, second, *_ = sorted(costs, key=costs.__getitem__)
     factors[unknown] = best
@@ -77,9 +79,11 @@ def unknown_unit_words(columns: QuantityColumns) -> str:
     return f"the unit {units} of {', '.join(title for title, _ in found)} is not known"
 
 
-def _prior_cost(factor: float, stated: Sequence[float]) -> float:
+def _prior_cost(factor: float, stated: Sequence[float], usual: bool) -> float:
     if factor in stated:
         return 0.0
+    if not usual:
+        return _RARE_UNIT
     return _OTHER_UNIT_IN_SI if factor == 1.0 else _OTHER_UNIT
 
 
