@@ -66,7 +66,7 @@ def test_a_gyroscope_of_another_walk_fits_in_no_way() -> None:
     time_s = sound.rotation_rate.time_s
     turning = np.column_stack([np.sin(0.7 * time_s), np.cos(0.9 * time_s), np.sin(1.1 * time_s)])
     (words,) = consistency_warnings(replace(sound, rotation_rate=Signal(time_s, turning)))
-    assert "no other axes, signs or delay" in words
+    assert "no other axes, signs, gain or delay" in words
 
 
 @pytest.mark.parametrize(("late_s", "words"), [(0.8, "0.8 s earlier"), (-0.8, "0.8 s later")])

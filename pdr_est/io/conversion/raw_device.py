@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from pdr_est.io.conversion import signs, units
-from pdr_est.io.conversion.axes import add_gravity, quaternion_from_rotation_vector
-from pdr_est.io.conversion.gravity_content import detect_linear_acceleration_unit, has_gravity
+from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
+from pdr_est.io.conversion.gravity_content import detect_linear_acceleration_unit, has_gravity, is_gravity
+from pdr_est.io.conversion.gravity_parts import put_together
 from pdr_est.io.conversion.restored_gravity import restore_gravity
 from pdr_est.io.conversion.rotation_unit import detect_rotation_unit
 from pdr_est.io.conversion.sign_evidence import (
@@ -19,9 +20,12 @@ from pdr_est.io.conversion.sign_evidence import (
     turn_evidence,
     unit_evidence,
 )
+from pdr_est.io.conversion.units import RawSignal
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import AttitudeReference
+
+__all__ = ["RawDevice", "RawSensor", "RawSignal"]
 
 
 class RawSensor(StrEnum):
@@ -35,25 +39,6 @@ class RawSensor(StrEnum):
     ATTITUDE = "attitude"
     ROTATION_VECTOR = "rotation vector"
     PRESSURE = "barometer"
-
-
-@dataclass(frozen=True)
-class RawSignal:
-    """Signal as it was recorded.
-
-    Attributes
-    ----------
-    signal
-        Times in s on the clock of the recording, values as recorded.
-    title
-        File, table or columns that it comes from, for the decisions.
-    factor
-        Factor to SI units; None where only the values can tell.
-    """
-
-    signal: Signal
-    title: str
-    factor: float | None = None
 
 
 @dataclass
@@ -99,7 +84,8 @@ class RawDevice:
 
     def note(self, conversion: units.Conversion) -> float:
         """Keep the decision and the warning of a conversion; return its factor."""
-        self.decisions.append(conversion.decision)
+        if conversion.decision:
+            self.decisions.append(conversion.decision)
         self.warnings.extend(conversion.warnings)
         return conversion.factor
 
@@ -191,19 +177,15 @@ class RawDevice:
         if measured is not None:
             self.decisions.append(f"specific force is {measured.title}")
             return self._scaled(RawSensor.FORCE, measured)
+        if linear is None and gravity is not None and not is_gravity(gravity.signal.values):
+            self.decisions.append(f"specific force is {gravity.title}: it is no gravity, because its length changes")
+            return self._scaled(RawSensor.FORCE, gravity)
         if linear is None or gravity is None:
             return None
-        self.decisions.append(f"specific force is {linear.title} + {gravity.title}")
-        factor = gravity.factor or self.note(units.detect_acceleration_unit(gravity.signal.values))
-        total, warnings = add_gravity(
-            Signal(linear.signal.time_s, linear.signal.values * (linear.factor or factor)),
-            Signal(gravity.signal.time_s, gravity.signal.values * factor),
-        )
-        self.warnings += warnings
-        if not len(total):
-            self.warnings.append("acceleration and gravity do not overlap in time: gravity is not used")
-            return None
-        return total
+        total = put_together(linear, gravity, self.signals.get(RawSensor.RATE))
+        for conversion in total.conversions:
+            self.note(conversion)
+        return total.signal
 
     def _restored(
         self, linear: Signal, attitude: Signal | None, rate: Signal | None
