@@ -49,8 +49,7 @@ class WalkerVelocity:
         patterns = _about_mean(np.moveaxis(np.tensordot(rising, turned, axes=(1, 1)), 0, 1))
         unexplained = _USUAL_SHARE * windows.variance_m2ps4 / _VELOCITY_SIGMA_MPS**2
         information = patterns.transpose(0, 2, 1) @ patterns + unexplained[:, None, None] * np.eye(3)
-        gain: Array = np.linalg.inv(information)
-        return cls(patterns, gain)
+        return cls(patterns, np.linalg.inv(information).astype(np.float64))
 
     def removed_from(self, movements: Array) -> Array:
         """Return movements (k, 12, c) less what the velocity explains of them."""

@@ -185,8 +185,8 @@ def _relative_sign(
     probability = float(1.0 / (1.0 + np.exp(-abs(log_odds))))
     sign = 1.0 if log_odds >= 0.0 else -1.0
     reasons = (
-        f"probability {probability:.1%}; skewness of the motion along gravity {skewness:+.2f}, correlation of gravity's "
-        f"drift with the motion {drift:+.2f}"
+        f"probability {probability:.1%}; skewness of the motion along gravity {skewness:+.2f}, correlation of the "
+        f"drift of gravity with it {drift:+.2f}"
     )
     words = f"specific force is {gravity_title} + {title}"
     if sign < 0.0:

@@ -4,7 +4,7 @@ Gravity, units, signs and the direction of the attitude are settled in one place
 otherwise the values decide, and every decision is kept in words.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from pdr_est.io.conversion import signs, units
@@ -17,6 +17,7 @@ from pdr_est.io.conversion.sign_evidence import (
     SignEvidence,
     dip_evidence,
     screen_evidence,
+    title_evidence,
     turn_evidence,
     unit_evidence,
 )
@@ -101,8 +102,13 @@ class RawDevice:
             if attitude is not None:
                 attitude, conversion = signs.resolve_attitude_direction(total, attitude)
                 self.note(conversion)
-            evidence = self._sign_evidence(total, magnetic_field)
-            sign = self.note(signs.detect_force_sign(total, attitude, self.sign, self.sign_reason, evidence))
+            unit = self._recorded_unit()
+            # Apple's own unit is g: in m/s^2 somebody has converted it, perhaps with the sign.
+            expected = None if self.sign == -1.0 and unit == 1.0 else self.sign
+            evidence = self._sign_evidence(total, magnetic_field, unit) if expected is None else ()
+            conversion = signs.detect_force_sign(total, attitude, expected, self.sign_reason, evidence)
+            # Steps do not depend on the sign: without a gyroscope there is no track that could be mirrored.
+            sign = self.note(conversion if RawSensor.RATE in self.signals else replace(conversion, warning=""))
             force = Signal(total.time_s, total.values * sign)
         linear = self._acceleration_without_gravity() if force is None else None
         rate = self._rotation_rate(force or linear)
@@ -135,14 +141,19 @@ class RawDevice:
             )
         return total if sign > 0.0 else Signal(total.time_s, -total.values)
 
-    def _sign_evidence(self, total: Signal, magnetic_field: Signal | None) -> tuple[SignEvidence, ...]:
+    def _recorded_unit(self) -> float:
+        """Return the factor to m/s² of the signal that shows gravity, which one without it does not."""
+        source = self.signals.get(RawSensor.FORCE) or self.signals[RawSensor.GRAVITY]
+        return source.factor or units.detect_acceleration_unit(source.signal.values).factor
+
+    def _sign_evidence(self, total: Signal, magnetic_field: Signal | None, unit: float) -> tuple[SignEvidence, ...]:
         """Collect what tells the sign of an acceleration where neither attitude nor recorder do."""
+        linear = self.signals.get(RawSensor.LINEAR)
+        # Core Motion gives both parts in g.
+        apart = RawSensor.FORCE not in self.signals and linear is not None and linear.factor in (None, unit)
+        found = [unit_evidence(unit, gravity_apart=apart)]
         if self.sign is not None:
-            return ()
-        whole = self.signals.get(RawSensor.FORCE)
-        source = whole or self.signals[RawSensor.GRAVITY]  # an acceleration without gravity does not show its unit
-        unit = source.factor or units.detect_acceleration_unit(source.signal.values).factor
-        found = [unit_evidence(unit, gravity_apart=whole is None)]
+            found.append(title_evidence(self.sign, self.sign_reason))
         if self.usual_axes:
             found.append(screen_evidence(total))
         dip = None if magnetic_field is None else dip_evidence(total, magnetic_field, self.latitude_deg)
