@@ -37,7 +37,7 @@ _MOST_INTERVALS = 100  # spread over longer recordings
 _LEAST_SAMPLES = 4  # in an interval
 _LEAST_INTERVALS = 1
 _DECISIVE = 0.99
-_LEAST_TOLD = 0.05
+_LEAST_TOLD = 0.005  # probability
 _RARE_UNITS: Mapping[str, float] = {"rpm": np.pi / 30.0, "rev/s": 2.0 * np.pi, "mrad/s": 1e-3}
 _UNITS: Mapping[str, float] = {**ROTATION_RATE_UNITS, **_RARE_UNITS}
 _PRIORS: Mapping[str, float] = {
@@ -53,7 +53,7 @@ _PRIORS: Mapping[str, float] = {
 
 @dataclass(frozen=True)
 class _Motion:
-    """What tells the unit of a rotation rate.
+    """Motion of a recording, which tells the unit of its rotation rate.
 
     Attributes
     ----------
