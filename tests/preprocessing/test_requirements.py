@@ -123,3 +123,12 @@ def sampled(rate_hz: float, attitude_hz: float, attitude_s: tuple[float, float] 
 )
 def test_the_devices_attitude_is_better_where_samples_are_coarse(device: DeviceRecording, better: bool) -> None:
     assert prefers_recorded_attitude(device) is better
+
+
+def test_columns_that_may_be_the_missing_gyroscope_are_named() -> None:
+    unread = replace(BARE, decisions=("specific force is acc_x, acc_y, acc_z", "not used: rx, ry, rz, temperature"))
+    with pytest.raises(RecordingError, match=r"rx, ry, rz, temperature.*--map"):
+        require_track_sensors(unread, "walk")
+    with pytest.raises(RecordingError) as every_column_used:
+        require_track_sensors(BARE, "walk")
+    assert "--map" not in str(every_column_used.value)

@@ -5,7 +5,7 @@ same walk reflected in the body's own plane of symmetry: the length of the vecto
 heel strikes and the phase between up and forward stay the same. Only what is not symmetric helps, each as log odds:
 
 * how phones are carried: nobody walks with the screen facing down,
-* which sign recorders of a unit use,
+* which sign recorders of a unit use, and which one the titles name,
 * the dip of the earth's magnetic field,
 * the turns of position fixes, against those by the gyroscope. They alone prove it.
 """
@@ -24,6 +24,7 @@ from pdr_est.types.recording import Signal
 _BY_SCREEN = 4.0
 _UP_IN_MPS2, _UP_IN_G, _UP_IN_G_APART = 2.2, 0.0, -2.2
 _BY_DIP = 1.2
+_BY_TITLES = 3.4
 _LEAST_DIP_COSINE = 0.25
 _EQUATOR_DEG = 20.0  # within this latitude the dip may be of either sign
 _UP_S = 2.0  # the acceleration is averaged over this time for the axis of yaw
@@ -56,7 +57,8 @@ def screen_evidence(force: Signal) -> SignEvidence:
 
     The logarithm of the odds is 4 times the share of gravity along the axis out of the screen: a logistic regression
     on 22 sets of phones of equal weight. With sets left out, its log score is 0.37 a set (0.69 for ignorance); the
-    other axes improve nothing, because phones are put into pockets either way up.
+    other axes improve nothing, because phones are put into pockets either way up. Where it says 98 %, all of 121
+    recordings of ten sets are right, where 50 to 70 %, 55 % of 170 are.
 
     Parameters
     ----------
@@ -88,6 +90,11 @@ def unit_evidence(unit_factor: float, gravity_apart: bool = False) -> SignEviden
     if gravity_apart:
         return SignEvidence(_UP_IN_G_APART, "gravity in g, apart from the motion, is mostly Core Motion's")
     return SignEvidence(_UP_IN_G, "recorders in g have either sign")
+
+
+def title_evidence(sign: float, reason: str) -> SignEvidence:
+    """Judge by titles that name a recorder's convention, where its unit is another one: odds of 30 to 1, ours."""
+    return SignEvidence(_BY_TITLES * sign, reason)
 
 
 def dip_evidence(force: Signal, field: Signal, latitude_deg: float | None = None) -> SignEvidence | None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+from pdr_est.types.recording import Signal
 
 ACCELERATION_UNITS: Mapping[str, float] = {
     "m/s^2": 1.0,
@@ -66,6 +67,25 @@ class Conversion:
     def warnings(self) -> tuple[str, ...]:
         """Return the warning as a tuple, which is empty when there is none."""
         return (self.warning,) if self.warning else ()
+
+
+@dataclass(frozen=True)
+class RawSignal:
+    """Signal as it was recorded.
+
+    Attributes
+    ----------
+    signal
+        Times in s on the clock of the recording, values as recorded.
+    title
+        File, table or columns that it comes from, for the decisions.
+    factor
+        Factor to SI units; None where only the values can tell.
+    """
+
+    signal: Signal
+    title: str
+    factor: float | None = None
 
 
 def detect_acceleration_unit(values: Array) -> Conversion:

@@ -9,6 +9,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit, detect_rotation_rate_unit
 from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
+from pdr_est.preprocessing.quality.capabilities import suggest_unused_columns
 from pdr_est.preprocessing.quality.clock_requirements import format_time, require_clock
 from pdr_est.preprocessing.quality.sampling_rate import refuse_slow_sampling
 from pdr_est.preprocessing.sensor_ranges import out_of_range
@@ -61,8 +62,8 @@ def require_track_sensors(device: DeviceRecording, label: str, one_of_several: b
     if not has_gyroscope(device):
         raise RecordingError(
             f"{label}: no gyroscope{_reader_warnings(device)}, so steps can be found but no heading and no track: "
-            f"record it too{', or leave this device out' if one_of_several else ''}; `pdr-est steps` still finds the "
-            "steps"
+            f"record it too{', or leave this device out' if one_of_several else ''}"
+            f"{suggest_unused_columns(device.decisions)}; `pdr-est steps` still finds the steps"
         )
 
 

@@ -53,6 +53,12 @@ def test_every_unit_is_found(walk: str, unit: str, factor: float) -> None:
     assert conversion.warning == ""
 
 
+@pytest.mark.parametrize("walk", ["l_shape", "mmpdr_indoor_swing"])
+def test_rounds_per_minute_are_found_or_doubted(walk: str) -> None:
+    conversion = detect_rotation_unit(*signals(walk, 30.0 / np.pi))
+    assert conversion.factor == pytest.approx(np.pi / 30.0) or "rpm" in conversion.warning
+
+
 def test_a_single_damaged_number_changes_nothing() -> None:
     rate, force = signals("l_shape", DEGREES)
     for value in (1e30, np.nan):

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from pdr_est.frames import Array
-from pdr_est.io.conversion.gravity_windows import gravity_scatter, gravity_windows, log_likelihood, turned_by
+from pdr_est.io.conversion.gravity_drift import gravity_scatter, log_likelihood
+from pdr_est.io.conversion.gravity_windows import gravity_windows, turned_by
 from pdr_est.types.recording import DeviceRecording, Signal
 
 _DECISIVE = 4.6  # log of the odds 99 : 1
