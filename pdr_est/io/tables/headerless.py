@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.gravity_content import has_gravity
-from pdr_est.io.conversion.impossible_values import without_impossible_rows
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.tables.times.dates import parse_dates
+from pdr_est.io.tables.values.impossible_values import without_impossible_rows
 from pdr_est.io.text.loose_table import LooseTable
 
 _RISING_SHARE = 0.95

@@ -4,7 +4,6 @@ from enum import IntEnum
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gravity_content import has_gravity
-from pdr_est.io.conversion.impossible_values import without_impossible_rows
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.quantities import MOTION, Quantity
@@ -12,6 +11,7 @@ from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
 from pdr_est.io.tables.split.long_table import sensor_column
 from pdr_est.io.tables.split.tagged_log import tagged_tables
 from pdr_est.io.tables.titles import sensor_by_name
+from pdr_est.io.tables.values.impossible_values import without_impossible_rows
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import read_loose_table
 from pdr_est.io.text.table_layout import TableLayout, has_split_decimals

@@ -9,7 +9,7 @@ from table_walk import TableWalk, rows, table_walk, xyz
 
 from pdr_est.frames import Array
 from pdr_est.io import read
-from pdr_est.io.conversion.impossible_values import find_impossible_rows
+from pdr_est.io.tables.values.impossible_values import find_impossible_rows
 from pdr_est.types.recording import DeviceRecording
 
 

@@ -3,6 +3,7 @@
 ================  ====================================================================
 file              content
 ================  ====================================================================
+impossible_values rows that hold codes, zeros or spikes
 measurements      the values of one sensor in one unit, without rows of codes
 column_units      the unit of an axis that states none, by the other axes
 settling          what titles leave open, settled by the values

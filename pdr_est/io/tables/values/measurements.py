@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.io.conversion.impossible_values import ImpossibleRows, find_impossible_rows, rows_without_measurement
 from pdr_est.io.conversion.raw_device import RawSignal
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.io.tables.mapping import QuantityColumns
 from pdr_est.io.tables.quantities import Quantity, unit_factor
 from pdr_est.io.tables.titles import understand_title
 from pdr_est.io.tables.values.column_units import complete_factors, unknown_unit_words
+from pdr_est.io.tables.values.impossible_values import ImpossibleRows, find_impossible_rows, rows_without_measurement
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.number_table import NumberTable
 
