@@ -354,6 +354,17 @@ def test_useless_clocks(scale: float, shift_s: float, pattern: str, walk: Walk, 
     only_inspected(save(tmp_path / "walk.csv", lines_of(columns)), outs, pattern)
 
 
+@pytest.mark.parametrize(("first", "step"), [(18 * 10**18, 20_000_000), (10**25, 10**20), (64 * 10**16, 20_000)])
+def test_no_time_crashes_a_command(first: int, step: int, walk: Walk, tmp_path: Path) -> None:
+    lines = [line.partition(",")[2] for line in lines_of(columns_of(walk))]
+    clock = ["time", *(str(first + step * i) for i in range(len(lines) - 1))]
+    path = save(tmp_path / "walk.csv", [f"{time},{rest}" for time, rest in zip(clock, lines, strict=True)])
+    for arguments in (("inspect", path), ("steps", path), ("steps", path, "--from", "4:05:06"), ("track", path)):
+        result = run(*arguments)
+        assert result.exit_code in (0, 2), arguments
+        assert result.exception is None or isinstance(result.exception, SystemExit)
+
+
 def test_times_beyond_any_clock(walk: Walk, tmp_path: Path, outs: Path) -> None:
     path = save(tmp_path / "walk.csv", lines_of(columns_of(walk, time_s=walk.time_s + 1e300)))
     both_refuse(path, outs, r"specific force: left out because all \d+ rows have no finite time; .*; record again")

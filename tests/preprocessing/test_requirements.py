@@ -83,6 +83,10 @@ def test_why_nothing_came_out_of_whole_seconds_or_another_unit() -> None:
     short = DeviceRecording(specific_force=Signal(TIME_S[:2], FORCE.values[:2]))
     told = str(explain_empty_grid(short, "walk", 0.5))
     assert re.search(r"the accelerometer spans 0\.\d+ s with 2 samples\): record for longer", told)
+    rushed = DeviceRecording(specific_force=Signal(TIME_S / 1e6, FORCE.values))
+    assert "more a second than any phone has: give the time in seconds, or state" in str(
+        explain_empty_grid(rushed, "walk", 0.5)
+    )
     hourly = DeviceRecording(specific_force=Signal(3600.0 * TIME_S, FORCE.values))
     assert "and span" in (told := str(explain_empty_grid(hourly, "walk", 0.5)))
     assert "state the unit of time with --map" in told

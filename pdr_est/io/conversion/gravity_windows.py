@@ -75,7 +75,7 @@ def gravity_windows(force: Signal, rate: Signal, lag_s: float = 0.0) -> GravityW
     if not end_s - begin_s >= _WINDOW_S:
         return None
     count = int((end_s - begin_s - _WINDOW_S) / _HOP_S) + 1
-    chosen = np.arange(count) if count <= _MOST_WINDOWS else np.linspace(0, count - 1, _MOST_WINDOWS).round()
+    chosen = np.arange(count) if count <= _MOST_WINDOWS else np.linspace(0.0, count - 1.0, _MOST_WINDOWS).round()
     start_s = begin_s + _HOP_S * chosen
     edges_s = start_s[:, None] + np.arange(round(_WINDOW_S / _PERIOD_S) + 1) * _PERIOD_S
     force_mps2, whole = accelerometer.means(edges_s)

@@ -202,9 +202,11 @@ def _from_frame(frame: pl.DataFrame, place: str, wanted: Sequence[str]) -> tuple
 
 
 def _as_array(column: pl.Series) -> NDArray[Any]:
-    """Return int64 where all values are integers, else float64 with NaN for missing values."""
+    """Return int64 where all values are integers that fit, else float64 with NaN for missing values."""
     if column.dtype.is_integer() and not column.null_count():
-        return column.cast(pl.Int64).to_numpy()
+        integers = column.cast(pl.Int64, strict=False)
+        if not integers.null_count():
+            return integers.to_numpy()
     return discard_huge_values(column.cast(pl.Float64).to_numpy().astype(np.float64, copy=False))
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pdr_est.errors import RecordingError
+from pdr_est.preprocessing.quality.sampling_rate import FASTEST_HZ, mean_rate_hz
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
@@ -89,6 +90,11 @@ def explain_empty_grid(device: DeviceRecording, label: str, max_gap_s: float) ->
                 f"{label}: the samples of the {sensor} lie {apart_s:.6g} s apart, more than resample.max_gap_s = "
                 f"{max_gap_s:g}, and span {_span(signal)}: give the time in seconds, {_REMEDY}, or record at a "
                 "higher rate"
+            )
+        if mean_rate_hz(signal.time_s) > FASTEST_HZ:
+            return RecordingError(
+                f"{label}: the {sensor} spans only {_span(signal)}, more a second than any phone has: give the time "
+                f"in seconds, {_REMEDY}"
             )
         if len(signal) >= _MANY_SAMPLES and _in_whole_seconds(signal):
             return RecordingError(

@@ -16,8 +16,10 @@ from pdr_est.types.recording import Signal
 SLOWEST_STEPS_HZ = 8.0
 """Rate below which steps are missed, Hz: four samples a step. Of a walk thinned to 5 Hz a quarter is missed."""
 
+FASTEST_HZ = 1500.0
+"""Rate that no phone or wearable sensor for walks exceeds, Hz; above, the clock is in another unit."""
+
 _LEAST_RATE_HZ = 4.0  # two samples for each of two steps a second; below, what looks like steps is another frequency
-_FASTEST_HZ = 1500.0
 _NO_RATE_HZ = 1.0  # of no recorder; the clock is in another unit
 _FEWEST_SAMPLES = 5
 _WINDOW_S = 4.0  # ours: some steps, so that the slowest rate is still known to 6 %
@@ -117,7 +119,7 @@ def refuse_slow_sampling(acceleration: Signal, label: str) -> None:
 def sampling_rate_warnings(acceleration: Signal) -> tuple[str, ...]:
     """Warn of an accelerometer (n, 3) that is so slow that steps are missed, or impossibly fast."""
     rate = sampling_rate(acceleration)
-    if rate.samples_hz > _FASTEST_HZ:
+    if rate.samples_hz > FASTEST_HZ:
         span_s = float(np.ptp(acceleration.time_s))
         return (
             f"the accelerometer has {rate.samples_hz:.0f} samples a second, more than any phone: its time spans "
