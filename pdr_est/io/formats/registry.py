@@ -90,6 +90,7 @@ FORMATS: tuple[Format, ...] = (
     gnss_logger,
     flysight,
     sensor_logger,
+    xio.FORMAT,  # whose table of the magnetometer could be one of phyphox
     phyphox,
     motionsense,
     weallwalk,
@@ -110,7 +111,6 @@ FORMATS: tuple[Format, ...] = (
     core_motion.FORMAT,
     xsens.FORMAT,
     shimmer.FORMAT,
-    xio.FORMAT,
     ros_csv.FORMAT,
     sensor_files,
     plain_csv,

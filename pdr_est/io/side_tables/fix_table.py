@@ -18,11 +18,14 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.tables.quantities import Quantity, unit_spellings
+from pdr_est.io.tables.recognition import Evidence, motion_evidence
+from pdr_est.io.tables.signals import HEAD_BYTES
 from pdr_est.io.tables.times.dates import parse_dates
 from pdr_est.io.tables.words.columns import ACCURACIES, EASTINGS, LATITUDES, LONGITUDES, NORTHINGS, TIMES
 from pdr_est.io.tables.words.folding import split_words
 from pdr_est.io.tables.words.units import plain_unit
 from pdr_est.io.text.container import Source
+from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.io.text.table_layout import detect_header
 
@@ -96,6 +99,10 @@ def read_fix_table(path: str | Path) -> NumberTable:
         raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
     found = _known_columns(dialect.titles, place)
     _require_columns(found, dialect.titles, place)
+    if set(MAP_COLUMNS) <= set(found) and motion_evidence(data[:HEAD_BYTES], member_stem(member)) is Evidence.TITLES:
+        raise RecordingError(
+            f"{place}: a recording of sensors, whose x and y are no positions: give the table of the known positions"
+        )
     texts = [found[name].title for name in ("time_s", "source") if name in found]
     table = read_table(
         data,
