@@ -44,7 +44,7 @@ _PRIORS: Mapping[str, float] = {
     "rad/s": 0.6,
     "deg/s": 0.34,
     "mdeg/s": 0.04,
-    "rpm": 0.01,
+    "rpm": 0.005,
     "rev/s": 0.002,
     "mrad/s": 0.003,
 }
@@ -88,7 +88,7 @@ class _Motion:
 
     def log_likelihood(self, factor: float) -> float:
         """Compute how well the motion fits if the rates are multiplied by a factor."""
-        total = float(np.log(_likelihood(self.log_ratio + np.log(factor))))
+        total = _log_likelihood(self.log_ratio + float(np.log(factor)))
         if self.log_turn is not None:
             # A person who stands, or walks straight on, turns slowly in any unit.
             excess = self.log_turn + float(np.log(factor)) - _USUAL_LOG_TURN
@@ -224,9 +224,9 @@ def _probabilities(motion: _Motion) -> dict[str, float]:
     return {name: weight / total for name, weight in weights.items()}
 
 
-def _likelihood(log_ratio: float) -> float:
+def _log_likelihood(log_ratio: float) -> float:
     away = (log_ratio - _USUAL_LOG_RATIO) / _SIGMA
-    return float(np.exp(-0.5 * away * away) / (_SIGMA * np.sqrt(2.0 * np.pi)))
+    return -0.5 * away * away - float(np.log(_SIGMA * np.sqrt(2.0 * np.pi)))
 
 
 def _without_gaps(values: Array) -> Array:

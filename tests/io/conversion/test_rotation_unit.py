@@ -87,3 +87,11 @@ def test_only_a_wrong_unit_is_warned_of(walk: str) -> None:
     assert "0.01745" in words
     (words,) = rotation_unit_warnings(*signals(walk, 1.0 / DEGREES))
     assert "converted from deg/s twice" in words
+
+
+def test_a_device_that_lies_perfectly_still_is_not_judged() -> None:
+    time_s = np.arange(0.0, 20.0, 0.02)
+    lying = Signal(time_s, np.tile([0.0, 0.0, 9.81], (len(time_s), 1)))
+    still = Signal(time_s, np.full((len(time_s), 3), 1e-4))
+    assert rotation_unit_warnings(still, lying) == ()
+    assert detect_rotation_unit(still, lying).warning
