@@ -20,11 +20,14 @@ class SeveralWalksError(RecordingError):
     ----------
     walks
         Their names: files or folders inside, or what the format calls a walk.
+    by_device
+        True where one of them is chosen by its name, as a device is, and is no file or folder of its own.
     """
 
-    def __init__(self, message: str, walks: tuple[str, ...] = ()) -> None:
+    def __init__(self, message: str, walks: tuple[str, ...] = (), *, by_device: bool = False) -> None:
         super().__init__(message)
         self.walks = walks
+        self.by_device = by_device
 
 
 class ConfigError(PdrError):

@@ -8,7 +8,12 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "pdr_est"
 MODULES = {str(path.relative_to(PACKAGE)): ast.parse(path.read_text("utf-8")) for path in PACKAGE.rglob("*.py")}
-INTERFACES = {"sniff", "read_source", "estimate"}  # the same function of every format and of every estimator
+INTERFACES = {
+    "sniff",
+    "read_source",
+    "read_chosen",
+    "estimate",
+}  # the same function of every format and of every estimator
 FACADE = "public_api.py"  # passes on what others define
 FRAGMENTS = ("Of ", "What ", "Whether ", "How ", "Where ", "Which ", "Whose ", "Those ", "That ")
 

@@ -76,7 +76,7 @@ class RecordingPart:
         Other devices beside it are left out, and a warning of the device says so unless another of the files brings
         them.
         """
-        whole = [read(path, self.mapping) for path in paths]
+        whole = [read(path, self.mapping, self.devices) for path in paths]
         meant = [self._device_meant(path, recording) for path, recording in zip(paths, whole, strict=True)]
         pairs = list(zip(whole, meant, strict=True))
         used = {

@@ -14,7 +14,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.online import Tracker, Update
 from pdr_est.online.recording_stream import expected_devices, stream_slices
-from pdr_est.preprocessing.quality.requirements import explain_empty_grid
+from pdr_est.preprocessing.quality.clock_requirements import explain_empty_grid
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock

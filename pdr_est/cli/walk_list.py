@@ -14,6 +14,7 @@ from pdr_est.types.recording import Recording
 _PATTERN = ("*", "?", "[")
 _EXTENSION = re.compile(r"\.[a-z][a-z0-9]{0,7}", re.IGNORECASE)
 _MANY = 3  # recordings; two that were made at different times may be phones with a wrong date
+_LARGEST_ZONE_S = 14.0 * 3600.0  # difference between local time and UTC
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,9 @@ def _distinct_end(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> st
     return "/".join(own[1:])
 
 
-def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = None) -> bool:
+def are_separate_walks(
+    paths: Sequence[Path], mapping: TableMapping | None = None, devices: Sequence[str] = ()
+) -> bool:
     """Tell whether several recordings, by their dates, were all made at different times.
 
     Parameters
@@ -98,6 +101,8 @@ def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = Non
         The recordings.
     mapping
         What the columns of their tables mean; None to find it out.
+    devices
+        Names of the devices that are used; all without names.
 
     Raises
     ------
@@ -106,20 +111,29 @@ def are_separate_walks(paths: Sequence[Path], mapping: TableMapping | None = Non
     """
     if len(paths) < _MANY:
         return False
-    spans: list[tuple[float, float]] = []
+    spans: list[tuple[bool, float, float]] = []
     for path in paths:
-        span = _dated_span_s(read(path, mapping))
-        if span is None or any(span[0] < end_s and begin_s < span[1] for begin_s, end_s in spans):
+        span = _dated_span_s(read(path, mapping, devices))
+        if span is None or any(_may_overlap(span, other) for other in spans):
             return False
         spans.append(span)
     return True
 
 
-def _dated_span_s(recording: Recording) -> tuple[float, float] | None:
-    if recording.epoch_s is None or recording.span_s is None:
+def _dated_span_s(recording: Recording) -> tuple[bool, float, float] | None:
+    """Return whether a recording knows its time zone, and the dates of its first and last sample, s since 1970."""
+    local = recording.epoch_s is None and recording.tells_local_date
+    epoch_s = recording.local_epoch_s if local else recording.epoch_s
+    if epoch_s is None or recording.span_s is None:
         return None
     begin_s, end_s = recording.span_s
-    return recording.epoch_s + begin_s, recording.epoch_s + end_s
+    return not local, epoch_s + begin_s, epoch_s + end_s
+
+
+def _may_overlap(one: tuple[bool, float, float], other: tuple[bool, float, float]) -> bool:
+    """Tell whether two spans overlap, or may do so because only one knows its time zone."""
+    margin_s = 0.0 if one[0] == other[0] else _LARGEST_ZONE_S
+    return one[1] < other[2] + margin_s and other[1] < one[2] + margin_s
 
 
 def _matches(argument: Path) -> list[Path]:
@@ -140,7 +154,9 @@ def _inside(path: Path, mapping: TableMapping | None) -> tuple[Path, ...]:
         return (path,)
     try:
         return walks_in_folder(path, mapping)
-    except SeveralWalksError:
+    except SeveralWalksError as error:
+        if error.by_device:  # reading it says so, unless --device names one of them
+            return (path,)
         raise
     except RecordingError:  # reading it says so
         return (path,)

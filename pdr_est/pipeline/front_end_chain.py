@@ -21,8 +21,8 @@ from pdr_est.front_end.step_length.stairs import StairLengths
 from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.parts import NO_PARTS, STAGE, Parts, StagePart, given_part
+from pdr_est.preprocessing.quality.clock_requirements import explain_empty_grid
 from pdr_est.preprocessing.quality.requirements import (
-    explain_empty_grid,
     has_gyroscope,
     prefers_recorded_attitude,
     require_magnetometer,

@@ -6,6 +6,7 @@ from datetime import UTC, datetime, time, timedelta
 
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.preprocessing.trim import trim_recording
+from pdr_est.types.clock import utc_date
 from pdr_est.types.recording import Recording
 
 _SECONDS = re.compile(r"[0-9]+(\.[0-9]*)?|\.[0-9]+")
@@ -32,32 +33,40 @@ class Moment:
     def on_clock_of(self, recording: Recording) -> float:
         """Find the moment on the clock of a recording, s.
 
-        A time without a zone is compared with the date of a recording that states no zone either, else it is UTC.
+        A time without a zone is compared with the date, or the time of day, of a recording that states no zone
+        either, else it is UTC.
 
         Raises
         ------
         RecordingError
-            For a time of day or a date, if the recording does not tell its date.
+            For a time of day or a date, if the recording does not tell its own.
         """
         start_s, end_s = _span_s(recording)
         if isinstance(self.value, float):
             return start_s + self.value
-        zoned = isinstance(self.value, datetime) and self.value.tzinfo is not None
-        epoch_s = recording.epoch_s if zoned or recording.local_epoch_s is None else recording.local_epoch_s
-        if epoch_s is None:
-            missing = "date" if recording.local_epoch_s is None else "time zone"
+        epoch_s = self._epoch_s(recording)
+        middle = None if epoch_s is None else utc_date(epoch_s + 0.5 * (start_s + end_s))
+        if epoch_s is None or middle is None:
+            zoned = isinstance(self.value, datetime) and self.value.tzinfo is not None
+            missing = "time zone" if zoned and recording.tells_local_date else "date"
             raise RecordingError(
                 f"{recording.name}: {self.text} is a clock time, but the recording does not tell its {missing}: give "
                 "seconds from its start"
             )
         if isinstance(self.value, datetime):
-            moment = self.value if zoned else self.value.replace(tzinfo=UTC)
+            moment = self.value if self.value.tzinfo is not None else self.value.replace(tzinfo=UTC)
             return moment.timestamp() - epoch_s
-        middle = datetime.fromtimestamp(epoch_s + 0.5 * (start_s + end_s), tz=UTC)
         days = [middle.date() + timedelta(days=day) for day in (-1, 0, 1)]
         moments = [datetime.combine(day, self.value, tzinfo=UTC) for day in days]
         nearest = min(moments, key=lambda moment: abs(moment - middle))
         return nearest.timestamp() - epoch_s
+
+    def _epoch_s(self, recording: Recording) -> float | None:
+        """Return the time zero of a recording from which this kind of moment counts; None where it is not known."""
+        if isinstance(self.value, datetime):
+            zoned = self.value.tzinfo is not None
+            return recording.local_epoch_s if recording.tells_local_date and not zoned else recording.epoch_s
+        return recording.epoch_s if recording.local_epoch_s is None else recording.local_epoch_s
 
 
 def parse_moment(text: str) -> Moment:

@@ -1,10 +1,19 @@
-"""Offset and skew between the clocks of two devices."""
+"""Offset and skew between the clocks of two devices, and Unix times as dates."""
 
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 import numpy as np
 
 from pdr_est.frames import Array
+
+
+def utc_date(unix_s: float) -> datetime | None:
+    """Return a Unix time, s, as a date with its time in UTC; None where it is none of the years 1 to 9999."""
+    try:
+        return datetime.fromtimestamp(unix_s, UTC)
+    except (OverflowError, OSError, ValueError):
+        return None
 
 
 @dataclass(frozen=True)

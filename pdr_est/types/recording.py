@@ -13,6 +13,8 @@ from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import AttitudeReference, Channel, SensorBlock
 
+_LATEST_TIME_OF_DAY_S = 2.0 * 86400.0  # also of a recording that began before midnight
+
 
 @dataclass(frozen=True)
 class Signal:
@@ -196,7 +198,8 @@ class Recording:
         Positions that the walker marked on the device while passing them, other than the reference data.
     local_epoch_s
         What `epoch_s` would be if the date that the recorder wrote without a time zone were UTC; None without such a
-        date. Dates of others that state no zone either are compared with it.
+        date. Dates of others that state no zone either are compared with it. Of a time of day without a date it is
+        the seconds since midnight.
     """
 
     name: str
@@ -278,6 +281,11 @@ class Recording:
         if not spans:
             return None
         return min(begin for begin, _ in spans), max(end for _, end in spans)
+
+    @property
+    def tells_local_date(self) -> bool:
+        """Tell whether a date is known in the recorder's own time zone, and not only the time of day."""
+        return self.local_epoch_s is not None and self.local_epoch_s > _LATEST_TIME_OF_DAY_S
 
     def place_of(self, device: DeviceRecording) -> str:
         """Name a device of this recording for error messages."""

@@ -201,3 +201,46 @@ def test_a_table_of_walks_replaces_nothing_else(folder: Path, tmp_path: Path) ->
     assert "is no table of walks" in refused("smooth", folder, "-o", tmp_path / "out", "--overwrite")
     assert run("steps", folder, "--summary", tmp_path / "t.csv").exit_code == 0
     assert run("steps", folder, "--summary", tmp_path / "t.csv").exit_code == 0
+
+
+def test_files_that_cannot_be_read_count_as_walks(folder: Path, lines: list[str], tmp_path: Path) -> None:
+    walks = tmp_path / "walks"
+    (walks / "day").mkdir(parents=True)
+    save(walks / "a.csv", lines)
+    save(walks / "day" / "b.csv", lines[:-50])
+    save(walks / "day" / "page.csv", ["<html><p>not found</p></html>"])
+    save(walks / "day" / "places.csv", ["time,lat,lon", *(f"{t},50.{t},8" for t in range(20))])
+    save(walks / "README.txt", ["walks of a day"])
+    save(walks / "a.json", ["{}"])
+    out = tmp_path / "out"
+    result = run("smooth", walks, "-o", out)
+    assert result.exit_code == 2
+    assert "2 of 4 walks -> " in result.stdout
+    assert [row["walk"] for row in rows_of(out / "walks.csv")] == ["a", "b", "page", "places"]
+    assert [line.split(": ")[1] for line in result.stderr.splitlines() if line.startswith("failed: ")] == [
+        str(walks / "day" / name) for name in ("page.csv", "places.csv")
+    ]
+    assert "2 of 4 walks failed (page, places)" in result.stderr
+    for command in ("steps", "inspect"):
+        assert run(command, walks, "--summary", tmp_path / "table.csv").exit_code == 2
+        assert len(rows_of(tmp_path / "table.csv")) == 4
+
+
+def test_a_folder_may_hold_walks_of_several_apps(walk: Walk, lines: list[str], tmp_path: Path) -> None:
+    walks = tmp_path / "walks"
+    (walks / "app").mkdir(parents=True)
+    save(walks / "a.csv", lines)
+    save(walks / "b.csv", lines)
+    as_folder(walks / "app", sensor_logger(walk))
+    as_zip(walks / "c.zip", sensor_logger(walk))
+    result = run("steps", walks, "--summary", tmp_path / "table.csv")
+    assert result.exit_code == 0, result.output
+    assert sorted(row["walk"] for row in rows_of(tmp_path / "table.csv")) == ["a", "app", "b", "c"]
+
+
+def test_rows_of_several_persons_in_a_folder_are_asked_for(lines: list[str], tmp_path: Path) -> None:
+    titles, *below = lines
+    people = [f"{titles},user", *(f"{line},{name}" for name in ("ann", "bob") for line in below)]
+    save(tmp_path / "walk.csv", people)
+    assert "choose one with --device NAME" in refused("steps", tmp_path)
+    assert run("steps", tmp_path, "--device", "bob").exit_code == 0

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from cli_recordings import Walk, columns_of, lines_of, save
 from cli_runs import refused, run, smoothed
@@ -34,6 +35,29 @@ def test_seconds_count_from_the_first_sample(walk: Walk, good: Path, tmp_path: P
 def test_clock_times(to: str, export_zip: Path) -> None:
     """The export begins on 10 June 2024 at 14:45:36 UTC."""
     assert steps_in(export_zip, "--to", to) == steps_in(export_zip, "--to", "7.0")
+
+
+LOCAL = np.datetime64("2031-02-03T04:05:06.000", "ms")
+
+
+@pytest.mark.parametrize(
+    ("form", "tos"),
+    [
+        ("dates", ["4:05:13", "04:05:13", "2031-02-03T04:05:13", "2031-02-03 04:05:13.0"]),
+        ("of day", ["04:05:13", "4:05:13.00"]),
+    ],
+)
+def test_clock_times_as_the_recorder_wrote_them(form: str, tos: list[str], walk: Walk, tmp_path: Path) -> None:
+    """A recorder that states no time zone is asked in its own time."""
+    stamps = [str(LOCAL + np.timedelta64(round(1000.0 * time_s), "ms")).replace("T", " ") for time_s in walk.time_s]
+    clock = ["time", *(stamp[11:] if form == "of day" else stamp for stamp in stamps)]
+    lines = [line.partition(",")[2] for line in lines_of(columns_of(walk))]
+    path = save(tmp_path / "walk.csv", [f"{time},{rest}" for time, rest in zip(clock, lines, strict=True)])
+    for to in tos:
+        assert steps_in(path, "--to", to) == steps_in(path, "--to", "7.0")
+    assert "does not tell its" in refused("steps", path, "--to", "2031-02-03T04:05:13Z")
+    if form == "of day":
+        assert "does not tell its date" in refused("steps", path, "--to", "2031-02-03T04:05:13")
 
 
 def test_inspect_tells_where_the_walking_is(good: Path) -> None:

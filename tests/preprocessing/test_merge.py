@@ -29,6 +29,31 @@ def test_dates_put_the_second_recording_where_it_began() -> None:
     np.testing.assert_allclose(moved.time_s, 30.0 + np.arange(5.0))
 
 
+def local(name: str, value: float, local_epoch_s: float) -> Recording:
+    return replace(recording(name, value), local_epoch_s=local_epoch_s)
+
+
+@pytest.mark.parametrize(
+    ("first_s", "second_s", "later_s"),
+    [(1.9e9, 1.9e9 + 30.0, 30.0), (86_390.0, 20.0, 30.0), (1.9e9, 1.9e9 % 86_400.0 - 7.0, -7.0)],
+    ids=["dates", "times of day over midnight", "a date and a time of day"],
+)
+def test_dates_without_a_time_zone_are_those_of_one(first_s: float, second_s: float, later_s: float) -> None:
+    both = merge_recordings([local("a", 1.0, first_s), local("b", 2.0, second_s)])
+    moved = both.devices[1].specific_force
+    assert moved is not None
+    np.testing.assert_allclose(moved.time_s, later_s + np.arange(5.0))
+    assert any("are taken to be of the same" in note for note in both.notes)
+
+
+def test_a_date_without_a_time_zone_is_not_compared_with_unix_time() -> None:
+    both = merge_recordings([recording("a", epoch_s=1.9e9), local("b", 2.0, 1.9e9 + 30.0)])
+    kept = both.devices[1].specific_force
+    assert kept is not None
+    np.testing.assert_allclose(kept.time_s, np.arange(5.0))
+    assert any("not compared with that of b" in note for note in both.notes)
+
+
 def test_without_dates_times_stay_as_they_are() -> None:
     both = merge_recordings([recording("a", epoch_s=1000.0), recording("b", 2.0)])
     kept = both.devices[1].specific_force

@@ -83,3 +83,23 @@ def test_samples_too_far_apart_for_steps_are_told() -> None:
     assert quality_warnings(thinned(0.1)) == ()
     (words,) = quality_warnings(thinned(0.2))
     assert "the accelerometer has only 5.0 samples a second" in words
+
+
+def test_an_axis_that_never_changes_is_told() -> None:
+    for name, signal in (("accelerometer", FORCE), ("gyroscope", RATE)):
+        values: Array = signal.values.copy()
+        values[:, 1] = 0.0
+        field = {"accelerometer": "specific_force", "gyroscope": "rotation_rate"}[name]
+        told = quality_warnings(replace(FULL, **{field: Signal(signal.time_s, values)}))
+        assert any(f"the y axis of the {name} is always 0 while the others change" in words for words in told)
+
+
+def test_an_accelerometer_that_hits_the_end_of_its_range_is_told_with_the_axis_and_the_share() -> None:
+    motion = 8.0 * np.sin(2.0 * np.pi * 1.8 * TIME_S)[:, None] * np.array([0.2, 0.1, 1.0])
+    whole = Signal(TIME_S, FORCE.values + motion)
+    clipped = Signal(TIME_S, np.clip(whole.values, -15.0, 15.0))
+    assert quality_warnings(replace(FULL, specific_force=whole)) == ()
+    (words,) = quality_warnings(replace(FULL, specific_force=clipped))
+    assert words.startswith("the z axis of the accelerometer hits the end of its range")
+    share = float(np.mean(clipped.values[:, 2] == 15.0))
+    assert f"{share:.1%} of its samples" in words

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
+from pdr_est.preprocessing.quality.clock_requirements import explain_empty_grid
 from pdr_est.preprocessing.quality.requirements import (
-    explain_empty_grid,
     has_gyroscope,
     prefers_recorded_attitude,
     require_track_sensors,
@@ -81,7 +81,21 @@ def test_why_nothing_came_out_of_whole_seconds_or_another_unit() -> None:
     milli_g = DeviceRecording(specific_force=Signal(TIME_S, 1e3 * FORCE.values))
     assert "accelerometer reach 9.8e+03 m/s^2, more than 1000" in str(explain_empty_grid(milli_g, "walk", 0.5))
     short = DeviceRecording(specific_force=Signal(TIME_S[:2], FORCE.values[:2]))
-    assert "record for longer" in str(explain_empty_grid(short, "walk", 0.5))
+    told = str(explain_empty_grid(short, "walk", 0.5))
+    assert re.search(r"the accelerometer spans 0\.\d+ s with 2 samples\): record for longer", told)
+    rushed = DeviceRecording(specific_force=Signal(TIME_S / 1e6, FORCE.values))
+    assert "more a second than any phone has: give the time in seconds, or state" in str(
+        explain_empty_grid(rushed, "walk", 0.5)
+    )
+    hourly = DeviceRecording(specific_force=Signal(3600.0 * TIME_S, FORCE.values))
+    assert "and span" in (told := str(explain_empty_grid(hourly, "walk", 0.5)))
+    assert "state the unit of time with --map" in told
+
+
+def test_a_clock_in_nanoseconds_is_shown_with_its_values() -> None:
+    ticks = Signal(1_927_000_000e9 + 1e9 * TIME_S, FORCE.values)
+    with pytest.raises(RecordingError, match=r"begin with 1927000000000000000, .*more than a year.*unit: ns"):
+        required_channels(replace(BARE, specific_force=ticks), "walk", with_attitude=False)
 
 
 def sampled(rate_hz: float, attitude_hz: float, attitude_s: tuple[float, float] = (0.0, 20.0)) -> DeviceRecording:
@@ -113,3 +127,12 @@ def sampled(rate_hz: float, attitude_hz: float, attitude_s: tuple[float, float] 
 )
 def test_the_devices_attitude_is_better_where_samples_are_coarse(device: DeviceRecording, better: bool) -> None:
     assert prefers_recorded_attitude(device) is better
+
+
+def test_columns_that_may_be_the_missing_gyroscope_are_named() -> None:
+    unread = replace(BARE, decisions=("specific force is acc_x, acc_y, acc_z", "not used: rx, ry, rz, temperature"))
+    with pytest.raises(RecordingError, match=r"rx, ry, rz, temperature.*--map"):
+        require_track_sensors(unread, "walk")
+    with pytest.raises(RecordingError) as every_column_used:
+        require_track_sensors(BARE, "walk")
+    assert "--map" not in str(every_column_used.value)

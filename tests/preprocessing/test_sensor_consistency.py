@@ -60,13 +60,32 @@ def test_axes_in_another_order_or_sign_are_told_with_what_fits(rows: list[list[f
     assert fits in words
 
 
+@pytest.mark.parametrize("gain", [0.5, 0.7])
+def test_an_axis_of_the_gyroscope_that_reads_too_little_is_told_with_its_gain(gain: float) -> None:
+    sound = device("mmpdr_indoor_multi")
+    weak = mapped(sound.rotation_rate, np.diag([1.0, gain, 1.0]))
+    (words,) = consistency_warnings(replace(sound, rotation_rate=weak))
+    found = re.search(r"its y axis reads (\d\.\d\d) \+- (\d\.\d\d) of the truth", words)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(gain, abs=0.06)
+
+
+def test_the_yaw_of_a_phone_that_never_tilts_may_have_any_gain() -> None:
+    sound = device("l_shape")
+    assert sound.specific_force is not None
+    up = sound.specific_force.values.mean(axis=0)
+    up /= np.linalg.norm(up)
+    halved = np.eye(3) - 0.5 * np.outer(up, up)
+    assert consistency_warnings(replace(sound, rotation_rate=mapped(sound.rotation_rate, halved))) == ()
+
+
 def test_a_gyroscope_of_another_walk_fits_in_no_way() -> None:
     sound = device("mmpdr_indoor_pocket")
     assert sound.rotation_rate is not None
     time_s = sound.rotation_rate.time_s
     turning = np.column_stack([np.sin(0.7 * time_s), np.cos(0.9 * time_s), np.sin(1.1 * time_s)])
     (words,) = consistency_warnings(replace(sound, rotation_rate=Signal(time_s, turning)))
-    assert "no other axes, signs or delay" in words
+    assert "no other axes, signs, gain or delay" in words
 
 
 @pytest.mark.parametrize(("late_s", "words"), [(0.8, "0.8 s earlier"), (-0.8, "0.8 s later")])

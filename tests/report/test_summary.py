@@ -54,6 +54,12 @@ def test_counts_distance_and_duration_of_two_devices(make_walk) -> None:
     assert summary["recording"]["time_zero"] == "2023-11-14T22:13:20.000+00:00"
 
 
+def test_a_time_zero_that_is_no_date_is_not_known(make_walk) -> None:
+    walk, recording = make_walk(steps=5)
+    summary = strict(summarise(walk, replace(recording, epoch_s=6.4e11), CONFIG, {}, {}))
+    assert summary["recording"]["time_zero"] is None
+
+
 @pytest.mark.parametrize(
     ("start", "with_fixes", "frame"),
     [

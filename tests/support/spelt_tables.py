@@ -14,17 +14,30 @@ DEG = np.pi / 180.0
 FORCE_NAMES = (
     "acc_{}", "Acc{U}", "accel_{}", "Accelerometer {U}", "acceleration_{}", "ACCELEROMETER {U}", "a{}", "{}_acc",
     "{U}-Acceleration", "accelerometer.{}", "linear_acceleration.{}", "Beschleunigung {}", "加速度{U}",
-    "aceleración {}", "accélération {}", "acc[{i}]", "imu_acc_{}", "accelerationIncludingGravity.{}",
+    "aceleración {}", "accélération {}", "acc[{i}]", "imu_acc_{}", "accelerationIncludingGravity.{}", "acc1_{}",
+    "{U}軸加速度", "{U}轴加速度", "가속도 {U}", "Акселерометр {U}", "ускорение {}", "aceleração {}", "versnelling {}",
+    "przyspieszenie {}", "Beschleunigung in {}-Richtung", "{U}-axis acceleration", "accelerazione asse {}", "ACC{U}1",
 )  # fmt: skip
 RATE_NAMES = (
     "gyro_{}", "Gyr{U}", "gyr_{}", "Gyroscope {U}", "rotationRate.{}", "GYROSCOPE {U}", "w{}", "{}_gyro", "omega_{}",
     "angular_velocity.{}", "ang_vel_{}", "angularVelocity{U}", "Winkelgeschwindigkeit {}", "角速度{U}",
-    "giroscopio {}", "vitesse angulaire {}", "gyro[{i}]", "imu_gyro_{}", "g{}",
+    "giroscopio {}", "vitesse angulaire {}", "gyro[{i}]", "imu_gyro_{}", "g{}", "gyr1_{}", "ω_{}", "ω{}",
+    "Giróscopo {}", "{U}軸角速度", "{U}轴角速度", "각속도 {U}", "Гироскоп {U}", "угловая скорость {}", "Żyroskop {U}",
+    "hoeksnelheid {}", "{U}-axis angular velocity", "velocità angolare {}", "velocidade angular {}", "GYRO{U}1",
 )  # fmt: skip
-FORCE_UNITS = {"m/s^2": 1.0, "m/s²": 1.0, "m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1e3}
-RATE_UNITS = {"rad/s": 1.0, "deg/s": DEG, "°/s": DEG, "dps": DEG, "mdps": DEG / 1e3}
+FORCE_UNITS = {
+    "m/s^2": 1.0, "m/s²": 1.0, "m/s2": 1.0, "m.s-2": 1.0, "m s^-2": 1.0, "meters per second squared": 1.0,
+    "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1e3, "g's": STANDARD_GRAVITY_MPS2,
+}  # fmt: skip
+RATE_UNITS = {
+    "rad/s": 1.0, "rad.s-1": 1.0, "rad s⁻¹": 1.0, "radians per second": 1.0, "deg/s": DEG, "°/s": DEG, "dps": DEG,
+    "degrees/sec": DEG, "mdps": DEG / 1e3,
+}  # fmt: skip
 SUFFIXES = {"m/s^2": "mps2", "g": "g", "mg": "mg", "rad/s": "radps", "deg/s": "dps", "mdps": "mdps"}
-UNIT_STYLES = ("{name} ({unit})", "{name} [{unit}]", "{name}[{unit}]", "{name}_{suffix}")
+UNIT_STYLES = (
+    "{name} ({unit})", "{name} [{unit}]", "{name}[{unit}]", "{name}_{suffix}", "{name} {{{unit}}}",
+    "{name} in {unit}", "{name} / {unit}", "{name}: {unit}",
+)  # fmt: skip
 DATE_FORMS = (
     "{y}-{m}-{d} {H}:{M}:{S}.{ms}", "{y}-{m}-{d}T{H}:{M}:{S}.{ms}Z", "{y}/{m}/{d} {H}:{M}:{S}.{ms}",
     "{d}.{m}.{y} {H}:{M}:{S}.{ms}", "{d}-{b}-{y} {H}:{M}:{S}.{ms}", "{y}-{m}-{d} {h}:{M}:{S}.{ms}",
@@ -88,7 +101,7 @@ def _sensor(
 def _clock(walk: TableWalk, draw: random.Random) -> tuple[str, Any]:
     """The time in a random unit, from zero, since boot or since 1970, or as a date."""
     kind = draw.choice(("s", "ms", "us", "ns", "date"))
-    name = draw.choice(("time", "Timestamp", "t", "Time", "zeit", "时间", "Timestamp", "tiempo", "temps"))
+    name = draw.choice(("time", "Timestamp", "t", "Time", "zeit", "时间", "tiempo", "temps", "время", "czas", "시간"))
     if kind == "date":
         return name, dates(walk.time_s, draw.choice(DATE_FORMS))
     if draw.random() < 0.5:

@@ -47,7 +47,8 @@ def smooth_command(**options: Any) -> None:
 
     Several recordings are those of devices that one person carried at the same time. With --each, with a folder of
     several recordings, with --jobs, and if three or more were made at different times by their dates, each is a walk
-    of its own: its results go to a folder of its name in OUT, and OUT/walks.csv has a row for each walk.
+    of its own: its results go to a folder of its name in OUT, and OUT/walks.csv has a row for each walk. Files of a
+    folder that cannot be read count as walks that failed; the exit code is 2 if any did.
     """
     from pdr_est.cli.work.smooth import smooth_walks
 

@@ -11,7 +11,7 @@ from pdr_est.cli.many_walks import Done, finish_many, refuse_other_file, work_on
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
 from pdr_est.cli.work.walking_hint import walking_hint
-from pdr_est.io.formats.plain_csv.unknown import write_map_draft
+from pdr_est.io.formats.map_draft import write_map_draft
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.preprocessing.moments import Moment
 from pdr_est.preprocessing.quality.inspection import inspect_recording

@@ -58,7 +58,7 @@ def smooth_walks(
     part = RecordingPart(begin, end, devices, mapping)
     found = [expand_argument(argument, mapping) for argument in recordings]
     paths = distinct_paths(path for group in found for path in group)
-    many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping)
+    many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping, devices)
     with_report = not many if report is None else report
     request = SmoothRequest(config, fixes, part, messages, own, overwrite, tuple(inputs), with_report)
     if many:

@@ -20,6 +20,7 @@ from pdr_est.io.formats.phone_apps.sensor_logger.live import Platform
 from pdr_est.io.side_tables.position_fixes import fixes_within
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.preprocessing.moments import Moment
+from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.recording import Recording
 
 _LIVE = Path("-")
@@ -75,7 +76,7 @@ def track_walk(
     with _output_stream(output, overwrite) as stream, prefix_errors(", ".join(map(str, recordings))):
         replay(recorded, known, config, realtime, stream)
     for device in recorded.devices:
-        for words in device.warnings:
+        for words in dict.fromkeys((*device.warnings, *quality_warnings(device))):
             click.echo(f"warning: {device.name}: {words}", err=True)
 
 

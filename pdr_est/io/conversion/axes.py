@@ -8,10 +8,8 @@ down at rest.
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
-from pdr_est.types.recording import Signal
 
 _AGREEMENT = 0.1  # about 6 degrees between the attitude's vertical and gravity
-_GRAVITY_MARGIN_S = 0.2  # gravity is extrapolated over this time
 
 
 def quaternion_from_rotation_vector(vector: Array) -> Array:
@@ -62,34 +60,3 @@ def vertical_mismatch_warnings(attitude: Array, up: Array) -> tuple[str, ...]:
     return (
         f"the up directions of recorded attitude and gravity differ by {mismatch:.2f} (distance of unit vectors)",
     )
-
-
-def add_gravity(linear: Signal, gravity: Signal) -> tuple[Signal, tuple[str, ...]]:
-    """Add gravity to a linear acceleration, at the times of the acceleration.
-
-    Gravity varies slowly and is interpolated where the time stamps differ. Rows more than 0.2 s outside the time of
-    the gravity are left out.
-
-    Parameters
-    ----------
-    linear, gravity
-        (n, 3) and (m, 3) in one unit and sign convention.
-
-    Returns
-    -------
-    Signal
-        Acceleration with gravity.
-    tuple of str
-        A warning that counts the rows left out.
-    """
-    if np.array_equal(linear.time_s, gravity.time_s):
-        return Signal(linear.time_s, linear.values + gravity.values), ()
-    order = np.argsort(gravity.time_s, kind="stable")
-    time_s = gravity.time_s[order]
-    inside = (linear.time_s >= time_s[0] - _GRAVITY_MARGIN_S) & (linear.time_s <= time_s[-1] + _GRAVITY_MARGIN_S)
-    kept_s = linear.time_s[inside]
-    interpolated = np.stack([np.interp(kept_s, time_s, column) for column in gravity.values[order].T], axis=1)
-    total = Signal(kept_s, linear.values[inside] + interpolated)
-    removed = len(inside) - len(kept_s)
-    warning = f"acceleration: {removed} of {len(inside)} rows are left out: no gravity at their time"
-    return total, ((warning,) if removed else ())

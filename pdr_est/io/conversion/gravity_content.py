@@ -3,7 +3,7 @@
 import numpy as np
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit
+from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit, mean_vector, sampled_rows
 from pdr_est.types.recording import Signal
 
 _PEAK_PERCENTILE = 99.0
@@ -13,7 +13,6 @@ _SURELY_MPS2 = 3.1
 _GRAVITY_SHARE = 0.65
 _STATIC_MPS2 = (6.5, 20.0)  # as in `units`
 _PARTS = 10
-_ROWS_OF_MEDIAN = 50_000
 _FEWEST_SAMPLES, _SHORTEST_S = 50, 5.0
 _GRAVITY_LENGTHS = (STANDARD_GRAVITY_MPS2, 1.0, 1000.0)
 
@@ -57,16 +56,16 @@ def lacks_gravity(signal: Signal, factor: float | None = None) -> bool:
     """
     if len(signal) < _FEWEST_SAMPLES or np.ptp(signal.time_s) < _SHORTEST_S:
         return False
-    parts = [np.linalg.norm(part.mean(axis=0)) for part in np.array_split(signal.values, _PARTS)]
-    every = max(1, len(signal) // _ROWS_OF_MEDIAN)
-    norm = float(np.median(np.linalg.norm(signal.values[::every], axis=1)))
+    parts = [np.linalg.norm(mean_vector(part)) for part in np.array_split(signal.values, _PARTS)]
+    norm = float(np.median(np.linalg.norm(sampled_rows(signal.values), axis=1)))
     mean = float(np.median(parts)) * (1.0 if factor is None else factor)
     return float(np.median(parts)) < _GRAVITY_SHARE * norm and not _STATIC_MPS2[0] <= mean <= _STATIC_MPS2[1]
 
 
 def is_gravity(values: Array) -> bool:
     """Tell whether all vectors (n, 3) are as long as gravity in m/s^2, g or mg, as those of a gravity sensor are."""
-    norm = np.linalg.norm(values[np.isfinite(values).all(axis=1)], axis=1)
+    sample = sampled_rows(values)
+    norm = np.linalg.norm(sample[np.isfinite(sample).all(axis=1)], axis=1)
     if not len(norm):
         return False
     low, middle, high = np.percentile(norm, (2.0, 50.0, 98.0))

@@ -1,11 +1,6 @@
-"""Gravity as the accelerometer shows it, carried along by the gyroscope: windows in which both can be compared.
+"""Cut accelerometer and gyroscope into windows in which both can be compared, and integrate the rotation of each.
 
-In axes that do not rotate, the specific force of a walking person has a mean over two strides that hardly changes: it
-is gravity. The gyroscope turns the samples of a window into such axes. If its axes, signs and unit are right, the
-means of the window's parts agree; if not, gravity seems to move. Only rotations of the vertical show: the sign of a
-rotation about it does not, nor does the sign of gravity.
-
-The means carry Hann windows, which suppress the rhythm of walking by more than a hundredfold. Constants are ours.
+See `pdr_est.io.conversion.gravity_drift` for what is compared. Constants are ours.
 """
 
 from dataclasses import dataclass
@@ -20,12 +15,10 @@ from pdr_est.types.recording import Signal
 _WINDOW_S = 6.0
 _HOP_S = 3.0
 _PERIOD_S = 0.04  # of the means of samples that are rotated; a limb turns by less than half a radian meanwhile
-_MEANS = 4  # in a window
-_MEAN_S = 2.4  # length of the Hann windows, two strides
 _MOST_WINDOWS = 120  # spread over longer recordings
 _LONGEST_PAUSE_S = 0.25
-_STEADY_SIGMA_MPS2 = 0.3  # of a mean: slow accelerations, time stamps, drift
-_MOTION_SHARE = 0.1  # of the motion in a window that is left in a mean
+_STEADY_SIGMA_MPS2 = 0.3  # of a mean over two strides: slow accelerations, time stamps, drift
+_MOTION_SHARE = 0.1  # of the motion in a window that is left in such a mean
 
 
 @dataclass(frozen=True)
@@ -41,7 +34,7 @@ class GravityWindows:
     period_s
         Length of these intervals.
     variance_m2ps4
-        (k,) variance to be expected of each component of the means of a window.
+        (k,) upper bound of the variance of each component of a mean over two strides, for the motion in the window.
     """
 
     start_s: Array
@@ -82,7 +75,7 @@ def gravity_windows(force: Signal, rate: Signal, lag_s: float = 0.0) -> GravityW
     if not end_s - begin_s >= _WINDOW_S:
         return None
     count = int((end_s - begin_s - _WINDOW_S) / _HOP_S) + 1
-    chosen = np.arange(count) if count <= _MOST_WINDOWS else np.linspace(0, count - 1, _MOST_WINDOWS).round()
+    chosen = np.arange(count) if count <= _MOST_WINDOWS else np.linspace(0.0, count - 1.0, _MOST_WINDOWS).round()
     start_s = begin_s + _HOP_S * chosen
     edges_s = start_s[:, None] + np.arange(round(_WINDOW_S / _PERIOD_S) + 1) * _PERIOD_S
     force_mps2, whole = accelerometer.means(edges_s)
@@ -153,39 +146,6 @@ def turned_by(rate_radps: Array, period_s: float) -> Array:
         turned[:, j] = sofar @ half[:, j]
         sofar = sofar @ whole[:, j]
     return turned
-
-
-def hann_means(values: Array, period_s: float) -> Array:
-    """Average values (k, n, ...) of windows with Hann windows of 2.4 s: the means (k, 4, ...) of their parts."""
-    n = values.shape[1]
-    length = min(_MEAN_S / period_s, n)
-    centres = np.linspace(0.5 * length, n - 0.5 * length, _MEANS)
-    away = np.arange(n) + 0.5 - centres[:, None]
-    weights = np.where(np.abs(away) < 0.5 * length, np.cos(np.pi * away / length) ** 2, 0.0)
-    means = np.tensordot(weights / weights.sum(axis=1, keepdims=True), values, axes=(1, 1))
-    return np.moveaxis(means, 0, 1)
-
-
-def scatter(means: Array) -> Array:
-    """Compute the variance (k,) of a component of the means (k, m, 3) of each window about their common mean."""
-    spread = means - means.mean(axis=1, keepdims=True)
-    variance: Array = np.square(spread).sum(axis=(1, 2)) / (3.0 * (means.shape[1] - 1))
-    return variance
-
-
-def gravity_scatter(turned: Array, windows: GravityWindows) -> Array:
-    """Compute how much gravity seems to move in each window (k,), m²/s⁴, if its samples turn by (k, n, 3, 3)."""
-    force = np.einsum("kjab,kjb->kja", turned, windows.force_mps2)
-    return scatter(hann_means(force, windows.period_s))
-
-
-def log_likelihood(variance: Array, windows: GravityWindows) -> float:
-    """Compute the log likelihood of apparent movements of gravity (k,), up to a constant.
-
-    Its tails are heavy, because a phone may be thrown about: that of a t distribution, tempered from the nine degrees
-    of freedom of a window's means to two, because the errors of means and of overlapping windows are not independent.
-    """
-    return -2.0 * float(np.log1p(variance / windows.variance_m2ps4).sum())
 
 
 def _rotations(vector: Array) -> Array:

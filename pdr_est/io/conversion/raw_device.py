@@ -4,24 +4,29 @@ Gravity, units, signs and the direction of the attitude are settled in one place
 otherwise the values decide, and every decision is kept in words.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from pdr_est.io.conversion import signs, units
-from pdr_est.io.conversion.axes import add_gravity, quaternion_from_rotation_vector
-from pdr_est.io.conversion.gravity_content import detect_linear_acceleration_unit, has_gravity
+from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
+from pdr_est.io.conversion.gravity_content import detect_linear_acceleration_unit, has_gravity, is_gravity
+from pdr_est.io.conversion.gravity_parts import put_together
 from pdr_est.io.conversion.restored_gravity import restore_gravity
 from pdr_est.io.conversion.rotation_unit import detect_rotation_unit
 from pdr_est.io.conversion.sign_evidence import (
     SignEvidence,
     dip_evidence,
     screen_evidence,
+    title_evidence,
     turn_evidence,
     unit_evidence,
 )
+from pdr_est.io.conversion.units import RawSignal
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import AttitudeReference
+
+__all__ = ["RawDevice", "RawSensor", "RawSignal"]
 
 
 class RawSensor(StrEnum):
@@ -35,25 +40,6 @@ class RawSensor(StrEnum):
     ATTITUDE = "attitude"
     ROTATION_VECTOR = "rotation vector"
     PRESSURE = "barometer"
-
-
-@dataclass(frozen=True)
-class RawSignal:
-    """Signal as it was recorded.
-
-    Attributes
-    ----------
-    signal
-        Times in s on the clock of the recording, values as recorded.
-    title
-        File, table or columns that it comes from, for the decisions.
-    factor
-        Factor to SI units; None where only the values can tell.
-    """
-
-    signal: Signal
-    title: str
-    factor: float | None = None
 
 
 @dataclass
@@ -99,7 +85,8 @@ class RawDevice:
 
     def note(self, conversion: units.Conversion) -> float:
         """Keep the decision and the warning of a conversion; return its factor."""
-        self.decisions.append(conversion.decision)
+        if conversion.decision:
+            self.decisions.append(conversion.decision)
         self.warnings.extend(conversion.warnings)
         return conversion.factor
 
@@ -115,8 +102,13 @@ class RawDevice:
             if attitude is not None:
                 attitude, conversion = signs.resolve_attitude_direction(total, attitude)
                 self.note(conversion)
-            evidence = self._sign_evidence(total, magnetic_field)
-            sign = self.note(signs.detect_force_sign(total, attitude, self.sign, self.sign_reason, evidence))
+            unit = self._recorded_unit()
+            # Apple's own unit is g: in m/s^2 somebody has converted it, perhaps with the sign.
+            expected = None if self.sign == -1.0 and unit == 1.0 else self.sign
+            evidence = self._sign_evidence(total, magnetic_field, unit) if expected is None else ()
+            conversion = signs.detect_force_sign(total, attitude, expected, self.sign_reason, evidence)
+            # Steps do not depend on the sign: without a gyroscope there is no track that could be mirrored.
+            sign = self.note(conversion if RawSensor.RATE in self.signals else replace(conversion, warning=""))
             force = Signal(total.time_s, total.values * sign)
         linear = self._acceleration_without_gravity() if force is None else None
         rate = self._rotation_rate(force or linear)
@@ -149,14 +141,19 @@ class RawDevice:
             )
         return total if sign > 0.0 else Signal(total.time_s, -total.values)
 
-    def _sign_evidence(self, total: Signal, magnetic_field: Signal | None) -> tuple[SignEvidence, ...]:
+    def _recorded_unit(self) -> float:
+        """Return the factor to m/s² of the signal that shows gravity, which one without it does not."""
+        source = self.signals.get(RawSensor.FORCE) or self.signals[RawSensor.GRAVITY]
+        return source.factor or units.detect_acceleration_unit(source.signal.values).factor
+
+    def _sign_evidence(self, total: Signal, magnetic_field: Signal | None, unit: float) -> tuple[SignEvidence, ...]:
         """Collect what tells the sign of an acceleration where neither attitude nor recorder do."""
+        linear = self.signals.get(RawSensor.LINEAR)
+        # Core Motion gives both parts in g.
+        apart = RawSensor.FORCE not in self.signals and linear is not None and linear.factor in (None, unit)
+        found = [unit_evidence(unit, gravity_apart=apart)]
         if self.sign is not None:
-            return ()
-        whole = self.signals.get(RawSensor.FORCE)
-        source = whole or self.signals[RawSensor.GRAVITY]  # an acceleration without gravity does not show its unit
-        unit = source.factor or units.detect_acceleration_unit(source.signal.values).factor
-        found = [unit_evidence(unit, gravity_apart=whole is None)]
+            found.append(title_evidence(self.sign, self.sign_reason))
         if self.usual_axes:
             found.append(screen_evidence(total))
         dip = None if magnetic_field is None else dip_evidence(total, magnetic_field, self.latitude_deg)
@@ -191,19 +188,15 @@ class RawDevice:
         if measured is not None:
             self.decisions.append(f"specific force is {measured.title}")
             return self._scaled(RawSensor.FORCE, measured)
+        if linear is None and gravity is not None and not is_gravity(gravity.signal.values):
+            self.decisions.append(f"specific force is {gravity.title}: it is no gravity, because its length changes")
+            return self._scaled(RawSensor.FORCE, gravity)
         if linear is None or gravity is None:
             return None
-        self.decisions.append(f"specific force is {linear.title} + {gravity.title}")
-        factor = gravity.factor or self.note(units.detect_acceleration_unit(gravity.signal.values))
-        total, warnings = add_gravity(
-            Signal(linear.signal.time_s, linear.signal.values * (linear.factor or factor)),
-            Signal(gravity.signal.time_s, gravity.signal.values * factor),
-        )
-        self.warnings += warnings
-        if not len(total):
-            self.warnings.append("acceleration and gravity do not overlap in time: gravity is not used")
-            return None
-        return total
+        total = put_together(linear, gravity, self.signals.get(RawSensor.RATE))
+        for conversion in total.conversions:
+            self.note(conversion)
+        return total.signal
 
     def _restored(
         self, linear: Signal, attitude: Signal | None, rate: Signal | None
@@ -269,6 +262,12 @@ class RawDevice:
         converted = Signal(raw.signal.time_s, raw.signal.values * raw.factor) if raw.factor != 1.0 else raw.signal
         if detect is not None:
             checked = detect(converted.values)
+            as_written = detect(raw.signal.values) if checked.warnings and sensor is RawSensor.FORCE else checked
+            if not as_written.warnings and checked.warnings:
+                self.warnings.append(
+                    f"the stated unit of {raw.title} contradicts its values and is not used: {as_written.decision}"
+                )
+                return Signal(raw.signal.time_s, raw.signal.values * as_written.factor)
             if checked.factor != 1.0:
                 self.warnings.append(f"the stated unit of {raw.title} contradicts its values: {checked.decision}")
             elif sensor is RawSensor.FORCE:

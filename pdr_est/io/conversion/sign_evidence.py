@@ -5,7 +5,7 @@ same walk reflected in the body's own plane of symmetry: the length of the vecto
 heel strikes and the phase between up and forward stay the same. Only what is not symmetric helps, each as log odds:
 
 * how phones are carried: nobody walks with the screen facing down,
-* which sign recorders of a unit use,
+* which sign recorders of a unit use, and which one the titles name,
 * the dip of the earth's magnetic field,
 * the turns of position fixes, against those by the gyroscope. They alone prove it.
 """
@@ -17,12 +17,14 @@ from itertools import pairwise
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.io.conversion.units import sampled_rows
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Signal
 
 _BY_SCREEN = 4.0
 _UP_IN_MPS2, _UP_IN_G, _UP_IN_G_APART = 2.2, 0.0, -2.2
 _BY_DIP = 1.2
+_BY_TITLES = 3.4
 _LEAST_DIP_COSINE = 0.25
 _EQUATOR_DEG = 20.0  # within this latitude the dip may be of either sign
 _UP_S = 2.0  # the acceleration is averaged over this time for the axis of yaw
@@ -55,15 +57,17 @@ def screen_evidence(force: Signal) -> SignEvidence:
 
     The logarithm of the odds is 4 times the share of gravity along the axis out of the screen: a logistic regression
     on 22 sets of phones of equal weight. With sets left out, its log score is 0.37 a set (0.69 for ignorance); the
-    other axes improve nothing, because phones are put into pockets either way up.
+    other axes improve nothing, because phones are put into pockets either way up. Where it says 98 %, all of 121
+    recordings of ten sets are right, where 50 to 70 %, 55 % of 170 are.
 
     Parameters
     ----------
     force
         (n, 3) acceleration with gravity, in the axes of a phone.
     """
-    norm = max(float(np.median(np.linalg.norm(force.values, axis=1))), 1e-9)
-    share = float(np.clip(force.values[:, 2].mean() / norm, -1.0, 1.0))
+    sample = sampled_rows(force.values)
+    norm = max(float(np.median(np.linalg.norm(sample, axis=1))), 1e-9)
+    share = float(np.clip(sample[:, 2].mean() / norm, -1.0, 1.0))
     facing = "up" if share > 0.0 else "down"
     return SignEvidence(_BY_SCREEN * share, f"the screen would face {facing} ({share:+.2f} g)")
 
@@ -88,6 +92,11 @@ def unit_evidence(unit_factor: float, gravity_apart: bool = False) -> SignEviden
     return SignEvidence(_UP_IN_G, "recorders in g have either sign")
 
 
+def title_evidence(sign: float, reason: str) -> SignEvidence:
+    """Judge by titles that name a recorder's convention, where its unit is another one: odds of 30 to 1, ours."""
+    return SignEvidence(_BY_TITLES * sign, reason)
+
+
 def dip_evidence(force: Signal, field: Signal, latitude_deg: float | None = None) -> SignEvidence | None:
     """Judge by the magnetic field, which points down in the northern half of the earth.
 
@@ -110,12 +119,13 @@ def dip_evidence(force: Signal, field: Signal, latitude_deg: float | None = None
     """
     if latitude_deg is not None and abs(latitude_deg) < _EQUATOR_DEG:
         return None
-    along = np.stack([_interpolated(field, force.time_s, axis) for axis in range(3)], axis=1)
-    lengths = np.linalg.norm(along, axis=1) * np.linalg.norm(force.values, axis=1)
+    time_s, values = sampled_rows(force.time_s), sampled_rows(force.values)
+    along = _interpolated(field, time_s)
+    lengths = np.linalg.norm(along, axis=1) * np.linalg.norm(values, axis=1)
     usable = lengths > 0.0
     if not usable.any():
         return None
-    cosine = float(np.median((along * force.values).sum(axis=1)[usable] / lengths[usable]))
+    cosine = float(np.median((along * values).sum(axis=1)[usable] / lengths[usable]))
     if abs(cosine) < _LEAST_DIP_COSINE:
         return None
     south = -1.0 if latitude_deg is not None and latitude_deg < 0.0 else 1.0
@@ -211,7 +221,8 @@ def _log_density(angle_rad: Array, variance_rad2: Array) -> Array:
     return density
 
 
-def _interpolated(signal: Signal, time_s: Array, axis: int) -> Array:
+def _interpolated(signal: Signal, time_s: Array) -> Array:
+    """Interpolate a signal (n, k) at some times (m,), whatever the order of its clock."""
     order = np.argsort(signal.time_s, kind="stable")
-    at: Array = np.interp(time_s, signal.time_s[order], signal.values[order, axis])
-    return at
+    own_s = signal.time_s[order]
+    return np.stack([np.interp(time_s, own_s, column[order]) for column in signal.values.T], axis=1)

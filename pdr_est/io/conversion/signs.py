@@ -17,7 +17,7 @@ from pdr_est.types.recording import Signal
 
 _VERTICAL_COSINE = 0.6  # median over the walk; 0.85 for a swung phone, whose acceleration is far from gravity
 _CLEARLY_BETTER = 0.1
-_CERTAIN = 0.95  # probability of a sign that needs no warning: of a screen that would face up or down
+_CERTAIN = 0.999  # probability of a sign that needs no warning: a mirrored track looks like any other (ours)
 
 
 def gravity_cosine(force: Signal, attitude: Signal) -> float | None:
@@ -73,7 +73,7 @@ def detect_force_sign(
     -------
     Conversion
         Its factor is +1 or -1. Without attitude and expectation it is the more probable one, with a warning unless
-        that is almost certain.
+        that is almost certain. How phones are carried never suffices: a phone may be at the ear or face down.
     """
     cosine = None if attitude is None else gravity_cosine(force, attitude)
     if cosine is not None and abs(cosine) >= _VERTICAL_COSINE:
@@ -138,7 +138,7 @@ def _weighed(evidence: Sequence[SignEvidence]) -> Conversion:
     return Conversion(
         sign,
         decision,
-        f"the sign of the acceleration is not certain: {name} at rest with a probability of {probability:.0%} "
+        f"the sign of the acceleration is not certain: {name} at rest with a probability of {probability:.1%} "
         f"({reasons}); with the other sign the track is mirrored: state the sign with --map, or record the attitude",
     )
 

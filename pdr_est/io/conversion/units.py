@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+from pdr_est.types.recording import Signal
 
 ACCELERATION_UNITS: Mapping[str, float] = {
     "m/s^2": 1.0,
@@ -43,10 +43,6 @@ _PEAK_PERCENTILE = 99.9
 _CALMEST_WALK_DEGPS = 15.0
 _FASTEST_WALK_DEGPS = 3000.0  # no gyroscope of a phone or watch measures more; a calm walk has 15 000 mdeg/s
 _PRESSURE_RANGE_PA = (3e4, 1.2e5)
-_UNIX_RANGE_S = (EARLIEST_UNIX_S, 4e9)  # to 2096
-_DAY_S = 86400.0
-_DAY_NUMBERS = (25_569.0, 80_000.0)  # days since 1899-12-30, from 1970 on
-_SAMPLING_RATE_HZ = (2.0, 1500.0)
 
 
 @dataclass(frozen=True)
@@ -73,6 +69,25 @@ class Conversion:
         return (self.warning,) if self.warning else ()
 
 
+@dataclass(frozen=True)
+class RawSignal:
+    """Signal as it was recorded.
+
+    Attributes
+    ----------
+    signal
+        Times in s on the clock of the recording, values as recorded.
+    title
+        File, table or columns that it comes from, for the decisions.
+    factor
+        Factor to SI units; None where only the values can tell.
+    """
+
+    signal: Signal
+    title: str
+    factor: float | None = None
+
+
 def detect_acceleration_unit(values: Array) -> Conversion:
     """Detect whether an acceleration is in m/s^2, g or mg.
 
@@ -86,7 +101,7 @@ def detect_acceleration_unit(values: Array) -> Conversion:
         (n, 3) acceleration including gravity, of one walk.
     """
     mean = float(
-        np.median([np.linalg.norm(part.mean(axis=0)) for part in np.array_split(values, _parts(len(values)))])
+        np.median([np.linalg.norm(mean_vector(part)) for part in np.array_split(values, _parts(len(values)))])
     )
     share = mean / max(_median_norm(values), 1e-9)
     if share >= _GRAVITY_SHARE:
@@ -120,8 +135,9 @@ def detect_rotation_rate_unit(values: Array) -> Conversion:
         (n, 3) rotation rate of one walk.
     """
     # A single damaged number must not decide, however large it is.
-    peak = float(np.percentile(_largest_component(values), _PEAK_PERCENTILE, method="lower"))
-    high = float(np.percentile(_lengths(values), 95))
+    sample = sampled_rows(values)
+    peak = float(np.percentile(_largest_component(sample), _PEAK_PERCENTILE, method="lower"))
+    high = float(np.percentile(_lengths(sample), 95))
     numbers = f"the largest component is {peak:.3g} and the 95th percentile of the norm {high:.3g}"
     if high > _FASTEST_WALK_DEGPS:
         return Conversion(ROTATION_RATE_UNITS["mdeg/s"], f"rotation rate is in mdeg/s: {numbers}")
@@ -150,55 +166,15 @@ def detect_pressure_unit(values: Array) -> Conversion:
     )
 
 
-def detect_clock_unit(ticks: NDArray[np.float64] | NDArray[np.int64]) -> Conversion:
-    """Detect the unit of a numeric clock: s, ms, us or ns, or the days of a spreadsheet.
-
-    The rate of the rows decides, which must be that of a sensor with 2 to 1500 samples a second: the units differ by
-    a factor of 1000, so that at most one fits. Rows that share a stamp count, too. A first value that is a Unix time
-    between 1998 and 2096 decides only where no unit gives such a rate, because the boot clock of a phone that has run
-    for 10 to 46 days looks like a Unix time in the next larger unit.
-
-    Parameters
-    ----------
-    ticks
-        (n,) clock values, at least one.
-    """
-    first = float(ticks[0])
-    step = _step_of_rows(ticks)
-    unix = [unit for unit, per_s in CLOCK_UNITS.items() if _UNIX_RANGE_S[0] <= first / per_s <= _UNIX_RANGE_S[1]]
-    by_rate = [
-        unit
-        for unit, per_s in CLOCK_UNITS.items()
-        if step > 0 and _SAMPLING_RATE_HZ[0] <= per_s / step < _SAMPLING_RATE_HZ[1]
-    ]
-    if _DAY_NUMBERS[0] <= first <= _DAY_NUMBERS[1] and 0.0 < step * _DAY_S < 1.0 / _SAMPLING_RATE_HZ[0]:
-        return Conversion(_DAY_S, f"the clock counts days, as spreadsheets do: the first value is {first:.6f}")
-    if unix and (unix == by_rate or not by_rate):
-        factor = 1.0 / CLOCK_UNITS[unix[0]]
-        return Conversion(factor, f"the clock counts Unix time in {unix[0]}: the first value is {ticks[0]}")
-    if by_rate:
-        unit = by_rate[0]
-        decision = f"the clock counts {unit}: the median step is {step:.4g}"
-        if unix:
-            decision += f", which cannot be Unix time in {unix[0]}"
-        return Conversion(1.0 / CLOCK_UNITS[unit], decision)
-    return Conversion(
-        1.0,
-        f"the clock is assumed to count seconds, although its median step is {step:.4g}",
-        f"the unit of the clock cannot be determined from its median step of {step:.4g}: seconds are assumed; write "
-        "the unit into the header to be sure",
-    )
+def mean_vector(values: Array) -> Array:
+    """Compute the mean (k,) of rows (n, k), several times as fast as `mean` does it of short rows."""
+    mean: Array = np.einsum("ij->j", values) / len(values)
+    return mean
 
 
-def _step_of_rows(ticks: NDArray[np.float64] | NDArray[np.int64]) -> float:
-    """Compute the median step of the stamps, divided by the rows that share a stamp where most do."""
-    steps = np.diff(ticks)
-    rises = steps[steps > 0]
-    if not len(rises):
-        return 0.0
-    step = float(np.median(rises))
-    shared = float(np.median(np.diff(np.flatnonzero(np.concatenate([[True], steps > 0, [True]])))))
-    return step / max(1.0, shared)
+def sampled_rows(values: Array) -> Array:
+    """Return every k-th row of a long recording: what is taken of them hardly changes by the others."""
+    return values[:: max(1, len(values) // _ROWS_OF_MEDIAN)]
 
 
 def _parts(n: int) -> int:
@@ -207,7 +183,7 @@ def _parts(n: int) -> int:
 
 def _median_norm(values: Array) -> float:
     """Compute the median length of the rows; of a long recording every k-th row is enough."""
-    return float(np.median(_lengths(values[:: max(1, len(values) // _ROWS_OF_MEDIAN)])))
+    return float(np.median(_lengths(sampled_rows(values))))
 
 
 def _lengths(values: Array) -> Array:

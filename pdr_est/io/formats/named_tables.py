@@ -7,17 +7,18 @@ uses, and the meaning of titles that would be misunderstood without knowing it.
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.tables.device import read_device
+from pdr_est.io.tables.device import read_devices
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.tables.signals import layout_of, read_table_signals
+from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
+from pdr_est.io.tables.split.reader import read_tables
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
@@ -32,9 +33,82 @@ MappingOf = Callable[[TableLayout], TableMapping]
 """Finds the meaning of the columns of an app's table."""
 
 
-def members_marked(source: Source, mark: re.Pattern[bytes]) -> tuple[str, ...]:
-    """Find the members whose beginning contains the mark of an app."""
-    return find_members(source, lambda head: mark.search(as_utf8(head)) is not None)
+@dataclass(frozen=True)
+class NamedTableFormat:
+    """Format of an app or device that writes one table.
+
+    Attributes
+    ----------
+    NAME
+        Name of the format.
+    mark
+        What the beginning of such a table contains.
+    device_of
+        Facts about the device (without signals), from the beginning of the table.
+    mapping_of
+        Meaning of the columns; None for what the titles say by themselves.
+    BESIDE
+        Names of files that lie beside such a table and are no walks.
+    """
+
+    NAME: str
+    mark: re.Pattern[bytes]
+    device_of: Callable[[bytes], RawDevice]
+    mapping_of: MappingOf | None = None
+    BESIDE: re.Pattern[str] = re.compile(r"(?!)")
+
+    def sniff(self, source: Source) -> bool:
+        """Tell whether a member of the source is such a table."""
+        return bool(self._members(source))
+
+    def read_source(self, source: Source) -> Recording:
+        """Read the walk of the only table.
+
+        Raises
+        ------
+        RecordingError
+            For several tables, for a table without time, and when no motion sensor has values.
+        """
+        return self.read_chosen(source, ())
+
+    def read_chosen(self, source: Source, chosen: Sequence[str]) -> Recording:
+        """Read the walk of the only table, of the chosen devices or persons only where it has rows of several."""
+        member, mapping, device = self.meaning_of(source)
+        place = source.place(member)
+        devices = read_tables(source.read(member), place, mapping=mapping, chosen=chosen)
+        readings = read_devices(devices, device)
+        first = readings[0]
+        gnss = one_fix_a_second(first.gnss)
+        gnss = gnss if first.device.span_s is None else drop_fixes_outside(gnss, *first.device.span_s)
+        with_fixes = replace(first.device, warnings=(*first.device.warnings, *gnss.warnings))
+        return Recording(
+            name=member_stem(member),
+            format=self.NAME,
+            devices=(with_fixes, *(reading.device for reading in readings[1:])),
+            truth=Truth(positions=first.true_positions),
+            fixes=gnss.fixes,
+            origin=gnss.origin,
+            epoch_s=first.epoch_s,
+            local_epoch_s=first.local_epoch_s,
+        )
+
+    def meaning_of(self, source: Source) -> tuple[str, TableMapping | None, RawDevice]:
+        """Return the member with the table, the meaning of its columns where it is not plain, and the device.
+
+        Raises
+        ------
+        RecordingError
+            When the source has several such tables.
+        """
+        member = require_single_walk(source, self._members(source), self.NAME)
+        device = self.device_of(source.head(member))
+        others = [other for other in source.members if other != member]
+        device.decisions += [f"files not used: {', '.join(others)}"] if others else []
+        layout = None if self.mapping_of is None else layout_of(as_utf8(source.head(member, HEAD_BYTES)))
+        return member, None if self.mapping_of is None or layout is None else self.mapping_of(layout), device
+
+    def _members(self, source: Source) -> tuple[str, ...]:
+        return find_members(source, lambda head: self.mark.search(as_utf8(head)) is not None)
 
 
 def title_with_end(layout: TableLayout, ending: str) -> str:
@@ -49,47 +123,6 @@ def title_with_end(layout: TableLayout, ending: str) -> str:
     """
     pattern = re.compile(rf"(?:^|[./_%]){ending}$", re.IGNORECASE)
     return next((title for title in layout.titles if pattern.search(title)), "")
-
-
-def read_named_table(
-    source: Source, members: Sequence[str], name: str, device: RawDevice, mapping_of: MappingOf | None = None
-) -> Recording:
-    """Read the only table of an app.
-
-    Parameters
-    ----------
-    source, members
-        The source, and its members that are tables of the app.
-    name
-        Name of the format.
-    device
-        What is known of the device; without signals.
-    mapping_of
-        Meaning of the columns; None for what the titles say by themselves.
-
-    Raises
-    ------
-    RecordingError
-        For several tables, for a table without time, and when no motion sensor has values.
-    """
-    member = require_single_walk(source, members, name)
-    data = source.read(member)
-    layout = None if mapping_of is None else layout_of(as_utf8(data[: 1 << 16]))
-    mapping = None if mapping_of is None or layout is None else mapping_of(layout)
-    reading = read_device((read_table_signals(data, source.place(member), mapping=mapping),), device)
-    span = reading.device.span_s
-    gnss = one_fix_a_second(reading.gnss)
-    gnss = gnss if span is None else drop_fixes_outside(gnss, *span)
-    return Recording(
-        name=member_stem(member),
-        format=name,
-        devices=(replace(reading.device, warnings=(*reading.device.warnings, *gnss.warnings)),),
-        truth=Truth(positions=reading.true_positions),
-        fixes=gnss.fixes,
-        origin=gnss.origin,
-        epoch_s=reading.epoch_s,
-        local_epoch_s=reading.local_epoch_s,
-    )
 
 
 def one_fix_a_second(gnss: GnssFixes) -> GnssFixes:

@@ -1,8 +1,9 @@
 """Find the format of a recording by its content, and read it."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.clock_faults import mend_clocks
@@ -35,6 +36,7 @@ from pdr_est.io.formats.phone_apps import (
 from pdr_est.io.formats.phone_apps.phyphox import reader as phyphox
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.plain_csv import reader as plain_csv
+from pdr_est.io.formats.plain_csv.mapped import read_mapped
 from pdr_est.io.formats.plain_csv.unknown import describe_unknown
 from pdr_est.io.formats.sensor_files import reader as sensor_files
 from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
@@ -46,21 +48,31 @@ from pdr_est.types.recording import Recording
 
 
 class Format(Protocol):
-    """Interface of a module that reads one format.
+    """Interface of a module, or object, that reads one format."""
 
-    Attributes
-    ----------
-    NAME
-        Name of the format, for messages.
-    """
-
-    NAME: str
+    @property
+    def NAME(self) -> str:
+        """Return the name of the format, for messages."""
 
     def sniff(self, source: Source) -> bool:
         """Tell whether the content of a source is of this format."""
 
     def read_source(self, source: Source) -> Recording:
         """Read the recording.
+
+        Raises
+        ------
+        RecordingError
+            When it cannot be used.
+        """
+
+
+@runtime_checkable
+class FormatOfChosenDevices(Format, Protocol):
+    """Interface of a format whose tables may hold the rows of several devices, persons or sessions."""
+
+    def read_chosen(self, source: Source, chosen: Sequence[str]) -> Recording:
+        """Read the recording, of the chosen devices only; of all without names, and where none is there.
 
         Raises
         ------
@@ -78,6 +90,7 @@ FORMATS: tuple[Format, ...] = (
     gnss_logger,
     flysight,
     sensor_logger,
+    xio.FORMAT,  # whose table of the magnetometer could be one of phyphox
     phyphox,
     motionsense,
     weallwalk,
@@ -88,24 +101,23 @@ FORMATS: tuple[Format, ...] = (
     wisdm,
     ronin,
     matlab_mobile,
-    ridi,
+    ridi.FORMAT,
     euroc,
     ipin2021,
-    androsensor,
-    physics_toolbox,
-    sensorlog,
-    hyperimu,
-    core_motion,
-    xsens,
-    shimmer,
-    xio,
-    ros_csv,
+    androsensor.FORMAT,
+    physics_toolbox.FORMAT,
+    sensorlog.FORMAT,
+    hyperimu.FORMAT,
+    core_motion.FORMAT,
+    xsens.FORMAT,
+    shimmer.FORMAT,
+    ros_csv.FORMAT,
     sensor_files,
     plain_csv,
 )
 
 
-def read(path: str | Path, mapping: TableMapping | None = None) -> Recording:
+def read(path: str | Path, mapping: TableMapping | None = None, devices: Sequence[str] = ()) -> Recording:
     """Read the recording in a file, a folder or a zip archive, plain or gzipped.
 
     Parameters
@@ -114,6 +126,9 @@ def read(path: str | Path, mapping: TableMapping | None = None) -> Recording:
         The recording.
     mapping
         What the columns of a table mean (`pdr_est.io.tables.mapping_file.load_mapping`); None to find it out.
+    devices
+        Names of the devices, persons or sessions whose rows are wanted, where tables hold rows of several; all
+        without names, and where the table has none of these names.
 
     Raises
     ------
@@ -125,13 +140,20 @@ def read(path: str | Path, mapping: TableMapping | None = None) -> Recording:
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
     if mapping is not None:
-        return mend_clocks(replace(plain_csv.read_mapped(source, mapping), messages=messages))
+        return mend_clocks(replace(read_mapped(source, mapping, devices), messages=messages))
     for known in FORMATS:
         if known.sniff(source):
-            return mend_clocks(replace(known.read_source(source), messages=messages))
+            return mend_clocks(replace(_read_known(known, source, devices), messages=messages))
     names = ", ".join(known.NAME for known in FORMATS)
     raise RecordingError(
         f"{source.path}: unknown format: {describe_unknown(source)}. Say what the columns mean with --map FILE.yaml, "
         "of which `pdr-est inspect RECORDING --write-map FILE.yaml` writes a draft; known formats are "
         f"{names}; see docs/recorder-formats.md"
     )
+
+
+def _read_known(known: Format, source: Source, devices: Sequence[str]) -> Recording:
+    """Read a source, of the wanted devices only where the format can have rows of several in one table."""
+    if isinstance(known, FormatOfChosenDevices):
+        return known.read_chosen(source, devices)
+    return known.read_source(source)

@@ -1,5 +1,8 @@
 """Find the recordings in a folder that holds several."""
 
+import os
+import re
+from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 
 from pdr_est.errors import RecordingError, SeveralWalksError
@@ -7,13 +10,16 @@ from pdr_est.io.formats.registry import FORMATS, read
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source, SourceKind
 
+_NOTE = re.compile(r"(?:read_?me|licen[cs]e|copying|changelog|index|notes?)\b.*", re.IGNORECASE)
+_NONE = re.compile(r"(?!)")
 _ANNOTATION = ".xml"  # files that stand for a walk and hold none of its samples
 
 
 def walks_in_folder(folder: Path, mapping: TableMapping | None = None) -> tuple[Path, ...]:
     """List the recordings in a folder, at any depth; the folder itself if it is one recording.
 
-    All are of one format: that which `read` recognises first.
+    Files of the same kind that cannot be read are in the list, too, so that whoever reads it is told why; the files
+    that a format reads beside a walk are not, nor notes and pictures.
 
     Parameters
     ----------
@@ -31,10 +37,28 @@ def walks_in_folder(folder: Path, mapping: TableMapping | None = None) -> tuple[
         read(folder, mapping)
     except SeveralWalksError as error:
         source = Source.open(folder)
-        if source.kind is not SourceKind.FOLDER:
+        if source.kind is not SourceKind.FOLDER or error.by_device:
             raise
-        return _paths(source, error.walks)
-    return (folder,)
+        walks = _paths(source, error.walks)
+        return walks if mapping is not None else (*walks, *_others(source, walks))
+    return (folder,) if mapping is not None else _with_other_formats(folder)
+
+
+def _with_other_formats(folder: Path) -> tuple[Path, ...]:
+    """List the walk of a folder that is one recording, with recordings of other formats that lie beside it."""
+    source = Source.open(folder)
+    known = next((known for known in FORMATS if known.sniff(source)), None)
+    own = [member for member in source.members if known is not None and known.sniff(source.with_only(member))]
+    if source.kind is not SourceKind.FOLDER or not own or len(source.members) == 1:
+        return (folder,)
+    files = [source.path / source.stored[member] for member in own]
+    walk = files[0] if len(own) == 1 else Path(os.path.commonpath([file.parent for file in files]))
+    others = [] if walk == source.path else _others(source, (walk,))
+    return (walk, *others) if any(_is_readable(path) for path in others) else (folder,)
+
+
+def _is_readable(path: Path) -> bool:
+    return any(known.sniff(Source.open(path)) for known in FORMATS)
 
 
 def _paths(source: Source, walks: tuple[str, ...]) -> tuple[Path, ...]:
@@ -61,6 +85,63 @@ def _path(source: Source, walk: str) -> Path | None:
     return source.path / Path(*PurePosixPath(source.stored[member]).parts[:-below])
 
 
+def _others(source: Source, walks: Sequence[Path]) -> list[Path]:
+    """List the files outside the walks that are recordings of another format, or should be and cannot be read."""
+    folders = {walk for walk in walks if walk.is_dir()}
+    beside = _names_beside(walks[0])
+    outside = [
+        (source.path / stored, member)
+        for member, stored in source.stored.items()
+        if not _NOTE.fullmatch(PurePosixPath(member).name) and not beside.fullmatch(PurePosixPath(stored).name)
+    ]
+    outside = [(path, m) for path, m in outside if path not in walks and not folders & set(path.parents)]
+    found = _joined(source, walks, [path for path, member in outside if _is_recording(source, member)])
+    outside = [(path, m) for path, m in outside if not set(found) & {path, *path.parents}]
+    extensions = {_extension(walk) for walk in walks if walk.is_file()}
+    stems = {(walk.parent, _stem(walk)) for walk in (*walks, *found)}
+    broken = [path for path, _ in outside if _extension(path) in extensions]
+    return [*found, *(path for path in broken if (path.parent, _stem(path)) not in stems)]
+
+
+def _joined(source: Source, walks: Sequence[Path], files: Sequence[Path]) -> list[Path]:
+    """Replace recordings that are the files of one walk by their folder."""
+    found: dict[Path, None] = {}
+    for path in files:
+        folder = path.parent
+        alone = folder != source.path and not any(folder in walk.parents for walk in walks)
+        for walk in _walks_of(folder, path) if alone else (path,):
+            found.setdefault(walk)
+    return list(found)
+
+
+def _walks_of(folder: Path, path: Path) -> tuple[Path, ...]:
+    """List the walks in a folder with a recording; that alone where the folder cannot be read."""
+    try:
+        return walks_in_folder(folder)
+    except RecordingError:
+        return (path,)
+
+
+def _stem(path: Path) -> str:
+    return path.name.removesuffix(_extension(path)).casefold()
+
+
+def _extension(path: Path) -> str:
+    packed = path.suffix.casefold() == ".gz"
+    return "".join(path.suffixes[-2:] if packed else path.suffixes[-1:])
+
+
+def _names_beside(walk: Path) -> re.Pattern[str]:
+    """Return the names of files that the format of a walk reads beside it."""
+    alone = Source.open(walk)
+    known = next((known for known in FORMATS if known.sniff(alone)), None)
+    names: re.Pattern[str] = getattr(known, "BESIDE", _NONE)
+    return names
+
+
 def _is_recording(source: Source, member: str) -> bool:
-    alone = Source.open(source.path / source.stored[member])
-    return any(known.sniff(alone) for known in FORMATS)
+    try:
+        alone = Source.open(source.path / source.stored[member])
+        return any(known.sniff(alone) for known in FORMATS)
+    except RecordingError:  # such as a damaged archive
+        return False

@@ -11,9 +11,9 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import Source, SourceKind
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import read_table
+from pdr_est.io.text.table_layout import detect_header
 from pdr_est.types.recording import ClockMessages
 
 RECORDED_NAME = "clock_messages"
@@ -63,7 +63,7 @@ def split_off_clock_messages(source: Source) -> tuple[Source, tuple[ClockMessage
 
 def _read_exchanges(source: Source, member: str) -> ClockMessages:
     data, place = source.read(member), source.place(member)
-    dialect = detect_dialect(data[:_HEAD_BYTES])
+    dialect = detect_header(data[:_HEAD_BYTES])
     if dialect is None:
         raise RecordingError(f"{place}: no header line device,{','.join(_STAMPS)}: add it")
     titles = {title.casefold(): title for title in dialect.titles}

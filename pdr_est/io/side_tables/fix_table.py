@@ -17,11 +17,17 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.tables.quantities import Quantity, plain_unit, unit_spellings
+from pdr_est.io.tables.quantities import Quantity, unit_spellings
+from pdr_est.io.tables.recognition import Evidence, motion_evidence
+from pdr_est.io.tables.signals import HEAD_BYTES
 from pdr_est.io.tables.times.dates import parse_dates
+from pdr_est.io.tables.words.columns import ACCURACIES, EASTINGS, LATITUDES, LONGITUDES, NORTHINGS, TIMES
+from pdr_est.io.tables.words.folding import split_words
+from pdr_est.io.tables.words.units import plain_unit
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
+from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.text.table_layout import detect_header
 
 FIRST_LINE = 2
 """Line of the first fix; line 1 is the header."""
@@ -37,35 +43,26 @@ LOCAL_TIME = "local_time_s"
 
 _HEAD_BYTES = 4096
 _TITLE = re.compile(r"^(?P<stem>.*?)\s*(?:[\[(](?P<bracket>[^\])]*)[\])]|(?:_|\s+in\s+)(?P<suffix>[^\W_]+))?$")
-_LENGTHS: Mapping[str, float] = {
-    "m": 1.0,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "km": 1e3,
-    "ft": 0.3048,
-    "metres": 1.0,
-    "meters": 1.0,
-}
+_LENGTHS = unit_spellings(Quantity.ACCURACY)
 _TIMES = unit_spellings(Quantity.TIME)
-_ANGLES: Mapping[str, float] = {"deg": 1.0, "°": 1.0, "degrees": 1.0}
+_ANGLES: Mapping[str, float] = {"deg": 1.0}
 _PLAIN: Mapping[str, float] = {}
 
 # Column -> its units, and the titles that mean it, the likelier ones first.
-_COLUMNS: Mapping[str, tuple[Mapping[str, float], str]] = {
-    "time_s": (
-        _TIMES,
-        "time timestamp t seconds secondselapsed elapsed elapsedtime unixtime epoch datetime date zeit zeitstempel "
-        "temps tiempo tempo 时间 時間 時刻",
+_COLUMNS: Mapping[str, tuple[Mapping[str, float], Sequence[str]]] = {
+    "time_s": (_TIMES, ("time", "timestamp", "t", "seconds", *sorted(TIMES))),
+    "x_m": (_LENGTHS, ("x", "east", *sorted(EASTINGS))),
+    "y_m": (_LENGTHS, ("y", "north", *sorted(NORTHINGS))),
+    "latitude_deg": (_ANGLES, ("latitude", *sorted(LATITUDES))),
+    "longitude_deg": (_ANGLES, ("longitude", *sorted(LONGITUDES))),
+    "sigma_m": (
+        _LENGTHS,
+        ("sigma", "std", "stddev", "standarddeviation", "accuracy", "genauigkeit", *sorted(ACCURACIES)),
     ),
-    "x_m": (_LENGTHS, "x east easting xpos posx positionx xcoordinate xcoord e ost est este 东 東"),
-    "y_m": (_LENGTHS, "y north northing ypos posy positiony ycoordinate ycoord n nord norte 北"),
-    "latitude_deg": (_ANGLES, "latitude lat breite breitengrad latitud 纬度 緯度"),
-    "longitude_deg": (_ANGLES, "longitude lon lng long laenge länge längengrad longitud 经度 経度"),
-    "sigma_m": (_LENGTHS, "sigma std stddev standarddeviation accuracy horizontalaccuracy hacc genauigkeit"),
-    "robust": (_PLAIN, "robust"),
-    "source": (_PLAIN, "source provider"),
-    "sigma_wander_m": (_LENGTHS, "sigmawander"),
-    "wander_time_s": (_TIMES, "wandertime"),
+    "robust": (_PLAIN, ("robust",)),
+    "source": (_PLAIN, ("source", "provider")),
+    "sigma_wander_m": (_LENGTHS, ("sigmawander",)),
+    "wander_time_s": (_TIMES, ("wandertime",)),
 }
 # Sizes of Unix time of our days in ms, µs and ns.
 _UNIX_UNITS = ((1e17, 1e19, 1e-9), (1e14, 1e16, 1e-6), (1e11, 1e13, 1e-3))
@@ -97,11 +94,15 @@ def read_fix_table(path: str | Path) -> NumberTable:
         )
     member = source.members[0]
     data, place = source.read(member), source.place(member)
-    dialect = detect_dialect(data[:_HEAD_BYTES])
+    dialect = detect_header(data[:_HEAD_BYTES])
     if dialect is None:
         raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
     found = _known_columns(dialect.titles, place)
     _require_columns(found, dialect.titles, place)
+    if set(MAP_COLUMNS) <= set(found) and motion_evidence(data[:HEAD_BYTES], member_stem(member)) is Evidence.TITLES:
+        raise RecordingError(
+            f"{place}: a recording of sensors, whose x and y are no positions: give the table of the known positions"
+        )
     texts = [found[name].title for name in ("time_s", "source") if name in found]
     table = read_table(
         data,
@@ -126,7 +127,7 @@ def _known_columns(titles: Sequence[str], place: str) -> dict[str, _Title]:
     found: dict[str, _Title] = {}
     for name, (units, spellings) in _COLUMNS.items():
         exact = [_Title(title, 1.0) for title in titles if title.casefold() == name]
-        others = [_Title(title, unit) for title, unit in _spelt(titles, units, spellings.split(), place)]
+        others = [_Title(title, unit) for title, unit in _spelt(titles, units, spellings, place)]
         free = [one for one in (*exact, *others) if one.title not in {other.title for other in found.values()}]
         if free:
             found[name] = free[0]
@@ -160,7 +161,7 @@ def _spelt(
 
 
 def _plain(text: str) -> str:
-    return re.sub(r"[\W_]", "", text.casefold())
+    return "".join(split_words(text))
 
 
 def _require_columns(found: Mapping[str, _Title], titles: Sequence[str], place: str) -> None:

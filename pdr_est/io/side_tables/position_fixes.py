@@ -171,7 +171,7 @@ def _sources(table: NumberTable) -> NDArray[np.str_]:
 def _times(table: NumberTable, recording: Recording) -> Array:
     """Convert the times to the recording's clock."""
     if LOCAL_TIME in table:
-        epoch_s = recording.epoch_s if recording.local_epoch_s is None else recording.local_epoch_s
+        epoch_s = recording.local_epoch_s if recording.tells_local_date else recording.epoch_s
         if epoch_s is None:
             raise RecordingError(
                 f"{table.place}: the times are dates, but that of {recording.name} is unknown: give seconds on its "
@@ -190,7 +190,7 @@ def _times(table: NumberTable, recording: Recording) -> Array:
             f"{table.place}: time_s = {middle_s:.6g} is not a time in seconds: convert milliseconds to seconds"
         )
     if recording.epoch_s is None:
-        zone = "" if recording.local_epoch_s is None else "dates without a time zone, as the recording has, or "
+        zone = "dates without a time zone, as the recording has, or " if recording.tells_local_date else ""
         raise RecordingError(
             f"{table.place}: time_s is Unix time, but that of {recording.name} is unknown: give {zone}seconds on its "
             f"own clock, {start_s:.3f} to {end_s:.3f}"

@@ -11,12 +11,10 @@ headerless    columns without titles, by their values
 mapping       the record of what the columns mean, from titles or from a person
 mapping_file  that record as a YAML file
 times/        dates, clocks, samples that share a stamp
-column_units  the unit of an axis that states none, by the other axes
+values/       what the values tell: rows of codes, units, gravity, the order of axes
 signals       one table: from bytes to signals on the recorder's clock
 split         long tables and tagged logs: several sensors in one file
 placed        signals of several tables on one clock
-settling      what titles leave open, settled by the values
-browser_axes  the order of alpha, beta and gamma
 device        one device of one or several tables
 recognition   whether a file is a table with motion, and what was seen if not
 ============  ========================================================================================

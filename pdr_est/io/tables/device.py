@@ -1,22 +1,24 @@
 """Put the signals of one or several tables of one device together: one clock, units, signs, fixes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor
-from pdr_est.io.tables.browser_axes import settle_browser_axes
 from pdr_est.io.tables.placed import PlacedSignal, first_motion, place_signals
 from pdr_est.io.tables.quantities import MOTION, Quantity
-from pdr_est.io.tables.settling import settle_quantities, settle_sign
 from pdr_est.io.tables.signals import TableSignals
+from pdr_est.io.tables.split.reader import DeviceTables
+from pdr_est.io.tables.values.angle_axes import settle_angle_axes
+from pdr_est.io.tables.values.settling import settle_quantities, settle_sign
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import DeviceRecording
 
 _ASSUMED_FIX_SIGMA_M = 3.0
+_FEWEST_COUNTS = 1600.0  # gravity in mg is 1000
 _SENSORS = {
     Quantity.FORCE: RawSensor.FORCE,
     Quantity.LINEAR: RawSensor.LINEAR,
@@ -54,7 +56,39 @@ class DeviceReading:
     true_positions: TruePositions | None = None
 
 
-def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceReading:
+def read_devices(devices: Sequence[DeviceTables], device: RawDevice) -> tuple[DeviceReading, ...]:
+    """Make device recordings of the tables of several devices, with one time zero: the first row with motion of any.
+
+    Parameters
+    ----------
+    devices
+        Tables of each device, and its name.
+    device
+        Facts about all of them; its name is that of a device without one.
+
+    Raises
+    ------
+    RecordingError
+        When a device has no values of an accelerometer or gyroscope.
+    """
+    zero = first_motion([table for one in devices for table in one.tables])
+    return tuple(
+        read_device(
+            one.tables,
+            replace(
+                device,
+                name=one.name or device.name,
+                signals={},
+                decisions=[*device.decisions, *one.decisions],
+                warnings=[*device.warnings, *one.warnings],
+            ),
+            zero,
+        )
+        for one in devices
+    )
+
+
+def read_device(tables: Sequence[TableSignals], device: RawDevice, zero: TableSignals | None = None) -> DeviceReading:
     """Make a device recording of tables that were recorded together.
 
     Parameters
@@ -63,23 +97,27 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
         Tables of the device; where two hold the same quantity, the first one is taken.
     device
         Facts about the device (`RawDevice` without signals); its decisions and warnings are continued.
+    zero
+        Table whose first row is time zero; None for the first table of the device with motion.
 
     Raises
     ------
     RecordingError
         When no table has values of an accelerometer or gyroscope.
     """
-    first = first_motion(tables)
+    first = zero or first_motion(tables)
     for table in tables:
         prefix = f"{table.place.rsplit('/', 1)[-1]}: " if len(tables) > 1 else ""
         device.decisions += [f"{prefix}{text}" for text in table.decisions]
         device.warnings += [f"{prefix}{text}" for text in table.warnings]
     placed = place_signals(tables, first.clock.start, first.clock.epoch_s, device)
+    _refuse_counts(placed, first.place)
     settle_quantities(placed, device)
     settle_sign(placed, device)
     if not set(MOTION) & set(placed):
         reasons = f" ({'; '.join(device.warnings)})" if device.warnings else ""
-        raise RecordingError(f"{first.place}: neither accelerometer nor gyroscope has values{reasons}; record again")
+        place = first.place if first in tables else tables[0].place
+        raise RecordingError(f"{place}: neither accelerometer nor gyroscope has values{reasons}; record again")
     device.signals = {_SENSORS[quantity]: one.raw for quantity, one in placed.items() if quantity in _SENSORS}
     gnss = _fixes(placed, device)
     device.fixes = gnss.fixes
@@ -87,9 +125,25 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice) -> DeviceRead
     true = placed.get(Quantity.TRUE_POSITION)
     positions = None if true is None else TruePositions(true.raw.signal.time_s, true.raw.signal.values, 0.0, "poses")
     converted = device.convert()
-    if Quantity.RATE in placed and placed[Quantity.RATE].has_browser_angles:
-        converted = settle_browser_axes(converted)
+    if Quantity.RATE in placed and placed[Quantity.RATE].other_order:
+        converted = settle_angle_axes(converted, placed[Quantity.RATE].other_order)
     return DeviceReading(converted, gnss, first.clock.epoch_s, first.clock.local_epoch_s, positions)
+
+
+def _refuse_counts(placed: Mapping[Quantity, PlacedSignal], place: str) -> None:
+    """Refuse accelerations that are the counts of a sensor chip: how many are in a g depends on its settings."""
+    force = placed.get(Quantity.FORCE)
+    if force is None or force.raw.factor is not None:
+        return
+    values = force.raw.signal.values
+    length = float(np.linalg.norm(values.mean(axis=0)))
+    if length < _FEWEST_COUNTS or (values != np.round(values)).any():
+        return
+    raise RecordingError(
+        f"{place}: {force.raw.title} are integers whose mean has length {length:.0f}, which is no usual unit: if "
+        "they are the counts of a sensor chip, state what one is with --map, such as unit: 0.0005986 for the "
+        "accelerometer (9.80665 m/s^2 in 16384 counts) and unit: 0.0001332 for the gyroscope (131 counts in 1 deg/s)"
+    )
 
 
 def _fixes(placed: Mapping[Quantity, PlacedSignal], device: RawDevice) -> GnssFixes:

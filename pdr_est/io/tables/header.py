@@ -9,8 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import AXES, CANONICAL, Quantity, quantities_of_unit, unit_factor
-from pdr_est.io.tables.titles import TitleMeaning, split_words, understand_title
+from pdr_est.io.tables.quantities import AXES, CANONICAL, USUAL_UNITS, Quantity, quantities_of_unit, unit_factor
+from pdr_est.io.tables.times.date_parts import find_date_parts
+from pdr_est.io.tables.titles import TitleMeaning, understand_title
+from pdr_est.io.tables.words.folding import split_words
 from pdr_est.io.tables.words.sensors import Word
 
 _SECOND_WORDS = frozenset({"sec", "secs", "seconds", "s"})
@@ -25,6 +27,7 @@ class _Group:
     word: Word
     prefix: str
     titles: Mapping[str, str]
+    nameless: bool = False  # the titles are those of axes alone
 
 
 def understand_titles(titles: Sequence[str], hint: Quantity | None = None, units: Sequence[str] = ()) -> TableMapping:
@@ -51,14 +54,14 @@ def understand_titles(titles: Sequence[str], hint: Quantity | None = None, units
         title: _with_unit(understand_title(title), unit_of.get(title, "")) for title in titles if title not in taken
     }
     clocks = _clock_columns(titles, meanings, canonical)
-    groups = _groups(meanings, hint)
+    groups = _with_nameless_sensors(_groups(meanings, hint))
     columns: dict[Quantity, QuantityColumns] = dict(canonical)
     columns.pop(Quantity.TIME, None)
     for quantity, found in _chosen(groups, columns).items():
         columns[quantity] = _with_units(found, quantity, meanings)
     apple = next((g for g in groups if g.word.apple and _is_used(g, columns)), None)
     used = {title for one in columns.values() for title in one.titles}
-    used |= {title for clock in clocks for title in (clock.title, clock.fraction)}
+    used |= {title for clock in clocks for title in clock.titles}
     return TableMapping(
         clocks=clocks,
         columns=columns,
@@ -98,7 +101,14 @@ def _clock_columns(
         ClockColumn(title, unit_factor(Quantity.TIME, unit))
         for _, title, unit in sorted(found, key=lambda one: one[0])
     ]
-    return _with_named_fractions(ordered)
+    parts = find_date_parts([title for title in titles if meanings.get(title) is None or _is_time(meanings[title])])
+    alone = [clock for clock in ordered if clock.title not in parts.values()]
+    by_parts = (ClockColumn(parts["second"], parts=parts),) if parts else ()
+    return (*_with_named_fractions(alone), *by_parts)
+
+
+def _is_time(meaning: TitleMeaning | None) -> bool:
+    return meaning is not None and meaning.word is not None and meaning.word.quantity is Quantity.TIME
 
 
 def _with_named_fractions(clocks: Sequence[ClockColumn]) -> tuple[ClockColumn, ...]:
@@ -125,14 +135,27 @@ def _without_second(title: str) -> tuple[str, ...]:
 
 def _groups(meanings: Mapping[str, TitleMeaning | None], hint: Quantity | None) -> list[_Group]:
     """Put the titles of one sensor together."""
-    found: dict[tuple[Quantity, int, bool, bool, str], dict[str, str]] = defaultdict(dict)
+    found: dict[tuple[Word, str, bool], dict[str, str]] = defaultdict(dict)
     for title, meaning in meanings.items():
         word = None if meaning is None else meaning.word or _word_of_bare_axis(meaning, hint)
         if meaning is None or word is None or word.quantity is Quantity.TIME:
             continue
-        key = (word.quantity, word.rank, word.ambiguous, word.apple, meaning.prefix)
-        found[key].setdefault(meaning.axis, title)
-    return [_Group(Word(q, r, am, ap), prefix, axes) for (q, r, am, ap, prefix), axes in found.items()]
+        nameless = meaning.word is None and hint is None and not meaning.unit
+        found[word, meaning.prefix, nameless].setdefault(meaning.axis, title)
+    return [_Group(word, prefix, axes, nameless) for (word, prefix, nameless), axes in found.items()]
+
+
+def _with_nameless_sensors(groups: Sequence[_Group]) -> list[_Group]:
+    """Take a second `x, y, z`, such as pandas' `x.1, y.1, z.1`, as a gyroscope until the values have told more.
+
+    Which of the first two is the accelerometer is settled by gravity in the values; further ones are not used.
+    """
+    bare = [one for one in groups if one.nameless and {"x", "y", "z"} <= set(one.titles)]
+    named = {one.word.quantity for one in groups if not one.nameless}
+    if len(bare) < 2 or named & {*_ACCELERATIONS, Quantity.RATE}:
+        return list(groups)
+    second = replace(bare[1], word=Word(Quantity.RATE, 6, ambiguous=True))
+    return [second if one is bare[1] else one for one in groups]
 
 
 def _word_of_bare_axis(meaning: TitleMeaning, hint: Quantity | None) -> Word | None:
@@ -143,6 +166,8 @@ def _word_of_bare_axis(meaning: TitleMeaning, hint: Quantity | None) -> Word | N
             return Word(hint, 5)
         if by_unit:
             return Word(by_unit[0], 5, by_unit[0] is Quantity.FORCE)
+        if hint is None:
+            return None  # an angle, a length …
     if hint is Quantity.ROTATION_VECTOR or hint is Quantity.ATTITUDE:
         return Word(hint, 5)
     if meaning.axis == "w":
@@ -222,17 +247,25 @@ def _joined(groups: Sequence[_Group], quantity: Quantity) -> _Group | None:
     named = _by_axis(titles, quantity)
     if not groups or not set(AXES[quantity]) <= set(named):
         return None
-    return _Group(replace(groups[0].word, ambiguous=any(g.word.ambiguous for g in groups)), "", named)
+    word = replace(groups[0].word, ambiguous=any(g.word.ambiguous for g in groups))
+    return _Group(word, "", named, all(g.nameless for g in groups))
 
 
 def _with_units(group: _Group, quantity: Quantity, meanings: Mapping[str, TitleMeaning | None]) -> QuantityColumns:
     chosen = tuple(group.titles[axis] for axis in AXES[quantity])
     understood = [meaning for title in chosen if (meaning := meanings[title]) is not None]
+    factors = tuple(unit_factor(quantity, meaning.unit) for meaning in understood)
+    unknown = tuple(
+        meaning.unknown_unit or (meaning.unit if factor is None and quantity in USUAL_UNITS else "")
+        for meaning, factor in zip(understood, factors, strict=True)
+    )
     return QuantityColumns(
         chosen,
-        tuple(unit_factor(quantity, meaning.unit) for meaning in understood),
+        factors,
         ambiguous=group.word.ambiguous,
-        browser_angles=any(meaning.browser_angle for meaning in understood),
+        other_order=next((meaning.other_order for meaning in understood if meaning.other_order), ()),
+        unknown_units=unknown if any(unknown) else (),
+        nameless=group.nameless,
     )
 
 

@@ -16,12 +16,14 @@ from pdr_est.io.conversion.gravity_content import has_gravity
 from pdr_est.io.tables.mapping import ClockColumn, QuantityColumns, TableMapping
 from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.tables.times.dates import parse_dates
+from pdr_est.io.tables.values.impossible_values import without_impossible_rows
 from pdr_est.io.text.loose_table import LooseTable
 
 _RISING_SHARE = 0.95
 _NEW_STAMPS_SHARE = 0.02
 _UNIT_NORM = 0.02
 _USUAL_WIDTHS = (3, 6, 9)  # one to three sensors; other widths are too uncertain
+_MOST_GRADES = 4
 _VECTORS = (Quantity.FORCE, Quantity.RATE, Quantity.FIELD, Quantity.GRAVITY, Quantity.LINEAR)
 
 
@@ -41,7 +43,8 @@ def guess_columns(loose: LooseTable, hint: Quantity | None) -> TableMapping:
         When the values do not tell; the message shows the first row.
     """
     clocks = [ClockColumn(title) for title in _ordered_clocks(loose)]
-    numbers = [title for title in loose.table.names if _is_measured(loose, title, [clock.title for clock in clocks])]
+    others = [title for title in loose.table.names if title not in {clock.title for clock in clocks}]
+    numbers = [title for title in others if _is_measured(loose, title, is_named=hint is not None)]
     columns = _columns(loose, numbers, hint)
     used = {title for one in columns.values() for title in one.titles} | {clock.title for clock in clocks[:1]}
     if not columns or not clocks:
@@ -83,14 +86,20 @@ def _is_row_number(column: NDArray[Any]) -> bool:
     return column.dtype.kind == "i" and bool((np.diff(column) == 1).all()) and abs(int(column[0])) <= 1
 
 
-def _is_measured(loose: LooseTable, title: str, clocks: Sequence[str]) -> bool:
-    """Tell whether a column has changing numbers that are no clock."""
-    column = loose.table.columns[title]
-    if title in clocks or title in loose.text_columns:
+def _is_measured(loose: LooseTable, title: str, *, is_named: bool) -> bool:
+    """Tell whether a column has numbers that are no grades of an accuracy.
+
+    Where the name of the file tells the sensor (is_named), these may be written with a decimal point, too.
+    """
+    if title in loose.text_columns:
         return False
-    values = column.astype(np.float64)
-    finite = values[np.isfinite(values)]
-    return len(finite) > 0 and (column.dtype.kind != "i" or len(np.unique(finite)) > 4)
+    column = loose.table.columns[title]
+    finite = column[np.isfinite(column.astype(np.float64))]
+    if not len(finite) or len(np.unique(finite)) > _MOST_GRADES:
+        return len(finite) > 0
+    if column.dtype.kind == "i":
+        return False
+    return not is_named or not bool((finite == np.round(finite)).all() and (finite != 0.0).any())
 
 
 def _columns(loose: LooseTable, numbers: Sequence[str], hint: Quantity | None) -> dict[Quantity, QuantityColumns]:
@@ -103,7 +112,9 @@ def _columns(loose: LooseTable, numbers: Sequence[str], hint: Quantity | None) -
         return {hint: _of(numbers[:1])}
     if len(numbers) not in _USUAL_WIDTHS:
         return {}
-    force = next((triple for triple in triples[:2] if has_gravity(_finite(loose.table.stack(triple)))), None)
+    force = next(
+        (triple for triple in triples[:2] if has_gravity(without_impossible_rows(loose.table.stack(triple)))), None
+    )
     if force is None:
         return {}
     found = {Quantity.FORCE: _of(force)}

@@ -23,8 +23,13 @@ class QuantityColumns:
         gyroscope or gravity.
     turned
         For each column 1, or -1 where its axis points the other way; empty where none does.
-    browser_angles
-        True where the titles are alpha, beta and gamma of a browser, so that the values must tell the axes.
+    other_order
+        Order of the axes that is meant as well by titles such as alpha, beta and gamma, so that the values must tell;
+        empty where the titles name the axes.
+    unknown_units
+        For each column the text that stands where a unit stands but is none that is known; empty where there is none.
+    nameless
+        True where the titles name axes but no sensor.
     """
 
     titles: tuple[str, ...]
@@ -32,7 +37,9 @@ class QuantityColumns:
     canonical: bool = False
     ambiguous: bool = False
     turned: tuple[float, ...] = ()
-    browser_angles: bool = False
+    other_order: tuple[int, ...] = ()
+    unknown_units: tuple[str, ...] = ()
+    nameless: bool = False
 
 
 @dataclass(frozen=True)
@@ -50,12 +57,21 @@ class ClockColumn:
         time of day beside a date; "" when there is none.
     canonical
         True for `time_s` of the documented header: seconds of the recording, not shifted.
+    parts
+        Titles of the columns of year, month … second by the names of these parts, where a column each holds them;
+        empty for a column that tells the time by itself.
     """
 
     title: str
     factor: float | None = None
     fraction: str = ""
     canonical: bool = False
+    parts: Mapping[str, str] = field(default_factory=dict, hash=False)
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """Return the titles of all columns that are needed."""
+        return tuple(dict.fromkeys(title for title in (self.title, self.fraction, *self.parts.values()) if title))
 
 
 @dataclass(frozen=True)
@@ -82,6 +98,12 @@ class TableMapping:
         Sensors of which some axes are named and others are missing, in words.
     unused
         Titles of the columns that mean nothing to the project, or are not needed beside better ones.
+    parts
+        Mappings of several tables, or of several sensors in the rows of one; everything else is then in them.
+    file
+        Name of the file that a part describes; "" for the only one.
+    rows
+        Column with the names of the sensors, and the name whose rows a part describes; None for all rows.
     """
 
     clocks: tuple[ClockColumn, ...] = ()
@@ -93,13 +115,18 @@ class TableMapping:
     guessed: bool = False
     incomplete: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
+    parts: tuple["TableMapping", ...] = ()
+    file: str = ""
+    rows: tuple[str, str] | None = None
 
     @property
     def has_time(self) -> bool:
         """Tell whether the times of the rows can be known."""
+        if self.parts:
+            return all(part.has_time for part in self.parts)
         return bool(self.clocks) or self.rate_hz is not None
 
     @property
     def has_motion(self) -> bool:
         """Tell whether an accelerometer or a gyroscope is among the columns."""
-        return any(quantity in self.columns for quantity in MOTION)
+        return any(quantity in self.columns for quantity in MOTION) or any(part.has_motion for part in self.parts)

@@ -32,11 +32,16 @@ class PlacedSignal:
         columns = self.table.mapping.columns.get(quantity)
         return columns is not None and columns.ambiguous
 
+    def is_nameless(self, quantity: Quantity) -> bool:
+        """Tell whether the titles of the signal name axes but no sensor."""
+        columns = self.table.mapping.columns.get(quantity)
+        return columns is not None and columns.nameless
+
     @property
-    def has_browser_angles(self) -> bool:
-        """Tell whether the signal is a rotation rate about alpha, beta and gamma, whose axes are open."""
+    def other_order(self) -> tuple[int, ...]:
+        """Return the other order in which the axes of a rotation rate may be meant; empty where its titles tell."""
         columns = self.table.mapping.columns.get(Quantity.RATE)
-        return columns is not None and columns.browser_angles
+        return () if columns is None else columns.other_order
 
 
 def first_motion(tables: Sequence[TableSignals]) -> TableSignals:

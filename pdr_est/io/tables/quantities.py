@@ -1,6 +1,5 @@
 """Quantities that columns can hold, the project's own titles for them, and the names of their units."""
 
-import re
 from collections.abc import Mapping
 from enum import StrEnum
 from functools import cache
@@ -8,6 +7,16 @@ from functools import cache
 import numpy as np
 
 from pdr_est.io.conversion.units import ACCELERATION_UNITS, CLOCK_UNITS, PRESSURE_UNITS, ROTATION_RATE_UNITS
+from pdr_est.io.tables.words.units import (
+    ACCELERATION_SPELLINGS,
+    FIELD_SPELLINGS,
+    LENGTH_SPELLINGS,
+    PRESSURE_SPELLINGS,
+    RATE_SPELLINGS,
+    TIME_SPELLINGS,
+    WITHOUT_MEANING,
+    plain_unit,
+)
 
 
 class Quantity(StrEnum):
@@ -57,64 +66,44 @@ AXES: Mapping[Quantity, tuple[str, ...]] = {
 MOTION = (Quantity.FORCE, Quantity.LINEAR, Quantity.RATE)
 """Quantities of which a recording needs at least one; the first that is there gives its time."""
 
+LENGTH_UNITS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "ft": 0.3048}
+"""Units of length with their factors to m."""
+
 USUAL_UNITS: Mapping[Quantity, Mapping[str, float]] = {
-    Quantity.TIME: {unit: 1.0 / per_s for unit, per_s in CLOCK_UNITS.items()},
+    Quantity.TIME: {unit: 1.0 / per_s for unit, per_s in CLOCK_UNITS.items()}
+    | {"100ns": 1e-7, "min": 60.0, "h": 3600.0},
     Quantity.FORCE: ACCELERATION_UNITS,
     Quantity.LINEAR: ACCELERATION_UNITS,
     Quantity.GRAVITY: ACCELERATION_UNITS,
     Quantity.RATE: ROTATION_RATE_UNITS,
     Quantity.FIELD: {"uT": 1.0, "nT": 1e-3, "mT": 1e3, "T": 1e6, "gauss": 100.0, "mgauss": 0.1},
     Quantity.PRESSURE: PRESSURE_UNITS,
-    Quantity.ACCURACY: {"m": 1.0},
+    Quantity.ACCURACY: LENGTH_UNITS,
 }
 """Units of each quantity by their usual names, with the factors to SI units (of a magnetic field to µT)."""
 
 _RARE_UNITS: Mapping[str, float] = {
     "cm/s^2": 1e-2,
+    "mm/s^2": 1e-3,
+    "ft/s^2": 0.3048,
+    "ug": 1e-3 * ACCELERATION_UNITS["mg"],
     "mrad/s": 1e-3,
     "rpm": 2.0 * np.pi / 60.0,
+    "rev/s": 2.0 * np.pi,
     "mbar": 1e2,
     "bar": 1e5,
 }
-_ACCELERATION_SPELLINGS = {
-    "m/s^2": "m/s/s ms-2 mps2 ms2 mpss mpersec2 mpers2 mss",
-    "g": "gs gn g0 gforce",
-    "mg": "milli-g millig",
-    "cm/s^2": "",
-}
 # Usual name of each unit -> its other spellings, as `plain_unit` writes them.
 _SPELLINGS: Mapping[Quantity, Mapping[str, str]] = {
-    Quantity.TIME: {
-        "s": "sec secs second seconds sekunden 秒",
-        "ms": "msec msecs millis milli millisecond milliseconds 毫秒",
-        "us": "usec usecs micros microsecond microseconds 微秒",
-        "ns": "nsec nsecs nanos nano nanosecond nanoseconds 纳秒",
-    },
-    Quantity.FORCE: _ACCELERATION_SPELLINGS,
-    Quantity.LINEAR: _ACCELERATION_SPELLINGS,
-    Quantity.GRAVITY: _ACCELERATION_SPELLINGS,
-    Quantity.RATE: {
-        "rad/s": "rads-1 radps rads rad/sec radpersec radpers",
-        "deg/s": "degs-1 degps degs deg/sec degpersec °/s °s-1 dps degrees/s degree/s grad/s º/s °/sec deg.s-1",
-        "mdeg/s": "mdps m°/s millidps",
-        "mrad/s": "mradps",
-        "rpm": "r/min",
-    },
-    Quantity.FIELD: {
-        "uT": "microtesla microt",
-        "nT": "nanotesla",
-        "mT": "millitesla",
-        "T": "tesla",
-        "gauss": "g gs",
-        "mgauss": "mg milligauss",
-    },
-    Quantity.PRESSURE: {"Pa": "", "hPa": "", "kPa": "", "mbar": "mb", "bar": ""},
-    Quantity.ACCURACY: {"m": "meter meters"},
+    Quantity.TIME: TIME_SPELLINGS,
+    Quantity.FORCE: ACCELERATION_SPELLINGS,
+    Quantity.LINEAR: ACCELERATION_SPELLINGS,
+    Quantity.GRAVITY: ACCELERATION_SPELLINGS,
+    Quantity.RATE: RATE_SPELLINGS,
+    Quantity.FIELD: FIELD_SPELLINGS,
+    Quantity.PRESSURE: PRESSURE_SPELLINGS,
+    Quantity.ACCURACY: LENGTH_SPELLINGS,
 }
-_DROPPED_FROM_UNITS = re.compile(r"[\s^*·()]|_")
-_NO_UNITS = frozenset(
-    {"", "-", "1", "none", "txt", "deg", "°", "degc", "°c", "c", "%", "lux", "lx", "cm", "bool", "n"}
-)
 
 
 def unit_factor(quantity: Quantity, unit: str) -> float | None:
@@ -127,6 +116,12 @@ def usual_unit(quantity: Quantity, factor: float) -> str | None:
     return next((name for name, other in USUAL_UNITS.get(quantity, {}).items() if other == factor), None)
 
 
+def known_units(quantity: Quantity) -> Mapping[str, float]:
+    """List the units of a quantity, the usual and the rare ones, with their factors to SI units."""
+    usual = USUAL_UNITS.get(quantity, {})
+    return {**usual, **{name: _RARE_UNITS[name] for name in _SPELLINGS.get(quantity, {}) if name not in usual}}
+
+
 def quantities_of_unit(unit: str) -> tuple[Quantity, ...]:
     """List the quantities that a unit can belong to, those with an acceleration first."""
     plain = plain_unit(unit)
@@ -135,13 +130,7 @@ def quantities_of_unit(unit: str) -> tuple[Quantity, ...]:
 
 def is_unit(text: str) -> bool:
     """Tell whether a cell holds the name of a unit, or nothing."""
-    return plain_unit(text) in _NO_UNITS or bool(quantities_of_unit(text))
-
-
-def plain_unit(unit: str) -> str:
-    """Write a unit without blanks, powers and case, with the micro sign as u."""
-    text = unit.strip().replace("µ", "u").replace("μ", "u").replace("²", "2").replace("⁻¹", "-1").replace("⁻²", "-2")
-    return _DROPPED_FROM_UNITS.sub("", text.casefold())
+    return plain_unit(text) in WITHOUT_MEANING or bool(quantities_of_unit(text))
 
 
 @cache

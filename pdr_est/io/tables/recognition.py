@@ -2,20 +2,19 @@
 
 from enum import IntEnum
 
-import numpy as np
-
 from pdr_est.errors import RecordingError
 from pdr_est.io.conversion.gravity_content import has_gravity
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
-from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
-from pdr_est.io.tables.split import sensor_column, tagged_tables
+from pdr_est.io.tables.split.long_table import sensor_column
+from pdr_est.io.tables.split.tagged_log import tagged_tables
 from pdr_est.io.tables.titles import sensor_by_name
+from pdr_est.io.tables.values.impossible_values import without_impossible_rows
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import read_loose_table
-from pdr_est.io.text.table_layout import TableLayout
+from pdr_est.io.text.table_layout import TableLayout, has_split_decimals
 
 _TITLES_SHOWN = 12
 _CELLS_SHOWN = 8
@@ -46,7 +45,7 @@ def motion_evidence(head: bytes, stem: str) -> Evidence:
     """
     text = _whole_lines(head)
     layout = layout_of(text)
-    if layout is not None and sensor_column(layout) is not None:
+    if layout is not None and sensor_column(layout, text) is not None:
         return Evidence.TITLES
     if any(_is_motion(table.tag, table.text) for table in tagged_tables(text)):
         return Evidence.TITLES
@@ -59,16 +58,23 @@ def motion_evidence(head: bytes, stem: str) -> Evidence:
     if not (mapping.has_time and mapping.has_motion):
         return Evidence.NONE
     force = mapping.columns.get(Quantity.FORCE)
-    named = hint is not None or Quantity.RATE in mapping.columns or Quantity.LINEAR in mapping.columns
+    rate = mapping.columns.get(Quantity.RATE)
+    named = hint is not None or (rate is not None and not rate.nameless) or Quantity.LINEAR in mapping.columns
     if named or force is None or not _is_bare(force.titles):
         return Evidence.TITLES
-    return Evidence.VALUES if _head_has_gravity(text, layout, mapping) else Evidence.NONE
+    bare = [one.titles for one in (force, rate) if one is not None]
+    return Evidence.VALUES if any(_head_has_gravity(text, layout, one) for one in bare) else Evidence.NONE
 
 
 def describe_content(head: bytes, stem: str) -> str:
     """Say in words what a file that is not read holds, and what is missing."""
     text = _whole_lines(head)
     layout = layout_of(text)
+    if (layout is None or not layout.has_header) and has_split_decimals(text):
+        return (
+            "commas separate the cells and the decimals, so that neither can be told apart; export it with points, "
+            "with quotes around the numbers, or with semicolons between the cells"
+        )
     if layout is None:
         return "no rows of numbers were found in it"
     row = ", ".join(cell[:30] for cell in layout.sample[:_CELLS_SHOWN])
@@ -112,11 +118,10 @@ def _evidence_of_values(text: bytes, layout: TableLayout, hint: Quantity | None)
     return Evidence.VALUES if mapping.has_motion else Evidence.NONE
 
 
-def _head_has_gravity(text: bytes, layout: TableLayout, mapping: TableMapping) -> bool:
-    titles = mapping.columns[Quantity.FORCE].titles
+def _head_has_gravity(text: bytes, layout: TableLayout, titles: tuple[str, ...]) -> bool:
     try:
         values = read_loose_table(text, "", layout, titles).table.stack(titles)
     except RecordingError:
         return False
-    finite = values[np.isfinite(values).all(axis=1)]
-    return len(finite) > 0 and has_gravity(finite)
+    measured = without_impossible_rows(values)
+    return len(measured) > 0 and has_gravity(measured)

@@ -9,18 +9,16 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawSignal
-from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
-from pdr_est.io.conversion.units import Conversion
-from pdr_est.io.tables.column_units import complete_factors
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
-from pdr_est.io.tables.mapping import QuantityColumns, TableMapping
-from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit, unit_factor
+from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
+from pdr_est.io.tables.split.zero_filled import without_zero_fill
 from pdr_est.io.tables.times.bursts import spread_bursts
-from pdr_est.io.tables.times.clock import TableClock, read_clock
-from pdr_est.io.tables.titles import understand_title
+from pdr_est.io.tables.times.clock import TableClock, read_clock, without_stale_rows
+from pdr_est.io.tables.times.sensor_clocks import by_sensor_clock, rows_of_clocks
+from pdr_est.io.tables.values.measurements import Notes, find_missing_rows, read_measurements
 from pdr_est.io.text.encoding import as_utf8
-from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table
 from pdr_est.io.text.number_table import NumberTable
 from pdr_est.io.text.table_layout import TableLayout, detect_layout
@@ -93,11 +91,34 @@ def signals_of_text(
     text: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
 ) -> TableSignals:
     """Read the signals of a table that is in UTF-8 already; see `read_table_signals`."""
+    return signals_of(*_understood(text, place, hint, mapping))
+
+
+def tables_of_text(
+    text: bytes, place: str, *, hint: Quantity | None = None, mapping: TableMapping | None = None
+) -> tuple[TableSignals, ...]:
+    """Read a table like `signals_of_text`; where sensors have clocks of their own, each clock makes a table."""
+    loose, mapping = _understood(text, place, hint, mapping)
+    parts = by_sensor_clock(mapping, loose.table.names)
+    if len(parts) == 1:
+        return (signals_of(loose, mapping),)
+    clocks = ", ".join(f"{part.clocks[0].title} of {' and '.join(part.columns)}" for part in parts)
+    found = [signals_of(rows_of_clocks(replace(loose, warnings=()), part), part) for part in parts]
+    first = found[0]
+    decisions = (f"sensors have clocks of their own: {clocks}", *first.decisions)
+    found[0] = replace(first, decisions=decisions, warnings=(*loose.warnings, *first.warnings))
+    return tuple(found)
+
+
+def _understood(
+    text: bytes, place: str, hint: Quantity | None, mapping: TableMapping | None
+) -> tuple[LooseTable, TableMapping]:
+    """Read the wanted columns of a table, and find out what they mean."""
     layout = layout_of(text)
     if layout is None:
         raise RecordingError(f"{place}: no rows of numbers in columns; export the recording as a table")
     if mapping is not None:
-        mapping = _checked(mapping, layout, place)
+        mapping = with_titles_of(mapping, layout, place)
     else:
         mapping = understand_titles(layout.titles, hint, layout.units) if layout.has_header else TableMapping()
     if not layout.has_header and not mapping.columns:
@@ -105,7 +126,7 @@ def signals_of_text(
         mapping = replace(guess_columns(everything, hint), guessed=hint is None)
         loose = everything
     else:
-        clocks = [title for clock in mapping.clocks for title in (clock.title, clock.fraction) if title]
+        clocks = [title for clock in mapping.clocks for title in clock.titles]
         numbers = [title for columns in mapping.columns.values() for title in columns.titles]
         loose = read_loose_table(text, place, layout, numbers, clocks)
     if not mapping.has_time:
@@ -113,11 +134,17 @@ def signals_of_text(
             f"{place}: the table has no time column among {', '.join(map(repr, layout.titles[:12]))}; name it, "
             "or give the sampling rate, with --map (rate_hz: 50)"
         )
-    return signals_of(loose, mapping)
+    return loose, mapping
 
 
-def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
-    """Return a stated mapping with the titles as the table writes them; a column may be given by its number."""
+def with_titles_of(mapping: TableMapping, layout: TableLayout, place: str) -> TableMapping:
+    """Return a stated mapping with the titles as the table writes them; a column may be given by its number.
+
+    Raises
+    ------
+    RecordingError
+        For a column that the table does not have.
+    """
     known = {title.casefold(): title for title in layout.titles}
     known |= {f"column {number}": title for number, title in enumerate(layout.titles, start=1)}
 
@@ -129,11 +156,16 @@ def _checked(mapping: TableMapping, layout: TableLayout, place: str) -> TableMap
             )
         return known[title.strip().casefold()] if title else ""
 
-    clocks = tuple(replace(c, title=find(c.title), fraction=find(c.fraction)) for c in mapping.clocks)
+    clocks = tuple(
+        replace(c, title=find(c.title), fraction=find(c.fraction), parts={k: find(t) for k, t in c.parts.items()})
+        for c in mapping.clocks
+    )
     columns = {q: replace(one, titles=tuple(map(find, one.titles))) for q, one in mapping.columns.items()}
     used = {title for one in columns.values() for title in one.titles}
-    used |= {title for clock in clocks for title in (clock.title, clock.fraction)}
-    return replace(mapping, clocks=clocks, columns=columns, unused=tuple(t for t in layout.titles if t not in used))
+    used |= {title for clock in clocks for title in clock.titles}
+    rows = None if mapping.rows is None else (find(mapping.rows[0]), mapping.rows[1])
+    unused = tuple(title for title in layout.titles if title not in used)
+    return replace(mapping, clocks=clocks, columns=columns, unused=unused if rows is None else (), rows=rows)
 
 
 def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
@@ -152,17 +184,23 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
         When no row has a time.
     """
     clock = read_clock(loose, mapping)
+    loose = without_zero_fill(loose, mapping)
     decisions, warnings = list(clock.decisions), [*loose.warnings, *clock.warnings, *mapping.incomplete]
+    if clock.left_out is not None:
+        loose = loose.only(~clock.left_out)
+        clock = replace(clock, time_s=clock.time_s[~clock.left_out], left_out=None)
     documented = any(column.canonical for column in mapping.clocks)
-    loose, clock, told = (loose, clock, ()) if documented else _without_stale_rows(loose, clock)
+    loose, clock, told = (loose, clock, ()) if documented else without_stale_rows(loose, clock)
     warnings += told
     if not documented:
         time_s, warning = spread_bursts(clock.time_s, _motion_values(loose.table, mapping))
         clock = replace(clock, time_s=time_s)
         warnings += [warning] if warning else []
     signals = {}
+    notes = Notes(decisions, warnings)
+    missing = find_missing_rows(loose.table, mapping.columns, notes)
     for quantity, columns in mapping.columns.items():
-        signal = _signal(loose.table, clock.time_s, quantity, columns, decisions, warnings)
+        signal = read_measurements(loose.table, clock.time_s, quantity, columns, missing.get(quantity), notes)
         if signal is not None:
             signals[quantity] = signal
     if mapping.guessed:
@@ -177,64 +215,6 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
     return TableSignals(loose.table.place, clock, mapping, signals, tuple(decisions), tuple(warnings))
 
 
-def _signal(
-    table: NumberTable,
-    time_s: Array,
-    quantity: Quantity,
-    columns: QuantityColumns,
-    decisions: list[str],
-    warnings: list[str],
-) -> RawSignal | None:
-    """Read the rows of a quantity that have a finite value; None when none has."""
-    if any(title not in table for title in columns.titles):
-        return None
-    sampled = table.has_values(columns.titles)
-    if not sampled.any():
-        decisions.append(f"{quantity}: the columns are there but have no values")
-        return None
-    values, factor, conversion = _in_one_unit(table.stack(columns.titles), columns, quantity)
-    if conversion is not None:
-        decisions.append(conversion.decision)
-        warnings += conversion.warnings
-    elif factor is not None and _states_unit(columns, quantity):
-        decisions.append(f"{quantity}: the unit is in the header ({columns.titles[0]})")
-    if not sampled.all():
-        decisions.append(f"{quantity}: {int(sampled.sum())} of {len(sampled)} rows have values")
-        time_s, values = time_s[sampled], values[sampled]
-    signal, dropped = finite_signal_or_none(time_s, values, quantity, table.place)
-    warnings += dropped
-    return None if signal is None else RawSignal(signal, ", ".join(columns.titles), factor)
-
-
-def _states_unit(columns: QuantityColumns, quantity: Quantity) -> bool:
-    """Tell whether the unit comes from the title, and not from what is known of an app."""
-    meaning = understand_title(columns.titles[0])
-    return columns.canonical or (meaning is not None and unit_factor(quantity, meaning.unit) is not None)
-
-
-def _in_one_unit(
-    values: Array, columns: QuantityColumns, quantity: Quantity
-) -> tuple[Array, float | None, Conversion | None]:
-    """Bring columns of different units to SI units.
-
-    Returns
-    -------
-    values : (n, k)
-    factor : float or None
-        Factor to SI units of all of them; None where no unit is known.
-    conversion : Conversion or None
-        How the unit of columns was found that state none, beside others that do.
-    """
-    if columns.turned:
-        values = values * np.array(columns.turned)
-    if all(factor is None for factor in columns.factors):
-        return values, None, None
-    if len(set(columns.factors)) == 1:
-        return values, columns.factors[0], None
-    factors, conversion = complete_factors(values, columns, quantity)
-    return values * factors, 1.0, conversion
-
-
 def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:
     """Return the columns that change with every sample, (n, k)."""
     titles = [
@@ -245,29 +225,3 @@ def _motion_values(table: NumberTable, mapping: TableMapping) -> Array:
     ]
     titles = [title for title in titles if title in table]
     return table.stack(titles) if titles else np.zeros((len(table), 0))
-
-
-def _without_stale_rows(loose: LooseTable, clock: TableClock) -> tuple[LooseTable, TableClock, tuple[str, ...]]:
-    """Leave out first rows that were measured long before the rest."""
-    known = np.flatnonzero(np.isfinite(clock.time_s))
-    count = count_stale_samples(clock.time_s[known])
-    if not count:
-        return loose, clock, ()
-    first = int(known[count])
-    start_s = float(clock.time_s[first])
-    kept = replace(
-        loose,
-        table=replace(
-            loose.table,
-            columns={title: column[first:] for title, column in loose.table.columns.items()},
-            empty={title: cells[first:] for title, cells in loose.table.empty.items()},
-        ),
-    )
-    shifted = replace(
-        clock,
-        time_s=clock.time_s[first:] - start_s,
-        start=clock.start + type(clock.start)(start_s),
-        epoch_s=None if clock.epoch_s is None else clock.epoch_s + start_s,
-        local_epoch_s=None if clock.local_epoch_s is None else clock.local_epoch_s + start_s,
-    )
-    return kept, shifted, (stale_warning("time", count, len(clock.time_s)),)

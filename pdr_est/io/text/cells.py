@@ -1,27 +1,20 @@
-"""Tell what one cell of a table holds: a number, a date or time, nothing, or text."""
+"""Split a line into cells, and tell what one holds: a number, a date or time, nothing, or text."""
 
+import csv
 import re
 from enum import StrEnum
 
+BLANKS = " "
+"""Separator of a table whose cells are separated by runs of blanks or tabs."""
+
 MISSING = frozenset(
     {
-        "",
-        "-",
-        "--",
-        "none",
-        "null",
-        "nil",
-        "n/a",
-        "#n/a",
-        "na",
-        "<na>",
-        "nan",
-        "undefined",
-        "?",
-        "missing",
-        "n.a.",
-        "keine",
-        "-nan",
+        *("", "-", "--", "---", "–", "—", "?", "*", "..", "...", "…", "\\n"),
+        *("none", "null", "<null>", "(null)", "[null]", "nil", "void", "undefined", "missing", "invalid", "unknown"),
+        *("n/a", "#n/a", "#n/a n/a", "na", "<na>", "n.a.", "n/d", "n.d.", "nd", "no data", "nodata", "empty"),
+        *("nan", "-nan", "+nan", "nan(ind)", "-nan(ind)", "nat", "1.#qnan", "-1.#ind", "1.#ind", "1.#inf", "-1.#inf"),
+        *("#num!", "#value!", "#div/0!", "#ref!", "#null!", "#name?", "#error!", "#zahl!", "#wert!", "#nv"),
+        *("keine", "leer", "k.a.", "vide", "无", "空", "なし", "欠測", "없음"),
     }
 )
 """Words for a missing value, in lower case."""
@@ -32,7 +25,11 @@ MISSING_SPELLINGS = tuple(
 )
 """The usual spellings of these words."""
 
-_NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
+GROUPED = r"[+-]?\d{1,3}(?:(?:,\d{3})+(?:\.\d*)?|(?:\.\d{3})+,\d*|(?:[ '\u00a0\u202f]\d{3})+(?:[.,]\d*)?)"
+"""Regular expression of a number whose thousands are set apart, such as 1,234.5 or 1 234,5."""
+
+_NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eEdD][+-]?\d+)?|" + GROUPED)
+_RUNS = re.compile(r"[ \t]+")
 _LONGEST_QUOTED = 40
 _INFINITE = frozenset({"inf", "-inf", "+inf", "infinity", "-infinity"})
 _DATE = re.compile(
@@ -72,3 +69,15 @@ def brief_cell(cell: object) -> str:
     """Quote a cell for a message, shortened if it is long: a damaged file may be one single cell."""
     text = str(cell)
     return repr(text) if len(text) <= _LONGEST_QUOTED else f"{text[:_LONGEST_QUOTED]!r}… ({len(text)} characters)"
+
+
+def split_line(line: str, separator: str) -> list[str]:
+    """Split a line into cells, with quotes respected."""
+    if separator == BLANKS:
+        line = _RUNS.sub(" ", line.strip())
+    if '"' not in line:
+        return line.split(separator)
+    try:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:
+        return line.split(separator)

@@ -10,6 +10,12 @@ _HIGH_BYTES = re.compile(rb"[\x80-\xff]+")
 _KANA = re.compile("[\u30a1-\u30fc]")
 _IDEOGRAPHS = re.compile("[\u4e00-\u9fff]")
 _FEWEST_LETTERS = 2
+# Frequent in titles of recordings: time, acceleration, angle, axis, magnetism, sensor, gyroscope, place.
+_TELLING = re.compile("[時間刻加速度角軸轴磁気地力重压圧緯経度方向位置回転时间戳传感器陀螺仪场强气纬经旋转值]")
+# First bytes of signs and digits that mean the same as those of ASCII: minus and dashes, full-width, Arabic, Persian.
+_FOREIGN_LEADS = (b"\xe2\x88\x92", b"\xe2\x80\x93", b"\xef\xbc", b"\xd9", b"\xdb")
+_DASHES = re.compile("[−–－](?=[0-9０-９٠-٩۰-۹.])")
+_FOREIGN_DIGITS = str.maketrans("０１２３４５６７８９٠١٢٣٤٥٦٧٨٩۰۱۲۳۴۵۶۷۸۹٫．＋", "012345678901234567890123456789..+")
 _BROKEN_SIGNS = {"Â²": "²", "Â°": "°", "Âµ": "µ", "Î¼": "μ", "â°": "°", "Âº": "º"}
 
 
@@ -17,8 +23,9 @@ def as_utf8(data: bytes) -> bytes:
     """Return the bytes of a text in UTF-8, without byte-order mark and NUL, with LF at the ends of lines.
 
     UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are Chinese (GB 18030) or
-    Japanese (Shift JIS) if they come in pairs, else Windows-1252, which contains Latin-1. A text that is plain UTF-8
-    already is returned as it is, so that nothing is copied.
+    Japanese (Shift JIS) if they come in pairs, else Windows-1252, which contains Latin-1. Digits of other scripts and
+    typographic minus signs become those of ASCII. A text that is plain UTF-8 already is returned as it is, so that
+    nothing is copied.
     """
     encoding = _utf16_encoding(data)
     if encoding is not None:
@@ -28,7 +35,7 @@ def as_utf8(data: bytes) -> bytes:
     if b"\0" in data:
         data = data.replace(b"\0", b"")
     if not data.isascii():
-        data = _from_single_bytes(data)
+        data = _with_plain_numbers(_from_single_bytes(data))
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return data
@@ -40,6 +47,13 @@ def repair_signs(text: str) -> str:
         if broken in text:
             text = text.replace(broken, sign)
     return text
+
+
+def _with_plain_numbers(data: bytes) -> bytes:
+    """Write numbers in the digits and signs of ASCII."""
+    if not any(lead in data for lead in _FOREIGN_LEADS):
+        return data
+    return _DASHES.sub("-", data.decode("utf-8", "replace")).translate(_FOREIGN_DIGITS).encode()
 
 
 def _utf16_encoding(data: bytes) -> str | None:
@@ -72,7 +86,8 @@ def _encoding_of_bytes(sample: bytes) -> str:
     runs = [run for run in _HIGH_BYTES.findall(sample) if len(run) > 1]
     if 2 * len(runs) < len(_HIGH_BYTES.findall(sample)):
         return "cp1252"
-    for encoding, script in (("cp932", _KANA), ("gb18030", _IDEOGRAPHS)):
+    likelier = max(("cp932", "gb18030"), key=lambda one: len(_TELLING.findall(sample.decode(one, "ignore"))))
+    for encoding, script in ((likelier, _TELLING), ("cp932", _KANA), ("gb18030", _IDEOGRAPHS)):
         text = sample.decode(encoding, "ignore")
         if len(script.findall(text)) >= _FEWEST_LETTERS and "\ufffd" not in sample[:-2].decode(encoding, "replace"):
             return encoding

@@ -14,10 +14,10 @@ import polars as pl
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.text.cells import MISSING_SPELLINGS
+from pdr_est.io.text.cells import BLANKS, MISSING_SPELLINGS
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.number_table import NumberTable
-from pdr_est.io.text.table_layout import BLANKS, TableLayout
+from pdr_est.io.text.table_layout import TableLayout
 from pdr_est.io.text.text_columns import ParsedColumn, parse_text_column
 from pdr_est.io.text.whole_rows import WholeRows, pieces_of_lines
 
@@ -43,6 +43,15 @@ class LooseTable:
     table: NumberTable
     text_columns: frozenset[str]
     warnings: tuple[str, ...] = ()
+
+    def only(self, rows: NDArray[np.bool_] | slice, place: str = "") -> "LooseTable":
+        """Return the table with some of its rows, as that of another place if one is given."""
+        table = NumberTable(
+            place or self.table.place,
+            {title: column[rows] for title, column in self.table.columns.items()},
+            {title: cells[rows] for title, cells in self.table.empty.items()},
+        )
+        return LooseTable(table, self.text_columns, self.warnings)
 
 
 def read_loose_table(
@@ -92,7 +101,19 @@ def _body(data: bytes, layout: TableLayout) -> memoryview:
         while b"  " in body:
             body = body.replace(b"  ", b" ")
         return memoryview(body.replace(b"\n ", b"\n").replace(b" \n", b"\n").lstrip(b" "))
+    if layout.split_decimals:
+        return memoryview(_with_points(data[start:end], len(layout.titles)))
     return memoryview(data)[start:end]
+
+
+def _with_points(body: bytes, width: int) -> bytes:
+    """Put a point where a comma cuts the decimals off; rows of another length stay as they are, to be told."""
+    lines = []
+    for line in body.split(b"\n"):
+        cells = line.split(b",")
+        whole = len(cells) == 2 * width
+        lines.append(b",".join(map(b".".join, zip(cells[::2], cells[1::2], strict=True))) if whole else line)
+    return b"\n".join(lines)
 
 
 def _names(layout: TableLayout) -> list[str]:
@@ -102,8 +123,13 @@ def _names(layout: TableLayout) -> list[str]:
 def _in_place(data: bytes, body: memoryview, layout: TableLayout) -> tuple[bytes, list[str]]:
     """Return what polars parses and its names of the columns: the file as it is if possible, to copy nothing."""
     top = data.find(b"\n") + 1
-    plain = layout.header_line == 0 and layout.first_line == 1 and layout.separator != BLANKS
-    if plain and len(data) - top <= len(body) + 1:
+    plain = (
+        layout.header_line == 0
+        and layout.first_line == 1
+        and layout.separator != BLANKS
+        and not layout.split_decimals
+    )
+    if plain and not layout.split_decimals and len(data) - top <= len(body) + 1:
         names = pl.read_csv(data[:top], separator=layout.separator, n_rows=0).columns
         if len(names) == len(layout.titles):
             return data, names
@@ -120,9 +146,10 @@ def _fast(
     """Parse the wanted columns in one pass; None where a cell is no number or a row has another length."""
     if layout.decimal_comma and layout.separator == ",":
         return None
-    if source[0].count(b'"') % 2 == 1:  # one that is not closed would make one cell of all that follows
-        return None
     content, in_file = source
+    # A quote that is not closed would make one cell of all that follows; to find none is faster than to count them.
+    if b'"' in content and content.count(b'"') % 2 == 1:
+        return None
     names = dict(zip(layout.titles, in_file, strict=True))
     last = in_file[-1]
     types: dict[str, Any] = {names[title]: pl.Float64 for title in wanted if title not in times}
@@ -175,10 +202,12 @@ def _from_frame(frame: pl.DataFrame, place: str, wanted: Sequence[str]) -> tuple
 
 
 def _as_array(column: pl.Series) -> NDArray[Any]:
-    """Return int64 where all values are integers, else float64 with NaN for missing values."""
+    """Return int64 where all values are integers that fit, else float64 with NaN for missing values."""
     if column.dtype.is_integer() and not column.null_count():
-        return column.cast(pl.Int64).to_numpy()
-    return discard_huge_values(column.cast(pl.Float64).to_numpy().astype(np.float64))
+        integers = column.cast(pl.Int64, strict=False)
+        if not integers.null_count():
+            return integers.to_numpy()
+    return discard_huge_values(column.cast(pl.Float64).to_numpy().astype(np.float64, copy=False))
 
 
 def _as_text(body: memoryview, layout: TableLayout, wanted: Sequence[str]) -> dict[str, pl.Series] | None:

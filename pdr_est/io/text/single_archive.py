@@ -46,4 +46,6 @@ def _is_archive(source: Source, member: str) -> bool:
 def _is_note(source: Source, member: str) -> bool:
     """Tell whether a member is text or a picture, but no table."""
     extension = Path(member).suffix.casefold()
+    if extension == ".json":
+        return source.head(member, 1) == b"{"  # a list may be an export
     return extension in _NOTES and (extension != ".txt" or detect_layout(source.head(member, _HEAD_BYTES)) is None)

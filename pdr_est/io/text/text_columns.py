@@ -97,14 +97,35 @@ def without_values(count: int) -> ParsedColumn:
 
 def _cleaned(column: pl.Series) -> tuple[pl.Series, pl.Series, pl.Series]:
     """Return the integers in text cells, the texts without what surrounds numbers, and which cells hold no value."""
-    text = column.str.strip_chars(" \t\"';")
+    text = column.str.strip_chars(" \t\"';\u00a0\u202f")
     missing = text.is_null() | text.str.to_lowercase().is_in(list(MISSING)).fill_null(True)
     text = text.to_frame("t").select(pl.when(~missing).then(pl.col("t"))).to_series()
     return text.cast(pl.Int64, strict=False), text, missing
 
 
+def _with_points(text: pl.Series) -> pl.Series:
+    """Write numbers with a point before their decimals, and nothing between thousands.
+
+    In a column with commas and points the sign that comes last in a number is the decimal one. Two commas in one
+    number can only set thousands apart. Otherwise a comma is the decimal mark.
+    """
+    plain = text.str.replace(r"^([+-]?[\d.,]+)[dD]([+-]?\d+)$", "${1}e${2}")
+    for _ in range(2):  # neighbouring groups share a digit
+        plain = plain.str.replace_all(r"(\d)[ '\x{00a0}\x{202f}](\d{3})", "${1}${2}")
+    if not plain.str.contains(",", literal=True).any():
+        return plain
+    both_american = plain.str.contains(r"\d,\d{3}(,\d{3})*\.\d*$").any()
+    both_european = plain.str.contains(r"\d\.\d{3}(\.\d{3})*,\d*$").any()
+    grouped = plain.str.contains(r"^[+-]?\d{1,3},\d{3},\d{3}").any()
+    if (both_american or grouped) and not both_european:
+        return plain.str.replace_all(",", "", literal=True)
+    if both_european and not both_american:
+        plain = plain.str.replace_all(".", "", literal=True)
+    return plain.str.replace(",", ".", literal=True)
+
+
 def _floats(text: pl.Series, missing: pl.Series) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     """Convert cleaned cells to numbers, and find those that are none."""
-    numbers = text.str.replace(",", ".", literal=True).cast(pl.Float64, strict=False)
+    numbers = _with_points(text).cast(pl.Float64, strict=False)
     wrong = (numbers.is_null() & ~missing).to_numpy()
     return discard_huge_values(numbers.to_numpy().astype(np.float64)), wrong

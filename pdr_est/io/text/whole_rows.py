@@ -9,8 +9,8 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from pdr_est.io.text.cells import brief_cell
-from pdr_est.io.text.table_layout import TableLayout, split_line
+from pdr_est.io.text.cells import brief_cell, split_line
+from pdr_est.io.text.table_layout import TableLayout
 from pdr_est.io.text.text_columns import ParsedColumn, join_numbers, parse_numbers, parse_text_column
 
 _PIECE_BYTES = 1 << 21

@@ -5,7 +5,8 @@ file                 content
 ===================  ===============================================================================================
 sensor_checks        numerical checks of one sensor: clock, true sampling rate, clipping, standstill of the values
 sampling_rate        sampling rates that are too low for steps
-gyroscope_check      gyroscope against gravity: axes, signs and clock
+gyroscope_check      gyroscope against gravity: axes, signs, gains and clock
+gyroscope_fit        bias and gains of a gyroscope that keep gravity in place
 accelerometer_check  length of gravity in every posture: gain and offset of the axes
 consistency          the checks of the sensors of a device against each other
 capabilities         what can be computed from the sensors of a device

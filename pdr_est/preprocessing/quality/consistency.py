@@ -4,7 +4,7 @@ import numpy as np
 
 from pdr_est.io.conversion.gravity_windows import gravity_windows
 from pdr_est.io.conversion.rotation_unit import rotation_unit_warnings
-from pdr_est.preprocessing.quality.accelerometer_check import accelerometer_warnings
+from pdr_est.preprocessing.quality.accelerometer_check import find_accelerometer_fault
 from pdr_est.preprocessing.quality.gyroscope_check import gyroscope_warnings
 from pdr_est.preprocessing.quality.sensor_checks import stuck_intervals
 from pdr_est.preprocessing.sensor_ranges import out_of_range
@@ -32,11 +32,24 @@ def consistency_warnings(device: DeviceRecording) -> tuple[str, ...]:
         return unit
     if gyroscope is None or unit:
         return (*unit, *_without_gyroscope(force))
+    return _gravity_warnings(force, gyroscope)
+
+
+def _gravity_warnings(force: Signal, gyroscope: Signal) -> tuple[str, ...]:
+    """List what keeps gravity from staying where it is: a fault of the accelerometer, else of the gyroscope."""
     windows = gravity_windows(force, gyroscope)
     if windows is None:
         return ()
     axes = gyroscope_warnings(windows, force, gyroscope)
-    return (*axes, *(_without_gyroscope(force) if axes else accelerometer_warnings(windows, with_gyroscope=True)))
+    fault = find_accelerometer_fault(windows, with_gyroscope=True)
+    if not axes or fault is None:
+        return axes if fault is None else (fault.warning,)
+    # An axis of the accelerometer that is wrong moves gravity, too: it is the fault if its correction ends that.
+    corrected = fault.corrected(force)
+    again = gravity_windows(corrected, gyroscope)
+    if again is None or not gyroscope_warnings(again, corrected, gyroscope):
+        return (fault.warning,)
+    return (*axes, *_without_gyroscope(force))
 
 
 def _stand_still(gyroscope: Signal, acceleration: Signal) -> bool:
@@ -57,4 +70,5 @@ def _usable(channel: Channel, signal: Signal | None) -> Signal | None:
 def _without_gyroscope(force: Signal) -> tuple[str, ...]:
     """Check the accelerometer alone."""
     windows = gravity_windows(force, Signal(force.time_s, np.zeros_like(force.values)))
-    return () if windows is None else accelerometer_warnings(windows, with_gyroscope=False)
+    fault = None if windows is None else find_accelerometer_fault(windows, with_gyroscope=False)
+    return () if fault is None else (fault.warning,)

@@ -1,9 +1,9 @@
 """Format an inspection as readable text, as `pdr-est inspect` prints it."""
 
 from collections.abc import Iterable
-from datetime import UTC, datetime
 
 from pdr_est.preprocessing.quality.inspection import ChannelInspection, DeviceInspection, Inspection
+from pdr_est.types.clock import utc_date
 
 _MAX_LINES = 20  # of one kind; gaps can be many, and the rest is counted
 
@@ -25,10 +25,8 @@ def format_inspection(inspection: Inspection) -> str:
 
 
 def _format_unix_time(unix_s: float) -> str:
-    try:
-        return f"{datetime.fromtimestamp(unix_s, tz=UTC):%Y-%m-%d %H:%M:%S} UTC"
-    except (OverflowError, OSError, ValueError):
-        return f"{unix_s:g} s since 1970, not a date"
+    date = utc_date(unix_s)
+    return f"{unix_s:g} s since 1970, not a date" if date is None else f"{date:%Y-%m-%d %H:%M:%S} UTC"
 
 
 def _device_lines(device: DeviceInspection) -> list[str]:

@@ -9,8 +9,10 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.units import Conversion, detect_acceleration_unit, detect_rotation_rate_unit
 from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
+from pdr_est.preprocessing.quality.capabilities import suggest_unused_columns
+from pdr_est.preprocessing.quality.clock_requirements import format_time, require_clock
 from pdr_est.preprocessing.quality.sampling_rate import refuse_slow_sampling
-from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
+from pdr_est.preprocessing.sensor_ranges import out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
@@ -18,8 +20,6 @@ COARSE_SAMPLING_S = 0.03
 """Sampling period, s, above which the integrated rotation rate of a phone on a leg drifts: at 25 Hz three times as
 fast."""
 
-_LONGEST_WALK_S = 366 * 86400.0  # time stamps further apart are wrong
-_MOST_OUT_OF_RANGE = 0.5  # of the samples: more are not damaged, their unit is another one
 _LATE_S = 1.0
 _MANY_SAMPLES = 5
 _SENSOR_NAMES = {
@@ -62,13 +62,13 @@ def require_track_sensors(device: DeviceRecording, label: str, one_of_several: b
     if not has_gyroscope(device):
         raise RecordingError(
             f"{label}: no gyroscope{_reader_warnings(device)}, so steps can be found but no heading and no track: "
-            f"record it too{', or leave this device out' if one_of_several else ''}; `pdr-est steps` still finds the "
-            "steps"
+            f"record it too{', or leave this device out' if one_of_several else ''}"
+            f"{suggest_unused_columns(device.decisions)}; `pdr-est steps` still finds the steps"
         )
 
 
 def require_plausible_samples(device: DeviceRecording, label: str) -> None:
-    """Check the clocks and units of accelerometer and gyroscope, of those that a device has.
+    """Check the clocks, rates and units of accelerometer and gyroscope, of those that a device has.
 
     Parameters
     ----------
@@ -80,13 +80,17 @@ def require_plausible_samples(device: DeviceRecording, label: str) -> None:
     Raises
     ------
     RecordingError
-        When one has a single sample, a clock that does not advance or spans more than a year, or a wrong unit.
+        When one has a single sample, a clock that does not advance or spans more than a year, or a wrong unit, or
+        when the accelerometer is too slow for steps.
     """
     for channel in _UNITS:
         signal = _signal(device, channel)
         if signal is not None:
-            _check_clock(signal, _SENSOR_NAMES[channel], label)
+            require_clock(signal, _SENSOR_NAMES[channel], label)
             _check_unit(channel, signal, label)
+    force = _signal(device, Channel.SPECIFIC_FORCE)
+    if force is not None:
+        refuse_slow_sampling(force, label)
 
 
 def prefers_recorded_attitude(device: DeviceRecording) -> bool:
@@ -123,14 +127,14 @@ def required_channels(device: DeviceRecording, label: str, with_attitude: bool) 
     """
     signals = _required_signals(device, label, with_attitude)
     for channel, signal in signals.items():
-        _check_clock(signal, _SENSOR_NAMES[channel], label)
+        require_clock(signal, _SENSOR_NAMES[channel], label)
         _check_unit(channel, signal, label)
     refuse_slow_sampling(signals[Channel.SPECIFIC_FORCE], label)
     start_s = max(float(signal.time_s.min()) for signal in signals.values())
     end_s = min(float(signal.time_s.max()) for signal in signals.values())
     if start_s >= end_s:
         spans = ", ".join(
-            f"{_SENSOR_NAMES[channel]} {_format_time(signal.time_s.min())} to {_format_time(signal.time_s.max())} s"
+            f"{_SENSOR_NAMES[channel]} {format_time(signal.time_s.min())} to {format_time(signal.time_s.max())} s"
             for channel, signal in signals.items()
         )
         raise RecordingError(f"{label}: the channels do not overlap in time ({spans}): check the recorder's clocks")
@@ -150,50 +154,6 @@ def require_magnetometer(device: DeviceRecording, label: str) -> None:
             f"{label}: no magnetometer{_reader_warnings(device)}, which heading.method: magnetometer needs: "
             "record it too, or choose another method"
         )
-
-
-def explain_empty_grid(device: DeviceRecording, label: str, max_gap_s: float) -> RecordingError:
-    """Make the error for a device that has all channels, but from which resampling made no grid point.
-
-    Parameters
-    ----------
-    device
-        Recording of the device.
-    label
-        Name of the device in messages.
-    max_gap_s
-        Longest gap, s, that resampling interpolates.
-    """
-    for channel, sensor in _SENSOR_NAMES.items():
-        signal = _signal(device, channel)
-        if signal is None or len(signal) < 2:
-            continue
-        limit = SENSOR_RANGES.get(channel)
-        if limit is not None and out_of_range(channel, signal.values).mean() > _MOST_OUT_OF_RANGE:
-            return RecordingError(
-                f"{label}: the values of the {sensor} reach {np.abs(signal.values).max():.3g} {limit.unit}, "
-                f"more than {limit.largest:g}, which no phone can measure: write their unit into the header"
-            )
-        apart_s = float(np.median(np.diff(signal.time_s)))
-        if apart_s < 0.0:
-            return RecordingError(f"{label}: the time stamps of the {sensor} run backwards: sort its rows by time")
-        if apart_s > max_gap_s:
-            return RecordingError(
-                f"{label}: the samples of the {sensor} lie {apart_s:.6g} s apart, more than resample.max_gap_s = "
-                f"{max_gap_s:g}: give the time in seconds, or record at a higher rate"
-            )
-        if len(signal) >= _MANY_SAMPLES and _in_whole_seconds(signal):
-            return RecordingError(
-                f"{label}: the time stamps of the {sensor} are whole seconds, {len(signal)} samples on "
-                f"{len(np.unique(signal.time_s))} of them: give the fractions of the seconds, too"
-            )
-    return RecordingError(f"{label}: too few samples for a single point of the working grid: record for longer")
-
-
-def _in_whole_seconds(signal: Signal) -> bool:
-    """Tell whether time stamps were rounded to seconds, so that some samples share one."""
-    since_s = signal.time_s - signal.time_s[0]
-    return bool((since_s == np.round(since_s)).all()) and len(np.unique(since_s)) < len(since_s)
 
 
 def _required_signals(device: DeviceRecording, label: str, with_attitude: bool) -> Mapping[Channel, Signal]:
@@ -254,25 +214,6 @@ def _signal(device: DeviceRecording, channel: Channel) -> Signal | None:
     return signal if signal is not None and len(signal) else None
 
 
-def _check_clock(signal: Signal, sensor: str, label: str) -> None:
-    """Refuse a single sample, a clock that does not advance, and one that spans more than a year."""
-    time_s = signal.time_s
-    if len(signal) == 1:
-        raise RecordingError(f"{label}: the {sensor} has a single sample: record for longer")
-    if time_s.min() == time_s.max():
-        raise RecordingError(
-            f"{label}: all {len(signal)} time stamps of the {sensor} are {_format_time(time_s[0])} s, the clock does "
-            "not advance: give the fractions of the seconds, too"
-        )
-    if time_s.max() - time_s.min() > _LONGEST_WALK_S:
-        wrong = int(np.argmax(np.abs(time_s - np.median(time_s))))
-        raise RecordingError(
-            f"{label}: the time stamps of the {sensor} span {_format_time(time_s.min())} to "
-            f"{_format_time(time_s.max())} s, more than a year: correct the time of sample {wrong + 1}, "
-            f"{_format_time(time_s[wrong])} s, or give the time in seconds"
-        )
-
-
 def _check_unit(channel: Channel, signal: Signal, label: str) -> None:
     """Refuse values that are surely in another unit than the one they were read in."""
     if channel not in _UNITS:
@@ -287,9 +228,3 @@ def _check_unit(channel: Channel, signal: Signal, label: str) -> None:
             f"{label}: the {_SENSOR_NAMES[channel]} was read as {assumed_unit}, but {conversion.decision}: "
             f"convert the values, or write their unit into the header, as in {title}"
         )
-
-
-def _format_time(time_s: float) -> str:
-    """Format a time for a message: to the hundredth of a second, but never with hundreds of digits."""
-    text = f"{time_s:.2f}" if abs(time_s) < 1e12 else f"{time_s:.6g}"
-    return text.removeprefix("-") if float(text) == 0.0 else text

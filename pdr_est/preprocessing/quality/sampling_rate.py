@@ -1,4 +1,10 @@
-"""Judge the sampling rate of an accelerometer by the steps that it has to show."""
+"""Judge the rates of accelerometer and gyroscope by the steps and turns that they have to show.
+
+What counts is how often a value is new: recorders that write rows faster than a sensor delivers repeat its last value
+or fill in straight lines, which shows no more of the walk.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,9 +16,47 @@ from pdr_est.types.recording import Signal
 SLOWEST_STEPS_HZ = 8.0
 """Rate below which steps are missed, Hz: four samples a step. Of a walk thinned to 5 Hz a quarter is missed."""
 
+FASTEST_HZ = 1500.0
+"""Rate that no phone or wearable sensor for walks exceeds, Hz; above, the clock is in another unit."""
+
 _LEAST_RATE_HZ = 4.0  # two samples for each of two steps a second; below, what looks like steps is another frequency
 _NO_RATE_HZ = 1.0  # of no recorder; the clock is in another unit
 _FEWEST_SAMPLES = 5
+_WINDOW_S = 4.0  # ours: some steps, so that the slowest rate is still known to 6 %
+_ACTIVE = 0.5  # ours: share of the strongest motion from which on a window counts
+_STRONGEST_PERCENTILE = 95
+_INNER_PERCENTILES = (10, 90)
+_ROUNDING = 3.0  # last digits by which rounded numbers leave a straight line: at most 2
+_COARSE = 1e-3  # share of the usual bend above which a last digit hides whether lines are straight
+_EXACT = 1e-6
+_ROUNDED_NUMBER = 1e-9  # share of the usual bend; what is less comes from binary numbers
+_MOST_WINDOWS = 200  # ours: enough of a long recording
+
+
+@dataclass(frozen=True)
+class SamplingRate:
+    """Rates of a sensor.
+
+    Attributes
+    ----------
+    samples_hz
+        Samples a second while it records, Hz; 0 when its clock does not advance.
+    new_hz
+        New values a second while the device moves, Hz; that of the samples where no value ever changes.
+    """
+
+    samples_hz: float
+    new_hz: float
+
+    @property
+    def text(self) -> str:
+        """Describe the rate for a message."""
+        if self.new_hz >= self.samples_hz - 0.05:
+            return f"{self.samples_hz:.1f} samples a second"
+        return (
+            f"{self.new_hz:.1f} new values a second (repeated or joined by straight lines in {self.samples_hz:.1f} "
+            "samples a second)"
+        )
 
 
 def mean_rate_hz(time_s: Array) -> float:
@@ -34,6 +78,26 @@ def mean_rate_hz(time_s: Array) -> float:
     return float((period_s >= 0.0).sum()) / recorded_s
 
 
+def sampling_rate(signal: Signal) -> SamplingRate:
+    """Measure how often a sensor is sampled, and how often its value is a new one.
+
+    New values are counted where the device moves most, because a sensor with few digits repeats its values while the
+    device lies still.
+
+    Parameters
+    ----------
+    signal
+        (n, k) samples of the sensor.
+    """
+    samples_hz = mean_rate_hz(signal.time_s)
+    size = round(samples_hz * _WINDOW_S)
+    finite = np.isfinite(signal.values).all(axis=1)
+    if size < _FEWEST_SAMPLES or finite.sum() < _FEWEST_SAMPLES:
+        return SamplingRate(samples_hz, samples_hz)
+    share = _share_of_new(_active_windows(signal.values[finite], size))
+    return SamplingRate(samples_hz, samples_hz * (share or 1.0))
+
+
 def refuse_slow_sampling(acceleration: Signal, label: str) -> None:
     """Raise RecordingError for an accelerometer that is too slow to see steps.
 
@@ -44,20 +108,69 @@ def refuse_slow_sampling(acceleration: Signal, label: str) -> None:
     label
         Name of the device in messages.
     """
-    rate_hz = mean_rate_hz(acceleration.time_s)
-    if _NO_RATE_HZ < rate_hz < _LEAST_RATE_HZ and len(acceleration) >= _FEWEST_SAMPLES:
+    rate = sampling_rate(acceleration)
+    if rate.samples_hz > _NO_RATE_HZ and rate.new_hz < _LEAST_RATE_HZ and len(acceleration) >= _FEWEST_SAMPLES:
         raise RecordingError(
-            f"{label}: the accelerometer has only {rate_hz:.1f} samples a second, which cannot show steps, of which "
-            "a person makes about two a second: record at 20 Hz or more"
+            f"{label}: the accelerometer has only {rate.text}, which cannot show steps, of which a person makes "
+            "about two a second: record at 20 Hz or more"
         )
 
 
-def slow_sampling_warnings(acceleration: Signal) -> tuple[str, ...]:
-    """Warn of an accelerometer (n, 3) that is so slow that steps are missed."""
-    rate_hz = mean_rate_hz(acceleration.time_s)
-    if not 0.0 < rate_hz < SLOWEST_STEPS_HZ:
+def sampling_rate_warnings(acceleration: Signal) -> tuple[str, ...]:
+    """Warn of an accelerometer (n, 3) that is so slow that steps are missed, or impossibly fast."""
+    rate = sampling_rate(acceleration)
+    if rate.samples_hz > FASTEST_HZ:
+        span_s = float(np.ptp(acceleration.time_s))
+        return (
+            f"the accelerometer has {rate.samples_hz:.0f} samples a second, more than any phone: its time spans "
+            f"{span_s:.3g} s for {len(acceleration)} samples; state the unit of time with --map (time: {{column: "
+            "time_s, unit: min})",
+        )
+    if not 0.0 < rate.new_hz < SLOWEST_STEPS_HZ:
         return ()
     return (
-        f"the accelerometer has only {rate_hz:.1f} samples a second: many steps are missed, and a track is not to be "
-        "trusted; record at 20 Hz or more",
+        f"the accelerometer has only {rate.text}: many steps are missed, and a track is not to be trusted; record at "
+        "20 Hz or more",
     )
+
+
+def slow_gyroscope_warnings(rotation_rate: Signal) -> tuple[str, ...]:
+    """Warn of a gyroscope (n, 3) that is so slow that it misses what a device turns within a step."""
+    rate = sampling_rate(rotation_rate)
+    if not 0.0 < rate.new_hz < SLOWEST_STEPS_HZ:
+        return ()
+    return (
+        f"the gyroscope has only {rate.text}: turns are missed, and headings and a track are not to be trusted; "
+        "record at 20 Hz or more",
+    )
+
+
+def _active_windows(values: Array, size: int) -> Array:
+    """Cut (n, k) values into windows and return those with motion; all of a short signal as one.
+
+    Returns
+    -------
+    windows : (m, size + 2, k)
+        Each begins with the two samples before it, of which the first one tells whether it is new.
+    """
+    count = (len(values) - 2) // size
+    if count < 2:
+        return values[None]
+    starts = 2 + size * np.arange(count)[:: 1 + (count - 1) // _MOST_WINDOWS]
+    windows: Array = values[starts[:, None] + np.arange(-2, size)]
+    low, high = np.percentile(windows, _INNER_PERCENTILES, axis=1)  # a damaged number is no motion
+    spread = (high - low).sum(axis=1)
+    moving: Array = windows[spread >= _ACTIVE * float(np.percentile(spread, _STRONGEST_PERCENTILE))]
+    return moving
+
+
+def _share_of_new(windows: Array) -> float:
+    """Compute the usual share of samples of windows (m, n, k) that neither repeat nor go on in a straight line."""
+    step = np.diff(windows, axis=1)
+    bends = np.abs(np.diff(step, axis=1))
+    bend = bends.max(axis=2)
+    usual = np.percentile(bend, 99, axis=1, keepdims=True)
+    digit = bends.min(axis=(1, 2), initial=np.inf, where=bends > _ROUNDED_NUMBER * usual[..., None])[:, None]
+    straight = np.where(_ROUNDING * digit < _COARSE * usual, _ROUNDING * digit, _EXACT * usual)
+    new = (step[:, 1:] != 0.0).any(axis=2) & (bend > straight)
+    return float(np.median(new.mean(axis=1)))

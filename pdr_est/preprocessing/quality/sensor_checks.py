@@ -138,6 +138,14 @@ def clipped_axes(values: Array) -> tuple[int, ...]:
     return tuple(axis for axis in range(values.shape[1]) if _is_clipped(distinct[:, axis]))
 
 
+def constant_axes(values: Array) -> tuple[int, ...]:
+    """Find the axes (columns of values, (n, k)) that never change although another one does."""
+    if len(values) < _STUCK_SAMPLES:
+        return ()
+    varies = np.ptp(values, axis=0) > 0.0
+    return tuple(np.flatnonzero(~varies).tolist()) if varies.any() else ()
+
+
 def _is_clipped(values: Array) -> bool:
     """Tell whether a column has several plateaus at its minimum or maximum."""
     spread = float(values.std())

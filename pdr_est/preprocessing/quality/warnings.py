@@ -6,14 +6,16 @@ import numpy as np
 
 from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
-from pdr_est.preprocessing.quality.sampling_rate import slow_sampling_warnings
-from pdr_est.preprocessing.quality.sensor_checks import check_clock, stuck_intervals
+from pdr_est.preprocessing.quality.sampling_rate import sampling_rate_warnings, slow_gyroscope_warnings
+from pdr_est.preprocessing.quality.sensor_checks import check_clock, clipped_axes, constant_axes, stuck_intervals
 from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
 _COVERED_SHARE = 0.98  # of the accelerometer's time: sensors start and stop one after the other
 _COVERED_HALF = 0.5
+_FEWEST_FOR_CLIPPING = 50  # samples
+_AXES = "xyz"
 _GUESSED = (
     "the acceleration is without gravity, and the direction of the strongest motion was taken for the vertical: take "
     "the number of steps with care"
@@ -25,16 +27,19 @@ def quality_warnings(device: DeviceRecording) -> tuple[str, ...]:
     force, rate = (_non_empty(signal) for signal in (device.specific_force, device.rotation_rate))
     if force is None and needs_stand_in(device):
         force = device.linear_acceleration
-        return (*slow_sampling_warnings(force), _GUESSED) if force is not None else ()
+        return (*sampling_rate_warnings(force), _GUESSED) if force is not None else ()
     found = [*_range_warnings("accelerometer", Channel.SPECIFIC_FORCE, force)]
     found += _range_warnings("gyroscope", Channel.ROTATION_RATE, rate)
     if force is not None:
-        found += slow_sampling_warnings(force)
+        found += sampling_rate_warnings(force)
         found += _stuck_warnings("accelerometer", force, rate, "steps cannot be seen there")
+        found += _axis_warnings("accelerometer", Channel.SPECIFIC_FORCE, force, "step lengths and tilt")
     if rate is not None and not rate.values.any():
         found.append("all values of the gyroscope are zero, the sensor is missing or faulty: turns cannot be seen")
     elif rate is not None:
+        found += slow_gyroscope_warnings(rate)
         found += _stuck_warnings("gyroscope", rate, force, "turns cannot be seen there")
+        found += _axis_warnings("gyroscope", Channel.ROTATION_RATE, rate, "headings and track")
     if force is not None and rate is not None:
         found += _coverage_warnings(force, rate)
     return (*found, *consistency_warnings(device))
@@ -61,6 +66,27 @@ def _stuck_warnings(sensor: str, signal: Signal, other: Signal | None, effect: s
     if intervals:
         total_s = sum(interval.length_s for interval in intervals)
         yield f"the {sensor} is stuck from {intervals[0].start_s:.2f} s on, for {total_s:.1f} s in all: {effect}"
+
+
+def _axis_warnings(sensor: str, channel: Channel, signal: Signal, doubtful: str) -> Iterator[str]:
+    """Tell axes that never change, and those that stay at the end of their range."""
+    usable = np.isfinite(signal.values).all(axis=1) & ~out_of_range(channel, signal.values)
+    values = signal.values[usable]
+    for axis in constant_axes(values):
+        yield (
+            f"the {_AXES[axis]} axis of the {sensor} is always {values[0, axis]:.3g} while the others change: "
+            f"{doubtful} are wrong; check its column"
+        )
+    if len(values) < _FEWEST_FOR_CLIPPING:
+        return
+    for axis in clipped_axes(values):
+        column = values[:, axis]
+        share = float(np.mean((column == column.max()) | (column == column.min())))
+        yield (
+            f"the {_AXES[axis]} axis of the {sensor} hits the end of its range, {column.min():.3g} to "
+            f"{column.max():.3g} {SENSOR_RANGES[channel].unit}, in {max(share, 0.001):.1%} of its samples: "
+            f"{doubtful} are doubtful; record with a wider range"
+        )
 
 
 def _coverage_warnings(force: Signal, rate: Signal) -> Iterator[str]:

@@ -5,7 +5,7 @@ import platform
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
-from datetime import UTC, date, datetime
+from datetime import date
 from enum import Enum
 from importlib import metadata
 from pathlib import PurePath
@@ -19,6 +19,7 @@ from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.walk.descriptions import describe_directions, describe_frame, describe_length_scale
 from pdr_est.report.walk.mode_statistics import mode_statistics
+from pdr_est.types.clock import utc_date
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
@@ -149,11 +150,11 @@ def _length_scale(walk: SmoothedWalk, profile: Profile | None) -> Json:
 
 
 def _recording(recording: Recording) -> Json:
-    begin = recording.epoch_s
+    begin = None if recording.epoch_s is None else utc_date(recording.epoch_s)
     return {
         "name": recording.name,
         "format": recording.format,
-        "time_zero": None if begin is None else datetime.fromtimestamp(begin, UTC).isoformat(timespec="milliseconds"),
+        "time_zero": None if begin is None else begin.isoformat(timespec="milliseconds"),
         "origin": recording.origin,
         "notes": recording.notes,
         "truth": _truth(recording.truth),

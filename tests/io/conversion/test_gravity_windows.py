@@ -5,15 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.io.conversion.gravity_windows import (
-    cross_matrices,
-    gravity_scatter,
-    gravity_windows,
-    hann_means,
-    log_likelihood,
-    scatter,
-    turned_by,
-)
+from pdr_est.io.conversion.gravity_drift import WalkerVelocity, gravity_scatter, hann_means, log_likelihood
+from pdr_est.io.conversion.gravity_windows import GravityWindows, cross_matrices, gravity_windows, turned_by
 from pdr_est.types.recording import Signal
 
 TIME_S = np.arange(0.0, 30.0, 0.01)
@@ -60,9 +53,29 @@ def test_the_means_suppress_the_rhythm_of_walking() -> None:
     assert hann_means(np.ones((2, 150, 3)), period_s) == pytest.approx(1.0)
 
 
+def standing(count: int, period_s: float = 0.04) -> GravityWindows:
+    """Windows of a device that does not turn."""
+    force = np.zeros((count, 150, 3))
+    return GravityWindows(np.zeros(count), force, np.zeros_like(force), period_s, np.full(count, 0.09))
+
+
 def test_scatter_is_the_variance_of_a_component() -> None:
+    windows = standing(4000)
     means = np.random.default_rng(0).normal(scale=0.7, size=(4000, 4, 3))
-    assert scatter(means).mean() == pytest.approx(0.49, rel=0.03)
+    assert WalkerVelocity.of(windows.turned, windows).scatter(means).mean() == pytest.approx(0.49, rel=0.03)
+
+
+def test_the_velocity_of_a_walker_who_turns_does_not_count() -> None:
+    yaw_rate = np.zeros((1, 150, 3))
+    yaw_rate[0, 50:90, 2] = 1.0
+    turned = turned_by(yaw_rate, 0.04)
+    velocity = turned @ np.array([1.3, 0.0, 0.0])
+    level = np.gradient(velocity, 0.04, axis=1) + np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
+    device = np.einsum("kjab,kja->kjb", turned, level)
+    windows = GravityWindows(np.zeros(1), device, yaw_rate, 0.04, np.array([0.09]))
+    means = hann_means(level, 0.04)
+    assert np.sqrt(np.square(means - means.mean(axis=1, keepdims=True)).sum() / 9.0) > 0.25
+    assert np.sqrt(gravity_scatter(turned, windows)[0]) < 0.1
 
 
 def test_cross_matrices_are_cross_products() -> None:

@@ -53,6 +53,12 @@ def test_every_unit_is_found(walk: str, unit: str, factor: float) -> None:
     assert conversion.warning == ""
 
 
+@pytest.mark.parametrize("walk", ["l_shape", "mmpdr_indoor_swing"])
+def test_rounds_per_minute_are_found_or_doubted(walk: str) -> None:
+    conversion = detect_rotation_unit(*signals(walk, 30.0 / np.pi))
+    assert conversion.factor == pytest.approx(np.pi / 30.0) or "rpm" in conversion.warning
+
+
 def test_a_single_damaged_number_changes_nothing() -> None:
     rate, force = signals("l_shape", DEGREES)
     for value in (1e30, np.nan):
@@ -81,3 +87,11 @@ def test_only_a_wrong_unit_is_warned_of(walk: str) -> None:
     assert "0.01745" in words
     (words,) = rotation_unit_warnings(*signals(walk, 1.0 / DEGREES))
     assert "converted from deg/s twice" in words
+
+
+def test_a_device_that_lies_perfectly_still_is_not_judged() -> None:
+    time_s = np.arange(0.0, 20.0, 0.02)
+    lying = Signal(time_s, np.tile([0.0, 0.0, 9.81], (len(time_s), 1)))
+    still = Signal(time_s, np.full((len(time_s), 3), 1e-4))
+    assert rotation_unit_warnings(still, lying) == ()
+    assert detect_rotation_unit(still, lying).warning

@@ -47,16 +47,16 @@ def along(walk: Walk, direction: tuple[float, float, float]) -> Signal:
     return Signal(walk.time_s, np.tile(9.8 * np.array(direction), (len(walk.time_s), 1)))
 
 
-def test_without_attitude_and_metadata_only_face_up_is_certain(walk: Walk) -> None:
-    assert detect_force_sign(force(walk), None, None, "").warning == ""
-    for direction, sign in (((0.0, 1.0, 0.0), 1.0), ((0.0, -0.9, -0.3), 1.0), ((0.0, 0.0, -1.0), -1.0)):
+def test_without_attitude_and_metadata_no_way_of_carrying_is_certain(walk: Walk) -> None:
+    upright, ear, down, up = (0.0, 1.0, 0.0), (0.0, -0.9, -0.3), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)
+    for direction, sign in ((upright, 1.0), (ear, 1.0), (down, -1.0), (up, 1.0)):
         conversion = detect_force_sign(along(walk, direction), None, None, "")
         assert conversion.factor == sign
         assert "the track is mirrored: state the sign with --map" in conversion.warning
 
 
 @pytest.mark.parametrize(
-    ("log_odds", "sign", "certain"), [(4.0, 1.0, True), (0.5, 1.0, False), (-0.5, -1.0, False), (-4.0, -1.0, True)]
+    ("log_odds", "sign", "certain"), [(7.0, 1.0, True), (4.0, 1.0, False), (-4.0, -1.0, False), (-7.0, -1.0, True)]
 )
 def test_the_evidence_is_summed(walk: Walk, log_odds: float, sign: float, certain: bool) -> None:
     evidence = (SignEvidence(2.0, "one reason"), SignEvidence(log_odds - 2.0, "another"))

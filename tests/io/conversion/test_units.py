@@ -7,7 +7,6 @@ from fabricated import Walk, make_walk
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.io.conversion.units import (
     detect_acceleration_unit,
-    detect_clock_unit,
     detect_pressure_unit,
     detect_rotation_rate_unit,
 )
@@ -81,27 +80,3 @@ def test_the_unit_of_pressure(median: float, factor: float) -> None:
 
 def test_an_impossible_pressure_is_doubted() -> None:
     assert detect_pressure_unit(np.full(5, 29.9)).warning  # inches of mercury
-
-
-@pytest.mark.parametrize(
-    ("start", "per_s"),
-    [
-        (0, 1.0),
-        (0, 1e3),
-        (0, 1e6),
-        (0, 1e9),
-        (86_400, 1e9),  # since boot
-        (1_718_030_736, 1.0),
-        (1_718_030_736, 1e3),
-        (1_718_030_736, 1e9),
-    ],
-)
-@pytest.mark.parametrize("rate_hz", [25.0, 100.0, 500.0])
-def test_the_unit_of_a_clock(start: float, per_s: float, rate_hz: float) -> None:
-    conversion = detect_clock_unit((start + np.arange(1000) / rate_hz) * per_s)
-    assert conversion.factor == pytest.approx(1.0 / per_s)
-    assert conversion.warning == ""
-
-
-def test_a_clock_that_stands_still_is_doubted() -> None:
-    assert detect_clock_unit(np.zeros(10)).warning

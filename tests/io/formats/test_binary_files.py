@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from app_exports import androsensor
 from fabricated import Walk, as_folder, make_walk
-from workbooks import write_workbook
+from workbooks import write_old_workbook, write_workbook
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
@@ -28,7 +29,7 @@ def sheet(walk: Walk, title: str, values: Array) -> list[list[Any]]:
     return [header, *(list(row) for row in np.column_stack([walk.time_s, values]))]
 
 
-def workbook(path: Path, walk: Walk) -> Path:
+def workbook(path: Path, walk: Walk, write: Callable[[Path, Any], Path] = write_workbook) -> Path:
     sheets: dict[str, list[list[Any]]] = {
         "Accelerometer": sheet(walk, MOTION[0], walk.force),
         "Gyroscope": sheet(walk, MOTION[1], walk.rate),
@@ -38,12 +39,15 @@ def workbook(path: Path, walk: Walk) -> Path:
             ["START", 0.0, 1.927e9, "2031-01-24 04:53:20.000 UTC+00:00"],
         ],
     }
-    return write_workbook(path, sheets)
+    return write(path, sheets)
 
 
-def test_a_workbook_of_phyphox_gives_the_walk(tmp_path: Path, walk: Walk) -> None:
+@pytest.mark.parametrize(("name", "write"), [("Walk.xlsx", write_workbook), ("Walk.xls", write_old_workbook)])
+def test_a_workbook_of_phyphox_gives_the_walk(
+    tmp_path: Path, walk: Walk, name: str, write: Callable[[Path, Any], Path]
+) -> None:
     pytest.importorskip("python_calamine")
-    path = workbook(tmp_path / "Walk 2031-02-03.xlsx", walk)
+    path = workbook(tmp_path / name, walk, write)
     for recording in (read(path), read(tmp_path)):
         assert recording.format == "phyphox"
         assert recording.epoch_s == pytest.approx(1.927e9)

@@ -115,3 +115,63 @@ def test_a_date_without_a_zone_among_others_is_not_known() -> None:
 def test_texts_that_are_no_dates() -> None:
     assert parse_dates(np.array(["walking", "2031", "1.5", "x:y:z"])) is None
     assert parse_dates(np.array(["", ""])) is None
+
+
+@pytest.mark.parametrize(
+    ("places", "mark", "counted"), [(3, ".", "ms"), (3, ":", "ms"), (6, ".", "us"), (6, ":", "us"), (9, ",", "ns")]
+)
+def test_digits_without_zeros_in_front_count_parts_of_a_second(places: int, mark: str, counted: str) -> None:
+    ns = MOMENT + 20_000_000 * np.arange(300)
+    parts = [
+        (str(stamp)[:19], int(at) % 10**9 // 10 ** (9 - places)) for at, stamp in zip(ns, stamps(ns), strict=True)
+    ]
+    found = parse_dates(np.array([f"{second}{mark}{fraction}" for second, fraction in parts]))
+    assert found is not None
+    assert found.ns.tolist() == ns.tolist()
+    assert found.counted == counted
+    unpadded = [f"{second[11:].replace(':0', ':').removeprefix('0')}{mark}{fraction}" for second, fraction in parts]
+    found = parse_dates(np.array(unpadded))
+    assert found is not None
+    assert np.unique(np.diff(found.ns)).tolist() == [20_000_000]
+
+
+def test_decimals_without_zeros_behind_stay_decimals() -> None:
+    ns = MOMENT + 20_000_000 * np.arange(300) - 789_000_000
+    found = parse_dates(np.array([str(stamp).rstrip("0").rstrip(".") for stamp in stamps(ns)]))
+    assert found is not None
+    assert found.ns.tolist() == ns.tolist()
+    assert found.counted == ""
+
+
+def stamps(ns: np.ndarray) -> list[np.datetime64]:
+    return list(ns.astype("datetime64[ns]"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "2031年2月13日 12时05分06秒",
+        "2031年02月13日12時05分06.000秒",
+        "2031年2月13日 下午12:05:06",
+        "2031年2月13日（木） 12時5分6秒",
+        "2031年2月13日 12：05：06",
+        "2031/2/13 下午12:05:06",
+        "2031년 2월 13일 오후 12시 5분 6초",
+        "13. Februar 2031 12:05:06",
+        "13 févr. 2031 12:05:06",
+        "13 de febrero de 2031 12:05:06",
+        "Feb 13, 2031 12:05:06 PM",
+        "13-févr.-2031 12:05:06",
+    ],
+)
+def test_dates_in_other_languages(text: str) -> None:
+    found = parse_dates(np.array([text, text]))
+    assert found is not None
+    assert found.ns.tolist() == [np.datetime64("2031-02-13T12:05:06", "ns").astype(np.int64)] * 2
+    assert found.has_date
+
+
+def test_times_of_day_in_chinese() -> None:
+    found = parse_dates(np.array(["4时05分06秒789毫秒", "4时05分07秒009毫秒"]))
+    assert found is not None
+    assert np.diff(found.ns).tolist() == [220_000_000]

@@ -9,7 +9,7 @@ from table_walk import TableWalk, rows, table_walk, xyz
 
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.io import read
-from pdr_est.io.formats.plain_csv.unknown import write_map_draft
+from pdr_est.io.formats.map_draft import write_map_draft
 from pdr_est.io.tables.mapping_file import load_mapping, mapping_from_dict
 
 FORCE = {"x": "acc_x", "y": "acc_y", "z": "acc_z"}

@@ -92,3 +92,11 @@ def test_german_titles_are_latin_1() -> None:
 
 def test_signs_in_the_wrong_encoding() -> None:
     assert repair_signs("acc (m/sÂ²), field (Î¼T), gyro (Â°/s)") == "acc (m/s²), field (μT), gyro (°/s)"
+
+
+@pytest.mark.parametrize(
+    ("title", "encoding"),
+    [("時間,加速度x,角速度x", "cp932"), ("时间,加速度x,角速度x", "gb18030"), ("Länge,Höhe,Breite", "cp1252")],
+)
+def test_titles_in_the_encodings_of_a_country(title: str, encoding: str) -> None:
+    assert as_utf8(f"{title}\n1,2,3\n".encode(encoding)).decode().startswith(title)

@@ -1,9 +1,12 @@
 """Magnetic declination at a place, by the World Magnetic Model."""
 
-from datetime import UTC, datetime
+from calendar import isleap
+from datetime import UTC, datetime, timedelta
 from math import radians
 
 from pygeomag import GeoMag
+
+from pdr_est.types.clock import utc_date
 
 SIGMA_MODEL_RAD = radians(0.5)
 """Standard deviation of the declination by the model at middle latitudes, rad; mostly of the rocks below."""
@@ -28,15 +31,16 @@ def magnetic_declination(latitude_deg: float, longitude_deg: float, epoch_s: flo
     declination_rad, sigma_rad
         Angle from true to magnetic north, rad, clockwise, and its standard deviation.
     """
-    year = _YEAR_UNDATED if epoch_s is None else _decimal_year(epoch_s)
+    date = None if epoch_s is None else utc_date(epoch_s)
+    year = _YEAR_UNDATED if date is None else _decimal_year(date)
     covered = min(max(year, _OLDEST), _NEWEST)
-    sigma_rad = SIGMA_MODEL_RAD if epoch_s is not None and covered == year else _SIGMA_UNDATED_RAD
+    sigma_rad = SIGMA_MODEL_RAD if date is not None and covered == year else _SIGMA_UNDATED_RAD
     model = GeoMag(base_year=int(min(covered, _NEWEST - 1.0)))
     field = model.calculate(glat=latitude_deg, glon=longitude_deg, alt=0.0, time=covered)
     return radians(float(field.d)), sigma_rad
 
 
-def _decimal_year(epoch_s: float) -> float:
-    year = datetime.fromtimestamp(epoch_s, UTC).year
-    begin_s = datetime(year, 1, 1, tzinfo=UTC).timestamp()
-    return year + (epoch_s - begin_s) / (datetime(year + 1, 1, 1, tzinfo=UTC).timestamp() - begin_s)
+def _decimal_year(date: datetime) -> float:
+    begin = datetime(date.year, 1, 1, tzinfo=UTC)
+    days = 366 if isleap(date.year) else 365
+    return date.year + (date - begin) / timedelta(days=days)

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.formats.named_tables import NamedTableFormat, with_columns
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.text.container import Source
@@ -28,7 +28,7 @@ _REFERENCES = ("state_groundtruth_estimate0", "mocap0", "vicon0", "leica0")
 
 def sniff(source: Source) -> bool:
     """Tell whether a member has the titles of this layout."""
-    return bool(members_marked(source, _MARK))
+    return _TABLE.sniff(source)
 
 
 def read_source(source: Source) -> Recording:
@@ -39,11 +39,14 @@ def read_source(source: Source) -> Recording:
     RecordingError
         For several sequences, and when no motion sensor has values.
     """
-    members = members_marked(source, _MARK)
-    device = RawDevice({}, sign=1.0, sign_reason="specific force is up at rest in this layout", usual_axes=False)
-    recording = read_named_table(source, members, NAME, device, _mapping)
-    positions = _reference(source, members[0], recording.epoch_s)
+    member, _, _ = _TABLE.meaning_of(source)
+    recording = _TABLE.read_source(source.with_only(member))
+    positions = _reference(source, member, recording.epoch_s)
     return recording if positions is None else replace(recording, truth=Truth(positions=positions))
+
+
+def _device(_head: bytes) -> RawDevice:
+    return RawDevice({}, sign=1.0, sign_reason="specific force is up at rest in this layout", usual_axes=False)
 
 
 def _mapping(layout: TableLayout) -> TableMapping:
@@ -52,6 +55,9 @@ def _mapping(layout: TableLayout) -> TableMapping:
 
     clocks = {layout.titles[0]: 1e-9 if "ns" in layout.titles[0] else None}
     return with_columns(layout, {Quantity.RATE: (axes(_RATE), 1.0), Quantity.FORCE: (axes(_FORCE), 1.0)}, clocks)
+
+
+_TABLE = NamedTableFormat(NAME, _MARK, _device, _mapping)
 
 
 def _reference(source: Source, member: str, epoch_s: float | None) -> TruePositions | None:

@@ -18,6 +18,8 @@ from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
 NAME = "MotionSense"
+BESIDE = re.compile(r"data_subjects_info\.csv(?:\.gz)?")
+"""Names of files that are read beside a walk, or describe the data set."""
 
 _ANGLES = ("attitude.roll", "attitude.pitch", "attitude.yaw")
 _GRAVITY = ("gravity.x", "gravity.y", "gravity.z")

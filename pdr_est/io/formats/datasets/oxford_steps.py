@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
@@ -21,6 +23,8 @@ from pdr_est.types.ground_truth import TrueSteps, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
 NAME = "Oxford steps"
+BESIDE = re.compile(r"(?:stepcounter\.csv|notes\.txt)(?:\.gz)?")
+"""Names of files that are read beside a walk, or describe the data set."""
 
 _COLUMNS = ("time", "accuracy", "x", "y", "z")
 _CONTACT_COLUMNS = ("time", "left", "right")
@@ -37,7 +41,7 @@ _FORCES_MPS2 = (5.0, 20.0)
 
 def sniff(source: Source) -> bool:
     """Tell whether a member of the source is an accelerometer table of this data set."""
-    return bool(find_members(source, _is_table))
+    return bool(_tables(source))
 
 
 def read_source(source: Source) -> Recording:
@@ -53,7 +57,7 @@ def read_source(source: Source) -> Recording:
     RecordingError
         When there are several walks, or a table is damaged or of another walk.
     """
-    member = require_single_walk(source, find_members(source, _is_table), NAME)
+    member = require_single_walk(source, _tables(source), NAME)
     table = read_table(source.read(member), source.place(member), has_header=False, columns=_COLUMNS)
     start_s, time_s = table.relative_time("time", _TICKS_PER_S)
     force, warnings = finite_signal(time_s, table.stack(("x", "y", "z")), "specific force", table.place)
@@ -75,6 +79,13 @@ def read_source(source: Source) -> Recording:
         truth=Truth() if steps is None else Truth(steps=steps, step_count=len(steps.time_s)),
         notes=(*notes, *_remarks(source, member)),
     )
+
+
+def _tables(source: Source) -> tuple[str, ...]:
+    """List the accelerometer tables without a gyroscope beside, which the data set does not have."""
+    tables = find_members(source, _is_table)
+    gyroscopes = {m.rpartition("/")[0] for m in source.members if sensor_by_name(member_stem(m)) is Quantity.RATE}
+    return tuple(member for member in tables if member.rpartition("/")[0] not in gyroscopes)
 
 
 def _is_table(head: bytes) -> bool:

@@ -22,6 +22,8 @@ from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
 NAME = "OxIOD"
+BESIDE = re.compile(r"(?:tango|vi)\d+\.csv(?:\.gz)?")
+"""Names of files that are read beside a walk, or describe the data set."""
 
 _COLUMNS = (
     *("time", "roll", "pitch", "yaw", "rate_x", "rate_y", "rate_z"),

@@ -7,33 +7,16 @@ position and attitude of Tango, `pos_x` and `ori_w`, which are the reference.
 import re
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.formats.named_tables import NamedTableFormat, with_columns
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.text.container import Source
 from pdr_est.io.text.table_layout import TableLayout
-from pdr_est.types.recording import Recording
-
-NAME = "RIDI"
 
 _MARK = re.compile(rb"^[^\n]*\bgyro_x\b[^\n]*\bacce_x\b[^\n]*\bpos_x\b[^\n]*\bori_w\b", re.MULTILINE)
 
 
-def sniff(source: Source) -> bool:
-    """Tell whether a member has the titles of this data set."""
-    return bool(members_marked(source, _MARK))
-
-
-def read_source(source: Source) -> Recording:
-    """Read the walk of a sequence: one phone, with its true positions.
-
-    Raises
-    ------
-    RecordingError
-        For several sequences, and when no motion sensor has values.
-    """
-    device = RawDevice({}, platform="android", sign=1.0, sign_reason="Android's sign")
-    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
+def _device(_head: bytes) -> RawDevice:
+    return RawDevice({}, platform="android", sign=1.0, sign_reason="Android's sign")
 
 
 def _mapping(layout: TableLayout) -> TableMapping:
@@ -54,3 +37,7 @@ def _mapping(layout: TableLayout) -> TableMapping:
         {"time": 1e-9},
         without=(Quantity.ROTATION_VECTOR,),
     )
+
+
+FORMAT = NamedTableFormat("RIDI", _MARK, _device, _mapping, BESIDE=re.compile(r".+\.txt(?:\.gz)?"))
+"""The format, for the registry."""

@@ -6,6 +6,7 @@ beside the file names the first frame for which both are aligned; what is before
 
 import io
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import Recording, Signal
 
 NAME = "RoNIN"
+BESIDE = re.compile(r".+\.(?:txt|json|csv)(?:\.gz)?")
+"""Names of files that are read beside a walk, or that the data set keeps beside it."""
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _SENSORS = {"acce": RawSensor.FORCE, "gyro": RawSensor.RATE, "magnet": RawSensor.FIELD}

@@ -7,7 +7,7 @@ from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import AttitudeReference
 
 
-def only_device(recording: Recording, place: object) -> DeviceRecording:
+def only_device(recording: Recording) -> DeviceRecording:
     """Return the device of a recording of one device.
 
     Raises
@@ -18,8 +18,8 @@ def only_device(recording: Recording, place: object) -> DeviceRecording:
     if len(recording.devices) != 1:
         names = ", ".join(device.name for device in recording.devices)
         raise OutputError(
-            f"{place}: {len(recording.devices)} devices ({names}) do not fit into one recording; write each into its "
-            "own with --device"
+            f"{recording.name}: {len(recording.devices)} devices ({names}) do not fit into one file; write each into "
+            "its own with --device NAME"
         )
     return recording.devices[0]
 

@@ -39,7 +39,7 @@ def write_sensor_logger_folder(recording: Recording, folder: Path) -> tuple[str,
     OutputError
         For several devices, for a recording without samples, and when a file cannot be written.
     """
-    device = only_device(recording, folder)
+    device = only_device(recording)
     epoch_s = NO_DATE_S if recording.epoch_s is None else recording.epoch_s
     tables = {
         "TotalAcceleration": _table(device.specific_force, ("x", "y", "z"), epoch_s),

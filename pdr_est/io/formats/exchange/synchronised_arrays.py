@@ -44,7 +44,7 @@ def synchronised_arrays(recording: Recording, place: object = "recording") -> di
     OutputError
         For several devices, and without accelerometer or gyroscope at the same times.
     """
-    device = only_device(recording, place)
+    device = only_device(recording)
     force, rate = device.specific_force, device.rotation_rate
     if force is None or rate is None or not len(force) or not len(rate):
         raise OutputError(f"{place}: arrays need accelerometer and gyroscope: convert to CSV instead")

@@ -8,14 +8,10 @@ import re
 from collections.abc import Sequence
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, title_with_end, with_columns
+from pdr_est.io.formats.named_tables import NamedTableFormat, title_with_end, with_columns
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.text.container import Source
 from pdr_est.io.text.table_layout import TableLayout
-from pdr_est.types.recording import Recording
-
-NAME = "ROS Imu messages"
 
 _MARK = re.compile(
     rb"linear_acceleration[./_]x[\"']?\s*[,;\t][^\n]*angular_velocity[./_]x|"
@@ -24,21 +20,8 @@ _MARK = re.compile(
 _STEMS = {Quantity.FORCE: "linear_acceleration", Quantity.RATE: "angular_velocity", Quantity.ATTITUDE: "orientation"}
 
 
-def sniff(source: Source) -> bool:
-    """Tell whether a member has the fields of the message as titles."""
-    return bool(members_marked(source, _MARK))
-
-
-def read_source(source: Source) -> Recording:
-    """Read the walk of a table.
-
-    Raises
-    ------
-    RecordingError
-        For several tables, and when no motion sensor has values.
-    """
-    device = RawDevice({}, sign=1.0, sign_reason="the standard of ROS", usual_axes=False)
-    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
+def _device(_head: bytes) -> RawDevice:
+    return RawDevice({}, sign=1.0, sign_reason="the standard of ROS", usual_axes=False)
 
 
 def _mapping(layout: TableLayout) -> TableMapping:
@@ -59,3 +42,7 @@ def _mapping(layout: TableLayout) -> TableMapping:
     taken = {title for clock in clocks for title in (clock.title, clock.fraction)}
     rest = tuple(clock for clock in mapping.clocks if clock.title not in taken)
     return TableMapping((*clocks, *rest), mapping.columns, unused=mapping.unused)
+
+
+FORMAT = NamedTableFormat("ROS Imu messages", _MARK, _device, _mapping)
+"""The format, for the registry."""

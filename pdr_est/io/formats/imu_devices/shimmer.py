@@ -7,14 +7,10 @@ import re
 from collections.abc import Sequence
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, title_with_end, with_columns
+from pdr_est.io.formats.named_tables import NamedTableFormat, title_with_end, with_columns
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
 from pdr_est.io.tables.quantities import Quantity, unit_factor
-from pdr_est.io.text.container import Source
 from pdr_est.io.text.table_layout import TableLayout
-from pdr_est.types.recording import Recording
-
-NAME = "Shimmer"
 
 _MARK = re.compile(rb"_Timestamp_\w*CAL|_(?:Accel_(?:LN|WR)|Gyro)_X_CAL")
 _STEMS = {
@@ -31,21 +27,8 @@ _CLOCKS = (
 )
 
 
-def sniff(source: Source) -> bool:
-    """Tell whether a member has the titles of this export."""
-    return bool(members_marked(source, _MARK))
-
-
-def read_source(source: Source) -> Recording:
-    """Read the walk of a table.
-
-    Raises
-    ------
-    RecordingError
-        For several tables, and when no motion sensor has values.
-    """
-    device = RawDevice({}, sign=1.0, sign_reason="the sign of Shimmer")
-    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
+def _device(_head: bytes) -> RawDevice:
+    return RawDevice({}, sign=1.0, sign_reason="the sign of Shimmer")
 
 
 def _mapping(layout: TableLayout) -> TableMapping:
@@ -63,3 +46,7 @@ def _mapping(layout: TableLayout) -> TableMapping:
         if (title := title_with_end(layout, name))
     )
     return TableMapping(clocks or mapping.clocks, mapping.columns, unused=mapping.unused)
+
+
+FORMAT = NamedTableFormat("Shimmer", _MARK, _device, _mapping)
+"""The format, for the registry."""

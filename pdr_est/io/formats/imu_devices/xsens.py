@@ -12,14 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.formats.named_tables import NamedTableFormat, with_columns
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.text.container import Source
 from pdr_est.io.text.table_layout import TableLayout
-from pdr_est.types.recording import Recording
-
-NAME = "Xsens, Movella"
 
 _MARK = re.compile(rb"^(?:PacketCounter|Counter|SampleTimeFine)\b[^\n]*\bAcc_X\b", re.MULTILINE)
 _RATE = re.compile(r"(?:Update Rate|OutputRate|Sample rate)\s*:?[,\s]*([\d.]+)", re.IGNORECASE)
@@ -29,21 +25,8 @@ _COUNTERS = ("PacketCounter", "Counter")
 _CLOCK = "SampleTimeFine"
 
 
-def sniff(source: Source) -> bool:
-    """Tell whether a member has the titles of these devices."""
-    return bool(members_marked(source, _MARK))
-
-
-def read_source(source: Source) -> Recording:
-    """Read the walk of a table.
-
-    Raises
-    ------
-    RecordingError
-        For several tables, and when no motion sensor has values.
-    """
-    device = RawDevice({}, sign=1.0, sign_reason="the sign of Xsens")
-    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
+def _device(_head: bytes) -> RawDevice:
+    return RawDevice({}, sign=1.0, sign_reason="the sign of Xsens")
 
 
 def _mapping(layout: TableLayout) -> TableMapping:
@@ -76,3 +59,7 @@ def _axes(stem: str, axes: Sequence[str]) -> list[str]:
 
 def _has_cell(layout: TableLayout, title: str) -> bool:
     return layout.sample[layout.titles.index(title)] != ""
+
+
+FORMAT = NamedTableFormat("Xsens, Movella", _MARK, _device, _mapping)
+"""The format, for the registry."""

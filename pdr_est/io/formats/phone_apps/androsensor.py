@@ -7,41 +7,28 @@ Columns are `ACCELEROMETER X (m/s²)`, `GRAVITY X`, `LINEAR ACCELERATION X`, `GY
 import re
 
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.formats.named_tables import NamedTableFormat, with_columns
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.text.container import Source
 from pdr_est.io.text.table_layout import TableLayout
-from pdr_est.types.recording import Recording
-
-NAME = "AndroSensor"
 
 _MARK = re.compile(rb"(?:ACCELEROMETER|GYROSCOPE|LINEAR ACCELERATION) X \(|YYYY-MO-DD HH-MI-SS_SSS")
 
 
-def sniff(source: Source) -> bool:
-    """Tell whether a member has the titles of this app."""
-    return bool(members_marked(source, _MARK))
-
-
-def read_source(source: Source) -> Recording:
-    """Read the walk of a table.
-
-    Raises
-    ------
-    RecordingError
-        For several tables, and when no motion sensor has values.
-    """
-    device = RawDevice(
+def _device(_head: bytes) -> RawDevice:
+    return RawDevice(
         {},
         platform="android",
         sign=1.0,
         sign_reason="Android's sign",
         without_gravity="switch on Accelerometer, not only Linear acceleration",
     )
-    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
 
 
 def _mapping(layout: TableLayout) -> TableMapping:
     """Leave out ORIENTATION, which is angles in degrees."""
     return with_columns(layout, {}, without=(Quantity.ROTATION_VECTOR,))
+
+
+FORMAT = NamedTableFormat("AndroSensor", _MARK, _device, _mapping)
+"""The format, for the registry."""

@@ -15,7 +15,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
 from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
-from pdr_est.io.conversion.signs import detect_force_sign
+from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.units import detect_acceleration_unit
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import finite_signal
@@ -28,6 +28,13 @@ from pdr_est.types.sensors import AttitudeReference
 
 NAME = "GetSensorData (IPIN)"
 
+_SENSORS = {
+    "ACCE": RawSensor.FORCE,
+    "GYRO": RawSensor.RATE,
+    "MAGN": RawSensor.FIELD,
+    "PRES": RawSensor.PRESSURE,
+}
+_FACTORS = {RawSensor.RATE: 1.0, RawSensor.FIELD: 1.0, RawSensor.PRESSURE: 100.0}  # hPa -> Pa
 _POSI_SIGMA_M = 0.7  # surveyed points, marked while walking over them
 _CLOCK_SPREAD_S = 0.5
 _OTHER_CLOCK_S = 5.0  # the clocks of two providers of positions differ by more than this
@@ -77,32 +84,30 @@ def _is_log(head: bytes) -> bool:
 
 def _device(log: TaggedLog, data: bytes) -> DeviceRecording:
     header = dict(_HEADER_VALUE.findall(data[:8192].decode("utf-8", "replace")))
-    decisions: list[str] = ["time zero is that of the app's clock (AppTimestamp)"]
-    warnings: list[str] = []
-    force = _signal(log, "ACCE", (3, 4, 5), decisions, warnings)
+    model = " ".join(header[key] for key in ("Manufacturer", "Model") if key in header)
+    device = RawDevice({}, model=model, decisions=["time zero is that of the app's clock (AppTimestamp)"])
+    fields = {"ACCE": (3, 4, 5), "GYRO": (3, 4, 5), "MAGN": _magnetic_fields(log), "PRES": (3,)}
+    for tag, sensor in _SENSORS.items():
+        signal = _signal(log, tag, fields[tag], device.decisions, device.warnings)
+        if signal is not None:
+            device.signals[sensor] = RawSignal(signal, tag, _FACTORS.get(sensor))
+    force = device.signals.get(RawSensor.FORCE)
     if force is None:
         raise RecordingError(
             f"{log.place}: no accelerometer (ACCE) rows; record again with the accelerometer switched on"
         )
-    attitude = _attitude(log, decisions, warnings)
-    force, is_apple = _in_si_upwards(force, attitude, decisions, warnings)
-    rate = _signal(log, "GYRO", (3, 4, 5), decisions, warnings)
-    if rate is None:
-        warnings.append("no gyroscope (GYRO) rows: steps can be found, but headings cannot")
-    pressure = _signal(log, "PRES", (3,), decisions, warnings)
-    return DeviceRecording(
-        model=" ".join(header[key] for key in ("Manufacturer", "Model") if key in header),
-        platform="ios" if is_apple else "android",
-        specific_force=force,
-        rotation_rate=rate,
-        magnetic_field=_signal(log, "MAGN", _magnetic_fields(log), decisions, warnings),
-        attitude=attitude,
-        # Android defines its rotation vector so; what an iPhone's AHRS rows count from is not documented.
-        attitude_reference=AttitudeReference.UNKNOWN if is_apple else AttitudeReference.MAGNETIC_NORTH,
-        pressure=None if pressure is None else Signal(pressure.time_s, pressure.values * 100.0),  # hPa -> Pa
-        decisions=tuple(decisions),
-        warnings=tuple(warnings),
-    )
+    is_apple = detect_acceleration_unit(force.signal.values).factor != 1.0
+    device.platform = "ios" if is_apple else "android"
+    device.sign = -1.0 if is_apple else 1.0
+    device.sign_reason = "iPhones record in g" if is_apple else "Android phones record in m/s^2"
+    attitude = _attitude(log, device.decisions, device.warnings)
+    if attitude is not None:
+        device.signals[RawSensor.ATTITUDE] = RawSignal(attitude, "AHRS")
+    # Android defines its rotation vector so; what an iPhone's AHRS rows count from is not documented.
+    device.attitude_reference = AttitudeReference.UNKNOWN if is_apple else AttitudeReference.MAGNETIC_NORTH
+    if RawSensor.RATE not in device.signals:
+        device.warnings.append("no gyroscope (GYRO) rows: steps can be found, but headings cannot")
+    return device.convert()
 
 
 def _signal(
@@ -145,20 +150,6 @@ def _attitude(log: TaggedLog, decisions: list[str], warnings: list[str]) -> Sign
         return None
     decisions.append("attitude is the rotation vector of AHRS, device -> magnetic east, magnetic north, up")
     return Signal(vector.time_s, quaternion_from_rotation_vector(vector.values))
-
-
-def _in_si_upwards(
-    raw: Signal, attitude: Signal | None, decisions: list[str], warnings: list[str]
-) -> tuple[Signal, bool]:
-    """Convert to m/s^2 up at rest; the flag tells whether the values were in g, as iPhones record."""
-    unit = detect_acceleration_unit(raw.values)
-    in_g = unit.factor != 1.0
-    expected, reason = (-1.0, "iPhones record in g") if in_g else (1.0, "Android phones record in m/s^2")
-    sign = detect_force_sign(raw, attitude, expected, reason)
-    for conversion in (unit, sign):
-        decisions.append(conversion.decision)
-        warnings.extend(conversion.warnings)
-    return Signal(raw.time_s, raw.values * (unit.factor * sign.factor)), in_g
 
 
 def _surveyed_points(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:

@@ -10,41 +10,24 @@ from collections.abc import Sequence
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.io.conversion.raw_device import RawDevice
-from pdr_est.io.formats.named_tables import members_marked, read_named_table, with_columns
+from pdr_est.io.formats.named_tables import NamedTableFormat, with_columns
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import Quantity
-from pdr_est.io.text.container import Source
 from pdr_est.io.text.table_layout import TableLayout
-from pdr_est.types.recording import Recording
-
-NAME = "SensorLog"
 
 _MARK = re.compile(rb"loggingTime|accelerometerTimestamp_sinceReboot|motionTimestamp_sinceReboot|motionUserAccel")
 _CLOCKS = ("accelerometerTimestamp_sinceReboot", "motionTimestamp_sinceReboot", "loggingTime", "loggingSample")
 _AXES = "XYZ"
 
 
-def sniff(source: Source) -> bool:
-    """Tell whether a member has the titles of this app."""
-    return bool(members_marked(source, _MARK))
-
-
-def read_source(source: Source) -> Recording:
-    """Read the walk of a table.
-
-    Raises
-    ------
-    RecordingError
-        For several tables, and when no motion sensor has values.
-    """
-    device = RawDevice(
+def _device(_head: bytes) -> RawDevice:
+    return RawDevice(
         {},
         platform="ios",
         sign=-1.0,
         sign_reason="Core Motion's sign",
         without_gravity="switch on Accelerometer, or Device Motion with gravity",
     )
-    return read_named_table(source, members_marked(source, _MARK), NAME, device, _mapping)
 
 
 def _mapping(layout: TableLayout) -> TableMapping:
@@ -66,3 +49,7 @@ def _mapping(layout: TableLayout) -> TableMapping:
     mapping = with_columns(layout, known, clocks, without=(Quantity.ROTATION_VECTOR,))
     kept = tuple(clock for clock in mapping.clocks if clock.title in clocks) or mapping.clocks
     return TableMapping(kept, mapping.columns, unused=mapping.unused)
+
+
+FORMAT = NamedTableFormat("SensorLog", _MARK, _device, _mapping)
+"""The format, for the registry."""

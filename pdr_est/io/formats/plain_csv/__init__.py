@@ -5,6 +5,7 @@ file     content
 =======  ================================================================================================
 reader   from a table to a recording
 writer   from a recording to a table
-unknown  what to say of a file that is not read, and the draft of a mapping for it
+mapped   tables whose columns a person has named
+unknown  what to say of a file that is not read
 =======  ================================================================================================
 """

@@ -9,7 +9,7 @@ import polars as pl
 
 from pdr_est.errors import OutputError
 from pdr_est.frames import Array
-from pdr_est.io.formats.exchange.left_out import left_out
+from pdr_est.io.formats.exchange.left_out import left_out, only_device
 from pdr_est.io.tables.quantities import CANONICAL, Quantity
 from pdr_est.types.recording import Recording, Signal
 
@@ -52,10 +52,7 @@ def plain_table(recording: Recording, place: str | Path = "table") -> pl.DataFra
     OutputError
         For several devices, and for a recording without samples; `place` names the table in the message.
     """
-    if len(recording.devices) != 1:
-        raise OutputError(
-            f"{place}: {len(recording.devices)} devices do not fit into one table; write each into its own file"
-        )
+    only_device(recording)
     signals = _signals(recording)
     if not signals:
         raise OutputError(f"{place}: the recording has no samples to write")

@@ -1,16 +1,17 @@
-"""Mend the time stamps of a table: spread bursts that share one stamp, and find what was measured long before."""
+"""Mend the time stamps of a table: spread bursts that share one stamp."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
+from pdr_est.io.tables.times.uneven_bursts import SteadyTimes, is_uneven, steady_times
 
 _SHARED = 1.8  # mean number of rows with one stamp, from which on they are a burst and not repeated rows
 _CHANGING_SHARE = 0.5
 
 
 def spread_bursts(time_s: Array, values: Array) -> tuple[Array, str]:
-    """Spread rows that share a time stamp evenly until the next stamp.
+    """Spread rows that share a time stamp evenly until the next stamp, or at a steady rate if bursts vary in size.
 
     Recorders that deliver samples in packets, or print whole seconds, give many samples one stamp. Rows that are
     merely repeated keep their stamp: they are recognised by their equal values.
@@ -37,15 +38,30 @@ def spread_bursts(time_s: Array, values: Array) -> tuple[Array, str]:
     steps = np.diff(times[starts])
     usual_step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     usual_count = float(np.median(counts))
-    if usual_step <= 0.0 or usual_count < 2:
+    if usual_step <= 0.0:
         return time_s, ""
     spread = time_s.copy()
+    steady = steady_times(times[starts], counts) if is_uneven(counts) else None
+    if steady is not None:
+        spread[known] = steady.time_s
+        return spread, _steady_warning(steady, counts)
+    if usual_count < 2:
+        return time_s, ""
     spread[known] = times + _within(counts, np.append(steps, usual_step), usual_step, usual_count)
     warning = (
         f"{usual_count:.0f} rows share one time stamp, every {usual_step:.3g} s: they are spread evenly until the "
         "next stamp; their true times are not known better than that"
     )
     return spread, warning
+
+
+def _steady_warning(steady: SteadyTimes, counts: NDArray[np.intp]) -> str:
+    row = "last" if steady.by_last else "first"
+    return (
+        f"{counts.min()} to {counts.max()} rows share one time stamp: they are spread evenly at "
+        f"{steady.rate_hz:.1f} Hz, which the stamps fit to {steady.scatter_s:.2g} s as the times of the {row} rows; "
+        "their true times are not known better than that"
+    )
 
 
 def _differ(values: Array, starts: NDArray[np.intp]) -> bool:

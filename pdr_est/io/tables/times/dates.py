@@ -1,8 +1,8 @@
 """Read dates and times of day in the forms that recorders write.
 
 Understood are dates with year, month and day in any order (`2031-02-03 04:05:06.789`, `2031/02/03T04:05:06Z`,
-`03-Feb-2031 4:05:06`, `03.02.2031 04:05:06,789`, `20310203_040506_789`, `Mon Feb 03 04:05:06 2031`) and times of day
-alone, which start anew at midnight.
+`03-Feb-2031 4:05:06`, `03.02.2031 04:05:06,789`, `20310203_040506_789`, `Mon Feb 03 04:05:06 2031`,
+`3. Februar 2031 04:05:06`, `2031年2月3日 4时05分06秒`) and times of day alone, which start anew at midnight.
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,10 @@ from typing import Any
 import numpy as np
 import polars as pl
 from numpy.typing import NDArray
+
+from pdr_est.io.tables.times.calendar import DAY_S, MISSING_NS, days_since_1970, over_midnight
+from pdr_est.io.tables.times.fractions import read_fractions
+from pdr_est.io.tables.times.scripts import with_usual_marks
 
 KNOWN_FORMS = "2031-02-03 04:05:06.789, 2031/02/03 04:05:06, 03.02.2031 04:05:06, 03-Feb-2031 04:05:06, 04:05:06.789"
 
@@ -31,15 +35,20 @@ _NAMED_DAY = (
     r"^[A-Z][a-z]{2},? (?P<b>[A-Z][a-z]{2}) +(?P<a>\d{1,2}),? (?P<hour>\d{1,2}):(?P<minute>\d{2}):(?P<second>\d{2})"
     r"(?:(?P<mark>[.,])(?P<fraction>\d{1,9}))? (?:[A-Z]{3,4})?(?P<zone>[+-]\d{2}:?\d{2})? ?(?P<c>\d{4})$"
 )
+_DAY_IN_WORDS = (
+    r"^(?P<a>\d{1,2})\.? (?:de )?(?P<b>[^\W\d_]{3,9})\.?,? (?:de )?(?P<c>\d{4}),? (?:at |um |à )?"
+    rf"{_TIME}{_ZONE}$"
+)
+_MONTH_IN_WORDS = rf"^(?P<b>[^\W\d_]{{3,9}})\.? (?P<a>\d{{1,2}}),? (?P<c>\d{{4}}),? (?:at )?{_TIME}{_ZONE}$"
 _TIME_OF_DAY = rf"^{_TIME}{_ZONE}$"
 _MINUTES = r"^(?P<minute>\d{1,3}):(?P<second>\d{2})(?P<mark>[.,])(?P<fraction>\d{1,9})$"
-_FORMS = (_DATE_FIRST, _COMPACT, _NAMED_DAY, _MINUTES, _TIME_OF_DAY)
+_FORMS = (_DATE_FIRST, _COMPACT, _NAMED_DAY, _DAY_IN_WORDS, _MONTH_IN_WORDS, _MINUTES, _TIME_OF_DAY)
 _MONTHS = {
     name: number
     for number, names in enumerate(
         (
             "jan ene gen january janv",
-            "feb fev february fevr",
+            "feb fev fév february fevr févr",
             "mar mrz mär mars",
             "apr abr avr",
             "may mai mag",
@@ -56,9 +65,6 @@ _MONTHS = {
     for name in names.split()
 }
 _SMALLEST_SHARE = 0.9
-_DAY_S = 86400
-_LONGEST_MS_DIGITS = 3
-_MISSING_NS = np.iinfo(np.int64).min
 
 
 @dataclass(frozen=True)
@@ -77,6 +83,8 @@ class DateTimes:
         True when the texts state their time zone, so that `ns` is Unix time; texts without one are then not known.
     order
         "day" or "month" if that was taken to come first although the numbers leave it open; "" if they do not.
+    counted
+        "ms", "us" or "ns" where the digits behind the seconds count these without zeros in front; "" for decimals.
     """
 
     ns: NDArray[np.int64]
@@ -84,12 +92,13 @@ class DateTimes:
     has_date: bool
     has_zone: bool
     order: str = ""
+    counted: str = ""
 
 
 def parse_dates(texts: NDArray[np.str_]) -> DateTimes | None:
     """Read a column of dates or times of day; None when fewer than 90 % of its cells that are not empty are any."""
     column = pl.Series("t", [str(text).strip() for text in texts], dtype=pl.String)
-    column = column.str.replace_all("[年月]", "-").str.replace_all("日", " ").str.replace_all("  ", " ", literal=True)
+    column = with_usual_marks(column)
     present = int((column != "").sum())
     for form in _FORMS:
         groups = column.str.extract_groups(form).struct.unnest()
@@ -100,45 +109,35 @@ def parse_dates(texts: NDArray[np.str_]) -> DateTimes | None:
 
 
 def _from_groups(groups: pl.DataFrame) -> DateTimes:
-    second_ns = _integers(groups, "second") * 10**9 + _fraction_ns(groups)
-    hour = _integers(groups, "hour")
+    hour, second = _integers(groups, "hour"), _integers(groups, "second")
     if "half" in groups.columns:
         half = groups["half"].str.to_lowercase()
         hour = np.where((half == "p").fill_null(False).to_numpy() & (hour < 12), hour + 12, hour)
         hour = np.where((half == "a").fill_null(False).to_numpy() & (hour == 12), 0, hour)
     minute = _integers(groups, "minute")
-    of_day = (hour * 3600 + minute * 60) * 10**9 + second_ns
-    known = groups["minute"].is_not_null().to_numpy() & (hour < 24) & (second_ns < 61 * 10**9)
+    known = groups["minute"].is_not_null().to_numpy() & (hour < 24) & (second < 61)
+    seconds = hour * 3600 + minute * 60 + second
+    fractions = read_fractions(groups["fraction"], seconds, known)
+    of_day, counted = seconds * 10**9 + fractions.ns, fractions.counted
     if "a" not in groups.columns:
         known &= (minute < 60) | ("hour" not in groups.columns)
-        period_s = _DAY_S if "hour" in groups.columns else 3600
-        return DateTimes(_over_midnight(of_day, known, period_s), known, has_date=False, has_zone=False)
+        period_s = DAY_S if "hour" in groups.columns else 3600
+        ns = over_midnight(of_day, known, period_s)
+        return DateTimes(ns, known, has_date=False, has_zone=False, counted=counted)
     days, valid, order = _days(groups)
     zones = groups["zone"] if "zone" in groups.columns else pl.Series([None] * len(groups), dtype=pl.String)
     known &= valid & (minute < 60)
     zoned = known & zones.is_not_null().to_numpy()
     has_zone = bool(zoned.any())
     known = zoned if has_zone else known
-    ns = days * (_DAY_S * 10**9) + of_day - (_zone_s(zones) * 10**9 if has_zone else 0)
-    return DateTimes(np.where(known, ns, _MISSING_NS), known, has_date=True, has_zone=has_zone, order=order)
+    ns = days * (DAY_S * 10**9) + of_day - (_zone_s(zones) * 10**9 if has_zone else 0)
+    return DateTimes(np.where(known, ns, MISSING_NS), known, True, has_zone, order, counted)
 
 
 def _integers(groups: pl.DataFrame, name: str) -> NDArray[Any]:
     if name not in groups.columns:
         return np.zeros(len(groups), dtype=np.int64)
     return groups[name].cast(pl.Int64, strict=False).fill_null(0).to_numpy()
-
-
-def _fraction_ns(groups: pl.DataFrame) -> NDArray[Any]:
-    """Convert the digits behind the seconds: a decimal fraction, or unpadded milliseconds behind a colon."""
-    digits = groups["fraction"].fill_null("0")
-    lengths = digits.str.len_chars()
-    marks = groups["mark"].fill_null("") if "mark" in groups.columns else pl.Series([""] * len(groups))
-    after_colon = bool(marks.is_in([":", "_", "-"]).any())
-    longest = int(lengths.max() or 0)  # type: ignore[arg-type]
-    if after_colon and longest <= _LONGEST_MS_DIGITS and lengths.n_unique() > 1:
-        return digits.cast(pl.Int64).to_numpy() * 10**6
-    return digits.str.pad_end(9, "0").cast(pl.Int64).to_numpy()
 
 
 def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_], str]:
@@ -171,15 +170,7 @@ def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_], str]:
     else:
         year, month, day = third, second, first
         order = "day" if not named and _is_open(groups, first, second) else ""
-    year = np.where(year < 100, year + 2000, year)
-    valid = (month >= 1) & (month <= 12) & (year >= 1970) & (year < 2200)
-    month_index = np.where(valid, (year - 1970) * 12 + month - 1, 0)
-    first_days, next_days = (
-        index.astype("datetime64[M]").astype("datetime64[D]").astype(np.int64)
-        for index in (month_index, month_index + 1)
-    )
-    valid &= (day >= 1) & (day <= next_days - first_days)
-    return first_days + np.where(valid, day - 1, 0), valid, order
+    return *days_since_1970(year, month, day), order
 
 
 def _is_open(groups: pl.DataFrame, first: NDArray[Any], second: NDArray[Any]) -> bool:
@@ -202,15 +193,3 @@ def _zone_s(zones: pl.Series) -> NDArray[Any]:
     negative = (digits["sign"] == "-").fill_null(False).to_numpy()
     offsets: NDArray[Any] = np.where(negative, -seconds, seconds)
     return offsets
-
-
-def _over_midnight(of_day: NDArray[Any], known: NDArray[np.bool_], period_s: int) -> NDArray[Any]:
-    """Add a day (or hour) wherever the time falls back by more than half of it."""
-    period_ns = period_s * 10**9
-    index = np.flatnonzero(known)
-    result = np.full(len(of_day), _MISSING_NS)
-    if len(index):
-        times = of_day[index]
-        turns = np.concatenate([[0], np.cumsum(np.diff(times) < -period_ns // 2)])
-        result[index] = times + turns * period_ns
-    return result

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.words.folding import split_words
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Word:
 
 
 def _named(word: Word, text: str) -> dict[str, Word]:
-    return dict.fromkeys(text.split(), word)
+    return dict.fromkeys(("".join(split_words(name)) for name in text.split()), word)
 
 
 _ACCELEROMETER = {
@@ -47,11 +48,19 @@ _ACCELEROMETER = {
         Word(Quantity.FORCE),
         """acc acce accl ac accel accele accelerometer accelerometers acceleratormeter accelerometro accelerometre
         acelerometro akzelerometer beschleunigungssensor beschleunigungsmesser specificforce typeaccelerometer
-        accelerometersensor accdata 加速度计 加速度計 加速计 加速度传感器 加速度感測器 加速度センサ 加速度センサー""",
+        accelerometersensor accdata accels accelerometerdata acceldata accelsensor acclerometer accelorometer
+        acelerômetro
+        acelerômetros versnellingsmeter akcelerometr accelerometern kiihtyvyysanturi ivmeölçer akselerometer
+        akcelerometar
+        акселерометр επιταχυνσιόμετρο 가속도계 가속도센서 加速度计 加速度計 加速计 加速度传感器 加速度感測器
+        加速度センサ 加速度センサー""",
     ),
     **_named(
         Word(Quantity.FORCE, 2, ambiguous=True),
-        "acceleration accelerations beschleunigung aceleracion accelerazione 加速度 a arss acclin",
+        """acceleration accelerations beschleunigung beschl accn aceleracion aceleração accelerazione versnelling
+        przyspieszenie
+        zrychlení ivme kiihtyvyys percepatan akselerasi acelerações akceleration akselerasjon ускорение прискорення
+        επιτάχυνση giatoc 가속도 加速度 a arss acclin""",
     ),
     **_named(
         Word(Quantity.FORCE, 4),
@@ -67,7 +76,9 @@ _WITHOUT_GRAVITY = {
         """linearacceleration linacceleration linearaccel linaccel linearacc linacc linacce linearaccelerometer
         lineareaccelerometer accelerometerlinear accelerationlinear acclinear accellinear linear lin
         accelerationwithoutgravity accelerationwithoutg accwithoutgravity typelinearacceleration accelerometrelineaire
-        linearebeschleunigung lineareacceleration aceleracionlineal accelerationlineaire 线性加速度 线性加速度传感器
+        linearebeschleunigung lineareacceleration aceleracionlineal accelerationlineaire aceleraçãolinear
+        accelerazionelineare lineaireversnelling przyspieszenieliniowe линейноеускорение 선형가속도 直线加速度
+        线性加速度 线性加速度传感器
         線性加速度 线加速度 線形加速度 線形加速度センサー""",
     ),
     **_named(
@@ -80,7 +91,8 @@ _WITHOUT_GRAVITY = {
 _GRAVITY = _named(
     Word(Quantity.GRAVITY),
     """gravity grav motiongravity gravityacceleration gravityvector gravitysensor typegravity schwerkraft gravitation
-    erdanziehung gravedad gravite gravita 重力 重力加速度 重力传感器 重力センサー""",
+    erdanziehung gravedad gravite gravita gravidade zwaartekracht grawitacja гравитация 중력 重力 重力加速度
+    重力传感器 重力センサー""",
 )
 
 _GYROSCOPE = {
@@ -88,7 +100,13 @@ _GYROSCOPE = {
         Word(Quantity.RATE),
         """gyr gyro gy gyroscope gyroscopes gyroscop giroscopio giroscope gyroskop kreisel gyrorotation rotationrate
         motionrotationrate rotrate gyrorate angularvelocity angularrate angvel angvelocity angularvel angrate
-        angularspeed typegyroscope gyrodata omega drehrate drehgeschwindigkeit winkelgeschwindigkeit
+        angularspeed typegyroscope gyrodata gyros gyrosensor gyroscopesensor girosensor giro giroscópio giroscopi
+        gyroscoop żyroskop gyroskooppi jiroskop giroskop żyro gyroskopet гироскоп гіроскоп γυροσκόπιο ω
+        velocidadeangular hoeksnelheid prędkośćkątowa vinkelhastighet úhlovárychlost açısalhız kulmanopeus
+        kecepatansudut giroscopos giróscopo 陀螺仪传感器 陀螺儀感測器 угловаяскорость скоростьвращения
+        velocidadderotación velocidadderotacion rotationspeed
+        rotationsgeschwindigkeit turnrate bodyrate 각속도 자이로 자이로스코프 자이로센서 回転速度 角速率 omega
+        drehrate drehgeschwindigkeit winkelgeschwindigkeit
         velocidadangular vitesseangulaire vitesserotation vitessederotation velocitaangolare 陀螺仪 陀螺儀 陀螺 角速度
         角速度传感器 ジャイロ ジャイロスコープ ジャイロセンサー ジャイロセンサ""",
     ),
@@ -106,7 +124,8 @@ _MAGNETOMETER = {
         Word(Quantity.FIELD),
         """mag magn magnet magneto magnetometer magnetometers magneticfield motionmagneticfield typemagneticfield
         magneticflux magfield magneticfieldsensor geomagneticfield b m magnetfeld magnetfeldsensor magnetometro
-        magnetometre campomagnetico champmagnetique 磁力计 磁力計 磁场 磁場 磁场传感器 磁气 磁気
+        magnetometre magnetômetro magnetometr магнитометр магнитноеполе magnetischveld polemagnetyczne 자기장 지자기
+        자력계 campomagnetico champmagnetique 磁力计 磁力計 磁场 磁場 磁场传感器 磁气 磁気
         磁気センサー 地磁 地磁気""",
     ),
     **_named(

@@ -21,6 +21,8 @@ from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import DeviceRecording, Recording
 
 NAME = "WeAllWalk"
+BESIDE = re.compile(r".+\.xml(?:\.gz)?")
+"""Names of files that are read beside a walk, or describe the data set."""
 
 DEVICES = ("1L", "2R")
 """Phone 1 in the left pocket, phone 2 in the right one."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.number_table import read_table
+from pdr_est.io.text.table_layout import detect_header
 
 _EXPERIMENT_TIME, _SYSTEM_TIME = "experiment time", "system time"
 _TABLE = "{}meta/{}.csv"
@@ -62,7 +62,7 @@ def read_experiment_clock(source: Source, prefix: str) -> ExperimentClock:
         Folder of the walk with a slash; empty for the top.
     """
     member = _member(source, prefix, "time")
-    dialect = None if member is None else detect_dialect(source.head(member))
+    dialect = None if member is None else detect_header(source.head(member))
     if member is None or dialect is None:
         return ExperimentClock()
     table = read_table(
@@ -88,7 +88,7 @@ def read_device_properties(source: Source, prefix: str) -> Mapping[str, str]:
     if member is None:
         return {}
     data = source.read(member)
-    dialect = detect_dialect(data)
+    dialect = detect_header(data)
     if dialect is None:
         return {}
     rows = csv.reader(data.decode("utf-8-sig", "replace").splitlines(), delimiter=dialect.separator)

@@ -24,11 +24,12 @@ from pdr_est.io.formats.phone_apps.phyphox.sensor_titles import (
     sensors_of,
     unused_columns,
 )
+from pdr_est.io.tables.split.owners import names_owners
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
 from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.text.table_layout import detect_header
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "phyphox"
@@ -67,7 +68,7 @@ class _Reading:
         self.used.add(sensor)
         where = self.sensors[sensor]
         head = self.source.head(where.member)
-        dialect = detect_dialect(head)
+        dialect = detect_header(head)
         if dialect is None or b"\n" not in head.strip():
             self.warnings.append(f"{sensor}: {where.member} has no rows")
             return None
@@ -137,8 +138,14 @@ def _name_unused(reading: _Reading, members: tuple[str, ...]) -> None:
 
 def _walks(source: Source) -> tuple[str, ...]:
     """Find the folders with at least one table of a known sensor ("" is the top)."""
-    tables = find_members(source, lambda head: TIME_TITLE.encode() in head[:64])
+    tables = find_members(source, _is_table)
     return tuple(dict.fromkeys(_folder(member) for member in tables if any(sensors_of(source, member))))
+
+
+def _is_table(head: bytes) -> bool:
+    """Look for the time column of this app, in a table that nobody has joined from several devices or persons."""
+    dialect = detect_header(head) if TIME_TITLE.encode() in head[:64] else None
+    return dialect is not None and not names_owners(dialect.titles)
 
 
 def _folder(member: str) -> str:

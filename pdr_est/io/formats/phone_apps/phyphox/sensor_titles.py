@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.members import member_stem
+from pdr_est.io.text.table_layout import detect_header
 
 TIME_TITLE = "Time (s)"
 _AXIS_TITLE = re.compile(r"^(?P<what>.*?)\s*\b(?P<axis>[xyz]) \((?P<unit>[^)]*)\)$", re.IGNORECASE)
@@ -51,7 +51,7 @@ def find_sensors(source: Source, members: tuple[str, ...]) -> Mapping[str, Senso
 
 def sensors_of(source: Source, member: str) -> Iterator[tuple[str, tuple[str, ...]]]:
     """List the sensors of a table with the titles of their columns."""
-    dialect = detect_dialect(source.head(member))
+    dialect = detect_header(source.head(member))
     if dialect is None or TIME_TITLE not in dialect.titles:
         return
     yield from _three_axes(dialect.titles, member_stem(member).casefold())
@@ -88,6 +88,6 @@ def unused_columns(source: Source, sensors: Mapping[str, SensorColumns]) -> tupl
     known = {TIME_TITLE} | {title for columns in sensors.values() for title in columns.titles}
     unused: dict[str, None] = {}
     for member in dict.fromkeys(columns.member for columns in sensors.values()):
-        dialect = detect_dialect(source.head(member))
+        dialect = detect_header(source.head(member))
         unused |= dict.fromkeys(title for title in (dialect.titles if dialect else ()) if title not in known)
     return tuple(unused)

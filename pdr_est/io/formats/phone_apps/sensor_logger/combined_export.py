@@ -7,9 +7,10 @@ from typing import Any
 
 from pdr_est.io.formats.phone_apps.sensor_logger.export import CLOCK_COLUMN
 from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import MOTION_SENSORS, WATCH_SENSORS, column_of_title
+from pdr_est.io.tables.split.owners import names_owners
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.text.table_layout import detect_header
 
 _CLOCK = (CLOCK_COLUMN, "seconds_elapsed")
 _UNIX_NS = re.compile(r'"?\d{18,19}(\.0*)?"?')
@@ -40,7 +41,7 @@ class CombinedExport:
     @classmethod
     def open(cls, source: Source, member: str) -> "CombinedExport":
         """Sort the titles of a table by sensor."""
-        dialect = detect_dialect(source.head(member, 8192))
+        dialect = detect_header(source.head(member, 8192))
         titles = () if dialect is None else dialect.titles
         clock = tuple(title for title in titles if title in _CLOCK)
         return cls(source, member, _columns(titles), clock, "," if dialect is None else dialect.separator)
@@ -86,8 +87,8 @@ class CombinedExport:
 
 def looks_combined(head: bytes) -> bool:
     """Tell whether a member begins like the combined table: Unix ns and the axes of a motion sensor."""
-    dialect = detect_dialect(head)
-    if dialect is None or "time" not in dialect.titles:
+    dialect = detect_header(head)
+    if dialect is None or "time" not in dialect.titles or names_owners(dialect.titles):
         return False
     columns = _columns(dialect.titles)
     motion = [columns[name] for name in (*MOTION_SENSORS, *WATCH_SENSORS) if name in columns]

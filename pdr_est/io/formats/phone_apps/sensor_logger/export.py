@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
-from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import sensor_of_name
+from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import KNOWN_SENSORS, sensor_of_name
+from pdr_est.io.tables.split.owners import names_owners
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.csv_dialect import detect_dialect
 from pdr_est.io.text.finite_values import discard_huge_values
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.number_table import NumberTable, read_table
+from pdr_est.io.text.table_layout import detect_header
 
 CLOCK_COLUMN = "time"
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')
@@ -111,7 +112,7 @@ class FolderExport:
 
     def titles(self, sensor: str) -> tuple[str, ...]:
         """Return the titles of all columns of a sensor."""
-        dialect = detect_dialect(self.source.head(self.members[sensor]))
+        dialect = detect_header(self.source.head(self.members[sensor]))
         return () if dialect is None else dialect.titles
 
     def table(self, sensor: str, columns: Sequence[str], texts: Sequence[str] = ()) -> NumberTable | None:
@@ -192,18 +193,31 @@ def looks_like_json(head: bytes) -> bool:
     return _JSON_START.match(head) is not None
 
 
-def looks_like_sensor(head: bytes) -> bool:
-    """Tell whether a member begins like the CSV file of a motion sensor of phone or watch, in Unix nanoseconds."""
+def looks_like_sensor(head: bytes, name: str) -> bool:
+    """Tell whether a member is the CSV file of a motion sensor of phone or watch, in Unix nanoseconds.
+
+    Many programs write `time,x,y,z`. This app also writes `seconds_elapsed`, which its first versions did not, and
+    its files have the names of its sensors.
+
+    Parameters
+    ----------
+    head
+        Beginning of the file.
+    name
+        Its name without extension.
+    """
     lines = head.decode("utf-8", "replace").lstrip("\ufeff").splitlines()
     if not lines:
         return False
-    names = [name.strip().strip('"') for name in lines[0].split(",")]
-    if not any(set(names) >= header for header in _SENSOR_HEADERS):
+    titles = [title.strip().strip('"') for title in lines[0].split(",")]
+    if not any(set(titles) >= header for header in _SENSOR_HEADERS) or names_owners(titles):
+        return False
+    if "seconds_elapsed" not in titles and (len(lines) == 1 or name not in KNOWN_SENSORS):
         return False
     if len(lines) == 1:
         return True
     cells = lines[1].split(",")
-    return len(cells) == len(names) and re.fullmatch(r'"?\d{18,19}"?', cells[names.index("time")]) is not None
+    return len(cells) == len(titles) and re.fullmatch(r'"?\d{18,19}"?', cells[titles.index("time")]) is not None
 
 
 def _has_rows(head: bytes) -> bool:

@@ -34,10 +34,13 @@ from pdr_est.io.formats.phone_apps.sensor_logger.export import (
     looks_like_sensor,
 )
 from pdr_est.io.formats.phone_apps.sensor_logger.reading import ExportReading
-from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import KNOWN_SENSORS
+from pdr_est.io.formats.phone_apps.sensor_logger.sensor_names import KNOWN_SENSORS, MOTION_SENSORS, WATCH_SENSORS
 from pdr_est.io.formats.phone_apps.sensor_logger.watch import WATCH_MOTION_SENSORS, read_watch
+from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.signals import HEAD_BYTES
+from pdr_est.io.tables.titles import sensor_by_name
 from pdr_est.io.text.container import Source
-from pdr_est.io.text.members import find_members, require_single_walk
+from pdr_est.io.text.members import find_members, member_stem, require_single_walk
 from pdr_est.io.text.number_table import NumberTable
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 from pdr_est.types.sensors import AttitudeReference
@@ -57,6 +60,13 @@ _PHONE_SENSORS = (
     "Gyroscope",
     "GyroscopeUncalibrated",
 )
+_SENSORS: Mapping[Quantity | None, str] = {
+    Quantity.FORCE: "Accelerometer",  # which may be with or without gravity: the values tell
+    Quantity.LINEAR: "Accelerometer",
+    Quantity.GRAVITY: "Gravity",
+    Quantity.RATE: "Gyroscope",
+    Quantity.FIELD: "Magnetometer",
+}
 _LOCATION_SENSORS = ("Location", "LocationGps", "WatchLocation", "LocationNetwork")
 
 
@@ -99,7 +109,7 @@ def read_source(source: Source) -> Recording:
 def _walks(source: Source) -> tuple[str, ...]:
     """List JSON, SQLite and combined members, and folders with at least one CSV file of a sensor."""
     whole = find_members(source, lambda h: looks_like_json(h) or looks_like_database(h) or looks_combined(h))
-    tables = find_members(source, looks_like_sensor)
+    tables = [one for one in source.members if looks_like_sensor(source.head(one, HEAD_BYTES), member_stem(one))]
     return (*whole, *dict.fromkeys(member.rpartition("/")[0] for member in tables))
 
 
@@ -116,8 +126,19 @@ def _open(source: Source) -> Export:
 
 
 def _with_known_names(export: FolderExport) -> FolderExport:
-    """Take a single table of x, y and z that names no sensor as TotalAcceleration if its values are gravity's."""
-    if set(export.sensors) & set(KNOWN_SENSORS):
+    """Give files that were renamed the names of the sensors that they tell in other words.
+
+    A single table of x, y and z whose name tells no sensor is TotalAcceleration if its values are gravity's.
+    """
+    known = dict(export.members)
+    for name, member in export.members.items():
+        sensor = _SENSORS.get(sensor_by_name(name))
+        if name in KNOWN_SENSORS or sensor is None or sensor in known:
+            continue
+        if {"x", "y", "z"} <= set(export.titles(name)):
+            known[sensor] = known.pop(name, member)
+    export = replace(export, members=known)
+    if set(export.sensors) & {*MOTION_SENSORS, *WATCH_SENSORS}:
         return export
     if len(export.sensors) == 1:
         table = export.table(export.sensors[0], ("x", "y", "z"))

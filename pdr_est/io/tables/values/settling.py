@@ -3,7 +3,7 @@
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.io.conversion.gravity_content import is_gravity, lacks_gravity
+from pdr_est.io.conversion.gravity_content import has_gravity, is_gravity, lacks_gravity
 from pdr_est.io.conversion.raw_device import RawDevice, RawSignal
 from pdr_est.io.conversion.units import detect_acceleration_unit
 from pdr_est.io.tables.placed import PlacedSignal
@@ -23,6 +23,7 @@ def settle_quantities(placed: dict[Quantity, PlacedSignal], device: RawDevice) -
     device
         Where decisions and warnings are kept.
     """
+    _settle_nameless_sensors(placed, device)
     _settle_gravity_sensor(placed, device)
     _settle_acceleration(placed, device)
     _settle_rotation_vector(placed, device)
@@ -41,6 +42,20 @@ def settle_sign(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None
         return
     device.sign, device.sign_reason = mapping.force_sign, mapping.sign_reason
     device.sign_promised = mapping.given and mapping.force_sign is not None
+
+
+def _settle_nameless_sensors(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None:
+    """Find the accelerometer among two groups of axes whose titles name no sensor, by gravity."""
+    force, rate = placed.get(Quantity.FORCE), placed.get(Quantity.RATE)
+    if force is None or rate is None or not rate.is_nameless(Quantity.RATE):
+        return
+    if has_gravity(rate.raw.signal.values) and not has_gravity(force.raw.signal.values):
+        force, rate = rate, force
+        placed[Quantity.FORCE], placed[Quantity.RATE] = force, rate
+    device.warnings.append(
+        f"the titles name no sensor: {force.raw.title} are taken as accelerometer, because they hold gravity, "
+        f"{rate.raw.title} as gyroscope: name the columns with --map to be sure"
+    )
 
 
 def _settle_gravity_sensor(placed: dict[Quantity, PlacedSignal], device: RawDevice) -> None:
