@@ -30,6 +30,7 @@ _SENSOR_TITLES = frozenset(
 )
 _NUMBER_TITLES = frozenset({"sensortype", "sensorid", "type", "sensor"})
 _NO_VALUES = frozenset({"accuracy", "genauigkeit", "precision", "status", "quality", "confidence", "id", "index"})
+_NO_SENSORS = (None, Quantity.LATITUDE_LONGITUDE, Quantity.ACCURACY)
 _SECOND_CHOICE = ("uncal", "raw", "game")
 _NUMBERED = re.compile(r"^(.*?)[\s_.\[(-]*(\d)[\])]?$")
 
@@ -57,7 +58,7 @@ def sensor_column(layout: TableLayout, head: bytes) -> str | None:
             continue
         texts = sum(kind_of_cell(cell) is Cell.TEXT for cell in filled)
         found = [sensor_by_name(cell) for cell in filled if kind_of_cell(cell) is Cell.TEXT]
-        names = sum(quantity is not None for quantity in found)
+        names = sum(quantity not in _NO_SENSORS for quantity in found)
         if not layout.has_header and not set(found) & set(MOTION):
             continue
         if texts == len(filled) and names >= max(1.0, _NAMING_SHARE * len(filled)):
