@@ -122,7 +122,7 @@ def check_yaml(block: Block, folder: Path) -> None:
     path.write_text(block.code, encoding="utf-8")
     if re.search(r"^data:", block.code, flags=re.MULTILINE):
         assert len(load_experiment(path).variants) > 1, "an experiment compares something"
-    elif re.search(r"^accelerometer:", block.code, flags=re.MULTILINE):
+    elif re.search(r"^(?:accelerometer|files):", block.code, flags=re.MULTILINE):
         assert load_mapping(path).has_motion
     else:
         load_config(path)

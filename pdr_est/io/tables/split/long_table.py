@@ -24,12 +24,14 @@ from pdr_est.io.text.loose_table import LooseTable, read_loose_table
 from pdr_est.io.text.table_layout import TableLayout
 
 _ROWS_LOOKED_AT = 60
+_FEWEST_ROWS = 10  # of a table without titles
 _NAMING_SHARE = 0.2  # a log has other sensors, too, such as light and proximity
 _SENSOR_TITLES = frozenset(
     {"sensor", "sensortype", "sensorname", "type", "name", "source", "stream", "topic", "kind", "typ", "quelle"}
 )
 _NUMBER_TITLES = frozenset({"sensortype", "sensorid", "type", "sensor"})
 _NO_VALUES = frozenset({"accuracy", "genauigkeit", "precision", "status", "quality", "confidence", "id", "index"})
+_NO_SENSORS = (None, Quantity.LATITUDE_LONGITUDE, Quantity.ACCURACY)
 _SECOND_CHOICE = ("uncal", "raw", "game")
 _NUMBERED = re.compile(r"^(.*?)[\s_.\[(-]*(\d)[\])]?$")
 
@@ -48,13 +50,18 @@ def sensor_column(layout: TableLayout, head: bytes) -> str | None:
         return None
     cells = _first_cells(layout, head)
     first = 0 if layout.has_header else 1  # rows that begin with a name are a tagged log
+    if not layout.has_header and min(map(len, cells)) < _FEWEST_ROWS:
+        return None
     for title, column in list(zip(layout.titles, cells, strict=True))[first:]:
         plain = "".join(split_words(title))
         filled = [cell for cell in column if cell]
         if not filled:
             continue
         texts = sum(kind_of_cell(cell) is Cell.TEXT for cell in filled)
-        names = sum(sensor_by_name(cell) is not None for cell in filled if kind_of_cell(cell) is Cell.TEXT)
+        found = [sensor_by_name(cell) for cell in filled if kind_of_cell(cell) is Cell.TEXT]
+        names = sum(quantity not in _NO_SENSORS for quantity in found)
+        if not layout.has_header and not set(found) & set(MOTION):
+            continue
         if texts == len(filled) and names >= max(1.0, _NAMING_SHARE * len(filled)):
             return title
         if layout.has_header and texts == len(filled) and plain in _SENSOR_TITLES and names:
