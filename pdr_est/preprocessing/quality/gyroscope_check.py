@@ -154,9 +154,10 @@ def _by_axes(windows: GravityWindows, sound: GyroscopeFit) -> list[_Explanation]
 
 
 def _operations(axes: Array) -> int:
-    """Count the axes that are negated and the pairs that are exchanged."""
+    """Count the axes that are negated, all of them as one sense of rotation, and the pairs that are exchanged."""
     moved = int((np.abs(axes).argmax(axis=1) != np.arange(3)).sum())
-    return int((axes < 0.0).sum()) + max(moved - 1, 0)
+    negated = int((axes < 0.0).sum())
+    return (1 if negated == 3 else negated) + max(moved - 1, 0)
 
 
 def _other_axes(windows: GravityWindows) -> Iterator[tuple[Array, Array]]:
