@@ -65,7 +65,7 @@ class HarmonicParams:
 
 
 class StepShape(NamedTuple):
-    """What the samples of a step tell of its length.
+    """Numbers that the samples of a step tell of its length.
 
     Attributes
     ----------

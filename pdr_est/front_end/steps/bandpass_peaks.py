@@ -98,27 +98,13 @@ _FEW = 4  # peaks that are quicker measured one by one
 
 
 class _Peak(NamedTuple):
-    """Peak of the buffered signal, and what is known of it before anything is decided.
+    """Peak of the buffered signal, and what is known of it before anything is decided."""
 
-    Attributes
-    ----------
-    place : int
-        Position in the signal.
-    time_s : float
-        Time of the movement.
-    strength_mps2 : float
-        Standard deviation of the acceleration just before.
-    movement : Movement
-        Movement in the time before.
-    signal : list of float
-        The buffered signal.
-    """
-
-    place: int
-    time_s: float
-    strength_mps2: float
-    movement: Movement
-    signal: list[float]
+    place: int  # position in the signal
+    time_s: float  # of the movement
+    strength_mps2: float  # standard deviation of the acceleration just before
+    movement: Movement  # in the time before
+    signal: list[float]  # that is buffered
 
 
 class BandpassPeakDetector:

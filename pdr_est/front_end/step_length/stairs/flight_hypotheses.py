@@ -13,14 +13,20 @@ by one down some steps later is a flight, and neither of them alone is.
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.step_length.stairs import flight_tables as column
+from pdr_est.front_end.step_length.stairs.flight_bank import (
+    MOST_HYPOTHESES,
+    Bank,
+    Places,
+    measure,
+    merged_bank,
+    most_probable,
+)
 from pdr_est.front_end.step_length.stairs.flight_tables import FlightTables
 from pdr_est.front_end.step_length.stairs.stair_params import StairParams
 from pdr_est.front_end.step_length.stairs.vertical_motion import VerticalMotion
@@ -30,11 +36,7 @@ _LEVEL = 0  # the mode of level walking; those of the phases of flights down and
 _DIRECTION = np.array([0.0] + [-1.0] * _PHASES + [1.0] * _PHASES)  # of each mode
 _ON_STAIRS = np.abs(_DIRECTION)
 _SUCCESSORS = 3  # most modes that can follow a mode
-_MOST = 12  # hypotheses that are kept
-_PARENT = np.repeat(np.arange(_MOST), _SUCCESSORS)  # of each child
-_EACH = np.eye(_MOST)
-_FIRST = np.zeros(1, dtype=np.intp)
-_SAME_MPS = 0.08  # hypotheses are merged whose velocity errors lie in the same interval of this width
+_PARENT = np.repeat(np.arange(MOST_HYPOTHESES), _SUCCESSORS)  # of each child
 _LAG_STEPS = 60  # no flight is longer, nor tells more about steps before it
 UNSETTLED_STEPS = 3  # at the start of a walk, whose velocity tells nothing
 _SIGMA_START_MPS = 1.0
@@ -43,25 +45,9 @@ _SHARE_AT_START = 0.02  # of walks that begin on stairs; set and not fitted
 _BIAS_AFTER_GAP = 0.3  # standard deviation of the change of the acceleration's error over a gap, over its own
 _NEGLIGIBLE = 1e-9
 
-Places = NDArray[np.intp]
-
-
-@dataclass(frozen=True)
-class _Bank:
-    """Hypotheses: mode (n,), log weight (n,), filter (n, 20) and past (n, k).
-
-    The filter is mean and covariance, as in `flight_tables`. The past is the probability of each of the last k steps
-    to have been on stairs, under the hypothesis.
-    """
-
-    mode: Places
-    log_weight: Array
-    filters: Array
-    past: Array
-
 
 class _Children(NamedTuple):
-    """What the hypotheses split into by what a step is: parent, mode and log weight (m,), and rows (m, WIDTH)."""
+    """Hypotheses after a step by what it is: parent, mode and log weight (m,), and rows (m, WIDTH)."""
 
     parent: Places
     mode: Places
@@ -87,7 +73,7 @@ class FlightHypotheses:
         shares = (1.0 - parameters.share_disturbed - parameters.share_of_jumps, parameters.share_disturbed)
         self._log_share = np.log(np.maximum([*shares, parameters.share_of_jumps], _NEGLIGIBLE))[:, None]
         self._steps = self._known = 0
-        self._bank: _Bank | None = None
+        self._bank: Bank | None = None
 
     @property
     def probability(self) -> float:
@@ -107,7 +93,7 @@ class FlightHypotheses:
         bank = self._after_step(self._bank, motion, known)
         if bank.past.shape[1] > _LAG_STEPS:
             final.append(float(np.exp(bank.log_weight) @ bank.past[:, 0]) if self._known else 0.0)
-            bank = _Bank(bank.mode, bank.log_weight, bank.filters, bank.past[:, 1:])
+            bank = Bank(bank.mode, bank.log_weight, bank.filters, bank.past[:, 1:])
         self._bank = bank
         return final
 
@@ -125,7 +111,7 @@ class FlightHypotheses:
         self._bias = (mean, math.sqrt(float(weight @ (variance + (bias - mean) ** 2))))
         return [float(p) * bool(self._known) for p in weight @ bank.past]
 
-    def _start(self) -> _Bank:
+    def _start(self) -> Bank:
         """Make the hypotheses at the start of a walk; what is known of the acceleration's error is kept."""
         p = self._parameters
         mean, sigma = self._bias
@@ -138,9 +124,9 @@ class FlightHypotheses:
         ]
         weight = np.array([1.0 - _SHARE_AT_START, _SHARE_AT_START / 2, _SHARE_AT_START / 2])
         one = np.concatenate([[0.0, mean, 0.0, 0.0], np.diag(variances).ravel()])
-        return _Bank(mode, np.log(weight), np.tile(one, (len(mode), 1)), np.empty((len(mode), 0)))
+        return Bank(mode, np.log(weight), np.tile(one, (len(mode), 1)), np.empty((len(mode), 0)))
 
-    def _after_step(self, bank: _Bank, motion: VerticalMotion, known: bool) -> _Bank:
+    def _after_step(self, bank: Bank, motion: VerticalMotion, known: bool) -> Bank:
         """Move on by a step; only the filters of the most probable children are updated."""
         move, of_mode, of_case = self._tables.at(motion.step_s, motion.pace_s, self._noise.variance)
         mode = self._successors.take(bank.mode, axis=0).ravel()
@@ -151,13 +137,13 @@ class FlightHypotheses:
         children = _Children(parent, mode, log_weight, rows)
         if known:
             log_weight = self._weighed(children, of_case[:, column.SPREAD, None], motion)
-        chosen, weight = _most_probable(log_weight.ravel())
+        chosen, weight = most_probable(log_weight.ravel())
         case, child = np.divmod(chosen, len(mode))
         rows, mode = rows.take(child, axis=0), mode.take(child)
         if known:
             rows += of_case.take(case, axis=0)
             self._update(rows, motion)
-        return _merged(mode, weight, rows[:, column.FILTER], bank.past, parent.take(child))
+        return merged_bank(mode, weight, rows[:, column.FILTER], _ON_STAIRS, bank.past, parent.take(child))
 
     def _weighed(self, children: _Children, disturbance: Array, motion: VerticalMotion) -> Array:
         """Weigh the children by the velocity, in each case of a disturbance, and by the height where it is known.
@@ -194,17 +180,17 @@ class FlightHypotheses:
     def _update(self, rows: Array, motion: VerticalMotion) -> None:
         """Update filters by the velocity, and by the height where it is known."""
         innovation = motion.velocity_mps - rows[:, column.EXPECTED]
-        _measure(rows, innovation, rows[:, column.SHARED], rows[:, column.SPREAD])
+        measure(rows, innovation, rows[:, column.SHARED], rows[:, column.SPREAD])
         if math.isfinite(motion.height_m):
             shared = rows[:, column.covariances(column.HEIGHT)].copy()
             spread = shared[:, column.HEIGHT] + self._parameters.sigma_height_m**2
-            _measure(rows, motion.height_m - rows[:, column.HEIGHT], shared, spread)
+            measure(rows, motion.height_m - rows[:, column.HEIGHT], shared, spread)
 
 
 class _NoiseScale:
     """Variance of this walk's velocities over that of the parameters, from the innovations of the last steps."""
 
-    _PRIOR_STEPS, _KEPT, _MOST, _LEAST = 10.0, 0.97, 9.0, 0.25
+    _PRIOR_STEPS, _KEPT, MOST_HYPOTHESES, _LEAST = 10.0, 0.97, 9.0, 0.25
 
     def __init__(self) -> None:
         self._squares = self._weight = 0.0
@@ -216,7 +202,7 @@ class _NoiseScale:
     def learn(self, squared: Array, log_weight: Array) -> None:
         """Take in the squared normalised innovations (n,) of hypotheses with these weights (n,)."""
         weight = np.exp(log_weight - log_weight.max())
-        square = float(np.minimum(squared, self._MOST) @ weight / weight.sum()) * self.variance
+        square = float(np.minimum(squared, self.MOST_HYPOTHESES) @ weight / weight.sum()) * self.variance
         self._squares = self._KEPT * self._squares + square
         self._weight = self._KEPT * self._weight + 1.0
 
@@ -248,66 +234,3 @@ def _successors(transitions: Array) -> tuple[Places, Array]:
         follows[mode, : len(possible)] = possible
         logarithm[mode, : len(possible)] = np.log(row[possible])
     return follows, logarithm
-
-
-def _most_probable(log_weight: Array) -> tuple[Places, Array]:
-    """Return the places of the most probable hypotheses, and their weights; impossible ones are left out."""
-    chosen = (-log_weight).argsort(kind="stable")[: 4 * _MOST]
-    logarithm = log_weight.take(chosen)
-    weight = np.exp(logarithm - logarithm[0])
-    possible = np.count_nonzero(weight)  # they come first
-    return chosen[:possible], weight[:possible]
-
-
-def _measure(rows: Array, innovation: Array, shared: Array, spread: Array) -> None:
-    """Update filters by a measurement.
-
-    Parameters
-    ----------
-    rows : ndarray, shape (n, WIDTH)
-        The filters; changed in place.
-    innovation, spread : ndarray, shape (n,)
-        Measured value less the expected one, and its variance.
-    shared : ndarray, shape (n, 4)
-        Covariance of the expected value with each state.
-    """
-    gain = shared / spread[:, None]
-    rows[:, column.MEAN] += gain * innovation[:, None]
-    rows[:, column.COVARIANCE] -= _products(gain, shared)
-
-
-def _products(a: Array, b: Array) -> Array:
-    """Multiply each number of a row of a (n, 4) with each number of the row of b (n, 4); return (n, 16)."""
-    return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
-
-
-def _merged(mode: Places, weight: Array, filters: Array, past: Array, parent: Places) -> _Bank:
-    """Merge hypotheses that nearly agree, by their moments, and keep the most probable ones.
-
-    Parameters
-    ----------
-    mode, weight : ndarray, shape (n,)
-        Modes and weights of the hypotheses.
-    filters : ndarray, shape (n, 20)
-        Means and covariances.
-    past : ndarray, shape (parents, k)
-        Past of the hypotheses that they split off from.
-    parent : ndarray, shape (n,)
-        The number of that hypothesis.
-    """
-    cell = np.rint(filters[:, column.VELOCITY] / _SAME_MPS) * len(_DIRECTION) + mode
-    order = cell.argsort(kind="stable")
-    ordered = cell.take(order)
-    first = np.concatenate([_FIRST, (ordered[1:] != ordered[:-1]).nonzero()[0] + 1])
-    totals = np.add.reduceat(weight.take(order), first)
-    kept = (-totals).argsort(kind="stable")[:_MOST]
-    totals = totals.take(kept)
-    belongs = (ordered.take(first.take(kept))[:, None] == cell).astype(np.float64)
-    share = belongs * weight / totals[:, None]
-    merged = share @ filters
-    difference = filters[:, column.MEAN] - belongs.T @ merged[:, column.MEAN]
-    merged[:, column.COVARIANCE] += share @ _products(difference, difference)
-    longer = np.empty((len(kept), past.shape[1] + 1))
-    longer[:, :-1] = (share @ _EACH.take(parent, axis=0)[:, : len(past)]) @ past
-    longer[:, -1] = share @ _ON_STAIRS.take(mode)
-    return _Bank(mode.take(belongs.argmax(axis=1)), np.log(totals / totals.sum()), merged, longer)
