@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
-from pdr_est.preprocessing.sensor_ranges import out_of_range
+from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
 from pdr_est.types.sensors import Channel, Gap
 
 _ROUNDING_S = 1e-6  # time stamps are rounded: a time of exactly max_gap_s must not become a gap by that
@@ -40,6 +40,8 @@ class ChannelIntegral:
         self._channel = channel
         self._max_gap_s = max_gap_s
         self._longest_s = max_gap_s + _ROUNDING_S
+        limit = SENSOR_RANGES.get(channel)
+        self._largest = float(np.finfo(np.float64).max) if limit is None else limit.largest
         self._last_raw_s: float | None = None
         self._clock_offset_s = 0.0
         self._restarts_s: set[float] = set()
@@ -52,13 +54,8 @@ class ChannelIntegral:
 
     def append(self, time_s: Array, values: Array) -> None:
         """Append samples with times (n,), s, and values (n, k)."""
-        finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
-        possible = finite & ~out_of_range(self._channel, values)
-        finite_count, count = int(np.count_nonzero(finite)), int(np.count_nonzero(possible))
-        self.dropped["not finite"] += len(time_s) - finite_count
-        self.dropped["impossible"] += finite_count - count
-        time, values = time_s[possible], values[possible]
-        if not count:
+        time, values = self._possible(time_s, values)
+        if not len(time):
             return
         time, values = self._increasing(self._continuous(time), values)
         if not len(time):
@@ -66,6 +63,17 @@ class ChannelIntegral:
         if self._channel is Channel.ATTITUDE:
             values = _same_hemisphere(self._values[-1] if len(self.time_s) else values[0], values)
         self._extend(time, values)
+
+    def _possible(self, time_s: Array, values: Array) -> tuple[Array, Array]:
+        """Drop samples that are not finite or out of range."""
+        if bool((np.abs(values) <= self._largest).all() and np.isfinite(time_s).all()):
+            return time_s, values
+        finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
+        possible = finite & ~out_of_range(self._channel, values)
+        finite_count, count = int(np.count_nonzero(finite)), int(np.count_nonzero(possible))
+        self.dropped["not finite"] += len(time_s) - finite_count
+        self.dropped["impossible"] += finite_count - count
+        return time_s[possible], values[possible]
 
     def _continuous(self, time: Array) -> Array:
         """Bridge restarts of the clock."""
@@ -136,8 +144,9 @@ class ChannelIntegral:
         i = np.minimum(np.maximum(self.time_s.searchsorted(edges, side="right") - 1, 0), len(self.time_s) - 2)
         span = self.time_s[i + 1] - self.time_s[i]
         dt = edges - self.time_s[i]
-        slope = (self._values[i + 1] - self._values[i]) / span[:, None]
-        integral = self._integral[i] + dt[:, None] * (self._values[i] + 0.5 * dt[:, None] * slope)
+        before = self._values.take(i, axis=0)
+        slope = (self._values.take(i + 1, axis=0) - before) / span[:, None]
+        integral = self._integral.take(i, axis=0) + dt[:, None] * (before + 0.5 * dt[:, None] * slope)
         return integral, span > self._longest_s
 
     def integral_or_nan(self, edges: Array) -> Array:

@@ -1,10 +1,14 @@
 """The stages that fill in the gait of each step."""
 
+from collections.abc import Sequence
+
 from pdr_est.front_end.gait.features import step_features
 from pdr_est.front_end.gait.model import GaitModel
 from pdr_est.front_end.gait.svm_scorer import GaitScorer, decide_gait, is_gait_change
 from pdr_est.records import changed
 from pdr_est.types.steps import Step, begins_walk
+
+_AT_ONCE = 1024  # steps whose samples are looked at together, which bounds the memory
 
 
 class GaitClassifier:
@@ -36,14 +40,25 @@ class GaitClassifier:
 
     def push(self, item: Step, /) -> list[Step]:
         """Classify a step."""
-        scores = self._scorer.scores(self._features.push(item))
-        if begins_walk(item, self._previous) or is_gait_change(scores[0], self._scores[0]):
-            pooled = scores
-        else:
-            pooled = 0.5 * (scores[0] + self._scores[0]), 0.5 * (scores[1] + self._scores[1])
-        self._previous, self._scores = item, scores
+        return self.push_all([item])
+
+    def push_all(self, items: Sequence[Step], /) -> list[Step]:
+        """Classify steps."""
+        found: list[Step] = []
+        for begin in range(0, len(items), _AT_ONCE):
+            steps = items[begin : begin + _AT_ONCE]
+            scores = self._scorer.scores(self._features.push_all(steps))
+            found += [self._classified(step, *pair) for step, pair in zip(steps, scores, strict=True)]
+        return found
+
+    def _classified(self, step: Step, faster: float, running: float) -> Step:
+        """Average the scores of a step with those of the step before, and decide."""
+        scores = pooled = faster, running
+        if not (begins_walk(step, self._previous) or is_gait_change(faster, self._scores[0])):
+            pooled = 0.5 * (faster + self._scores[0]), 0.5 * (running + self._scores[1])
+        self._previous, self._scores = step, scores
         probabilities = self._scorer.probabilities(pooled)
-        return [changed(item, gait=decide_gait(probabilities), gait_probability=probabilities)]
+        return changed(step, gait=decide_gait(probabilities), gait_probability=probabilities)
 
     def flush(self) -> list[Step]:
         """Return nothing: no step is held back."""

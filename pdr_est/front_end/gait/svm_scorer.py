@@ -1,4 +1,4 @@
-"""Arithmetic of a gait model on the features of one step."""
+"""Arithmetic of a gait model on the features of one step, or of many steps with the same result."""
 
 from collections.abc import Sequence
 from math import tanh
@@ -34,6 +34,13 @@ class LinearScorer:
         """Compute the score of one step's features (all of the set): above zero for the faster side."""
         return sum([slope * features[column] for column, slope in self._terms], self._intercept)
 
+    def of_many(self, features: Array) -> Array:
+        """Compute the scores (n,) of steps with features (n, k)."""
+        score = np.full(len(features), self._intercept)
+        for column, slope in self._terms:
+            score += slope * features[:, column]
+        return score
+
 
 class RbfScorer:
     """Decision function of a machine with the radial kernel; terms common to all steps are computed beforehand."""
@@ -54,6 +61,17 @@ class RbfScorer:
         kernel = np.exp(self._weights @ np.array((*z, 1.0, square)))
         return float(self._dual @ kernel) + self._intercept
 
+    def of_many(self, features: Array) -> Array:
+        """Compute the scores (n,) of steps with features (n, k)."""
+        z = (features[:, list(self._columns)] - np.array(self._mean)) / np.array(self._scale)
+        terms = np.ones((len(z), z.shape[1] + 2))
+        terms[:, :-2] = z
+        terms[:, -1] = np.add.accumulate(z * z, axis=1)[:, -1]
+        # A product of each step by itself: that of all of them would round in another way.
+        kernel = np.exp(np.matmul(self._weights, terms[:, :, None])[:, :, 0])
+        score: Array = np.matmul(kernel[:, None, :], self._dual[:, None])[:, 0, 0] + self._intercept
+        return score
+
 
 def scorer(machine: SupportVectorMachine) -> LinearScorer | RbfScorer:
     """Make the decision function of a machine."""
@@ -73,10 +91,13 @@ class GaitScorer:
         self._faster, self._running = scorer(model.faster), scorer(model.running)
         self._sigmoids = model.faster.sigmoid, model.running.sigmoid
 
-    def scores(self, features: Array) -> tuple[float, float]:
-        """Compute the scores of both levels, clipped at `SCORE_LIMIT`."""
-        numbers = features.tolist()
-        return _clip(self._faster(numbers)), _clip(self._running(numbers))
+    def scores(self, features: Array) -> list[tuple[float, float]]:
+        """Compute the scores of both levels of steps with features (n, k), clipped at `SCORE_LIMIT`."""
+        if len(features) == 1:
+            (numbers,) = features.tolist()
+            return [(_clip(self._faster(numbers)), _clip(self._running(numbers)))]
+        both = [map(_clip, level.of_many(features).tolist()) for level in (self._faster, self._running)]
+        return list(zip(*both, strict=True))
 
     def probabilities(self, scores: tuple[float, float]) -> Probabilities:
         """Compute the probabilities of walking, jogging and running from pooled scores."""

@@ -9,23 +9,21 @@ import numpy as np
 
 from pdr_est.frames import Array
 
+STATES = 4
+"""Number of states of a `ModeBelief`."""
+
 
 class ModeBelief:
-    """Filtered probabilities of the states, carried from row to row.
+    """Filtered probabilities of four states, carried from row to row; all are equally likely at the beginning."""
 
-    Parameters
-    ----------
-    states : int
-        Number of states, all of which are equally likely at the beginning.
-    """
-
-    def __init__(self, states: int) -> None:
-        self._belief = [1.0 / states] * states
+    def __init__(self) -> None:
+        self._belief = (1.0 / STATES,) * STATES
 
     def relax(self, kept_share: float) -> None:
         """Mix the belief with the uniform one; `kept_share` is the weight of the belief."""
-        uniform = (1.0 - kept_share) / len(self._belief)
-        self._belief = [kept_share * b + uniform for b in self._belief]
+        uniform = (1.0 - kept_share) / STATES
+        first, second, third, fourth = (kept_share * b + uniform for b in self._belief)
+        self._belief = first, second, third, fourth
 
     def forward(self, change: Array, likelihood: Array) -> Array:
         """Filter further rows: compute the probabilities of the states at each row given all rows up to it.
@@ -34,24 +32,25 @@ class ModeBelief:
         ----------
         change : ndarray, shape (n,)
             Probability that the state changed since the row before.
-        likelihood : ndarray, shape (states, n)
+        likelihood : ndarray, shape (STATES, n)
             Likelihood of each row under each state, up to a factor.
 
         Returns
         -------
-        ndarray, shape (states, n)
+        ndarray, shape (STATES, n)
             The filtered probabilities.
         """
         beliefs = []
-        belief = self._belief
-        ratio = _switch_ratio(change, len(belief)).tolist()
-        for m, row in zip(ratio, likelihood.T.tolist(), strict=True):
-            posterior = [(b + m) * x for b, x in zip(belief, row, strict=True)]
-            scale = 1.0 / sum(posterior)
-            belief = [scale * b for b in posterior]
-            beliefs.append(belief)
-        self._belief = belief
-        return np.array(beliefs).reshape(-1, len(belief)).T
+        a, b, c, d = self._belief
+        ratio = _switch_ratio(change, STATES).tolist()
+        # The states are written out: four numbers are too few for an array, and a row comes for every hop of a walk.
+        for m, likely_a, likely_b, likely_c, likely_d in zip(ratio, *likelihood.tolist(), strict=True):
+            a, b, c, d = (a + m) * likely_a, (b + m) * likely_b, (c + m) * likely_c, (d + m) * likely_d
+            scale = 1.0 / (a + b + c + d)
+            a, b, c, d = scale * a, scale * b, scale * c, scale * d
+            beliefs.append((a, b, c, d))
+        self._belief = a, b, c, d
+        return np.array(beliefs).reshape(-1, STATES).T
 
 
 def backward_likelihood(change: Array, likelihood: Array, count: int, rows: int) -> Array:

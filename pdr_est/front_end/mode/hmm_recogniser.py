@@ -7,7 +7,6 @@ nothing about the mode, because the phone is being taken from one place to anoth
 Nothing depends on the mode at the start, and what follows makes up for a missed change.
 """
 
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -20,6 +19,7 @@ from pdr_est.front_end.mode.sliding_windows import SlidingWindows
 from pdr_est.front_end.mode.window_features import MODES
 from pdr_est.front_end.signal.blocks import take
 from pdr_est.params import Fraction, Positive, params
+from pdr_est.records import changed
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode
 
@@ -75,7 +75,7 @@ class HmmModeRecogniser:
         self.latency_s = ((p.half_hops + p.spoilt_hops + p.ahead_hops) * self._hop + _EMIT_AFTER) / rate_hz
         self._moving_turn = float(1.0 - np.cos(np.deg2rad(p.moving_deg)))
         self._windows = SlidingWindows(self._hop, p.half_hops, rate_hz, p.walking_mps2)
-        self._belief = ModeBelief(len(MODES))
+        self._belief = ModeBelief()
         self._pending: list[LevelBlock] = []
         self._count = 0  # samples pending
         self._mode: NDArray[np.int8] = np.empty(0, dtype=np.int8)  # labels of the first pending hops
@@ -124,7 +124,7 @@ class HmmModeRecogniser:
         probability, self._probability = self._probability[:hops], self._probability[hops:]
         self._count -= samples
         return [
-            replace(
+            changed(
                 take(self._pending, samples),
                 mode=np.repeat(mode, self._hop)[:samples],
                 mode_probability=np.repeat(probability, self._hop)[:samples],

@@ -1,6 +1,6 @@
 """Join and cut blocks of level samples."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from operator import attrgetter
 from typing import Any
@@ -61,7 +61,18 @@ def part(block: LevelBlock, start: int, stop: int) -> LevelBlock:
 
     The columns are views, because arrays are never changed in place.
     """
-    whole = zip(_COLUMNS, _columns_of(block), strict=True)
-    columns: dict[str, Any] = {name: None if column is None else column[start:stop] for name, column in whole}
-    hole = block.hole if start == 0 else None
-    return LevelBlock(first_index=block.first_index + start, segment=block.segment, hole=hole, **columns)
+    return parts(block, [(start, stop)])[0]
+
+
+def parts(block: LevelBlock, spans: Iterable[tuple[int, int]]) -> list[LevelBlock]:
+    """Return several spans of samples of a block, each as `part` does."""
+    # Without the constructor, which sets each field by a call of its own: a walk has thousands of parts.
+    same = {name: value for name, value in block.__dict__.items() if name not in _COLUMNS or value is None}
+    columns = [(name, block.__dict__[name]) for name in _COLUMNS if name not in same]
+    found = []
+    for start, stop in spans:
+        one = object.__new__(LevelBlock)
+        one.__dict__.update(same, first_index=block.first_index + start, hole=block.hole if start == 0 else None)
+        one.__dict__.update([(name, column[start:stop]) for name, column in columns])
+        found.append(one)
+    return found

@@ -1,6 +1,7 @@
 """Measure the pace of a walk at a step: cadence and intensity over the last three steps."""
 
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,12 +21,18 @@ class Pace:
     ----------
     cadence_hz : float
         Reciprocal of the median interval of the last three steps.
-    range_mps2 : float
-        Geometric mean over them of the range of the vertical acceleration within a step, unsmoothed.
+    last_steps : tuple of Step
+        These steps.
     """
 
     cadence_hz: float
-    range_mps2: float
+    last_steps: tuple[Step, ...]
+
+    @property
+    def range_mps2(self) -> float:
+        """Geometric mean over the last steps of the range of the vertical acceleration within one, unsmoothed."""
+        ranges = [max(np.ptp(step.samples.vertical_mps2), _LEAST_RANGE_MPS2) for step in self.last_steps]
+        return float(np.exp(np.mean(np.log(ranges))))
 
 
 class PaceMeter:
@@ -35,22 +42,24 @@ class PaceMeter:
     """
 
     def __init__(self) -> None:
-        self._previous: Step | None = None
         self._interval_s: deque[float] = deque(maxlen=_WINDOW_STEPS)
-        self._log_range: deque[float] = deque(maxlen=_WINDOW_STEPS)
+        self._last: deque[Step] = deque(maxlen=_WINDOW_STEPS)
 
     def at(self, step: Step) -> Pace:
         """Take in the next step and return the pace at it."""
         interval_s = max(step.event.time_s - step.start_s, _LEAST_INTERVAL_S)
-        begins = begins_walk(step, self._previous)
-        self._previous = step
-        if begins:
+        if begins_walk(step, self._last[-1] if self._last else None):
             self._interval_s.clear()
-            self._log_range.clear()
+            self._last.clear()
         else:
             self._interval_s.append(interval_s)
-        self._log_range.append(float(np.log(max(np.ptp(step.samples.vertical_mps2), _LEAST_RANGE_MPS2))))
-        return Pace(
-            cadence_hz=1.0 / (interval_s if begins else float(np.median(self._interval_s))),
-            range_mps2=float(np.exp(np.mean(self._log_range))),
-        )
+            interval_s = _median(self._interval_s)
+        self._last.append(step)
+        return Pace(1.0 / interval_s, tuple(self._last))
+
+
+def _median(values: Iterable[float]) -> float:
+    """Compute the median of a few values."""
+    ordered = sorted(values)
+    half = len(ordered) // 2
+    return ordered[half] if len(ordered) % 2 else 0.5 * (ordered[half - 1] + ordered[half])

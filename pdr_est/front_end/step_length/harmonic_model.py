@@ -20,12 +20,14 @@ better than the step by itself, and worse for a phone in a swinging arm. Runners
 
 import math
 from collections import deque
-from typing import Annotated
+from collections.abc import Sequence
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from annotated_types import Ge, Gt, Le
 
 from pdr_est.frames import Array
+from pdr_est.front_end.signal.step_samples import StepSamples, of_equal_count, rows_from
 from pdr_est.params import Positive, params
 from pdr_est.types.steps import Step, begins_walk
 
@@ -62,6 +64,36 @@ class HarmonicParams:
     """
 
 
+class StepShape(NamedTuple):
+    """Numbers that the samples of a step tell of its length.
+
+    Attributes
+    ----------
+    harmonic_mps2, upper_mps2 : float
+        First harmonic and upper values of the vertical acceleration.
+    turn_rate_radps : float
+        Mean rotation rate about the vertical; NaN for a device without gyroscope.
+    """
+
+    harmonic_mps2: float
+    upper_mps2: float
+    turn_rate_radps: float
+
+
+def step_shapes(steps: Sequence[Step]) -> list[StepShape]:
+    """Measure the shape of each of some steps, at least one; it is NaN for a step without samples."""
+    samples = StepSamples(steps)
+    vertical, turn_rate = samples.column("vertical_mps2"), samples.column("turn_rate_radps")
+    shapes = np.full((len(steps), 3), np.nan)
+    for count, places in of_equal_count(samples.count):
+        if count:
+            rows = rows_from(vertical, samples.start[places], count)
+            shapes[places, 0] = first_harmonic_mps2(rows)
+            shapes[places, 1] = upper_values_mps2(rows)
+            shapes[places, 2] = rows_from(turn_rate, samples.start[places], count).sum(axis=1) / count
+    return [StepShape(*shape) for shape in shapes.tolist()]
+
+
 def harmonic_length_m(
     parameters: HarmonicParams, height_m: float, duration_s: float, turn_rad: float, vertical_mps2: Array
 ) -> float:
@@ -80,8 +112,15 @@ def harmonic_length_m(
     vertical_mps2 : ndarray
         Vertical acceleration (n,) during the step, m/s^2.
     """
+    return length_of_features_m(parameters, height_m, turn_rad, log_features(duration_s, vertical_mps2))
+
+
+def length_of_features_m(
+    parameters: HarmonicParams, height_m: float, turn_rad: float, features: tuple[float, float, float]
+) -> float:
+    """Compute the length of a step from its `shape_features` or `log_features`; see `harmonic_length_m`."""
     p = parameters
-    harmonic, upper, duration = log_features(duration_s, vertical_mps2)
+    harmonic, upper, duration = features
     exponent = (
         p.harmonic_exponent * harmonic
         + p.push_exponent * upper
@@ -103,26 +142,36 @@ def walked_part(parameters: HarmonicParams, duration_s: float) -> float:
 
 def log_features(duration_s: float, vertical_mps2: Array) -> tuple[float, float, float]:
     """Compute the logarithms of first harmonic, upper values and duration of a step, within bounds."""
-    harmonic_mps2 = max(first_harmonic_mps2(vertical_mps2), _LEAST_AMPLITUDE_MPS2)
-    upper_mps2 = max(upper_values_mps2(vertical_mps2), harmonic_mps2 / _MOST_QUOTIENT)
+    harmonic_mps2, upper_mps2 = first_harmonic_mps2(vertical_mps2), upper_values_mps2(vertical_mps2)
+    return shape_features(duration_s, StepShape(float(harmonic_mps2), float(upper_mps2), 0.0))
+
+
+def shape_features(duration_s: float, shape: StepShape) -> tuple[float, float, float]:
+    """Compute `log_features` of a step whose shape is known."""
+    harmonic_mps2 = max(shape.harmonic_mps2, _LEAST_AMPLITUDE_MPS2)
+    upper_mps2 = max(shape.upper_mps2, harmonic_mps2 / _MOST_QUOTIENT)
     return math.log(harmonic_mps2), math.log(upper_mps2), math.log(max(duration_s, _LEAST_DURATION_S))
 
 
-def first_harmonic_mps2(vertical_mps2: Array) -> float:
-    """Compute the amplitude of the sine that has one period in the samples (n,) of a step."""
-    count = len(vertical_mps2)
+def first_harmonic_mps2(vertical_mps2: Array) -> Array:
+    """Compute the amplitude of the sine that has one period in the samples of a step, the last axis."""
+    count = vertical_mps2.shape[-1]
     phase = np.exp(-2j * np.pi / count * np.arange(count))
-    return float(2.0 / count * abs(np.sum(vertical_mps2 * phase)))
+    total = np.sum(vertical_mps2 * phase, axis=-1)
+    amplitude: Array = 2.0 / count * np.hypot(total.real, total.imag)
+    return amplitude
 
 
-def upper_values_mps2(vertical_mps2: Array) -> float:
-    """Compute the 90 % quantile of the samples (n,) of a step about their mean."""
-    ordered = np.sort(vertical_mps2)  # quicker than np.quantile, and the same
-    place = _UPPER * (len(ordered) - 1)
+def upper_values_mps2(vertical_mps2: Array) -> Array:
+    """Compute the 90 % quantile of the samples of a step, the last axis, about their mean."""
+    count = vertical_mps2.shape[-1]
+    ordered = np.sort(vertical_mps2, axis=-1)  # quicker than np.quantile, and the same
+    place = _UPPER * (count - 1)
     below = int(place)
-    above = min(below + 1, len(ordered) - 1)
-    quantile = ordered[below] + (place - below) * (ordered[above] - ordered[below])
-    return float(quantile - np.mean(vertical_mps2))
+    above = min(below + 1, count - 1)
+    quantile = ordered[..., below] + (place - below) * (ordered[..., above] - ordered[..., below])
+    upper: Array = quantile - np.sum(vertical_mps2, axis=-1) / count
+    return upper
 
 
 class TurnMeter:
@@ -137,9 +186,13 @@ class TurnMeter:
 
     def at(self, step: Step) -> float:
         """Take in the next step and return the heading change per step, rad, not negative."""
+        return self.after(step, float(step.samples.turn_rate_radps.mean()))
+
+    def after(self, step: Step, turn_rate_radps: float) -> float:
+        """Take in the next step with its mean rotation rate about the vertical; return the same as `at`."""
         if begins_walk(step, self._previous):
             self._changes_rad.clear()
         self._previous = step
-        change_rad = float(step.samples.turn_rate_radps.mean()) * (step.event.time_s - step.start_s)
+        change_rad = turn_rate_radps * (step.event.time_s - step.start_s)
         self._changes_rad.append(change_rad if math.isfinite(change_rad) else 0.0)
         return min(abs(math.fsum(self._changes_rad)) / len(self._changes_rad), _MOST_TURN_RAD)

@@ -1,7 +1,7 @@
 """The stage that gives each step its length and the standard deviation of it."""
 
-from collections.abc import Callable
-from dataclasses import field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import field
 from functools import partial
 from typing import Annotated, Any, Literal, get_args
 
@@ -14,8 +14,11 @@ from pdr_est.front_end.step_length.cadence import Pace, PaceMeter
 from pdr_est.front_end.step_length.harmonic_model import (
     LEAST_SAMPLES,
     HarmonicParams,
+    StepShape,
     TurnMeter,
-    harmonic_length_m,
+    length_of_features_m,
+    shape_features,
+    step_shapes,
     walked_part,
 )
 from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
@@ -29,6 +32,7 @@ from pdr_est.front_end.step_length.walk_run_model import (
 from pdr_est.front_end.step_length.walker import WalkerParams
 from pdr_est.params import Positive, params
 from pdr_est.parts import PartName
+from pdr_est.records import changed
 from pdr_est.types.steps import Step
 
 LengthModel = Literal[
@@ -38,6 +42,7 @@ LENGTH_MODELS: tuple[LengthModel, ...] = get_args(LengthModel)
 LAW_OF_AUTO: LengthModel = "harmonic"
 """Name of the law of step length that the model "auto" stands for. What was learnt with one law fits no other."""
 
+_AT_ONCE = 1024  # steps whose samples are looked at together, which bounds the memory
 _LEAST_MEANS = 4  # least number of running means within a step for a range
 
 
@@ -109,37 +114,48 @@ class StepLength:
     def __init__(self, rate_hz: float, walker: WalkerParams, parameters: StepLengthParams) -> None:
         self._walker = walker
         self._parameters = parameters
+        self._law = length_law(parameters)
         self._window = max(round(parameters.smoothing_s * rate_hz), 1)
         self._pace = PaceMeter()
         self._turn = TurnMeter()
 
     def push(self, item: Step, /) -> list[Step]:
         """Give a step its length."""
-        pace = self._pace.at(item)
-        turn_rad = self._turn.at(item)
-        walking_m, running_m = self._lengths_m(item, pace, turn_rad)
+        return self.push_all([item])
+
+    def push_all(self, items: Sequence[Step], /) -> list[Step]:
+        """Give steps their length."""
+        found: list[Step] = []
+        for begin in range(0, len(items), _AT_ONCE):
+            steps = items[begin : begin + _AT_ONCE]
+            found += [self._with_length(step, shape) for step, shape in zip(steps, step_shapes(steps), strict=True)]
+        return found
+
+    def _with_length(self, step: Step, shape: StepShape) -> Step:
+        pace = self._pace.at(step)
+        turn_rad = self._turn.after(step, shape.turn_rate_radps)
+        walking_m, running_m = self._lengths_m(step, pace, turn_rad, shape)
         mean_m, sigma_m = mixture_mean_and_sigma(
-            share_of_running(item, pace.cadence_hz),
+            share_of_running(step, pace.cadence_hz),
             (walking_m, self._parameters.sigma_walking * walking_m),
             (running_m, self._parameters.sigma_running * running_m),
         )
         factor = self._walker.personal_factor(pace.cadence_hz)
-        length_m = factor * mean_m * item.recorded_share
-        return [replace(item, length_m=length_m, sigma_length_m=factor * sigma_m)]
+        length_m = factor * mean_m * step.recorded_share
+        return changed(step, length_m=length_m, sigma_length_m=factor * sigma_m)
 
     def flush(self) -> list[Step]:
         """Return nothing: no step is held back."""
         return []
 
-    def _lengths_m(self, step: Step, pace: Pace, turn_rad: float) -> tuple[float, float]:
+    def _lengths_m(self, step: Step, pace: Pace, turn_rad: float, shape: StepShape) -> tuple[float, float]:
         """Compute the lengths of this step if it is a walking one and if it is a running one."""
-        p, height_m, law = self._parameters, self._walker.height_m, length_law(self._parameters)
-        if law != "walk-run":
-            if law == "harmonic":
-                length_m = self._harmonic_length_m(step, turn_rad)
-                part = walked_part(p.harmonic, step.event.time_s - step.start_s)
-                return part * length_m, length_m
-            length_m = self._published_length_m(step, turn_rad)
+        p, height_m = self._parameters, self._walker.height_m
+        if self._law == "harmonic":
+            length_m = self._harmonic_length_m(step, turn_rad, shape)
+            return walked_part(p.harmonic, step.event.time_s - step.start_s) * length_m, length_m
+        if self._law != "walk-run":
+            length_m = self._published_length_m(step)
             return length_m, length_m
         walking_m = self._length_from_acceleration(
             step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
@@ -147,16 +163,14 @@ class StepLength:
         # Doubt about the gait must not shorten a gentle walk: a running step is never shorter than a walking one.
         return walking_m, max(walking_m, running_length_m(p.running, height_m, pace))
 
-    def _harmonic_length_m(self, step: Step, turn_rad: float) -> float:
+    def _harmonic_length_m(self, step: Step, turn_rad: float, shape: StepShape) -> float:
         """Apply our law; a step too short to show its shape takes eq. 2."""
-        if len(step.samples) < LEAST_SAMPLES:
+        if len(step.samples.time_s) < LEAST_SAMPLES:
             return self._static_length_m()
-        duration_s, vertical_mps2 = step.event.time_s - step.start_s, step.samples.vertical_mps2
-        return harmonic_length_m(
-            self._parameters.harmonic, self._walker.height_m, duration_s, turn_rad, vertical_mps2
-        )
+        features = shape_features(step.event.time_s - step.start_s, shape)
+        return length_of_features_m(self._parameters.harmonic, self._walker.height_m, turn_rad, features)
 
-    def _published_length_m(self, step: Step, _turn_rad: float) -> float:
+    def _published_length_m(self, step: Step) -> float:
         p, walker = self._parameters, self._walker
         match p.model:
             case "mmpdr":

@@ -15,7 +15,6 @@ long intervals as several steps was tried as well: errors rose on most sets, for
 import math
 from typing import Annotated
 
-import numpy as np
 from annotated_types import Ge, Gt, Le
 
 from pdr_est.frames import Array
@@ -61,7 +60,8 @@ def share_of_running(step: Step, cadence_hz: float) -> float:
     _, jogging, running = step.gait_probability
     if math.isnan(jogging + running):
         return 0.0
-    return min(jogging + running, 1.0) * float(np.interp(cadence_hz, _SLOWEST_RUN_HZ, (0.0, 1.0)))
+    slowest, surely = _SLOWEST_RUN_HZ
+    return min(jogging + running, 1.0) * min(max((cadence_hz - slowest) / (surely - slowest), 0.0), 1.0)
 
 
 def walking_length_m(k: float, exponent: float, height_m: float, vertical_mps2: Array) -> float:

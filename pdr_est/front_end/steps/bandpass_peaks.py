@@ -16,8 +16,10 @@ the signal shows are refused, unless they are much higher, as a runner's.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.event_detection import has_elapsed, local_maxima
@@ -27,7 +29,9 @@ from pdr_est.front_end.steps.step_evidence.movement import (
     Movement,
     MovementSums,
     movement_between,
+    movements_between,
     strength_between,
+    strengths_between,
 )
 from pdr_est.front_end.steps.step_evidence.step_intervals import StepIntervals
 from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
@@ -90,6 +94,17 @@ _IMPACT_S = 0.4  # length of the movement before a peak that tells whether the p
 _ON_TIME = 0.9  # times the recent interval: too late for a peak between two steps
 _NO_RHYTHM = PeakRhythm(math.inf, math.inf, math.inf, 0.0)
 _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between two steps
+_FEW = 4  # peaks that are quicker measured one by one
+
+
+class _Peak(NamedTuple):
+    """Peak of the buffered signal, and what is known of it before anything is decided."""
+
+    place: int  # position in the signal
+    time_s: float  # of the movement
+    strength_mps2: float  # standard deviation of the acceleration just before
+    movement: Movement  # in the time before
+    signal: list[float]  # that is buffered
 
 
 class BandpassPeakDetector:
@@ -127,7 +142,7 @@ class BandpassPeakDetector:
         if item.segment != self._samples.segment:
             self._samples.begin(item)
             self._begin_segment()
-        rows = np.empty((len(item), 1 + MOVEMENT_COLUMNS))
+        rows = np.empty((1 + MOVEMENT_COLUMNS, len(item))).T  # each column lies in one piece, as it is computed
         rows[:, _SIGNAL] = self._signal.push(item)
         rows[:, _SUMS] = self._sums.push(item)
         self._samples.append(item, rows)
@@ -158,29 +173,56 @@ class BandpassPeakDetector:
         if len(recent) < 3:
             return []
         peaks = np.flatnonzero(local_maxima(recent) & (recent > self._parameters.least_height_mps2))
-        events = [event for i in peaks for event in self._confirmed(start + int(i))]
+        events = [event for peak in self._described(start + peaks) for event in self._confirmed(peak)]
         excess = max(len(self._samples.signal) - 1 - self._kept, 0)
         self._decided = len(self._samples.signal) - 1 - excess
         self._samples.drop(excess)
         return events
 
-    def _confirmed(self, i: int) -> list[StepEvent]:
-        """Return the steps that peak i makes certain."""
-        accepted = self._accept_peak(i)
+    def _described(self, places: NDArray[np.intp]) -> list[_Peak]:
+        """Measure what is known of peaks (n,) before anything is decided."""
+        if not len(places):
+            return []
+        buffered = self._samples.signal
+        signal: list[float] = buffered[:, _SIGNAL].tolist()
+        sums: Array = buffered[:, _SUMS]
+        peaks: list[int] = places.tolist()
+        if len(peaks) < _FEW:
+            strengths = [self._strength_before(sums, i) for i in peaks]
+            movements = [self._movement_before(sums, i) for i in peaks]
+        else:
+            impact, half = np.minimum(self._impact, places), np.minimum(self._half_window, places // 2)
+            ends = sums[places]
+            strengths = strengths_between(sums[places - impact], ends, np.maximum(impact, 1))
+            movements = movements_between(sums[places - 2 * half], sums[places - half], ends, np.maximum(2 * half, 1))
+        times = self._samples.times_s(places)
+        return [_Peak(*peak, signal) for peak in zip(peaks, times, strengths, movements, strict=True)]
+
+    def _strength_before(self, sums: Array, i: int) -> float:
+        samples = min(self._impact, i)
+        return strength_between(sums[i - samples], sums[i], max(samples, 1))
+
+    def _movement_before(self, sums: Array, i: int) -> Movement:
+        half = min(self._half_window, i // 2)
+        return movement_between(sums[i - 2 * half], sums[i - half], sums[i], max(2 * half, 1))
+
+    def _confirmed(self, peak: _Peak) -> list[StepEvent]:
+        """Return the steps that a peak makes certain."""
+        accepted = self._accept_peak(peak)
         if not accepted:
             return []
-        self._walking.add(walking_evidence(self._movement_before(i), self._rhythm))
-        waiting = self._waiting + [step for event in accepted for step in self._with_hidden_step(event, i)]
+        self._walking.add(walking_evidence(peak.movement, self._rhythm))
+        waiting = self._waiting + [step for event in accepted for step in self._with_hidden_step(event, peak.place)]
         latest_s, patience_s = accepted[-1].time_s, self._parameters.patience_s
         waiting = [event for event in waiting if has_elapsed(patience_s, latest_s - event.time_s)]
         is_walk = self._walking.log_odds > 0.0
         self._waiting = [] if is_walk else waiting
         return waiting if is_walk else []
 
-    def _accept_peak(self, i: int) -> list[StepEvent]:
-        """Return the steps if somebody walks: that of peak i, and with the second peak of a walk also the first."""
-        p, time_s, height = self._parameters, self._samples.time_s(i), float(self._samples.signal[i, _SIGNAL])
-        elapsed = time_s - self._last_peak_s
+    def _accept_peak(self, found: _Peak) -> list[StepEvent]:
+        """Return the steps if somebody walks: that of the peak, and with the second peak of a walk also the first."""
+        p, i, height = self._parameters, found.place, found.signal[found.place]
+        elapsed = found.time_s - self._last_peak_s
         if not has_elapsed(elapsed, self._min_interval_s()):
             return []
         if elapsed > p.standstill_s:
@@ -188,11 +230,13 @@ class BandpassPeakDetector:
         usual = self._usual
         if usual is None and height < p.threshold_mps2:
             return []
-        peak = self._shape_of(i, elapsed, height)
+        # The rise is that since the last step, or in the time of a standstill.
+        count = int(min(elapsed, p.standstill_s) * self._rate_hz)
+        peak = PeakShape(height, height - min(found.signal[max(i - count, 0) : i + 1]), found.strength_mps2)
         log_odds = peak_log_odds(peak, usual or peak, self._interval_ratio(elapsed) if usual else 1.0)
         if log_odds < 0.0 or self._is_intermediate_peak(i, elapsed, height):
             return []
-        self._last_peak_s = time_s
+        self._last_peak_s = found.time_s
         self._rhythm = self._rhythm.followed_by(elapsed if elapsed <= p.standstill_s else math.inf, peak.rise)
         event = self._samples.event(i, confidence=probability(log_odds))
         if usual is None:
@@ -220,15 +264,6 @@ class BandpassPeakDetector:
         interval_s = self._intervals.interval_s
         return elapsed / interval_s if interval_s < np.inf else 1.0
 
-    def _shape_of(self, i: int, elapsed: float, height: float) -> PeakShape:
-        """Measure peak i; its rise is that since the last step, or in the time of a standstill."""
-        signal = self._samples.signal
-        count = int(min(elapsed, self._parameters.standstill_s) * self._rate_hz)
-        lowest = float(signal[max(i - count, 0) : i + 1, _SIGNAL].min())
-        samples = min(self._impact, i)
-        strength = strength_between(signal[i - samples, _SUMS], signal[i, _SUMS], max(samples, 1))
-        return PeakShape(height, height - lowest, strength)
-
     def _with_hidden_step(self, event: StepEvent, i: int) -> list[StepEvent]:
         """Return a step, and before it the one that did not show; i is the position of the latest peak."""
         if self._usual is None or not self._intervals.is_pause(event.time_s):
@@ -238,11 +273,6 @@ class BandpassPeakDetector:
         sums: Array = self._samples.signal[:, _SUMS]
         strength = strength_between(sums[i - 3 * quarter], sums[i - quarter], max(2 * quarter, 1))
         return self._intervals.fill_hidden_step(event, strength / self._usual.strength)
-
-    def _movement_before(self, i: int) -> Movement:
-        sums: Array = self._samples.signal[:, _SUMS]
-        half = min(self._half_window, i // 2)
-        return movement_between(sums[i - 2 * half], sums[i - half], sums[i], max(2 * half, 1))
 
     def _is_intermediate_peak(self, i: int, elapsed: float, height: float) -> bool:
         """Return True for a peak in a pocket that comes too soon to be a step of the strides before it."""

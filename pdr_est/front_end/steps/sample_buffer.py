@@ -7,6 +7,8 @@ from pdr_est.frames import Array
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 
+_MODES = tuple(CarryingMode)
+
 
 class SampleBuffer:
     """Window of the latest samples of one segment, which grows by blocks and is cut at the front.
@@ -47,6 +49,10 @@ class SampleBuffer:
 
     def append(self, block: LevelBlock, signal: Array) -> None:
         """Add a block and the filtered signal of the same samples."""
+        if not len(self.mode):
+            self.signal, self.mode = signal, block.mode
+            self._time_s, self._mode_probability = block.time_s, block.mode_probability
+            return
         self.signal = np.concatenate([self.signal, signal])
         self.mode = np.concatenate([self.mode, block.mode])
         self._time_s = np.concatenate([self._time_s, block.time_s])
@@ -64,7 +70,12 @@ class SampleBuffer:
 
     def time_s(self, i: int) -> float:
         """Return the time of the movement at position i: the sample's time less the delay."""
-        return float(self._time_s[i]) - self._delay_s
+        return self._time_s.item(i) - self._delay_s
+
+    def times_s(self, places: NDArray[np.intp]) -> list[float]:
+        """Return `time_s` of several positions (n,)."""
+        times: list[float] = (self._time_s[places] - self._delay_s).tolist()
+        return times
 
     def event(self, i: int, confidence: float = 1.0) -> StepEvent:
         """Make the step event at position i of the window."""
@@ -72,7 +83,7 @@ class SampleBuffer:
             index=self._first_index + i - self._delay,
             time_s=self.time_s(i),
             segment=self.segment or 0,
-            mode=CarryingMode(int(self.mode[i])),
+            mode=_MODES[self.mode.item(i)],
             confidence=confidence,
-            mode_probability=float(self._mode_probability[i]),
+            mode_probability=self._mode_probability.item(i),
         )

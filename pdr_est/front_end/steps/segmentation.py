@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.frames import SIGMA_UNIFORM_RAD
-from pdr_est.front_end.signal.blocks import join, part
+from pdr_est.front_end.signal.blocks import join, part, parts
 from pdr_est.front_end.steps.mode_transition import StepFrequency
 from pdr_est.params import Positive, params
 from pdr_est.stage import Stage
@@ -86,21 +86,31 @@ class StepSegmentation:
         return self._steps(self._detector.flush())
 
     def _steps(self, events: Sequence[StepEvent]) -> list[Step]:
-        steps = [self._step(event) for event in events]
-        return [step for step in steps if step.time_s > self._begin_s]
-
-    def _step(self, event: StepEvent) -> Step:
+        if not events:
+            return []
         if not self._samples:
             raise ValueError("a step event came before any sample")
         samples = join(self._samples)
         self._samples = [samples]
-        start = max(event.time_s - self._parameters.initial_step_s, self._previous_s)
-        if event.time_s - self._previous_s <= self._parameters.standstill_s:
-            start = self._previous_s
-        self._previous_s = event.time_s
-        stop = max(int(np.searchsorted(samples.time_s, event.time_s, side="right")), 1)
-        first = min(int(np.searchsorted(samples.time_s, start, side="right")), stop - 1)
-        start_s = min(max(start, float(samples.time_s[0])), event.time_s)
+        begins_s = [self._begin_of(event) for event in events]
+        stops = samples.time_s.searchsorted([event.time_s for event in events], side="right").tolist()
+        firsts = samples.time_s.searchsorted(begins_s, side="right").tolist()
+        spans = [(min(first, max(stop, 1) - 1), max(stop, 1)) for first, stop in zip(firsts, stops, strict=True)]
+        first_s = float(samples.time_s[0])
+        moved = zip(events, begins_s, parts(samples, spans), strict=True)
+        steps = [self._step(event, begin_s, own, first_s) for event, begin_s, own in moved]
+        return [step for step in steps if step.event.time_s > self._begin_s]
+
+    def _begin_of(self, event: StepEvent) -> float:
+        """Return the time at which the movement of the next step began, s."""
+        begin_s, self._previous_s = self._previous_s, event.time_s
+        if event.time_s - begin_s <= self._parameters.standstill_s:
+            return begin_s
+        return max(event.time_s - self._parameters.initial_step_s, begin_s)
+
+    def _step(self, event: StepEvent, begin_s: float, samples: LevelBlock, first_s: float) -> Step:
+        """Make the step of an event from its samples; it may have begun before the first sample of all."""
+        start_s = min(max(begin_s, first_s), event.time_s)
         holes, before_s = self._holes, self._last_s
         same = event.segment == self._segment or self._segment is None
         if event.time_s > self._begin_s:
@@ -109,10 +119,10 @@ class StepSegmentation:
             event=event,
             start_s=start_s,
             frequency_hz=self._frequency_at(event),
-            samples=part(samples, first, stop),
+            samples=samples,
             holes=holes,
             sigma_turn_rad=self._turn_over(holes, before_s, start_s) if same or holes else SIGMA_UNIFORM_RAD,
-            recorded_share=(event.time_s - start_s) / (event.time_s - start) if start < start_s else 1.0,
+            recorded_share=(event.time_s - start_s) / (event.time_s - begin_s) if begin_s < start_s else 1.0,
         )
 
     def _turn_over(self, holes: tuple[Hole, ...], before_s: float, start_s: float) -> float:

@@ -104,6 +104,7 @@ def test_scores_are_those_of_scikit_learn(kernel: str) -> None:
     )
     expected = svm.decision_function(scaler.transform(x[:, columns]))
     found = [scorer(machine)(row) for row in x.tolist()]
+    np.testing.assert_array_equal(scorer(machine).of_many(x), found)
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 

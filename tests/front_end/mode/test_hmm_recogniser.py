@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from pdr_est.config import Config
 from pdr_est.frames import Array
 from pdr_est.front_end.mode import AutoModeParams, HmmModeRecogniser
-from pdr_est.front_end.mode.hidden_markov import ModeBelief, backward_likelihood
+from pdr_est.front_end.mode.hidden_markov import STATES, ModeBelief, backward_likelihood
 from pdr_est.front_end.mode.window_features import (
     COLUMNS,
     MODES,
@@ -109,10 +109,10 @@ def test_evidence_of_any_size_is_finite_and_above_zero(size):
 
 def test_the_chain_is_the_sum_over_all_ways_through_it():
     rng = np.random.default_rng(1)
-    rows, states, ahead = 6, 3, 3
+    rows, states, ahead = 6, STATES, 3
     change, likelihood = rng.uniform(0.05, 0.6, rows), rng.uniform(0.1, 1.0, (states, rows))
     decided = rows - ahead
-    belief = ModeBelief(states).forward(change[:decided], likelihood[:, :decided])
+    belief = ModeBelief().forward(change[:decided], likelihood[:, :decided])
     belief *= backward_likelihood(change, likelihood, decided, ahead)
     belief /= belief.sum(axis=0)
     for row in range(decided):

@@ -13,7 +13,9 @@ from pdr_est.front_end.steps.step_evidence.movement import (
     Movement,
     MovementSums,
     movement_between,
+    movements_between,
     strength_between,
+    strengths_between,
 )
 from pdr_est.types.sensors import LevelBlock
 
@@ -98,3 +100,15 @@ def test_a_new_segment_has_sums_of_its_own() -> None:
     first = sums.push(block)
     sums.reset()
     np.testing.assert_array_equal(sums.push(block), first)
+
+
+def test_many_spans_have_the_movement_of_each_to_the_last_bit() -> None:
+    rng = np.random.default_rng(5)
+    sums = sums_of(moving(rng.normal(size=(300, 3)) * rng.uniform(0.0, 9.0, (300, 1)), rng.normal(size=(300, 3))))
+    ends, halves = np.array([20, 150, 151, 299]), np.array([10, 3, 50, 100])
+    spans = [
+        (sums[end - 2 * half], sums[end - half], sums[end], 2 * half) for end, half in zip(ends, halves, strict=True)
+    ]
+    rows = sums[ends - 2 * halves], sums[ends - halves], sums[ends]
+    assert movements_between(*rows, 2 * halves) == [movement_between(*span) for span in spans]
+    assert strengths_between(rows[0], rows[2], 2 * halves) == [strength_between(a, c, n) for a, _, c, n in spans]

@@ -4,9 +4,8 @@ Most walks have no stairs, and the hypotheses cost as much as the rest of the fr
 stretch in which the vertical velocity hardly changes is known beforehand: level.
 """
 
+import math
 from collections import deque
-
-import numpy as np
 
 from pdr_est.front_end.step_length.stairs.flight_hypotheses import UNSETTLED_STEPS, FlightHypotheses
 from pdr_est.front_end.step_length.stairs.stair_params import StairParams
@@ -90,13 +89,13 @@ class FlightWatch:
         recent = self._recent
         if len(recent) < UNSETTLED_STEPS + _VELOCITIES:
             return False
-        first, second, third, fourth = (recent[place].velocity_mps for place in range(-_VELOCITIES, 0))
-        change_mps = 0.5 * (third + fourth - first - second)
-        usual_mps = float(np.mean(self._changes_mps)) if len(self._changes_mps) >= _LEAST_CHANGES else 0.0
-        if np.isfinite(change_mps):
+        after_mps = recent[-2].velocity_mps + recent[-1].velocity_mps
+        change_mps = 0.5 * (after_mps - recent[-4].velocity_mps - recent[-3].velocity_mps)
+        usual_mps = 0.0
+        if len(self._changes_mps) >= _LEAST_CHANGES:
+            usual_mps = math.fsum(self._changes_mps) / len(self._changes_mps)
+        if math.isfinite(change_mps):
             self._changes_mps.append(change_mps)
         climbed_m = abs(recent[-1].height_m - recent[-min(_CLIMB_STEPS, len(recent))].height_m)
-        return bool(
-            abs(change_mps - usual_mps) > _CHANGE * self._rise_m / recent[-1].pace_s
-            or climbed_m > _CLIMB * self._rise_m * (_CLIMB_STEPS - 1)
-        )
+        is_change = abs(change_mps - usual_mps) > _CHANGE * self._rise_m / recent[-1].pace_s
+        return is_change or climbed_m > _CLIMB * self._rise_m * (_CLIMB_STEPS - 1)

@@ -1,15 +1,18 @@
 """The stage that gives steps on stairs their length at the end of the walk."""
 
+import math
 from collections import deque
-from dataclasses import replace
+from collections.abc import Sequence
 
 from pdr_est.front_end.step_length.length_mixture import mixture_mean_and_sigma
 from pdr_est.front_end.step_length.stairs.flight_watch import FlightWatch
 from pdr_est.front_end.step_length.stairs.stair_params import StairParams
 from pdr_est.front_end.step_length.stairs.vertical_motion import VerticalMotionMeter, step_duration_s
 from pdr_est.front_end.step_length.walk_run_model import share_of_running
+from pdr_est.records import changed
 from pdr_est.types.steps import CarryingMode, Step
 
+_AT_ONCE = 1024  # steps whose samples are looked at together, which bounds the memory
 _TRUSTED = (CarryingMode.HOLDING, CarryingMode.UNKNOWN)  # the vertical velocity is that of the body
 
 
@@ -39,11 +42,19 @@ class StairLengths:
 
     def push(self, item: Step, /) -> list[Step]:
         """Take in a step; return those whose probability is final."""
-        motion = self._meter.at(item)
-        if item.event.mode not in _TRUSTED:
-            motion = replace(motion, velocity_mps=float("nan"))
-        self._waiting.append(item)
-        return [self._with_length(probability) for probability in self._flights.add(motion)]
+        return self.push_all([item])
+
+    def push_all(self, items: Sequence[Step], /) -> list[Step]:
+        """Take in steps; return those whose probability is final."""
+        final: list[Step] = []
+        for begin in range(0, len(items), _AT_ONCE):
+            steps = items[begin : begin + _AT_ONCE]
+            for step, motion in zip(steps, self._meter.motions(steps), strict=True):
+                if step.event.mode not in _TRUSTED:
+                    motion = changed(motion, velocity_mps=math.nan)
+                self._waiting.append(step)
+                final += [self._with_length(probability) for probability in self._flights.add(motion)]
+        return final
 
     def flush(self) -> list[Step]:
         """Return the other steps."""
@@ -61,4 +72,4 @@ class StairLengths:
             (step.length_m, step.sigma_length_m),
             (p.tread_m * step.recorded_share, p.sigma_tread_m),
         )
-        return replace(step, length_m=length_m, sigma_length_m=sigma_m, stairs_probability=on_stairs)
+        return changed(step, length_m=length_m, sigma_length_m=sigma_m, stairs_probability=on_stairs)

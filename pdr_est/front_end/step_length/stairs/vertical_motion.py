@@ -5,10 +5,12 @@ mean over a step is free of the rise and fall of the body within it. On stairs t
 down, for some steps; no movement of a phone in the hand can be that for longer than a second.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from pdr_est.front_end.signal.step_samples import StepSamples, of_equal_count, rows_from
 from pdr_est.types.steps import Step, begins_walk
 
 _LEAST_SAMPLES = 3
@@ -43,32 +45,52 @@ class VerticalMotion:
 
 
 class VerticalMotionMeter:
-    """Vertical motion of each step in turn."""
+    """Vertical motion of one step after the other."""
 
     def __init__(self) -> None:
         self._previous: Step | None = None
         self._velocity_mps = 0.0  # at the end of the previous step
 
-    def at(self, step: Step) -> VerticalMotion:
-        """Take in the next step and return its vertical motion."""
-        previous, samples = self._previous, step.samples
+    def motions(self, steps: Sequence[Step]) -> list[VerticalMotion]:
+        """Take in the next steps, at least one, and return their vertical motion."""
+        return [self._motion(step, *gains) for step, gains in zip(steps, _velocity_gains(steps), strict=True)]
+
+    def _motion(self, step: Step, mean_mps: float, gain_mps: float) -> VerticalMotion:
+        """Take in a step with its mean and final velocity less that at its start."""
+        previous = self._previous
         begins = begins_walk(step, previous) or not _follows(step, previous)
         if begins:
             previous, self._velocity_mps = None, 0.0
         self._previous = step
         step_s = step_duration_s(step)
         pace_s = step_s if previous is None else 0.5 * (step_s + step_duration_s(previous))
-        mean_mps = float("nan")
-        if len(samples):
-            period_s = step_s / len(samples)
-            if len(samples) > 1:
-                period_s = float(samples.time_s[-1] - samples.time_s[0]) / (len(samples) - 1)
-            vertical = samples.vertical_mps2
-            if len(samples) >= _LEAST_SAMPLES:  # the mean of the running sum, in which the first sample counts most
-                weight = np.arange(len(samples), 0, -1)
-                mean_mps = self._velocity_mps + period_s * float(vertical @ weight) / len(samples)
-            self._velocity_mps += period_s * float(vertical.sum())
-        return VerticalMotion(begins, mean_mps, step_s, pace_s, _height_m(step))
+        velocity_mps = self._velocity_mps + mean_mps
+        self._velocity_mps += gain_mps
+        return VerticalMotion(begins, velocity_mps, step_s, pace_s, _height_m(step))
+
+
+def _velocity_gains(steps: Sequence[Step]) -> list[tuple[float, float]]:
+    """Compute for each step the mean and the final vertical velocity, less that at its start.
+
+    The mean is NaN for a step of hardly any samples.
+    """
+    samples = StepSamples(steps)
+    vertical, time_s = samples.column("vertical_mps2"), samples.column("time_s")
+    mean_mps, gain_mps = np.full(len(steps), np.nan), np.zeros(len(steps))
+    for count, places in of_equal_count(samples.count):
+        if not count:
+            continue
+        first = samples.start[places]
+        rows = rows_from(vertical, first, count)
+        if count == 1:
+            period_s = np.array([step_duration_s(steps[place]) for place in places])
+        else:
+            period_s = (time_s[first + count - 1] - time_s[first]) / (count - 1)
+        gain_mps[places] = period_s * rows.sum(axis=1)
+        if count >= _LEAST_SAMPLES:  # the mean of the running sum, in which the first sample counts most
+            weight = np.arange(count, 0.0, -1.0)
+            mean_mps[places] = period_s * np.matmul(rows[:, None], weight[:, None])[:, 0, 0] / count
+    return list(zip(mean_mps.tolist(), gain_mps.tolist(), strict=True))
 
 
 def _follows(step: Step, previous: Step | None) -> bool:

@@ -1,9 +1,11 @@
 """Measure the movement of a phone in any span of the recent past, from running sums."""
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.types.sensors import LevelBlock
@@ -89,6 +91,18 @@ class MovementSums:
         return total
 
 
+class _Operations(NamedTuple):
+    """Operations on one number, or on arrays of numbers; the rounding is the same."""
+
+    root: Callable[[Any], Any]
+    larger: Callable[[Any, Any], Any]
+    smaller: Callable[[Any, Any], Any]
+
+
+_ON_NUMBERS = _Operations(math.sqrt, max, min)
+_ON_ARRAYS = _Operations(np.sqrt, np.maximum, np.minimum)
+
+
 def movement_between(before: Array, middle: Array, end: Array, samples: int) -> Movement:
     """Compute the movement in a span from the running sums before it, in its middle and at its end.
 
@@ -99,19 +113,29 @@ def movement_between(before: Array, middle: Array, end: Array, samples: int) -> 
     samples : int
         Number of samples of the span, at least 1.
     """
-    a, b, c = before.tolist(), middle.tolist(), end.tolist()
-    share = 1.0 / samples
+    return Movement(*_movement(before.tolist(), middle.tolist(), end.tolist(), 1.0 / samples, _ON_NUMBERS))
+
+
+def movements_between(before: Array, middle: Array, end: Array, samples: NDArray[np.intp]) -> list[Movement]:
+    """Compute `movement_between` of n spans at once, from (n, MOVEMENT_COLUMNS) and (n,)."""
+    found = _movement(before.T, middle.T, end.T, 1.0 / samples, _ON_ARRAYS)
+    return [Movement(*numbers) for numbers in zip(*(column.tolist() for column in found), strict=True)]
+
+
+def _movement(a: Any, b: Any, c: Any, share: Any, on: _Operations) -> tuple[Any, Any, Any]:
+    """Compute the fields of `Movement`; a, b and c are sequences of MOVEMENT_COLUMNS numbers or arrays."""
     squares, vertical_squares, x, y, z, xx, xy, xz, yy, yz = [(c[k] - a[k]) * share for k in _WHOLE_COLUMNS]
     # Each half has its own mean, so that a slow acceleration, such as a vehicle's, does not count.
-    ax, ay, az, av = [(b[k] - a[k]) ** 2 + (c[k] - b[k]) ** 2 for k in _HALVED_COLUMNS]
-    variance = max(squares - 2.0 * share * share * (ax + ay + az), _LEAST_STRENGTH_MPS2**2)
+    ax, ay, az, av = [(b[k] - a[k]) * (b[k] - a[k]) + (c[k] - b[k]) * (c[k] - b[k]) for k in _HALVED_COLUMNS]
+    variance = on.larger(squares - 2.0 * share * share * (ax + ay + az), _LEAST_STRENGTH_MPS2**2)
     vertical = vertical_squares - 2.0 * share * share * av
     zz = 1.0 - xx - yy - z * z
     xx, xy, xz, yy, yz = xx - x * x, xy - x * y, xz - x * z, yy - y * y, yz - y * z
     # The third principal axis is along the vectors, where unit vectors hardly vary: two eigenvalues are left.
     total, product = xx + yy + zz, xx * yy + (xx + yy) * zz - xy * xy - yz * yz - xz * xz
-    least = 0.5 * (total - math.sqrt(max(total * total - 4.0 * product, 0.0)))
-    return Movement(math.sqrt(variance), min(max(vertical / variance, 0.0), 1.0), math.sqrt(max(least, 0.0)))
+    least = 0.5 * (total - on.root(on.larger(total * total - 4.0 * product, 0.0)))
+    vertical_share = on.smaller(on.larger(vertical / variance, 0.0), 1.0)
+    return on.root(variance), vertical_share, on.root(on.larger(least, 0.0))
 
 
 def strength_between(before: Array, end: Array, samples: int) -> float:
@@ -124,7 +148,16 @@ def strength_between(before: Array, end: Array, samples: int) -> float:
     samples : int
         Number of samples of the span, at least 1.
     """
-    first, last = before.tolist(), end.tolist()
+    return float(_strength(before.tolist(), end.tolist(), samples, _ON_NUMBERS))
+
+
+def strengths_between(before: Array, end: Array, samples: NDArray[np.intp]) -> list[float]:
+    """Compute `strength_between` of n spans at once, from (n, MOVEMENT_COLUMNS) and (n,)."""
+    found: list[float] = _strength(before.T, end.T, samples, _ON_ARRAYS).tolist()
+    return found
+
+
+def _strength(first: Any, last: Any, samples: Any, on: _Operations) -> Any:
     x, y, z, square = last[0] - first[0], last[1] - first[1], last[2] - first[2], last[_SQUARE] - first[_SQUARE]
     variance = (square - (x * x + y * y + z * z) / samples) / samples
-    return math.sqrt(max(variance, _LEAST_STRENGTH_MPS2**2))
+    return on.root(on.larger(variance, _LEAST_STRENGTH_MPS2**2))
