@@ -5,16 +5,18 @@ Only here do errors become exit codes: 2 for bad input, with one line on stderr.
 Options that several commands share are in `options`, the words that they offer in `choices`.
 """
 
-import io
+import errno
 import re
-import sys
 from difflib import get_close_matches
 from importlib import import_module
 from types import MappingProxyType
+from typing import Any
 
 import click
 
+from pdr_est.cli.process import ended_by_signals, escape_unprintable, occupy_closed_streams, stdout_fault
 from pdr_est.errors import PdrError
+from pdr_est.output.call_inputs import inputs_remembered
 
 COMMANDS = MappingProxyType(
     {
@@ -73,9 +75,9 @@ class _LazyGroup(click.Group):
         return command
 
     def invoke(self, ctx: click.Context) -> object:
-        _escape_unprintable()
         try:
-            return super().invoke(ctx)
+            with inputs_remembered():
+                return super().invoke(ctx)
         except PdrError as error:
             raise BadInputError(str(error)) from error
         except MemoryError as error:
@@ -86,13 +88,26 @@ class _LazyGroup(click.Group):
         except click.UsageError as error:
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
             raise BadInputError(f"{error.format_message().rstrip('.')}; see {command} --help") from error
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # the reader of the output has ended, as in a pipe to `head`
+                raise
+            place = ctx.invoked_subcommand if error.filename is None else error.filename
+            raise BadInputError(
+                f"{place}: the system says: {error.strerror or error}: check disk and rights"
+            ) from error
 
-
-def _escape_unprintable() -> None:
-    """Escape what stdout and stderr cannot print: file names may hold bytes that are no text."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        occupy_closed_streams()
+        escape_unprintable()
+        try:
+            with ended_by_signals():
+                return super().main(*args, **kwargs)
+        except SystemExit:
+            fault = stdout_fault()
+            if fault is None:
+                raise
+            click.echo(f"Error: standard output cannot be written: {fault}", err=True)
+            raise SystemExit(BadInputError.exit_code) from None
 
 
 def _print_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> None:

@@ -103,10 +103,10 @@ def follow_live(
 
 
 def _until_interrupted(lines: Iterable[str]) -> Iterator[str]:
-    """Yield lines until Ctrl-C, which ends the walk, so that estimates that were held back are still printed."""
+    """Yield lines until a signal ends the walk, so that estimates that were held back are still printed."""
     try:
         yield from lines
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit):
         return
 
 

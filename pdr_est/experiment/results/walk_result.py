@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pdr_est.experiment.suite import CalibrationCase
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.outcome import TrackOutcome
 
 _DIGITS = {"position_m": 2, "truth_m": 2, "way_m": 1, "error_m": 3, "squared": 4}  # a plot shows no more

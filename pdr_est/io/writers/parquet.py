@@ -7,6 +7,7 @@ import polars as pl
 from polars.exceptions import PolarsError
 
 from pdr_est.errors import RecordingError
+from pdr_est.output.atomic_output import staged_file
 
 Column = Sequence[str | None] | Sequence[float | None]
 
@@ -25,7 +26,8 @@ def write_parquet(path: Path, texts: Mapping[str, Sequence[str | None]], numbers
     """
     columns = [pl.Series(name, list(values), dtype=pl.String) for name, values in texts.items()]
     columns += [pl.Series(name, list(values), dtype=pl.Float64) for name, values in numbers.items()]
-    pl.DataFrame(columns).write_parquet(path, statistics=False)
+    with staged_file(path, overwrite=True) as staging:
+        pl.DataFrame(columns).write_parquet(staging, statistics=False)
 
 
 def read_parquet(path: Path) -> dict[str, list[str | float | None]]:

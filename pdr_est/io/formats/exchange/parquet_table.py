@@ -7,7 +7,7 @@ import numpy as np
 import polars as pl
 from polars.exceptions import PolarsError
 
-from pdr_est.errors import OutputError, RecordingError
+from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.formats.exchange.left_out import left_out
 from pdr_est.io.formats.plain_csv.writer import PARTS_OF_TABLE, plain_table
@@ -15,6 +15,7 @@ from pdr_est.io.tables.quantities import CANONICAL, Quantity
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
@@ -36,12 +37,9 @@ def write_parquet_recording(recording: Recording, path: str | Path) -> tuple[str
     OutputError
         For several devices, for a recording without samples, and when the file cannot be written.
     """
-    try:
-        plain_table(recording, path).write_parquet(path, statistics=False)
-    except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be written ({error}); choose a folder that exists and has free space"
-        ) from error
+    frame = plain_table(recording, path)
+    with staged_file(Path(path), overwrite=True) as staging:
+        frame.write_parquet(staging, statistics=False)
     return left_out(recording, PARTS_OF_TABLE)
 
 

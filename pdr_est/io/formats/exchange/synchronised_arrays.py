@@ -17,6 +17,7 @@ from pdr_est.frames import Array
 from pdr_est.io.formats.exchange.left_out import left_out, only_device
 from pdr_est.io.text.container import Source, SourceKind
 from pdr_est.io.text.finite_values import finite_signal_or_none
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
@@ -84,11 +85,8 @@ def write_npz(recording: Recording, path: str | Path) -> tuple[str, ...]:
         As `synchronised_arrays`, and when the file cannot be written.
     """
     arrays = synchronised_arrays(recording, path)
-    try:
-        with Path(path).open("wb") as stream:
-            np.savez_compressed(stream, allow_pickle=False, **arrays)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from error
+    with staged_file(Path(path), overwrite=True) as staging, staging.open("wb") as stream:
+        np.savez_compressed(stream, allow_pickle=False, **arrays)
     return _not_in(arrays, recording)
 
 
@@ -112,12 +110,9 @@ def write_hdf5(recording: Recording, path: str | Path) -> tuple[str, ...]:
             f"{path}: HDF5 needs the package h5py: `pip install pdr-est[hdf5]`, or write .npz instead"
         ) from error
     arrays = synchronised_arrays(recording, path)
-    try:
-        with h5py.File(path, "w") as file:
-            for name, array in arrays.items():
-                file.create_dataset(name, data=array)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error}); choose another folder") from error
+    with staged_file(Path(path), overwrite=True) as staging, h5py.File(staging, "w") as file:
+        for name, array in arrays.items():
+            file.create_dataset(name, data=array)
     return _not_in(arrays, recording)
 
 

@@ -17,6 +17,7 @@ from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.single_archive import open_recording
 from pdr_est.io.text.table_layout import TableLayout, split_line
 from pdr_est.io.text.workbook import unpack_workbook
+from pdr_est.output.atomic_output import staged_file
 
 _MEMBERS_NAMED = 3
 _BINARY_SHARE = 0.1
@@ -56,7 +57,9 @@ def write_map_draft(recording: Path, target: Path) -> None:
     Raises
     ------
     RecordingError
-        When the recording holds no table, or the file exists or cannot be written.
+        When the recording holds no table.
+    OutputError
+        When the file exists or cannot be written.
     """
     source = unpack_workbook(open_recording(recording))
     for member in source.members:
@@ -68,13 +71,8 @@ def write_map_draft(recording: Path, target: Path) -> None:
             break
     else:
         raise RecordingError(f"{recording}: no rows of numbers in columns, so there is nothing to map")
-    try:
-        with target.open("x", encoding="utf-8") as stream:
-            stream.write(text)
-    except OSError as error:
-        raise RecordingError(
-            f"{target}: cannot be written ({error.strerror}); choose a file that is not there"
-        ) from error
+    with staged_file(target, overwrite=False, inputs=[recording]) as staging:
+        staging.write_text(text, encoding="utf-8")
 
 
 def _understood(head: bytes, layout: TableLayout, stem: str) -> TableMapping:
