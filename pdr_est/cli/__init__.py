@@ -5,7 +5,6 @@ Only here do errors become exit codes: 2 for bad input, with one line on stderr.
 Options that several commands share are in `options`, the words that they offer in `choices`.
 """
 
-import errno
 import re
 from difflib import get_close_matches
 from importlib import import_module
@@ -14,7 +13,12 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.process import ended_by_signals, escape_unprintable, occupy_closed_streams, stdout_fault
+from pdr_est.cli.process import (
+    ended_by_signals,
+    escape_unprintable,
+    occupy_closed_streams,
+    stdout_fault,
+)
 from pdr_est.errors import PdrError
 from pdr_est.output.call_inputs import inputs_remembered
 
@@ -88,13 +92,6 @@ class _LazyGroup(click.Group):
         except click.UsageError as error:
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
             raise BadInputError(f"{error.format_message().rstrip('.')}; see {command} --help") from error
-        except OSError as error:
-            if error.errno == errno.EPIPE:  # the reader of the output has ended, as in a pipe to `head`
-                raise
-            place = ctx.invoked_subcommand if error.filename is None else error.filename
-            raise BadInputError(
-                f"{place}: the system says: {error.strerror or error}: check disk and rights"
-            ) from error
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         occupy_closed_streams()
@@ -102,12 +99,16 @@ class _LazyGroup(click.Group):
         try:
             with ended_by_signals():
                 return super().main(*args, **kwargs)
+        except OSError as error:  # not from a file of results, whose writer has words of its own
+            stdout_fault()
+            fault = f"{error.filename or 'standard output'}: {error.strerror or error}"
         except SystemExit:
-            fault = stdout_fault()
-            if fault is None:
+            unwritten = stdout_fault()
+            if unwritten is None:
                 raise
-            click.echo(f"Error: standard output cannot be written: {fault}", err=True)
-            raise SystemExit(BadInputError.exit_code) from None
+            fault = f"standard output: {unwritten}"
+        click.echo(f"Error: {fault}: check whether there is space, and the right to use it", err=True)
+        raise SystemExit(BadInputError.exit_code)
 
 
 def _print_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> None:

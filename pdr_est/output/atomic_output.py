@@ -47,7 +47,7 @@ def staged_folder(target: Path, overwrite: bool, inputs: Sequence[Path]) -> Iter
     with output_errors(target):
         _undo_unfinished(resolved)
         _check_target(target, overwrite)
-        with staging_folder(resolved) as staging:
+        with staging_folder(resolved) as staging, _named(staging, target):
             yield staging
             (staging / MANIFEST).write_text(manifest(_files_in(staging)), encoding="utf-8")
             _check_target(target, overwrite)
@@ -80,8 +80,7 @@ def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> I
     """
     resolved = _resolved(Path(target).expanduser())
     if is_staged(resolved):
-        with output_errors(target):
-            yield resolved
+        yield resolved  # whoever makes the folder words the errors
         return
     if resolved.exists() and not resolved.is_file():
         raise OutputError(f"{target}: not a regular file: choose another file name")
@@ -89,7 +88,7 @@ def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> I
     if resolved.exists() and not overwrite:
         raise OutputError(f"{target}: exists already: allow overwriting (--overwrite) or choose another file")
     remove_leftovers(resolved.parent, resolved.name)
-    with output_errors(target), staging_folder(resolved) as folder:
+    with output_errors(target), staging_folder(resolved) as folder, _named(folder / resolved.name, target):
         staging = folder / resolved.name
         staging.touch()
         if resolved.exists():
@@ -124,6 +123,17 @@ def write_text(target: Path | str, text: str) -> None:
     """Write a file of UTF-8 text. Raises OutputError as `text_output` does."""
     with text_output(target) as stream:
         stream.write(text)
+
+
+@contextmanager
+def _named(staging: Path, target: Path) -> Iterator[None]:
+    """Have errors of the block name the target, which the user knows, in place of the hidden file or folder."""
+    try:
+        yield
+    except OutputError as error:
+        if str(staging) not in str(error):
+            raise
+        raise OutputError(str(error).replace(str(staging), str(target))) from error
 
 
 def written_files(folder: Path) -> set[str]:

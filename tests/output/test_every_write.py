@@ -24,6 +24,9 @@ KNOWN = {
     # A buffer in memory, and a folder that the system keeps for temporary files.
     ("report/plots/figure.py", "to_svg", "savefig"),
     ("io/formats/phone_apps/matlab_mobile.py", "_timetables", "write_bytes"),
+    # Into memory.
+    ("io/formats/exchange/parquet_table.py", "write_parquet_recording", "write_parquet"),
+    ("io/writers/parquet.py", "write_parquet", "write_parquet"),
     # No files: the column of a table, and the table of a track, which writes through `text_output`.
     ("io/text/whole_rows.py", "_add", "rename"),
     ("types/track.py", "to_csv", "write_csv"),

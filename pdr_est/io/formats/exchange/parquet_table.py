@@ -38,8 +38,10 @@ def write_parquet_recording(recording: Recording, path: str | Path) -> tuple[str
         For several devices, for a recording without samples, and when the file cannot be written.
     """
     frame = plain_table(recording, path)
-    with staged_file(Path(path), overwrite=True) as staging:
-        frame.write_parquet(staging, statistics=False)
+    content = io.BytesIO()
+    frame.write_parquet(content, statistics=False)
+    with staged_file(Path(path), overwrite=True) as staging:  # polars does not say when a disk is full
+        staging.write_bytes(content.getbuffer())
     return left_out(recording, PARTS_OF_TABLE)
 
 
