@@ -45,10 +45,12 @@ def occupy_closed_streams() -> None:
 
 
 def escape_unprintable() -> None:
-    """Escape what stdout and stderr cannot print: file names may hold bytes that are no text."""
+    """Escape what stdout and stderr cannot print, and read stdin as UTF-8 text whatever bytes it holds."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8", errors="replace")
 
 
 def stdout_fault() -> str | None:

@@ -8,6 +8,7 @@ from typing import Any, TextIO
 
 import click
 
+from pdr_est.cli.bounded_notes import bounded_lines
 from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.fix_options import RECORDED, load_fixes
@@ -18,6 +19,7 @@ from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_
 from pdr_est.config import Config
 from pdr_est.estimators import SPECS
 from pdr_est.io.formats.phone_apps.sensor_logger.live import Platform
+from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import LONGEST_LINE
 from pdr_est.io.side_tables.position_fixes import fixes_within
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.output.atomic_output import staged_file
@@ -59,7 +61,7 @@ def track_walk(
                 "other than recording"
             )
         with _output_stream(output, overwrite) as stream:
-            follow_live(sys.stdin, config, platform, fixes is not None, stream)
+            follow_live(bounded_lines(sys.stdin, LONGEST_LINE), config, platform, fixes is not None, stream)
         return
     if platform is not None:
         raise click.UsageError(
