@@ -9,7 +9,7 @@ from typing import Any, TextIO
 
 import click
 
-from pdr_est.cli.bounded_notes import BoundedNotes
+from pdr_est.cli.work.bounded_notes import BoundedNotes
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
 from pdr_est.estimators.person.track import NAME as PERSON

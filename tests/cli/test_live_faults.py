@@ -1,4 +1,4 @@
-"""Faults in what a phone sends are told, a few times, and neither stop the walk nor change the estimates of others."""
+"""Faults in what a phone sends are told a few times, and neither stop the walk nor change estimates of others."""
 
 import io
 import json
@@ -11,7 +11,7 @@ from cli_recordings import Walk
 from click.testing import CliRunner
 
 from pdr_est.cli import main
-from pdr_est.cli.bounded_notes import bounded_lines
+from pdr_est.cli.work.bounded_notes import bounded_lines
 from pdr_est.errors import RecordingError
 from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader
 from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import LONGEST_LINE

@@ -8,13 +8,13 @@ from typing import Any, TextIO
 
 import click
 
-from pdr_est.cli.bounded_notes import bounded_lines
 from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.fix_options import RECORDED, load_fixes
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.tracking_streams import follow_live, replay
+from pdr_est.cli.work.bounded_notes import bounded_lines
 from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_overlap
 from pdr_est.config import Config
 from pdr_est.estimators import SPECS
