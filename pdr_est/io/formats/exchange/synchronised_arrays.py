@@ -7,6 +7,7 @@ read as RoNIN's (`datasets.ronin`).
 """
 
 import io
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -184,11 +185,24 @@ def _members(source: Source) -> dict[str, str]:
 
 
 def _read(source: Source, member: str) -> Array:
+    content = source.read(member)
     try:
-        array = np.lib.format.read_array(io.BytesIO(source.read(member)), allow_pickle=False)
+        _refuse_untrue_shape(content)
+        array = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
         return np.asarray(array, dtype=np.float64)
     except (ValueError, EOFError, OSError, TypeError) as error:
         raise RecordingError(f"{source.place(member)}: damaged array ({error}); write it again") from error
+
+
+def _refuse_untrue_shape(content: bytes) -> None:
+    """Raise ValueError if an array states more numbers than it holds: memory would be taken for all of them."""
+    stream = io.BytesIO(content)
+    version = np.lib.format.read_magic(stream)
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read_header(stream)
+    stated = math.prod(shape) * dtype.itemsize
+    if not dtype.hasobject and stated > len(content):
+        raise ValueError(f"its header states {stated} bytes, but it holds {len(content)}")
 
 
 def _at(signal: Signal, time_s: Array) -> Array:
