@@ -15,7 +15,7 @@ PACKAGE = "pdr_est"
 # name that fits a module places it.
 ORDER: list[set[str]] = [
     {"errors", "frames", "stage", "label_runs", "records"},
-    {"params"},
+    {"params", "output"},
     {"parts"},
     {"types"},
     # The five wings, which never see each other. Inside a wing the same rule holds.

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from pdr_est.calibration.profile import LearntWalk, Profile, ProfileNote
 from pdr_est.errors import ConfigError
 from pdr_est.front_end.step_length import StepLengthParams
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.params.yaml_lines import load_yaml
 
 FORMAT = 2

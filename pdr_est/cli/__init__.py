@@ -5,16 +5,22 @@ Only here do errors become exit codes: 2 for bad input, with one line on stderr.
 Options that several commands share are in `options`, the words that they offer in `choices`.
 """
 
-import io
 import re
-import sys
 from difflib import get_close_matches
 from importlib import import_module
 from types import MappingProxyType
+from typing import Any
 
 import click
 
+from pdr_est.cli.process import (
+    ended_by_signals,
+    escape_unprintable,
+    occupy_closed_streams,
+    stdout_fault,
+)
 from pdr_est.errors import PdrError
+from pdr_est.output.call_inputs import inputs_remembered
 
 COMMANDS = MappingProxyType(
     {
@@ -73,9 +79,9 @@ class _LazyGroup(click.Group):
         return command
 
     def invoke(self, ctx: click.Context) -> object:
-        _escape_unprintable()
         try:
-            return super().invoke(ctx)
+            with inputs_remembered():
+                return super().invoke(ctx)
         except PdrError as error:
             raise BadInputError(str(error)) from error
         except MemoryError as error:
@@ -87,12 +93,22 @@ class _LazyGroup(click.Group):
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
             raise BadInputError(f"{error.format_message().rstrip('.')}; see {command} --help") from error
 
-
-def _escape_unprintable() -> None:
-    """Escape what stdout and stderr cannot print: file names may hold bytes that are no text."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        occupy_closed_streams()
+        escape_unprintable()
+        try:
+            with ended_by_signals():
+                return super().main(*args, **kwargs)
+        except OSError as error:  # not from a file of results, whose writer has words of its own
+            stdout_fault()
+            fault = f"{error.filename or 'standard output'}: {error.strerror or error}"
+        except SystemExit:
+            unwritten = stdout_fault()
+            if unwritten is None:
+                raise
+            fault = f"standard output: {unwritten}"
+        click.echo(f"Error: {fault}: check whether there is space, and the right to use it", err=True)
+        raise SystemExit(BadInputError.exit_code)
 
 
 def _print_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> None:

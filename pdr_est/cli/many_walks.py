@@ -12,9 +12,11 @@ from typing import Any
 
 import click
 
+from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.walk_list import NamedPath
 from pdr_est.errors import OutputError, PdrError, RecordingError
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.output.atomic_output import staged_file
+from pdr_est.output.call_inputs import refuse_inputs_in_file
 from pdr_est.types.csv_cells import harmless_cell
 
 SUMMARY = "walks.csv"
@@ -116,7 +118,7 @@ def _in_own_process(work: Callable[[NamedPath], Done], walk: NamedPath) -> Outco
         return Outcome(walk, None, "the process that worked on it died, for lack of memory perhaps: run it alone")
 
 
-def finish_many(outcomes: Sequence[Outcome], summary: Path | None, inputs: Sequence[Path], quiet: bool) -> None:
+def finish_many(outcomes: Sequence[Outcome], summary: Path | None, quiet: bool) -> None:
     """Tell warnings and failures, write the table of all walks, and print it for several.
 
     Parameters
@@ -125,8 +127,6 @@ def finish_many(outcomes: Sequence[Outcome], summary: Path | None, inputs: Seque
         The walks.
     summary
         File of the table; None for none.
-    inputs
-        Files and folders that are read and never overwritten.
     quiet
         True to print no table.
 
@@ -140,7 +140,7 @@ def finish_many(outcomes: Sequence[Outcome], summary: Path | None, inputs: Seque
     for outcome in outcomes:
         tell(outcome)
     if summary is not None:
-        write_summary(outcomes, summary, inputs)
+        write_summary(outcomes, summary)
     if len(outcomes) > 1 and not quiet:
         click.echo()
         print_summary(outcomes)
@@ -166,7 +166,7 @@ def tell(outcome: Outcome) -> None:
         click.echo(f"warning: {path}: {warning}", err=True)
 
 
-def write_summary(outcomes: Sequence[Outcome], path: Path, inputs: Sequence[Path] = ()) -> None:
+def write_summary(outcomes: Sequence[Outcome], path: Path) -> None:
     """Write a row for each walk: its name, what was found, and the reason if it failed.
 
     Raises
@@ -180,12 +180,13 @@ def write_summary(outcomes: Sequence[Outcome], path: Path, inputs: Sequence[Path
     table = csv.writer(text, lineterminator="\n")
     table.writerow(rows[0])
     table.writerows([[harmless_cell(cell) for cell in row.values()] for row in rows])
-    with staged_file(path, overwrite=True, inputs=inputs) as file:
+    with staged_file(path, overwrite=True, inputs=input_paths("profile")) as file:
         file.write_text(text.getvalue(), encoding="utf-8", errors="backslashreplace")
 
 
 def refuse_other_file(path: Path) -> None:
-    """Raise OutputError for a file that exists and is no table of walks, which may be replaced."""
+    """Raise OutputError for a file that is an input, or exists and is no table of walks, which may be replaced."""
+    refuse_inputs_in_file(path, path.expanduser().resolve(), input_paths("profile"))
     if not path.is_file():
         return
     with path.open("rb") as stream:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from pdr_est.cli.call_paths import FixesType, OutputPath, note_input
 from pdr_est.cli.choices import CLOCK_METHODS, DETECTORS, ESTIMATORS, HEADING_METHODS, LENGTH_MODELS
 from pdr_est.errors import ConfigError
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 PATH = click.Path(path_type=Path)
+OUTPUT = OutputPath()
+FIXES = FixesType()
 FIXES_METAVAR = "FILE.csv|recording|waypoints"
 
 
@@ -50,6 +53,7 @@ def config_option(command: Command) -> Command:
 def _load_mapping(ctx: click.Context, _param: click.Parameter, path: Path | None) -> "TableMapping | None":
     if path is None or ctx.resilient_parsing:  # the latter while a word is completed, which must be quick
         return None
+    note_input(path, ctx)
     from pdr_est.io.tables.mapping_file import load_mapping
 
     return load_mapping(path)
@@ -220,6 +224,7 @@ def fixes_option(command: Command) -> Command:
     """Add the option --fixes to a command."""
     option = click.option(
         "--fixes",
+        type=FIXES,
         metavar=FIXES_METAVAR,
         help="Known positions: a table, the GPS positions in the recording, or the points that somebody marked on "
         "the device while passing them.",
@@ -239,7 +244,7 @@ def summary_option(command: Command) -> Command:
     """Add the option --summary FILE.csv to a command."""
     option = click.option(
         "--summary",
-        type=PATH,
+        type=OUTPUT,
         metavar="FILE.csv",
         help="Write a table with one row for each walk to this file.",
     )

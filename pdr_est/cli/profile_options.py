@@ -14,8 +14,8 @@ from pdr_est.calibration.profile_file import load_profile, profile_to_yaml
 from pdr_est.calibration.scale_by_fixes import without_personal_constants
 from pdr_est.calibration.step_length_fit import NotLearnt
 from pdr_est.config import Config
-from pdr_est.io.writers.atomic_output import staged_file
-from pdr_est.io.writers.file_lock import locked
+from pdr_est.output.atomic_output import staged_file
+from pdr_est.output.file_lock import locked
 from pdr_est.pipeline import DeviceWalk, analyse_recording
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording

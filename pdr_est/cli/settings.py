@@ -5,12 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from pdr_est.calibration.profile import Profile, apply_profile, check_profile_matches
-from pdr_est.config import Config, config_with, load_config
-
-
-def given_paths(*paths: Path | None) -> list[Path]:
-    """Select those of some optional paths that were given."""
-    return [path for path in paths if path is not None]
+from pdr_est.cli.call_paths import note_input
+from pdr_est.config import Config, config_with, external_files, load_config
 
 
 def resolve_config(
@@ -39,6 +35,10 @@ def resolve_config(
     config = Config() if profile is None else apply_profile(Config(), profile)
     if config_file is not None:
         config = load_config(config_file, base=config)
+        for path in external_files(config):
+            note_input(path)
+        if config.gait.model is not None:
+            note_input(Path(config.gait.model).expanduser())
     x_m, y_m = (None, None) if start is None else start
     heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
     corridors = None if corridors_deg is None else {"direction_rad": float(np.deg2rad(corridors_deg))}

@@ -9,8 +9,10 @@ from typing import Any, TextIO
 
 import click
 
+from pdr_est.cli.work.bounded_notes import BoundedNotes
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
+from pdr_est.estimators.person.track import NAME as PERSON
 from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.online import Tracker, Update
 from pdr_est.online.recording_stream import expected_devices, stream_slices
@@ -18,6 +20,8 @@ from pdr_est.preprocessing.quality.clock_requirements import explain_empty_grid
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
+
+_PHONE_OF_THAT_NAME = f"{PERSON} (phone)"
 
 
 def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, realtime: bool, stream: TextIO) -> None:
@@ -78,7 +82,7 @@ def follow_live(
     RecordingError
         If no line holds samples.
     """
-    reader, tracker = LiveReader(platform), Tracker(config)
+    reader, tracker, told = LiveReader(platform), Tracker(config), BoundedNotes()
     number = bad = 0
     last, heard = "", False
     for number, line in enumerate(_until_interrupted(lines), start=1):
@@ -86,10 +90,10 @@ def follow_live(
             news = reader.push(line)
         except RecordingError as error:
             bad, last = bad + 1, str(error)
-            click.echo(f"warning: line {number}: {error}: line ignored, {bad} so far", err=True)
+            told.tell(f"line {number}: {error}: line ignored, {bad} so far")
             continue
         heard = heard or bool(news.blocks)
-        _process_live_news(news, tracker, with_fixes, stream)
+        _process_live_news(news, tracker, with_fixes, stream, told)
     rest = reader.flush()
     if not heard and not rest.blocks:
         reason = (
@@ -98,22 +102,27 @@ def follow_live(
             else f"none of {number} lines holds samples, the last bad one: {last}"
         )
         raise RecordingError(f"-: {reason}: send the messages of Sensor Logger's HTTP push, one a line")
-    _process_live_news(rest, tracker, with_fixes, stream)
+    _process_live_news(rest, tracker, with_fixes, stream, told)
     _finish(tracker, stream)
 
 
 def _until_interrupted(lines: Iterable[str]) -> Iterator[str]:
-    """Yield lines until Ctrl-C, which ends the walk, so that estimates that were held back are still printed."""
+    """Yield lines until a signal ends the walk, so that estimates that were held back are still printed."""
     try:
         yield from lines
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit):
         return
 
 
-def _process_live_news(news: LiveUpdate, tracker: Tracker, with_fixes: bool, stream: TextIO) -> None:
+def _process_live_news(
+    news: LiveUpdate, tracker: Tracker, with_fixes: bool, stream: TextIO, told: BoundedNotes
+) -> None:
     for note in news.notes:
-        click.echo(f"warning: {note}", err=True)
-    _push(tracker, news.fixes if with_fixes else (), news.blocks, stream)
+        told.tell(note)
+    if any(name == PERSON for name, _ in news.blocks) and _PHONE_OF_THAT_NAME not in tracker.devices:
+        told.tell(f"{PERSON}: the person is called that: this phone is called {_PHONE_OF_THAT_NAME}")
+    blocks = [(_PHONE_OF_THAT_NAME if name == PERSON else name, block) for name, block in news.blocks]
+    _push(tracker, news.fixes if with_fixes else (), blocks, stream)
 
 
 def _push(

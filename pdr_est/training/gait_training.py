@@ -15,6 +15,7 @@ from pdr_est.front_end.gait.model import save_model
 from pdr_est.front_end.gait.training import TrainedGait, train_gait_model
 from pdr_est.front_end.gait.training_data import LabelledSteps, labelled_steps
 from pdr_est.io import read
+from pdr_est.output.atomic_output import write_text
 from pdr_est.training.gait_card import model_card
 from pdr_est.training.gait_files import LabelledFile, labelled_files
 
@@ -76,9 +77,7 @@ def write_trained(trained: TrainedGait, folder: Path, trained_on: date, recordin
     name = f"gait-{trained.model.features}"
     save_model(trained.model, folder / f"{name}.json")
     save_folds(trained.folds, folder / f"{name}-folds.json")
-    (folder / f"{name}.md").write_text(
-        model_card(trained, trained_on, recordings_sha256), encoding="utf-8", newline="\n"
-    )
+    write_text(folder / f"{name}.md", model_card(trained, trained_on, recordings_sha256))
 
 
 def _steps_of(file: LabelledFile, features: FeatureSet) -> Sequence[LabelledSteps]:

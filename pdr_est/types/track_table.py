@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import wrap_angle
+from pdr_est.output.atomic_output import text_output
 from pdr_est.types.csv_cells import harmless_name
 from pdr_est.types.steps import CarryingMode
 
@@ -70,7 +71,7 @@ def write_csv(track: "Track", path: str | Path) -> None:
         else list(map(harmless_name, column.tolist()))
         for name, column in columns_of(track).items()
     ]
-    with Path(path).open("w", newline="", encoding="utf-8") as stream:
+    with text_output(path) as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(TRACK_COLUMNS)
         writer.writerows(zip(*texts, strict=True))

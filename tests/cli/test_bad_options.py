@@ -274,7 +274,10 @@ def test_a_parent_that_is_not_writable(good: Path, tmp_path: Path, monkeypatch: 
 
     monkeypatch.setattr(Path, "mkdir", refuse)
     line = refused("smooth", good, "-o", tmp_path / "out")
-    assert line.endswith(f"the folder {tmp_path} is not writable (Permission denied): choose another output folder")
+    assert line.endswith(
+        "out: cannot be written (Permission denied): check that the folder exists and is writable, or choose another "
+        "one"
+    )
 
 
 def test_a_folder_of_an_earlier_run_that_was_added_to(good: Path, tmp_path: Path) -> None:

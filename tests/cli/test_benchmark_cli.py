@@ -202,7 +202,10 @@ def test_a_place_for_json_that_cannot_be_is_told_before_the_work(
 
     monkeypatch.setattr(importlib.import_module("pdr_est.cli.work.benchmark"), "run_benchmark", work)
     for place, pattern in (
-        (tmp_path / "no" / "result.json", r"result\.json: cannot be written \(No such file or directory\): choose a"),
+        (
+            tmp_path / "no" / "result.json",
+            r"result\.json: cannot be written \(No such file or directory\): check that the folder",
+        ),
         (tmp_path, r": not a regular file: choose another file name"),
         (Path("/dev/null"), r"/dev/null: not a regular file: choose another file name"),
         ("", r"\.: not a regular file: choose another file name"),

@@ -220,7 +220,7 @@ def test_what_is_lost_is_told(walk: Walk) -> None:
     """Fixes from long ago, and a phone without gyroscope."""
     lines = messages(walk)
     place = {"latitude": 48.0, "longitude": 11.0, "horizontalAccuracy": 5.0}
-    fix = {"name": "location", "time": ZERO_NS - 60_000_000_000, "values": place}
+    fix = {"name": "location", "time": ZERO_NS - 25_000_000_000, "values": place}
     last = json.loads(lines[-1])
     last["payload"].append(fix)
     lines[-1] = json.dumps(last)

@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from pdr_est.cli.choices import COMPARED, DEVICE_TURNS, EVERY_VALUE, SUITE_NAMES
-from pdr_est.cli.options import PATH, Command, config_option
+from pdr_est.cli.options import OUTPUT, PATH, Command, config_option
 
 
 def _axis_options(command: Command) -> Command:
@@ -20,7 +20,7 @@ def _axis_options(command: Command) -> Command:
 @click.argument("suite", type=click.Choice(SUITE_NAMES))
 @click.option("--data", type=PATH, metavar="DIR", help="Folder with the data sets; speed needs none.")
 @_axis_options
-@click.option("--json", "json_file", type=PATH, metavar="FILE", help="Write the numbers there as well.")
+@click.option("--json", "json_file", type=OUTPUT, metavar="FILE", help="Write the numbers there as well.")
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
 @click.option("--limit", type=click.IntRange(min=1), help="Only the first walks.")
 @click.option("--turn-device", metavar="TURN", help=f"Turn the device axes of every recording first: {DEVICE_TURNS}.")

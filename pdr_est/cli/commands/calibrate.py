@@ -5,7 +5,9 @@ from typing import Any
 import click
 
 from pdr_est.cli.options import (
+    FIXES,
     FIXES_METAVAR,
+    OUTPUT,
     PATH,
     config_option,
     height_and_gender_options,
@@ -27,12 +29,13 @@ from pdr_est.cli.options import (
 )
 @click.option(
     "--fixes",
+    type=FIXES,
     multiple=True,
     metavar=FIXES_METAVAR,
     help="Known positions instead: once for each RECORDING, or once `recording` or `waypoints` for all.",
 )
 @recording_options
-@click.option("-o", "--output", type=PATH, required=True, metavar="FILE.yaml", help="Profile to write.")
+@click.option("-o", "--output", type=OUTPUT, required=True, metavar="FILE.yaml", help="Profile to write.")
 @overwrite_option
 @length_model_option
 @height_and_gender_options

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from pdr_est.cli.options import PATH
+from pdr_est.cli.options import OUTPUT, PATH
 
 
 @click.command()
@@ -12,7 +12,7 @@ from pdr_est.cli.options import PATH
 @click.option("--reference", metavar="VARIANT", help="Compare the others with this one only.")
 @click.option("--metric", "metrics", multiple=True, metavar="NAME", help="Only this metric; may be given again.")
 @click.option("--track", metavar="NAME", help="Only the tracks of this device, or `fused`. Default: mean over them.")
-@click.option("-o", "--output", type=PATH, metavar="DIR", help="Folder for the tables. Default: the first OUT.")
+@click.option("-o", "--output", type=OUTPUT, metavar="DIR", help="Folder for the tables. Default: the first OUT.")
 @click.option("--overwrite", is_flag=True, help="Replace tables of that name that pdr-est did not write.")
 @click.option("-q", "--quiet", is_flag=True, help="Write the tables and print nothing.")
 def compare(
@@ -33,12 +33,12 @@ def compare(
 
     from pdr_est.experiment.results.comparison import as_csv, as_markdown, compare_variants, read_aligned, read_values
     from pdr_est.experiment.results.console_tables import print_comparison
-    from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT
-    from pdr_est.io.writers.own_files import OwnFiles
+    from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT, compared_files
+    from pdr_est.output.own_files import OwnFiles
 
     pairs = compare_variants(read_values(folders, track, metrics), reference)
     aligned = read_aligned(folders)
-    own = OwnFiles(folders[0] if output is None else output)
+    own = OwnFiles(folders[0] if output is None else output, compared_files(folders))
     if not overwrite:
         own.refuse_foreign([COMPARED_CSV, COMPARED_TEXT])
     own.write(COMPARED_CSV, as_csv(pairs), overwrite)

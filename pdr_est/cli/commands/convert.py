@@ -5,12 +5,12 @@ from typing import Any
 import click
 
 from pdr_est.cli.choices import RECORDING_FORMATS
-from pdr_est.cli.options import PATH, overwrite_option, recording_options
+from pdr_est.cli.options import OUTPUT, PATH, overwrite_option, recording_options
 
 
 @click.command("convert")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING...")
-@click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="File or folder to write.")
+@click.option("-o", "--output", type=OUTPUT, required=True, metavar="OUT", help="File or folder to write.")
 @click.option(
     "--format",
     "chosen",

@@ -5,12 +5,12 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.options import PATH
+from pdr_est.cli.options import OUTPUT
 
 
 @click.command("demo")
 @click.option(
-    "-o", "--output", type=PATH, default=Path("demo-out"), show_default=True, help="Folder for the results."
+    "-o", "--output", type=OUTPUT, default=Path("demo-out"), show_default=True, help="Folder for the results."
 )
 @click.option("--preset", "name", default="office_loop", show_default=True, help="Simulated walk.")
 @click.option("-q", "--quiet", is_flag=True, help="Show no progress bar and no summary.")

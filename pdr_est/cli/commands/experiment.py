@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from pdr_est.cli.options import PATH
+from pdr_est.cli.options import OUTPUT, PATH
 from pdr_est.errors import RecordingError
 
 _REASONS = 3  # named in the error
@@ -12,7 +12,7 @@ _REASONS = 3  # named in the error
 
 @click.command()
 @click.argument("config", type=PATH)
-@click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="Folder for the results.")
+@click.option("-o", "--output", type=OUTPUT, required=True, metavar="OUT", help="Folder for the results.")
 @click.option("--data", type=PATH, metavar="DIR", help="Folder of the recordings, instead of the file's.")
 @click.option("--limit", type=click.IntRange(min=1), help="Only the first walks.")
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.options import PATH, jobs_option, recording_options, summary_option
+from pdr_est.cli.options import OUTPUT, PATH, jobs_option, recording_options, summary_option
 
 
 @click.command("inspect")
@@ -15,7 +15,7 @@ from pdr_est.cli.options import PATH, jobs_option, recording_options, summary_op
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several recordings.")
 @click.option(
     "--write-map",
-    type=PATH,
+    type=OUTPUT,
     metavar="FILE.yaml",
     help="Write a draft of a mapping for --map instead: what the columns of one RECORDING mean.",
 )

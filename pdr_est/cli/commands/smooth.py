@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from pdr_est.cli.options import (
+    OUTPUT,
     PATH,
     clock_options,
     config_option,
@@ -17,7 +18,7 @@ from pdr_est.cli.options import (
 
 @click.command("smooth")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING…")
-@click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="Folder for the results.")
+@click.option("-o", "--output", type=OUTPUT, required=True, metavar="OUT", help="Folder for the results.")
 @fixes_option
 @recording_options
 @click.option(

@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from pdr_est.cli.options import (
+    OUTPUT,
     PATH,
     config_option,
     detector_option,
@@ -21,7 +22,11 @@ from pdr_est.cli.options import (
 @detector_option
 @config_option
 @click.option(
-    "-o", "--output", type=PATH, metavar="FILE.csv", help="Write the table of steps to this file; for one RECORDING."
+    "-o",
+    "--output",
+    type=OUTPUT,
+    metavar="FILE.csv",
+    help="Write the table of steps to this file; for one RECORDING.",
 )
 @overwrite_option
 @jobs_option

@@ -4,12 +4,18 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.options import PATH, config_option, estimation_options, fixes_option, recording_options
+from pdr_est.cli.options import OUTPUT, PATH, config_option, estimation_options, fixes_option, recording_options
 
 
 @click.command("track")
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING...|-")
-@click.option("-o", "--output", type=PATH, metavar="FILE", help="Write to this file instead of standard output.")
+@click.option(
+    "-o",
+    "--output",
+    type=OUTPUT,
+    metavar="FILE",
+    help="Write to this file, which appears when the walk has ended, instead of standard output.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace the output FILE if it exists.")
 @click.option("--realtime", is_flag=True, help="Replay at the speed of the recording, not as fast as possible.")
 @click.option(

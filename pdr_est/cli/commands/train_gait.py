@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pdr_est.cli.options import PATH
+from pdr_est.cli.options import OUTPUT, PATH
 
 if TYPE_CHECKING:
     from pdr_est.front_end.gait.features import FeatureSet
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @click.command("train-gait")
 @click.option("--data", type=PATH, required=True, metavar="DIR", help="Folder with the recordings.")
-@click.option("-o", "--output", type=PATH, required=True, metavar="OUT", help="Folder for the model and its card.")
+@click.option("-o", "--output", type=OUTPUT, required=True, metavar="OUT", help="Folder for the model and its card.")
 @click.option(
     "--features",
     type=click.Choice(("auto", "uptime")),
@@ -43,15 +43,16 @@ def train_gait_command(
     The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least three people must
     walk, and three must jog and run. Use the model with gait.model in a configuration file.
     """  # noqa: D301  click reads the character \b
+    from pdr_est.cli.call_paths import input_paths
     from pdr_est.cli.progress import progress_bar
-    from pdr_est.io.writers.atomic_output import staged_folder
+    from pdr_est.output.atomic_output import staged_folder
     from pdr_est.training.gait_files import recordings_digest
     from pdr_est.training.gait_training import (
         train_gait,  # scikit-learn loads slowly
         write_trained,
     )
 
-    with staged_folder(output, overwrite) as folder:
+    with staged_folder(output, overwrite, input_paths()) as folder:
         with progress_bar("gait", total=None, quiet=quiet) as bar:
             trained = train_gait(data, features, on_progress=bar.set_progress)
         day = date.today() if trained_on is None else trained_on.date()

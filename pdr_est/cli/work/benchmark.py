@@ -9,13 +9,14 @@ from typing import Any
 import click
 from rich.console import Console
 
+from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.progress import progress_bar
-from pdr_est.cli.settings import given_paths, resolve_config
+from pdr_est.cli.settings import resolve_config
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.experiment import BenchmarkResult, print_benchmark, run_benchmark
 from pdr_est.experiment.variants.axes import comparison_from_options
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.performance import LENGTHS_MIN, print_speed, run_speed
 from pdr_est.performance import NAME as SPEED
 
@@ -39,7 +40,7 @@ def score_suite(
     config = resolve_config(config_file)
     console = Console()
     if data is None or suite == SPEED:
-        with _document(json_file, data, config_file) as document, progress_bar(SPEED, total=None, quiet=quiet) as bar:
+        with _document(json_file) as document, progress_bar(SPEED, total=None, quiet=quiet) as bar:
             speed = run_speed(config, LENGTHS_MIN[:limit], on_progress=bar.set_progress)
             document.update(speed.to_dict())
         print_speed(speed, console)
@@ -47,7 +48,7 @@ def score_suite(
     options = {name.replace("_", "-"): value for name, value in options_of_axes.items()}
     with nullcontext() if config_file is None else prefix_errors(config_file):
         comparison = comparison_from_options(config, options)
-    with _document(json_file, data, config_file) as document, progress_bar(suite, total=None, quiet=quiet) as bar:
+    with _document(json_file) as document, progress_bar(suite, total=None, quiet=quiet) as bar:
         result = run_benchmark(suite, data, comparison, jobs, limit, bar.set_progress, turn_device)
         _refuse_empty(result, data)
         document.update(result.to_dict())
@@ -55,7 +56,7 @@ def score_suite(
 
 
 @contextmanager
-def _document(json_file: Path | None, data: Path | None, config_file: Path | None) -> Iterator[dict[str, Any]]:
+def _document(json_file: Path | None) -> Iterator[dict[str, Any]]:
     """Give a dictionary that becomes the JSON file, which may replace an earlier result but no other file."""
     document: dict[str, Any] = {}
     if json_file is None:
@@ -63,7 +64,7 @@ def _document(json_file: Path | None, data: Path | None, config_file: Path | Non
         return
     if json_file.is_file() and not _is_result(json_file):
         raise OutputError(f"{json_file}: is no result of an earlier benchmark: name another file")
-    with staged_file(json_file, overwrite=True, inputs=given_paths(data, config_file)) as staging:
+    with staged_file(json_file, overwrite=True, inputs=input_paths()) as staging:
         yield document
         staging.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
 

@@ -13,16 +13,17 @@ from pdr_est.calibration.profile_file import profile_to_yaml
 from pdr_est.calibration.scale_by_distance import observe_known_distance
 from pdr_est.calibration.scale_by_fixes import observe_fixes, without_personal_constants
 from pdr_est.calibration.step_length_fit import NotLearnt
+from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import RECORDED, WAYPOINTS, fix_tables, load_fixes
+from pdr_est.cli.fix_options import RECORDED, WAYPOINTS, load_fixes
 from pdr_est.cli.profile_options import describe_profile
 from pdr_est.cli.recording_part import RecordingPart
-from pdr_est.cli.settings import given_paths, resolve_config
+from pdr_est.cli.settings import resolve_config
 from pdr_est.config import Config
 from pdr_est.errors import RecordingError
 from pdr_est.io.side_tables.position_fixes import fixes_within
 from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.preprocessing.moments import Moment
 
 
@@ -45,7 +46,7 @@ def fit_profile(
     _refuse_repetition(recordings)
     config = without_personal_constants(resolve_config(config_file, **settings))
     part = RecordingPart(begin, end, devices, mapping)
-    with staged_file(output, overwrite, [*given_paths(*recordings, config_file), *fix_tables(fixes)]) as file:
+    with staged_file(output, overwrite, input_paths()) as file:
         if distances_m:
             _refuse_wrong_count("--distance", len(distances_m), len(recordings))
             seen = [_by_distance(*pair, config, part) for pair in zip(recordings, distances_m, strict=True)]

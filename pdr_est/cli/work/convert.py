@@ -6,13 +6,14 @@ from types import MappingProxyType
 
 import click
 
+from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.io.formats.exchange.parquet_table import write_parquet_recording
 from pdr_est.io.formats.exchange.sensor_logger_folder import write_sensor_logger_folder
 from pdr_est.io.formats.exchange.synchronised_arrays import write_hdf5, write_npz
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.writers.atomic_output import staged_file, staged_folder
+from pdr_est.output.atomic_output import staged_file, staged_folder
 from pdr_est.preprocessing.moments import Moment
 from pdr_est.types.recording import Recording
 
@@ -46,13 +47,10 @@ def convert_recording(
     if name is None:
         raise click.UsageError(f"{output}: the extension tells no format: give --format {'|'.join(FORMATS)}")
     write = FORMATS[name]
-    recording = RecordingPart(begin, end, devices, mapping).read_cut(recordings)
-    if name == _FOLDER:
-        with staged_folder(output, overwrite) as folder:
-            left_out = write(recording, folder)
-    else:
-        with staged_file(output, overwrite, recordings) as file:
-            left_out = write(recording, file)
+    staged = staged_folder if name == _FOLDER else staged_file
+    with staged(output, overwrite, input_paths()) as place:
+        recording = RecordingPart(begin, end, devices, mapping).read_cut(recordings)
+        left_out = write(recording, place)
     if name == _FOLDER and recording.epoch_s is None:
         click.echo(f"note: {output} has the date 2000-01-01, because that of the recording is not known", err=True)
     for words in left_out:

@@ -9,7 +9,7 @@ from pdr_est import pipeline
 from pdr_est.cli.progress import progress_bar
 from pdr_est.config import Config
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
-from pdr_est.io.writers.atomic_output import staged_folder
+from pdr_est.output.atomic_output import staged_folder, written_files
 from pdr_est.simulate import preset, simulate_walk
 from pdr_est.types.ground_truth import Truth
 
@@ -20,7 +20,10 @@ def run_demo(output: Path, name: str, quiet: bool) -> None:
     """Simulate a walk, smooth it and write the report."""
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
 
-    with progress_bar("simulating", total=3, quiet=quiet) as bar, staged_folder(output, overwrite=True) as folder:
+    with (
+        progress_bar("simulating", total=3, quiet=quiet) as bar,
+        staged_folder(output, RECORDING in written_files(output), inputs=()) as folder,
+    ):
         recording = simulate_walk(preset(name)).recording
         write_plain_csv(recording, folder / RECORDING)
         bar.start_part("smoothing")

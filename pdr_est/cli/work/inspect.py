@@ -47,7 +47,7 @@ def inspect_recordings(
         click.echo(json.dumps(found[0] if len(walks) == 1 else found, indent=2, ensure_ascii=False))
     elif done:
         click.echo("\n\n".join(one.text for one in done))
-    finish_many(outcomes, summary, recordings, quiet=as_json)
+    finish_many(outcomes, summary, quiet=as_json)
 
 
 def _inspect(part: RecordingPart, walk: NamedPath) -> Done:

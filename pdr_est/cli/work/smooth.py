@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.clock_options import apply_clock_options
 from pdr_est.cli.fix_options import fix_tables
 from pdr_est.cli.many_walks import (
@@ -20,7 +21,7 @@ from pdr_est.cli.many_walks import (
 from pdr_est.cli.profile_options import WalkersProfile
 from pdr_est.cli.progress import progress_bar
 from pdr_est.cli.recording_part import RecordingPart
-from pdr_est.cli.settings import given_paths, resolve_config
+from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.walk_list import are_separate_walks, distinct_paths, expand_argument, named_paths
 from pdr_est.cli.work.smoothing import REPORT, SmoothRequest, smooth_one_of_many, smooth_to_folder
 from pdr_est.clock_sync import ClockMethod
@@ -54,13 +55,13 @@ def smooth_walks(
     own = WalkersProfile.of_options(profile, learn, distance_m)
     own.require_outside(output)
     config = apply_clock_options(resolve_config(**settings, profile=own.profile), clock, clock_offsets, messages)
-    inputs = given_paths(*recordings, settings["config_file"], messages, *fix_tables([fixes]))
+    inputs = input_paths("profile" if learn else "")
     part = RecordingPart(begin, end, devices, mapping)
     found = [expand_argument(argument, mapping) for argument in recordings]
     paths = distinct_paths(path for group in found for path in group)
     many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping, devices)
     with_report = not many if report is None else report
-    request = SmoothRequest(config, fixes, part, messages, own, overwrite, tuple(inputs), with_report)
+    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report)
     if many:
         _smooth_many(paths, output, request, jobs, quiet)
         return

@@ -19,8 +19,8 @@ from pdr_est.cli.walk_list import NamedPath
 from pdr_est.config import Config
 from pdr_est.errors import OutputError
 from pdr_est.io.side_tables.position_fixes import fixes_within
-from pdr_est.io.writers.atomic_output import staged_folder
 from pdr_est.io.writers.checksums import file_digests
+from pdr_est.output.atomic_output import staged_folder
 
 REPORT = "report.html"
 
@@ -103,7 +103,7 @@ def smooth_to_folder(
     with (
         request.own.saved(request.config, request.inputs) as save,
         progress_bar("reading", total=4, quiet=quiet) as bar,
-        staged_folder(output, request.overwrite) as folder,
+        staged_folder(output, request.overwrite, request.inputs) as folder,
     ):
         summary, learnt = _smooth_into(folder, paths, request, bar)
         words = save(learnt)  # before the results appear, so that there are none if the profile refuses the walk

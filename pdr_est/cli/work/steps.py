@@ -10,16 +10,17 @@ from typing import Any
 import click
 
 from pdr_est import pipeline
+from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.many_walks import Done, finish_many, refuse_other_file, work_on, write_summary
 from pdr_est.cli.recording_part import RecordingPart
-from pdr_est.cli.settings import given_paths, resolve_config
+from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
 from pdr_est.config import Config
 from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.writers.atomic_output import staged_file
 from pdr_est.io.writers.track_files import write_steps_csv
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.pipeline.warnings import warnings_of
 from pdr_est.preprocessing.moments import Moment
@@ -49,13 +50,12 @@ def find_steps(
             f"-o takes the steps of one RECORDING, but {len(walks)} are given: run the command once for each"
         )
     config = resolve_config(config_file, detector=detector)
-    inputs = given_paths(*recordings, config_file)
     with ExitStack() as stack:
-        table = None if output is None else stack.enter_context(staged_file(output, overwrite, inputs))
+        table = None if output is None else stack.enter_context(staged_file(output, overwrite, input_paths()))
         work = partial(_find_steps, config, RecordingPart(begin, end, devices, mapping), table)
         outcomes = list(work_on(work, walks, jobs))
         if output is not None:
-            finish_many(outcomes[:1], None, (), quiet=True)  # before the table appears, so that there is none
+            finish_many(outcomes[:1], None, quiet=True)  # before the table appears, so that there is none
     done = [outcome.done for outcome in outcomes if outcome.done is not None]
     documents = [document for one in done for document in one.document]
     if as_json and done:
@@ -63,9 +63,9 @@ def find_steps(
     elif done:
         click.echo("\n".join(one.text for one in done))
     if output is None:
-        finish_many(outcomes, summary, recordings, quiet=True)
+        finish_many(outcomes, summary, quiet=True)
     elif summary is not None:
-        write_summary(outcomes, summary, recordings)
+        write_summary(outcomes, summary)
 
 
 def _find_steps(config: Config, part: RecordingPart, table: Path | None, walk: NamedPath) -> Done:

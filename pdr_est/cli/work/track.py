@@ -8,17 +8,22 @@ from typing import Any, TextIO
 
 import click
 
+from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
 from pdr_est.cli.fix_options import RECORDED, load_fixes
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.tracking_streams import follow_live, replay
+from pdr_est.cli.work.bounded_notes import bounded_lines
 from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_overlap
-from pdr_est.errors import OutputError, PdrError
+from pdr_est.config import Config
 from pdr_est.estimators import SPECS
 from pdr_est.io.formats.phone_apps.sensor_logger.live import Platform
+from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import LONGEST_LINE
 from pdr_est.io.side_tables.position_fixes import fixes_within
 from pdr_est.io.tables.mapping import TableMapping
+from pdr_est.output.atomic_output import staged_file
+from pdr_est.output.write_errors import output_errors
 from pdr_est.preprocessing.moments import Moment
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.recording import Recording
@@ -57,12 +62,24 @@ def track_walk(
                 "other than recording"
             )
         with _output_stream(output, overwrite) as stream:
-            follow_live(sys.stdin, config, platform, fixes is not None, stream)
+            follow_live(bounded_lines(sys.stdin, LONGEST_LINE), config, platform, fixes is not None, stream)
         return
     if platform is not None:
         raise click.UsageError(
             "--platform is for phones that send to -; a recording knows its platform: leave the option out"
         )
+    with _output_stream(output, overwrite) as stream:  # before anything is read: it may be an input
+        _track_recordings(recordings, part, config, fixes, realtime, stream)
+
+
+def _track_recordings(
+    recordings: tuple[Path, ...],
+    part: RecordingPart,
+    config: Config,
+    fixes: str | None,
+    realtime: bool,
+    stream: TextIO,
+) -> None:
     read_in = part.read_files(recordings)
     whole = part.join(read_in, recordings)
     with prefix_errors(", ".join(map(str, recordings))):
@@ -73,7 +90,7 @@ def track_walk(
         click.echo(f"warning: {undated}; `pdr-est smooth` estimates the clocks from the walk instead", err=True)
     known = load_fixes(fixes, whole, recordings[0])
     known = known if part.is_all else fixes_within(known, recorded)
-    with _output_stream(output, overwrite) as stream, prefix_errors(", ".join(map(str, recordings))):
+    with prefix_errors(", ".join(map(str, recordings))):
         replay(recorded, known, config, realtime, stream)
     for device in recorded.devices:
         for words in dict.fromkeys((*device.warnings, *quality_warnings(device))):
@@ -95,20 +112,13 @@ def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:
 
 @contextmanager
 def _output_stream(output: Path | None, overwrite: bool) -> Iterator[TextIO]:
-    """Open the stream of the output; a file grows line by line."""
+    """Open the stream of the output; a file appears when the walk has ended."""
     if output is None:
         yield sys.stdout
         return
-    try:
-        stream = output.open("w" if overwrite else "x", encoding="utf-8")
-    except FileExistsError:
-        raise OutputError(f"{output}: exists: choose another name, or give --overwrite") from None
-    except OSError as error:
-        raise OutputError(f"{output}: cannot be written ({error.strerror}): choose another name") from error
-    try:
-        with stream:
-            yield stream
-    except PdrError:
-        if not output.stat().st_size:
-            output.unlink()
-        raise
+    with (
+        staged_file(output, overwrite, input_paths()) as staging,
+        output_errors(output),
+        staging.open("w", encoding="utf-8") as stream,
+    ):
+        yield stream

@@ -2,23 +2,27 @@
 
 import json
 import re
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from pdr_est.errors import OutputError
 from pdr_est.experiment.results.walk_result import SUFFIX
-from pdr_est.io.writers.atomic_output import MANIFEST
-from pdr_est.io.writers.own_files import OwnFiles
+from pdr_est.output.atomic_output import MANIFEST
+from pdr_est.output.own_files import OwnFiles
+from pdr_est.output.staging import is_staging_name, remove_leftovers
+from pdr_est.output.write_errors import output_errors
 
 PROVENANCE, CONFIG, RESULTS, TIMINGS = "provenance.json", "config.yaml", "results.parquet", "timings.parquet"
 FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT = "failed.csv", "report.html", "compare.csv", "compare.md"
 PARTS = "parts"
 _FILES = (CONFIG, RESULTS, TIMINGS, FAILED, REPORT, COMPARED_CSV, COMPARED_TEXT, PROVENANCE)
 _RESULT_FILE = re.compile(rf".*-[0-9a-f]{{10}}{re.escape(SUFFIX)}")  # of a walk
-_UNFINISHED = ".*.partial"  # files that a killed run leaves
 
 
-def open_result_folder(folder: Path, provenance: dict[str, Any], config: str, overwrite: bool) -> Path:
+def open_result_folder(
+    folder: Path, provenance: dict[str, Any], config: str, overwrite: bool, inputs: Sequence[Path] = ()
+) -> Path:
     """Prepare the folder of the results and return the folder of the walks' results inside it.
 
     Results of walks without provenance have an unknown origin and are removed.
@@ -33,12 +37,15 @@ def open_result_folder(folder: Path, provenance: dict[str, Any], config: str, ov
         Resolved experiment file.
     overwrite : bool
         True if results of another configuration, other data or other code may be removed; then nothing is reused.
+    inputs : sequence of Path
+        Files that are read, which are never replaced or removed.
 
     Raises
     ------
     OutputError
         If the folder contains files of other origin, or other results that must not be overwritten.
     """
+    own = OwnFiles(folder, inputs)
     earlier = _earlier(folder)
     if earlier is not None and earlier.get("fingerprint") != provenance["fingerprint"]:
         if not overwrite:
@@ -48,18 +55,21 @@ def open_result_folder(folder: Path, provenance: dict[str, Any], config: str, ov
             )
         earlier = None
     if earlier is None or overwrite:
-        _clear(folder)
-    try:
+        _clear(own, folder)
+    with output_errors(folder):
         (folder / PARTS).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be made ({error.strerror}): choose another folder") from error
-    for path in [*(folder / PARTS).glob(_UNFINISHED), *folder.glob(_UNFINISHED)]:
-        path.unlink(missing_ok=True)
+    for place in (folder / PARTS, folder):
+        remove_leftovers(place)
     if earlier is None or overwrite:
-        own = OwnFiles(folder)
         own.write(CONFIG, config)
         own.write(PROVENANCE, json.dumps(provenance, indent=2, ensure_ascii=False) + "\n")
     return folder / PARTS
+
+
+def compared_files(folders: Iterable[Path]) -> list[Path]:
+    """List the files of some results that a comparison must not replace: all but those of earlier comparisons."""
+    names = [name for name in _FILES if name not in (COMPARED_CSV, COMPARED_TEXT)]
+    return [folder / name for folder in folders for name in names]
 
 
 def _earlier(folder: Path) -> dict[str, Any] | None:
@@ -84,17 +94,17 @@ def _refuse_foreign(folder: Path) -> None:
     inside = list((folder / PARTS).iterdir()) if (folder / PARTS).is_dir() else []
     paths = [path for path in folder.iterdir() if path.name not in (PARTS, MANIFEST) and path.name not in own]
     paths += [path for path in inside if not _RESULT_FILE.fullmatch(path.name)]
-    foreign = sorted(path.relative_to(folder).as_posix() for path in paths if not path.match(_UNFINISHED))
+    foreign = sorted(path.relative_to(folder).as_posix() for path in paths if not is_staging_name(path.name))
     if foreign:
         raise OutputError(f"{folder}: holds files of other origin ({foreign[0]}): choose a new or an empty folder")
 
 
-def _clear(folder: Path) -> None:
+def _clear(own: OwnFiles, folder: Path) -> None:
     """Remove the results, the provenance last, so that a killed run leaves no result without its origin."""
     for path in (folder / PARTS).glob(f"*{SUFFIX}"):
         if _RESULT_FILE.fullmatch(path.name):
             path.unlink(missing_ok=True)
-    OwnFiles(folder).remove(_FILES)
+    own.remove(_FILES)
 
 
 def _difference(earlier: dict[str, Any], provenance: dict[str, Any]) -> str:

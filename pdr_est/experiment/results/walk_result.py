@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pdr_est.experiment.suite import CalibrationCase
-from pdr_est.io.writers.atomic_output import staged_file
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.outcome import TrackOutcome
 
 _DIGITS = {"position_m": 2, "truth_m": 2, "way_m": 1, "error_m": 3, "squared": 4}  # a plot shows no more
@@ -80,7 +80,8 @@ def encode(result: WalkResult) -> bytes:
         "seconds": dict(result.seconds),
         "work_s": result.work_s,
     }
-    return gzip.compress(json.dumps(document, allow_nan=False).encode(), compresslevel=3, mtime=0)
+    text = json.dumps(document, allow_nan=False).encode()
+    return gzip.compress(_digest_line(text) + text, compresslevel=3, mtime=0)
 
 
 def decode(content: bytes) -> WalkResult:
@@ -89,10 +90,13 @@ def decode(content: bytes) -> WalkResult:
     Raises
     ------
     ValueError
-        If the content is anything else, or damaged: a gzip file ends with a checksum.
+        If the content is anything else, damaged or changed: it begins with its own checksum.
     """
     try:
-        document = json.loads(gzip.decompress(content))
+        digest, _, text = gzip.decompress(content).partition(b"\n")
+        if digest + b"\n" != _digest_line(text):
+            raise ValueError("its checksum is another one")
+        document = json.loads(text)
         return WalkResult(
             walk=document["walk"],
             tracks=tuple(_track(row) for row in document["tracks"]),
@@ -102,6 +106,10 @@ def decode(content: bytes) -> WalkResult:
         )
     except (OSError, EOFError, zlib.error, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError(f"is no complete result of a walk ({error})") from error
+
+
+def _digest_line(text: bytes) -> bytes:
+    return hashlib.sha256(text).hexdigest().encode() + b"\n"
 
 
 def result_file(folder: Path, walk: str) -> Path:

@@ -19,7 +19,7 @@ from pdr_est.experiment.runners.processes import FinishedWalk, run_in_processes
 from pdr_est.experiment.runners.scoring_job import ScoringJob, experiment_job
 from pdr_est.experiment.variants.alignment import aligned_variants
 from pdr_est.experiment.walks import Walk
-from pdr_est.io.writers.own_files import OwnFiles
+from pdr_est.output.own_files import OwnFiles
 
 Progress = Callable[[int, int], None]
 Run = Callable[[ScoringJob, Sequence[Walk]], Iterator[FinishedWalk]]
@@ -93,7 +93,7 @@ def _run(
     experiment: Experiment, output: Path, run: Run, overwrite: bool, on_progress: Progress
 ) -> FinishedExperiment:
     document = provenance(experiment)
-    folder = open_result_folder(output, document, experiment.to_yaml(), overwrite)
+    folder = open_result_folder(output, document, experiment.to_yaml(), overwrite, [experiment.path])
     results = stored(folder, (walk.name for walk in experiment.walks))
     resumed = len(results)
     missing = [walk for walk in experiment.walks if walk.name not in results]

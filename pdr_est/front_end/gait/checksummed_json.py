@@ -5,7 +5,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pdr_est.errors import ConfigError, OutputError
+from pdr_est.errors import ConfigError
+from pdr_est.output.atomic_output import write_text
 
 Json = dict[str, Any]
 
@@ -33,10 +34,7 @@ def write_checksummed(path: Path, content: Json) -> str:
     """
     checksum = content_sha256(content)
     lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in {**content, _CHECKSUM_KEY: checksum}.items()]
-    try:
-        path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror}): choose another folder") from error
+    write_text(path, "{\n" + ",\n".join(lines) + "\n}\n")
     return checksum
 
 

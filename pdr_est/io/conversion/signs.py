@@ -17,7 +17,7 @@ from pdr_est.types.recording import Signal
 
 _VERTICAL_COSINE = 0.6  # median over the walk; 0.85 for a swung phone, whose acceleration is far from gravity
 _CLEARLY_BETTER = 0.1
-_CERTAIN = 0.999  # probability of a sign that needs no warning: a mirrored track looks like any other (ours)
+_CERTAIN = 0.99  # probability of a sign that needs no warning; what the screen alone can give, 98 %, is less (ours)
 
 
 def gravity_cosine(force: Signal, attitude: Signal) -> float | None:

@@ -25,6 +25,7 @@ from pdr_est.io.text.members import member_stem, require_single_walk
 from pdr_est.io.text.single_archive import open_recording
 from pdr_est.io.text.table_layout import TableLayout
 from pdr_est.io.text.workbook import unpack_workbook
+from pdr_est.output.atomic_output import staged_file
 
 _TITLE = "# Meaning of the columns, for --map; docs/recorder-formats.md describes the file.\n"
 
@@ -44,17 +45,13 @@ def write_map_draft(recording: Path, target: Path) -> None:
     Raises
     ------
     RecordingError
-        When the recording holds no table or none that a mapping can describe, or the file exists or cannot be
-        written.
+        When the recording holds no table or none that a mapping can describe.
+    OutputError
+        When the file exists or cannot be written.
     """
     text = _TITLE + _draft(unpack_workbook(open_recording(recording)))
-    try:
-        with target.open("x", encoding="utf-8") as stream:
-            stream.write(text)
-    except OSError as error:
-        raise RecordingError(
-            f"{target}: cannot be written ({error.strerror}); choose a file that is not there"
-        ) from error
+    with staged_file(target, overwrite=False, inputs=[recording]) as staging:
+        staging.write_text(text, encoding="utf-8")
 
 
 def _draft(source: Source) -> str:

@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.archives.inflating import GZIP_MAGIC, format_size, gunzip, gunzip_head
 from pdr_est.io.text.archives.zip_files import ZipMember, read_member, zip_members
+from pdr_est.output.call_inputs import remember_input
 
 UNPACKED_LIMIT_BYTES = 2 * 1024**3
 
@@ -170,6 +171,8 @@ class Source:
         """Read the stored bytes of a member, all or the first n_bytes, not gunzipped."""
         place = self.place(member)
         try:
+            if n_bytes is None:  # heads are also read of files that turn out to be no recording
+                remember_input(self.path if self.kind is SourceKind.ZIP else self._disk_path(member))
             if self.kind is SourceKind.ZIP:
                 return read_member(self.path, self._packed[self.stored[member]], place, n_bytes)
             path = self._disk_path(member)

@@ -1,11 +1,10 @@
-"""Writing of result files.
+"""Contents of result files; `pdr_est.output` writes them.
 
-=============  =========================================================================================
-file           content
-=============  =========================================================================================
-atomic_output  folders and files that appear completely or not at all
-track_files    TUM and GeoJSON tracks, and the CSV table of steps
-parquet        tables as Parquet files
-checksums      SHA-256 of input files
-=============  =========================================================================================
+===========  ==========================================================================================
+file         content
+===========  ==========================================================================================
+track_files  TUM and GeoJSON tracks, and the CSV table of steps
+parquet      tables as Parquet files
+checksums    SHA-256 of input files
+===========  ==========================================================================================
 """

@@ -1,5 +1,6 @@
 """Write and read tables of text and number columns as Parquet files."""
 
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import polars as pl
 from polars.exceptions import PolarsError
 
 from pdr_est.errors import RecordingError
+from pdr_est.output.atomic_output import staged_file
 
 Column = Sequence[str | None] | Sequence[float | None]
 
@@ -25,7 +27,10 @@ def write_parquet(path: Path, texts: Mapping[str, Sequence[str | None]], numbers
     """
     columns = [pl.Series(name, list(values), dtype=pl.String) for name, values in texts.items()]
     columns += [pl.Series(name, list(values), dtype=pl.Float64) for name, values in numbers.items()]
-    pl.DataFrame(columns).write_parquet(path, statistics=False)
+    content = io.BytesIO()
+    pl.DataFrame(columns).write_parquet(content, statistics=False)
+    with staged_file(path, overwrite=True) as staging:  # polars does not say when a disk is full
+        staging.write_bytes(content.getbuffer())
 
 
 def read_parquet(path: Path) -> dict[str, list[str | float | None]]:

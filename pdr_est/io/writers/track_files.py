@@ -9,14 +9,13 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 
-from pdr_est.errors import OutputError
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.output.atomic_output import text_output
 from pdr_est.types.csv_cells import harmless_name
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin
@@ -72,7 +71,7 @@ def write_tum(track: Track, path: str | Path, epoch_s: float | None = None) -> t
             file = file.with_name(f"{file.stem}-{number + 1}{file.suffix}")
         files[file] = device
     for file, device in files.items():
-        with _open_output(file) as stream:
+        with text_output(file) as stream:
             stream.writelines(_tum_lines(track.of_device(device), epoch_s or 0.0))
     return tuple(files)
 
@@ -124,7 +123,7 @@ def write_geojson(
         "coordinate_unit": "metre" if origin is None else "degree",
         "features": features,
     }
-    with _open_output(Path(path)) as stream:
+    with text_output(path) as stream:
         json.dump(collection, stream, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
         stream.write("\n")
 
@@ -227,7 +226,7 @@ def write_steps_csv(steps: Mapping[str, Sequence[Step]], path: str | Path) -> No
     path
         File to write.
     """
-    with _open_output(Path(path)) as stream:
+    with text_output(path) as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(STEP_COLUMNS)
         for device, of_device in steps.items():
@@ -253,15 +252,3 @@ def _step_row(device: str, step: Step) -> tuple[str | int, ...]:
 
 def _cell(value: float, digits: int) -> str:
     return f"{value:.{digits}f}" if math.isfinite(value) else ""
-
-
-@contextmanager
-def _open_output(path: Path) -> Iterator[TextIO]:
-    try:
-        with path.open("w", newline="", encoding="utf-8") as stream:
-            yield stream
-    except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be written ({error.strerror or error}): check that the folder exists, is writable "
-            "and has free space, or choose another one"
-        ) from error

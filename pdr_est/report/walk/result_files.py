@@ -11,6 +11,7 @@ from pdr_est.evaluate.time_association import associate
 from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.track_files import write_geojson, write_steps_csv, write_tum
+from pdr_est.output.atomic_output import write_text
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.types.recording import Recording
@@ -71,7 +72,7 @@ def write_results(
     write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
     write_tum(walk.track, folder / "track.tum", recording.epoch_s)
     write_geojson(walk.track, folder / "track.geojson", origin, fixes=walk.fixes)
-    _write(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
+    write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     if with_report:
         _write_report(folder / "report.html", walk, recording, summary)
     return summary
@@ -80,12 +81,7 @@ def write_results(
 def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json) -> None:
     from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
 
-    _write(path, render_report(walk, recording, summary))
-
-
-def _write(path: Path, text: str) -> None:
-    """Write UTF-8; bytes of file names that are no text are escaped, which JSON reads back as they were."""
-    path.write_text(text, encoding="utf-8", errors="backslashreplace")
+    write_text(path, render_report(walk, recording, summary))
 
 
 def truth_errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:

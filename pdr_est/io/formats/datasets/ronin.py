@@ -15,7 +15,8 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.signs import gravity_cosine
-from pdr_est.io.text.container import Source
+from pdr_est.io.text.archives.inflating import refuse_large
+from pdr_est.io.text.container import UNPACKED_LIMIT_BYTES, Source
 from pdr_est.io.text.finite_values import discard_huge_values, finite_signal, finite_signal_or_none
 from pdr_est.io.text.members import find_members, require_single_walk
 from pdr_est.types.ground_truth import TruePositions, Truth
@@ -98,9 +99,11 @@ def _arrays(data: bytes, place: str) -> dict[str, Array]:
                     f"{place}: an HDF5 file without {_GRID}/time and {_GRID}/acce (it has {listed}); only RoNIN's "
                     "layout is known, give other recordings as CSV"
                 )
-            arrays = {name: _numbers(file[_GRID][name]) for name in file[_GRID]}
-            if _POSES in file:
-                arrays["poses"] = _numbers(file[_POSES])
+            stated = {name: file[_GRID][name] for name in file[_GRID]}
+            stated |= {"poses": file[_POSES]} if _POSES in file else {}
+            size = sum(dataset.nbytes for dataset in stated.values())
+            refuse_large(len(data), size, UNPACKED_LIMIT_BYTES, place)
+            arrays = {name: _numbers(dataset) for name, dataset in stated.items()}
     except RecordingError:
         raise
     except Exception as error:  # the package raises whatever went wrong inside

@@ -7,20 +7,23 @@ import numpy as np
 import polars as pl
 from polars.exceptions import PolarsError
 
-from pdr_est.errors import OutputError, RecordingError
+from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.formats.exchange.left_out import left_out
 from pdr_est.io.formats.plain_csv.writer import PARTS_OF_TABLE, plain_table
 from pdr_est.io.tables.quantities import CANONICAL, Quantity
+from pdr_est.io.text.archives.inflating import refuse_large
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.finite_values import finite_signal_or_none
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
 NAME = "Parquet"
 
 _MAGIC = b"PAR1"
+_NUMBER_BYTES = 8
 
 
 def write_parquet_recording(recording: Recording, path: str | Path) -> tuple[str, ...]:
@@ -36,12 +39,11 @@ def write_parquet_recording(recording: Recording, path: str | Path) -> tuple[str
     OutputError
         For several devices, for a recording without samples, and when the file cannot be written.
     """
-    try:
-        plain_table(recording, path).write_parquet(path, statistics=False)
-    except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be written ({error}); choose a folder that exists and has free space"
-        ) from error
+    frame = plain_table(recording, path)
+    content = io.BytesIO()
+    frame.write_parquet(content, statistics=False)
+    with staged_file(Path(path), overwrite=True) as staging:  # polars does not say when a disk is full
+        staging.write_bytes(content.getbuffer())
     return left_out(recording, PARTS_OF_TABLE)
 
 
@@ -61,7 +63,11 @@ def read_source(source: Source) -> Recording:
     member = require_single_walk(source, find_members(source, _is_parquet), NAME)
     place = source.place(member)
     try:
-        frame = pl.read_parquet(io.BytesIO(source.read(member)))
+        content = source.read(member)
+        lazy = pl.scan_parquet(io.BytesIO(content))
+        numbers = lazy.select(pl.len()).collect().item() * len(lazy.collect_schema())  # by the directory of the file
+        refuse_large(len(content), _NUMBER_BYTES * numbers, source.limit_bytes, place)
+        frame = pl.read_parquet(io.BytesIO(content))
     except (OSError, PolarsError) as error:
         raise RecordingError(f"{place}: damaged Parquet file ({_first_line(error)}); write it again") from error
     found = {quantity: names for quantity, names in CANONICAL.items() if all(name in frame.columns for name in names)}

@@ -8,6 +8,7 @@ import polars as pl
 
 from pdr_est.errors import OutputError
 from pdr_est.io.formats.exchange.left_out import left_out, only_device
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.csv_cells import harmless_cell
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording, Signal
@@ -54,15 +55,11 @@ def write_sensor_logger_folder(recording: Recording, folder: Path) -> tuple[str,
         raise OutputError(f"{folder}: the recording has no samples to write")
     by_north = device.attitude_reference is AttitudeReference.MAGNETIC_NORTH
     metadata = {"device name": device.model, "platform": _PLATFORM, "appVersion": APP_VERSION if by_north else ""}
-    try:
-        for name, frame in tables.items():
-            if frame is not None:
-                frame.write_csv(folder / f"{name}.csv")
-        pl.DataFrame({key: [harmless_cell(value)] for key, value in metadata.items()}).write_csv(
-            folder / "Metadata.csv"
-        )
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error}); choose another folder") from error
+    tables["Metadata"] = pl.DataFrame({key: [harmless_cell(value)] for key, value in metadata.items()})
+    for name, frame in tables.items():
+        if frame is not None:
+            with staged_file(folder / f"{name}.csv", overwrite=True) as staging:
+                frame.write_csv(staging)
     others = tuple(fix for fix in recording.fixes if not _is_location(fix, recording))
     held = ["date", "waypoints", "pressure", "model"]
     held += ["platform"] if device.platform == _PLATFORM else []

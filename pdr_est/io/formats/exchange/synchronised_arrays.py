@@ -7,6 +7,7 @@ read as RoNIN's (`datasets.ronin`).
 """
 
 import io
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from pdr_est.frames import Array
 from pdr_est.io.formats.exchange.left_out import left_out, only_device
 from pdr_est.io.text.container import Source, SourceKind
 from pdr_est.io.text.finite_values import finite_signal_or_none
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.ground_truth import TruePositions, Truth
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
@@ -84,11 +86,8 @@ def write_npz(recording: Recording, path: str | Path) -> tuple[str, ...]:
         As `synchronised_arrays`, and when the file cannot be written.
     """
     arrays = synchronised_arrays(recording, path)
-    try:
-        with Path(path).open("wb") as stream:
-            np.savez_compressed(stream, allow_pickle=False, **arrays)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from error
+    with staged_file(Path(path), overwrite=True) as staging, staging.open("wb") as stream:
+        np.savez_compressed(stream, allow_pickle=False, **arrays)
     return _not_in(arrays, recording)
 
 
@@ -112,12 +111,9 @@ def write_hdf5(recording: Recording, path: str | Path) -> tuple[str, ...]:
             f"{path}: HDF5 needs the package h5py: `pip install pdr-est[hdf5]`, or write .npz instead"
         ) from error
     arrays = synchronised_arrays(recording, path)
-    try:
-        with h5py.File(path, "w") as file:
-            for name, array in arrays.items():
-                file.create_dataset(name, data=array)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error}); choose another folder") from error
+    with staged_file(Path(path), overwrite=True) as staging, h5py.File(staging, "w") as file:
+        for name, array in arrays.items():
+            file.create_dataset(name, data=array)
     return _not_in(arrays, recording)
 
 
@@ -189,11 +185,24 @@ def _members(source: Source) -> dict[str, str]:
 
 
 def _read(source: Source, member: str) -> Array:
+    content = source.read(member)
     try:
-        array = np.lib.format.read_array(io.BytesIO(source.read(member)), allow_pickle=False)
+        _refuse_untrue_shape(content)
+        array = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
         return np.asarray(array, dtype=np.float64)
     except (ValueError, EOFError, OSError, TypeError) as error:
         raise RecordingError(f"{source.place(member)}: damaged array ({error}); write it again") from error
+
+
+def _refuse_untrue_shape(content: bytes) -> None:
+    """Raise ValueError if an array states more numbers than it holds: memory would be taken for all of them."""
+    stream = io.BytesIO(content)
+    version = np.lib.format.read_magic(stream)
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read_header(stream)
+    stated = math.prod(shape) * dtype.itemsize
+    if not dtype.hasobject and stated > len(content):
+        raise ValueError(f"its header states {stated} bytes, but it holds {len(content)}")
 
 
 def _at(signal: Signal, time_s: Array) -> Array:

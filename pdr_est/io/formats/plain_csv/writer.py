@@ -11,6 +11,7 @@ from pdr_est.errors import OutputError
 from pdr_est.frames import Array
 from pdr_est.io.formats.exchange.left_out import left_out, only_device
 from pdr_est.io.tables.quantities import CANONICAL, Quantity
+from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.recording import Recording, Signal
 
 PARTS_OF_TABLE = ("positions", "pressure")
@@ -33,14 +34,9 @@ def write_plain_csv(recording: Recording, path: str | Path) -> tuple[str, ...]:
     OutputError
         For several devices, for a recording without samples, and when the file cannot be written.
     """
-    place = Path(path)
-    frame = plain_table(recording, place)
-    try:
-        frame.write_csv(place)
-    except OSError as error:
-        raise OutputError(
-            f"{place}: cannot be written ({error}); choose a folder that exists and has free space"
-        ) from error
+    frame = plain_table(recording, path)
+    with staged_file(Path(path), overwrite=True) as staging:
+        frame.write_csv(staging)
     return left_out(recording, PARTS_OF_TABLE)
 
 

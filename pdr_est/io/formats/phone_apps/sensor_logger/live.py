@@ -11,9 +11,11 @@ from typing import Literal
 
 import numpy as np
 
+from pdr_est.errors import RecordingError
 from pdr_est.io.conversion import signs
 from pdr_est.io.conversion.gnss import gnss_fixes
 from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import LiveMessage, parse_live_message
+from pdr_est.io.formats.phone_apps.sensor_logger.live_times import LiveTimes
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Signal
 from pdr_est.types.sensors import Channel, SensorBlock
@@ -23,6 +25,8 @@ Platform = Literal["ios", "android"]
 _SIGN_DECISION_S = 2.0  # of acceleration and gravity, until the sign is decided
 _LONGEST_WAIT_S = 60.0  # of acceleration for its gravity
 _MAX_WAITING = 8  # messages that came early wait for a missing one, which is then given up
+_FARTHEST = 1000  # messages that may be missing before one that is no stray
+_MOST_PHONES = 16
 _NS = 1_000_000_000
 
 
@@ -58,8 +62,7 @@ class LiveReader:
 
     def __init__(self, platform: Platform | None = None) -> None:
         self._platform = platform
-        self._zero_ns: int | None = None
-        self._map = _Map()
+        self._common = _Common()
         self._phones: dict[str, _Phone] = {}
 
     def push(self, line: str) -> LiveUpdate:
@@ -68,15 +71,14 @@ class LiveReader:
         Raises
         ------
         RecordingError
-            When the line is not a message of Sensor Logger; nothing of it is taken then.
+            When the line is not a message of Sensor Logger, or of one phone too many; nothing of it is taken then.
         """
         message = parse_live_message(line)
         name = message.device
-        if self._zero_ns is None and message.rows:
-            self._zero_ns = min(time_ns for rows in message.rows.values() for time_ns, _ in rows)
         if name not in self._phones:
-            self._phones[name] = _Phone(name, self._platform, self._map)
-        self._phones[name].zero_ns = self._zero_ns or 0
+            if len(self._phones) >= _MOST_PHONES:
+                raise RecordingError(f"a message of one more phone than the {_MOST_PHONES} that a person may carry")
+            self._phones[name] = _Phone(name, self._platform, self._common)
         return self._phones[name].push(message)
 
     def flush(self) -> LiveUpdate:
@@ -85,11 +87,18 @@ class LiveReader:
         return _join(updates)
 
 
-class _Map:
-    """Map frame of all phones: east and north of the first valid fix."""
+class _Common:
+    """Time zero of all phones, and their map frame: east and north of the first valid fix."""
 
     def __init__(self) -> None:
+        self._zero_ns: int | None = None
         self._origin: GeoOrigin | None = None
+
+    def zero_ns(self, message: LiveMessage) -> int:
+        """Return time zero, which is that of the first reading."""
+        if self._zero_ns is None:
+            self._zero_ns = min(time_ns for rows in message.rows.values() for time_ns, _ in rows)
+        return self._zero_ns
 
     def fixes(self, name: str, located: Signal) -> LiveUpdate:
         """Make fixes from latitude, longitude and accuracy (n, 3)."""
@@ -108,10 +117,12 @@ class _Map:
 class _Phone:
     """Messages of one phone in their order, and the sign of its acceleration."""
 
-    def __init__(self, name: str, platform: Platform | None, common: _Map) -> None:
-        self._name, self._platform, self._map = name, platform, common
-        self.zero_ns = 0
+    def __init__(self, name: str, platform: Platform | None, common: _Common) -> None:
+        self._name, self._platform, self._common = name, platform, common
+        self._times = LiveTimes()
+        self._zero_ns = 0
         self._session, self._next_id = "", 0
+        self._far_id: int | None = None  # of the latest message a long way out of order
         self._waiting: dict[int, LiveMessage] = {}
         self._sign: float | None = None
         self._user, self._gravity, self._attitude = _empty(3), _empty(3), _empty(4)
@@ -126,13 +137,32 @@ class _Phone:
             update = self._read_in_order(give_up=True)
             self._session, self._next_id = message.session, number
             return _join([update, self.push(message)])
-        if number < self._next_id:
-            return LiveUpdate(notes=(f"{self._name}: message {number} came after later ones and is left out",))
+        if not 0 <= number - self._next_id <= _FARTHEST:
+            return self._push_far(number, message)
         self._waiting[number] = message
         return self._read_in_order(give_up=len(self._waiting) > _MAX_WAITING)
 
+    def _push_far(self, number: int, message: LiveMessage) -> LiveUpdate:
+        """Take a message whose number is lower than or far from the next: a second one in a row counts anew."""
+        counts_anew = self._far_id is not None and number == self._far_id + 1 and self._is_newer(message)
+        self._far_id = number
+        if counts_anew:
+            update = self._read_in_order(give_up=True)
+            self._next_id, self._far_id = number + 1, None
+            return _join([update, self._read(message)])
+        words = "came after later ones" if number < self._next_id else "has a number far from the one before"
+        return LiveUpdate(notes=(f"{self._name}: message {number} {words} and is left out",))
+
+    def _is_newer(self, message: LiveMessage) -> bool:
+        newest_ns = self._times.newest_ns()
+        times = [time_ns for rows in message.rows.values() for time_ns, _ in rows]
+        return newest_ns is None or (bool(times) and min(times) > newest_ns)
+
     def flush(self) -> LiveUpdate:
-        return _join([self._read_in_order(give_up=True), self._force(at_end=True)])
+        update = self._read_in_order(give_up=True)
+        messages, notes = self._times.flush()
+        rest = [self._read_now(message) for message in messages]
+        return _join([update, self._noted(notes), *rest, self._force(at_end=True)])
 
     def _read_in_order(self, give_up: bool) -> LiveUpdate:
         updates = []
@@ -150,6 +180,14 @@ class _Phone:
         return _join(updates)
 
     def _read(self, message: LiveMessage) -> LiveUpdate:
+        messages, notes = self._times.push(message)
+        return _join([self._noted(notes), *(self._read_now(one) for one in messages)])
+
+    def _noted(self, notes: Sequence[str]) -> LiveUpdate:
+        return LiveUpdate(notes=tuple(f"{self._name}: {note}" for note in notes))
+
+    def _read_now(self, message: LiveMessage) -> LiveUpdate:
+        self._zero_ns = self._common.zero_ns(message)
         signals = {sensor: self._signal(rows) for sensor, rows in message.rows.items()}
         blocks: list[tuple[str, SensorBlock]] = []
         for sensor, channel in (("magnetometer", Channel.MAGNETIC_FIELD), ("gyroscope", Channel.ROTATION_RATE)):
@@ -160,7 +198,7 @@ class _Phone:
         self._user = _append(self._user, signals.get("totalacceleration" if self._total else "accelerometer"))
         self._gravity = _append(self._gravity, signals.get("gravity"))
         self._attitude = _append(self._attitude, signals.get("orientation"))
-        fixes = self._map.fixes(self._name, signals["location"]) if "location" in signals else LiveUpdate()
+        fixes = self._common.fixes(self._name, signals["location"]) if "location" in signals else LiveUpdate()
         return _join([LiveUpdate(blocks=tuple(blocks)), self._force(at_end=False), fixes, self._limit_waiting()])
 
     def _limit_waiting(self) -> LiveUpdate:
@@ -178,7 +216,7 @@ class _Phone:
         return LiveUpdate(notes=(f"{self._name}: {text}",))
 
     def _signal(self, rows: Sequence[tuple[int, Sequence[float]]]) -> Signal:
-        time_s = np.array([(time_ns - self.zero_ns) / _NS for time_ns, _ in rows])
+        time_s = np.array([(time_ns - self._zero_ns) / _NS for time_ns, _ in rows])
         return Signal(time_s, np.array([values for _, values in rows], dtype=np.float64))
 
     def _force(self, at_end: bool) -> LiveUpdate:

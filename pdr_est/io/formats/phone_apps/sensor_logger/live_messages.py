@@ -7,6 +7,13 @@ from typing import Any, TypeVar
 
 from pdr_est.errors import RecordingError
 
+Readings = Sequence[tuple[int, Sequence[float]]]
+"""Pairs of Unix time, ns, and values."""
+
+LONGEST_LINE = 16 * 1024**2
+"""Largest number of characters of a message: ten minutes of all sensors at 100 Hz, for a phone without a network."""
+
+_LONGEST_NAME = 200
 _T = TypeVar("_T", int, float)
 
 _XYZ = ("x", "y", "z")
@@ -41,7 +48,7 @@ class LiveMessage:
     device: str
     session: str
     number: int | None
-    rows: Mapping[str, Sequence[tuple[int, Sequence[float]]]]
+    rows: Mapping[str, Readings]
 
 
 def parse_live_message(line: str) -> LiveMessage:
@@ -52,6 +59,8 @@ def parse_live_message(line: str) -> LiveMessage:
     RecordingError
         When the line is not a message of Sensor Logger, or a reading of a known sensor is damaged.
     """
+    if len(line) > LONGEST_LINE:
+        raise RecordingError(f"longer than {LONGEST_LINE >> 20} MiB, which no message is")
     try:
         message = json.loads(line)
     except json.JSONDecodeError as error:
@@ -69,11 +78,21 @@ def parse_live_message(line: str) -> LiveMessage:
             rows.setdefault(sensor, []).append((time_ns, values))
     identity = message.get("messageId")
     return LiveMessage(
-        device=str(message.get("deviceId") or "device"),
-        session=str(message.get("sessionId") or ""),
+        device=_identity(message, "deviceId") or "device",
+        session=_identity(message, "sessionId"),
         number=identity if isinstance(identity, int) and not isinstance(identity, bool) else None,
         rows=rows,
     )
+
+
+def _identity(message: Mapping[str, Any], key: str) -> str:
+    """Return the name of a phone or session; empty if there is none."""
+    value = message.get(key)
+    if value is None:
+        return ""
+    if not isinstance(value, str | int) or len(str(value)) > _LONGEST_NAME:
+        raise RecordingError(f"{key} is not a text of at most {_LONGEST_NAME} characters")
+    return str(value)
 
 
 def _parse_reading(number: int, reading: Any) -> tuple[str, int, list[float] | None]:

@@ -6,19 +6,19 @@ from pathlib import Path
 import pytest
 
 from pdr_est.errors import OutputError
-from pdr_est.io.writers import atomic_output as output
-from pdr_est.io.writers.atomic_output import MANIFEST, staged_folder
+from pdr_est.output import atomic_output as output
+from pdr_est.output.atomic_output import MANIFEST, staged_folder
 
 
 def write_results(target: Path, text: str, overwrite: bool = True) -> None:
-    with staged_folder(target, overwrite) as folder:
+    with staged_folder(target, overwrite, ()) as folder:
         (folder / "track.csv").write_text(text)
         (folder / "plots").mkdir()
         (folder / "plots" / "a.svg").write_text(text)
 
 
 def fail_halfway(target: Path, error: type[BaseException]) -> None:
-    with staged_folder(target, overwrite=True) as folder:
+    with staged_folder(target, overwrite=True, inputs=()) as folder:
         (folder / "track.csv").write_text("half")
         raise error
 
@@ -38,7 +38,7 @@ def both(text: str) -> dict[str, str]:
 
 def test_folder_appears_only_when_complete(tmp_path: Path) -> None:
     target = tmp_path / "out"
-    with staged_folder(target, overwrite=False) as folder:
+    with staged_folder(target, overwrite=False, inputs=()) as folder:
         (folder / "track.csv").write_text("x")
         assert not target.exists()
         assert folder.parent == tmp_path
@@ -72,7 +72,7 @@ def test_failure_leaves_an_existing_result_untouched(tmp_path: Path, error: type
 def test_earlier_results_are_replaced_as_a_whole(tmp_path: Path) -> None:
     target = tmp_path / "out"
     write_results(target, "old")
-    with staged_folder(target, overwrite=True) as folder:
+    with staged_folder(target, overwrite=True, inputs=()) as folder:
         (folder / "report.html").write_text("new")
     assert content(target) == {"report.html": "new"}
     write_results(target, "again")
@@ -115,7 +115,7 @@ def test_file_that_arrives_during_the_run_is_not_lost(tmp_path: Path) -> None:
     target = tmp_path / "out"
 
     def run_while_someone_else_writes() -> None:
-        with staged_folder(target, overwrite=True):
+        with staged_folder(target, overwrite=True, inputs=()):
             target.mkdir()
             (target / "notes.txt").write_text("mine")
 
@@ -158,12 +158,12 @@ def test_parent_that_is_not_writable_is_an_output_error(tmp_path: Path, monkeypa
         raise PermissionError(errno.EACCES, "Permission denied")
 
     monkeypatch.setattr(Path, "mkdir", refuse)
-    with pytest.raises(OutputError, match=r"not writable \(Permission denied\): choose another"):
+    with pytest.raises(OutputError, match=r"out: cannot be written \(Permission denied\): check that"):
         write_results(tmp_path / "out", "x")
 
 
 def test_full_disk_is_an_output_error_and_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="the disk is full"), staged_folder(tmp_path / "out", overwrite=False):
+    with pytest.raises(OutputError, match="the disk is full"), staged_folder(tmp_path / "out", False, ()):
         raise OSError(errno.ENOSPC, "No space left on device")
     assert list(tmp_path.iterdir()) == []
 

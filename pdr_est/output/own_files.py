@@ -1,11 +1,13 @@
 """Write single files into a folder that may hold files of other origin, which are never replaced or removed."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from pdr_est.errors import OutputError
-from pdr_est.io.writers.atomic_output import MANIFEST, manifest, staged_file, written_files
+from pdr_est.output.atomic_output import MANIFEST, manifest, staged_file, written_files
+from pdr_est.output.call_inputs import refuse_inputs_in_file
+from pdr_est.output.write_errors import output_errors
 
 
 class OwnFiles:
@@ -18,10 +20,12 @@ class OwnFiles:
     ----------
     folder
         The folder; it is made when the first file is written.
+    inputs
+        Files and folders that are read, which are never replaced or removed.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, inputs: Sequence[Path] = ()) -> None:
+        self._folder, self._inputs = folder, tuple(inputs)
 
     def __contains__(self, name: object) -> bool:
         return name in written_files(self._folder)
@@ -54,12 +58,10 @@ class OwnFiles:
         """
         if not overwrite:
             self.refuse_foreign([name])
-        try:
+        with output_errors(self._folder):
             self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{self._folder}: cannot be made ({error.strerror}): choose another folder") from error
-        self._record(name)
-        with staged_file(self._folder / name, overwrite=True) as staging:
+        with staged_file(self._folder / name, overwrite=True, inputs=self._inputs) as staging:
+            self._record(name)
             yield staging
 
     def write(self, name: str, text: str, overwrite: bool = False) -> None:
@@ -70,9 +72,10 @@ class OwnFiles:
     def remove(self, names: Iterable[str]) -> None:
         """Remove those of some files that this program has written."""
         own = written_files(self._folder)
-        for name in names:
-            if name in own:
-                (self._folder / name).unlink(missing_ok=True)
+        for path in (self._folder / name for name in names if name in own):
+            refuse_inputs_in_file(path, path.absolute(), self._inputs)
+            with output_errors(path):
+                path.unlink(missing_ok=True)
 
     def _record(self, name: str) -> None:
         own = written_files(self._folder)

@@ -1,29 +1,29 @@
 """Write results that appear completely or not at all: a folder, or a single file."""
 
-import errno
 import json
 import os
 import shutil
-import uuid
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 from pdr_est.errors import OutputError
+from pdr_est.output.call_inputs import refuse_inputs_in_file, refuse_inputs_in_folder, refuse_remembered
+from pdr_est.output.staging import OLD, is_staged, leftovers, remove_leftovers, staging_folder
+from pdr_est.output.write_errors import output_errors
 
 MANIFEST = ".pdr_est-files.json"
 """Hidden file in every result folder that lists what was written; anything else in the folder is foreign."""
 
-_DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
-
 
 @contextmanager
-def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
+def staged_folder(target: Path, overwrite: bool, inputs: Sequence[Path]) -> Iterator[Path]:
     """Provide a temporary folder beside `target` that takes its place when the block ends without an error.
 
     When the block raises, Ctrl-C included, the temporary folder is removed and an existing target stays as it was. An
     existing target is replaced as a whole when it is empty, or when `overwrite` is set and it contains nothing but
-    files of an earlier run (listed in its manifest).
+    files of an earlier run (listed in its manifest). What a killed run has left is put right first.
 
     Parameters
     ----------
@@ -31,34 +31,36 @@ def staged_folder(target: Path, overwrite: bool) -> Iterator[Path]:
         Folder of the results.
     overwrite
         True when results of an earlier run may be replaced.
+    inputs
+        Files and folders that are read, which are never replaced.
 
     Raises
     ------
     OutputError
-        Before the block runs, when the target is a file, contains other files or is the current folder, or when its
-        parent is missing or not writable; afterwards, when the disk is full or the target has been changed meanwhile.
+        Before the block runs, when the target is a file, is or holds an input, contains other files or is the current
+        folder, or when its parent is missing or not writable; afterwards, when the disk is full or the target has
+        been changed meanwhile.
     """
     target = Path(target).expanduser()
     resolved = _resolved(target)
-    _check_target(target, overwrite)
-    staging = _sibling(resolved, "partial")
-    try:
-        _create(staging, resolved)  # within the block that removes it: Ctrl-C may come at any moment
-        yield staging
-        (staging / MANIFEST).write_text(manifest(_files_in(staging)), encoding="utf-8")
+    refuse_inputs_in_folder(target, resolved, inputs)
+    with output_errors(target):
+        _undo_unfinished(resolved)
         _check_target(target, overwrite)
-        _publish(staging, resolved)
-    except OSError as error:
-        if error.errno in _DISK_FULL:
-            raise OutputError(f"{target}: the disk is full: free some space or choose another folder") from error
-        raise
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        with staging_folder(resolved) as staging, _named(staging, target):
+            yield staging
+            (staging / MANIFEST).write_text(manifest(_files_in(staging)), encoding="utf-8")
+            _check_target(target, overwrite)
+            if resolved.exists():
+                refuse_remembered((resolved / name for name in _files_in(resolved)), target)
+            _publish(staging, resolved)
 
 
 @contextmanager
 def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> Iterator[Path]:
     """Provide an empty file beside `target` that takes its place when the block ends without an error.
+
+    In a folder that takes its place as a whole, it is the file itself.
 
     Parameters
     ----------
@@ -73,27 +75,65 @@ def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> I
     ------
     OutputError
         Before the block runs, when the target is a folder or a device, is one of the inputs or lies inside one,
-        exists and may not be replaced, or when no file can be made beside it.
+        exists and may not be replaced, or when no file can be made beside it; afterwards, when the disk is full or
+        the target is a file that was read meanwhile.
     """
     resolved = _resolved(Path(target).expanduser())
+    if is_staged(resolved):
+        yield resolved  # whoever makes the folder words the errors
+        return
     if resolved.exists() and not resolved.is_file():
         raise OutputError(f"{target}: not a regular file: choose another file name")
-    for source in inputs:
-        if resolved.is_relative_to(_resolved(source)) or (resolved.exists() and _same_file(resolved, source)):
-            raise OutputError(f"{target}: is the input {source} or lies inside it: choose a file elsewhere")
+    refuse_inputs_in_file(target, resolved, inputs)
     if resolved.exists() and not overwrite:
         raise OutputError(f"{target}: exists already: allow overwriting (--overwrite) or choose another file")
-    staging = _sibling(resolved, "partial")
-    try:
-        try:
-            staging.touch()
-        except OSError as error:
-            raise OutputError(f"{target}: cannot be written ({error.strerror}): choose a file elsewhere") from error
+    remove_leftovers(resolved.parent, resolved.name)
+    with output_errors(target), staging_folder(resolved) as folder, _named(folder / resolved.name, target):
+        staging = folder / resolved.name
+        staging.touch()
+        if resolved.exists():
+            shutil.copymode(resolved, staging)
         yield staging
         _to_disk(staging)
+        refuse_remembered([resolved], target)
+        if not overwrite and resolved.exists():
+            raise OutputError(f"{target}: has appeared meanwhile: choose another file")
         staging.replace(resolved)
-    finally:
-        staging.unlink(missing_ok=True)
+
+
+@contextmanager
+def text_output(target: Path | str) -> Iterator[TextIO]:
+    """Provide a stream of UTF-8 text that becomes a file when the block ends without an error.
+
+    Line ends are written as they are. Bytes of file names that are no text are escaped.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    with (
+        staged_file(Path(target), overwrite=True) as staging,
+        staging.open("w", newline="", encoding="utf-8", errors="backslashreplace") as stream,
+    ):
+        yield stream
+
+
+def write_text(target: Path | str, text: str) -> None:
+    """Write a file of UTF-8 text. Raises OutputError as `text_output` does."""
+    with text_output(target) as stream:
+        stream.write(text)
+
+
+@contextmanager
+def _named(staging: Path, target: Path) -> Iterator[None]:
+    """Have errors of the block name the target, which the user knows, in place of the hidden file or folder."""
+    try:
+        yield
+    except OutputError as error:
+        if str(staging) not in str(error):
+            raise
+        raise OutputError(str(error).replace(str(staging), str(target))) from error
 
 
 def written_files(folder: Path) -> set[str]:
@@ -101,19 +141,15 @@ def written_files(folder: Path) -> set[str]:
     try:
         names = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["files"]
         return {*(str(name) for name in names), MANIFEST}
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return set()
 
 
 def _to_disk(path: Path) -> None:
     """Wait until a file is on the disk, so that after a power failure its name stands for all of it or nothing."""
-    with path.open("rb") as file:
-        os.fsync(file.fileno())
-
-
-def _same_file(a: Path, b: Path) -> bool:
-    """Tell whether two names, perhaps hard links, refer to one file."""
-    return b.exists() and a.samefile(b)
+    if path.is_file():
+        with path.open("rb") as file:
+            os.fsync(file.fileno())
 
 
 def _resolved(target: Path) -> Path:
@@ -169,18 +205,13 @@ def manifest(files: Iterable[str]) -> str:
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
-def _sibling(target: Path, purpose: str) -> Path:
-    """Make a new hidden name beside `target`, on the same disk, so that it can be renamed into place."""
-    return target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}.{purpose}")
-
-
-def _create(folder: Path, target: Path) -> None:
-    try:
-        folder.mkdir()
-    except OSError as error:
-        raise OutputError(
-            f"{target}: the folder {target.parent} is not writable ({error.strerror}): choose another output folder"
-        ) from error
+def _undo_unfinished(target: Path) -> None:
+    """Remove what killed runs have left, and put an earlier result back that one of them had moved away."""
+    remove_leftovers(target.parent, target.name)
+    for old in leftovers(target.parent, target.name, OLD):
+        if (old / target.name).exists() and not target.exists():
+            (old / target.name).rename(target)
+        shutil.rmtree(old, ignore_errors=True)
 
 
 def _publish(staging: Path, target: Path) -> None:
@@ -188,21 +219,19 @@ def _publish(staging: Path, target: Path) -> None:
     if not target.exists():
         staging.rename(target)
         return
+    for name in _files_in(staging):  # before the earlier result is given up
+        _to_disk(staging / name)
     shutil.copymode(target, staging)
-    old = _sibling(target, "old")
-    try:
-        _create(old, target)
+    with staging_folder(target, OLD) as old:
         try:
-            target.rename(old / target.name)
-        except OSError as error:
-            raise OutputError(
-                f"{target}: cannot be replaced ({error.strerror}): choose a new folder inside it or beside it"
-            ) from error
-        staging.rename(target)
-    except BaseException:
-        if not target.exists() and (old / target.name).exists():
-            (old / target.name).rename(target)
-        raise
-    finally:
-        if target.exists():
-            shutil.rmtree(old, ignore_errors=True)
+            try:
+                target.rename(old / target.name)
+            except OSError as error:
+                raise OutputError(
+                    f"{target}: cannot be replaced ({error.strerror}): choose a new folder inside it or beside it"
+                ) from error
+            staging.rename(target)
+        except BaseException:
+            if not target.exists() and (old / target.name).exists():
+                (old / target.name).rename(target)
+            raise

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from pdr_est.errors import OutputError
-from pdr_est.io.writers.file_lock import locked
+from pdr_est.output.file_lock import locked
 
 HOLDER = """
 import sys, time
 from pathlib import Path
-from pdr_est.io.writers.file_lock import locked
+from pdr_est.output.file_lock import locked
 with locked(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(float(sys.argv[2]))
