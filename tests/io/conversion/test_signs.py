@@ -5,7 +5,7 @@ import pytest
 from fabricated import Walk, make_walk
 
 from pdr_est.frames import Array
-from pdr_est.io.conversion.sign_evidence import SignEvidence
+from pdr_est.io.conversion.sign_evidence import SignEvidence, screen_evidence, unit_evidence
 from pdr_est.io.conversion.signs import detect_force_sign, gravity_cosine, resolve_attitude_direction
 from pdr_est.types.recording import Signal
 
@@ -48,11 +48,21 @@ def along(walk: Walk, direction: tuple[float, float, float]) -> Signal:
 
 
 def test_without_attitude_and_metadata_no_way_of_carrying_is_certain(walk: Walk) -> None:
+    """In m/s², most recorders of which have Android's sign, only a face-up phone agrees enough with it."""
     upright, ear, down, up = (0.0, 1.0, 0.0), (0.0, -0.9, -0.3), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)
-    for direction, sign in ((upright, 1.0), (ear, 1.0), (down, -1.0), (up, 1.0)):
-        conversion = detect_force_sign(along(walk, direction), None, None, "")
+    for unit_factor, direction, sign, told in (
+        (1.0, upright, 1.0, True),
+        (1.0, ear, 1.0, True),
+        (1.0, down, -1.0, True),
+        (1.0, up, 1.0, False),
+        (9.80665, up, 1.0, True),
+        (9.80665, down, -1.0, True),
+    ):
+        acceleration = along(walk, direction)
+        evidence = (screen_evidence(acceleration), unit_evidence(unit_factor))
+        conversion = detect_force_sign(acceleration, None, None, "", evidence)
         assert conversion.factor == sign
-        assert "the track is mirrored: state the sign with --map" in conversion.warning
+        assert ("the track is mirrored: state the sign with --map" in conversion.warning) == told
 
 
 @pytest.mark.parametrize(

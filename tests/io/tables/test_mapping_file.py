@@ -7,7 +7,7 @@ import pytest
 from table_layouts import DEG, G, plain, text
 from table_walk import TableWalk, rows, table_walk, xyz
 
-from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.errors import ConfigError, OutputError, RecordingError
 from pdr_est.io import read
 from pdr_est.io.formats.map_draft import write_map_draft
 from pdr_est.io.tables.mapping_file import load_mapping, mapping_from_dict
@@ -126,7 +126,7 @@ def test_a_draft_names_the_units_that_titles_state(tmp_path: Path, walk: TableWa
 def test_a_draft_replaces_no_file(tmp_path: Path, walk: TableWalk) -> None:
     (tmp_path / "walk.csv").write_bytes(text(rows(plain(walk))))
     (tmp_path / "map.yaml").write_text("mine")
-    with pytest.raises(RecordingError, match="cannot be written"):
+    with pytest.raises(OutputError, match="exists"):
         write_map_draft(tmp_path / "walk.csv", tmp_path / "map.yaml")
     assert (tmp_path / "map.yaml").read_text() == "mine"
 
