@@ -11,6 +11,7 @@ from pdr_est.io.tables.quantities import AXES, Quantity
 from pdr_est.io.text.loose_table import LooseTable
 from pdr_est.io.text.number_table import NumberTable
 
+_FEWEST_ROWS = 50  # of a table whose zeros can be judged
 _FEWEST_SHARE = 0.02  # of the rows, that only one of the sensors has values in
 _MOST_TOGETHER = 0.02  # of the rows, with values of more than one sensor
 _FIRST_ROWS = 64
@@ -40,7 +41,7 @@ def without_zero_fill(loose: LooseTable, mapping: TableMapping) -> LooseTable:
         for quantity, columns in mapping.columns.items()
         if quantity in _VECTORS and len(AXES[quantity]) == 3 and set(columns.titles) <= set(loose.table.names)
     ]
-    if len(vectors) < 2 or not len(loose.table):
+    if len(vectors) < 2 or len(loose.table) < _FEWEST_ROWS:
         return loose
     if all(_has_values_at_once(loose.table, titles) for titles in vectors):
         return loose
