@@ -20,7 +20,7 @@ def wait_for_writing(folder: Path, process: "subprocess.Popen[str]") -> None:
         time.sleep(0.005)
 
 
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("name", ["SIGTERM", pytest.param("SIGHUP", marks=pytest.mark.slow)])
 def test_a_request_to_end_leaves_everything_as_it_was(name: str, good: Path, tmp_path: Path) -> None:
     command = (*PROGRAM, "smooth", str(good), "-o", str(tmp_path / "out"), "-q")
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:

@@ -44,7 +44,9 @@ def estimate(name: EstimatorName, order: tuple[int, ...], fixes: bool, start: St
 
 @pytest.mark.parametrize("start", [StartPose(), StartPose((1.0, 2.0), 0.3, 0.1, 0.1)], ids=["unplaced", "placed"])
 @pytest.mark.parametrize("fixes", [False, True])
-@pytest.mark.parametrize("name", ESTIMATORS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name.startswith("map") else ()) for name in ESTIMATORS]
+)
 def test_it_makes_no_difference(name: EstimatorName, fixes: bool, start: StartPose) -> None:
     expected = estimate(name, (0, 1, 2), fixes, start)
     for order in list(permutations(range(3)))[1:]:

@@ -88,6 +88,7 @@ def test_variants_are_calibrated_on_walks_of_their_own_kind(tmp_path):
         assert [walk[name] for walk in of_static] == [walk[name] for walk in alone]
 
 
+@pytest.mark.slow
 def test_the_same_in_several_processes(tmp_path):
     stride_set(tmp_path, 1.1, 1.2, 0.9)
     one, two = (run("stride-length", tmp_path, jobs=jobs)["summary"] for jobs in (1, 2))

@@ -44,6 +44,7 @@ def test_every_file_in_every_folder_counts() -> None:
     assert len(FOLDERS) > 20
 
 
+@pytest.mark.slow
 def test_a_change_in_any_folder_changes_the_fingerprint(experiment: Experiment, package: Path) -> None:
     """One file of each folder is changed in turn, the last one of the folder."""
     seen = {code_fingerprint(experiment, package)}

@@ -10,6 +10,7 @@ from test_mmpdr_tables import experiment
 RESULTS = Path(__file__).resolve().parents[2] / "experiments" / "results"
 
 
+@pytest.mark.slow
 def test_psp_table_1_of_two_tests() -> None:
     table = experiment("psp_table1")
     returns = table.measured("I", "planar legs", tests=2, seed=0, increments=(0.002,))
@@ -36,6 +37,7 @@ def test_psp_table_1_as_recorded() -> None:
     assert planar["psp"]["mean_m"] < planar["gyro"]["mean_m"]
 
 
+@pytest.mark.slow
 def test_mmpdr_table_10_of_one_walker() -> None:
     table = experiment("mmpdr_table10")
     rows = {row.words: table.measured(row, [1]) for row in (table.ROWS[0], table.ROWS[4])}

@@ -22,6 +22,7 @@ def experiment(name: str) -> ModuleType:
     return module
 
 
+@pytest.mark.slow
 def test_table_6_of_three_people():
     table = experiment("mmpdr_table6")
     scores = table.measured(people=3, seeds=[0])
@@ -35,6 +36,7 @@ def test_table_6_of_three_people():
     assert table.as_document(scores, 3, [0])["methods"]["auto"]["true_changes"] == 18
 
 
+@pytest.mark.slow
 def test_table_7_of_two_people():
     table = experiment("mmpdr_table7")
     walks = table.walks_of(people=2, seed=0)

@@ -15,7 +15,8 @@ MEMORY = runpy.run_path(str(EXPERIMENTS / "online_memory.py"))
 ROUND = walk_in_rounds(0.6, 25.0)
 
 
-@pytest.mark.parametrize("estimator", ["ekf", pytest.param("fixed-lag", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("estimator", ["ekf", "fixed-lag"])
 def test_the_state_of_a_stream_does_not_grow(estimator: EstimatorName) -> None:
     """Five minutes; a repetition takes about 35 s, after two minutes all that is kept for a time is there."""
     tracker, kept_bytes, seen = tracker_for(estimator), [], []

@@ -10,6 +10,7 @@ from test_mmpdr_tables import experiment
 RESULTS = Path(__file__).resolve().parents[2] / "experiments" / "results"
 
 
+@pytest.mark.slow
 def test_mmpdr_figures_of_one_walker() -> None:
     figures = experiment("mmpdr_figures")
     panels = figures.single_mode_panels(1)

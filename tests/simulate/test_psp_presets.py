@@ -63,6 +63,7 @@ def test_a_phone_held_upright_turns_as_the_walker_does() -> None:
     np.testing.assert_allclose(rate, turn_rate, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_leg_that_swings_less_turns_less_too_little() -> None:
     shares = []
     for amplitude_rad in (0.0, 0.4):
