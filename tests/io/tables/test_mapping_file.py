@@ -20,6 +20,17 @@ def walk() -> TableWalk:
     return table_walk()
 
 
+@pytest.mark.parametrize("tick_s", [0.7, 0.016, 1.0 / 1024.0, 2.5])
+def test_a_tick_may_be_any_number_of_seconds(tmp_path: Path, walk: TableWalk, tick_s: float) -> None:
+    columns = {"ticks": (walk.time_s / tick_s).tolist(), **xyz("acc_{}", walk.force), **xyz("gyro_{}", walk.rate)}
+    (tmp_path / "walk.csv").write_bytes(text(rows(columns)))
+    sensors = {"accelerometer": FORCE, "gyroscope": {axis: f"gyro_{axis}" for axis in "xyz"}}
+    mapping = mapping_from_dict({"time": {"column": "ticks", "unit": tick_s}, **sensors})
+    force = read(tmp_path / "walk.csv", mapping).devices[0].specific_force
+    assert force is not None
+    np.testing.assert_allclose(force.time_s, walk.time_s, atol=2e-3)
+
+
 def test_everything_can_be_stated(tmp_path: Path, walk: TableWalk) -> None:
     columns = {
         "Zeit": (1000.0 * walk.time_s).round().astype(int).tolist(),

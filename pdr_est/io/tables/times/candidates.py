@@ -27,6 +27,7 @@ from pdr_est.io.text.loose_table import LooseTable
 
 _FEWEST_KNOWN = 0.5
 _RATE_HZ = (0.2, 5000.0)  # a stated unit outside of this contradicts the values
+_FINEST_TICKS_PER_S = 10**12  # units of time have fewer; larger denominators come from binary rounding
 _NAMED_CELLS = 3
 
 
@@ -66,11 +67,15 @@ class ClockCandidate:
     has_date: bool
     left_out: NDArray[np.bool_]
 
+    @property
+    def tick_s(self) -> Fraction:
+        """Return the seconds in a tick: 1/1000 for ms, and not the binary number that is nearest to it."""
+        return Fraction(self.unit.factor).limit_denominator(_FINEST_TICKS_PER_S) or Fraction(self.unit.factor)
+
     def exact_s(self, row: int) -> Fraction:
         """Return the time of a row, s since the beginning of the clock, without rounding."""
-        factor, tick = self.unit.factor, self.ticks[row]
-        per_tick = Fraction(factor) if factor >= 1.0 else Fraction(1, round(1.0 / factor))
-        return Fraction(int(tick) if self.ticks.dtype.kind == "i" else float(tick)) * per_tick
+        tick = self.ticks[row]
+        return Fraction(int(tick) if self.ticks.dtype.kind == "i" else float(tick)) * self.tick_s
 
 
 def read_candidate(loose: LooseTable, column: ClockColumn, mapping: TableMapping) -> ClockCandidate | None:
@@ -120,10 +125,10 @@ def read_candidate(loose: LooseTable, column: ClockColumn, mapping: TableMapping
 
 def _told_unset(unset: NDArray[np.bool_]) -> tuple[str, ...]:
     count = int(unset.sum())
+    if not count:
+        return ()
     named = ", ".join(f"row {i + 1}" for i in np.flatnonzero(unset)[:_NAMED_CELLS])
-    return (f"rows left out because their time is 0, that is not set: {count} of {len(unset)} ({named})",) * bool(
-        count
-    )
+    return (f"rows left out because their time is 0, that is not set: {count} of {len(unset)} ({named})",)
 
 
 def _count_stamps(ticks: NDArray[Any]) -> int:

@@ -108,7 +108,7 @@ def without_stale_rows(loose: LooseTable, clock: TableClock) -> tuple[LooseTable
     shifted = replace(
         clock,
         time_s=clock.time_s[first:] - start_s,
-        start=clock.start + type(clock.start)(start_s),
+        start=clock.start + Fraction(start_s),
         epoch_s=None if clock.epoch_s is None else clock.epoch_s + start_s,
         local_epoch_s=None if clock.local_epoch_s is None else clock.local_epoch_s + start_s,
     )
@@ -120,8 +120,7 @@ def _clock(chosen: ClockCandidate, candidates: Sequence[ClockCandidate]) -> Tabl
     at = int(np.argmax(chosen.known))
     tick = chosen.ticks[at]
     factor = chosen.unit.factor
-    since = (chosen.ticks - tick).astype(np.float64)
-    since = since * factor if factor >= 1.0 else since / round(1.0 / factor)
+    since = (chosen.ticks - tick).astype(np.float64) * chosen.tick_s.numerator / chosen.tick_s.denominator
     time_s = np.where(chosen.known, since, np.nan)
     best_first = (chosen, *(one for one in candidates if one is not chosen))
     epoch_s = _time_of_row([one for one in best_first if not one.is_local], at)

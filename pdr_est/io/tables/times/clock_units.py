@@ -130,20 +130,18 @@ def step_of_rows(ticks: NDArray[Any]) -> float:
 def _us_or_ticks(rate_hz: float, motion: Array) -> Conversion:
     """Decide between us and units of 100 ns by the difference between successive rows."""
     rough = _roughness(motion)
-    odds = (
-        0.0
-        if rough is None
-        else abs(np.log(rough / _expected(rate_hz))) - abs(np.log(rough / _expected(10.0 * rate_hz)))
+    is_fast = rough is not None and abs(np.log(rough / _expected(10.0 * rate_hz))) < abs(
+        np.log(rough / _expected(rate_hz))
     )
-    factor, unit, other = (TICK_S, "units of 100 ns", "us") if odds > 0.0 else (1e-6, "us", "units of 100 ns")
+    factor, unit, other = (TICK_S, "units of 100 ns", "us") if is_fast else (1e-6, "us", "units of 100 ns")
     taken_hz = rate_hz * 1e-6 / factor
-    how = "smoothly" if odds > 0.0 else "strongly"
+    how = "smoothly" if is_fast else "strongly"
     return Conversion(
         factor,
         f"the clock counts {unit}: with these there are {taken_hz:.1f} rows a second",
         f"the clock may count us or units of 100 ns: {unit} are taken, with which there are {taken_hz:.1f} rows a "
         f"second, because the values change {how} from row to row; with {other} all would be "
-        f"{'slower' if odds > 0.0 else 'faster'} by a factor of 10",
+        f"{'slower' if is_fast else 'faster'} by a factor of 10",
     )
 
 

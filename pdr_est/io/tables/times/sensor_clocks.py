@@ -46,10 +46,9 @@ def by_sensor_clock(mapping: TableMapping, titles: Sequence[str]) -> tuple[Table
         return (mapping,)
     owned = {clock.title for clock in owner.values()}
     others = tuple(clock for clock in mapping.clocks if clock.title not in owned) or (next(iter(owner.values())),)
-    groups: dict[tuple[ClockColumn, ...], dict[Quantity, list[str]]] = defaultdict(dict)
-    for quantity, columns in mapping.columns.items():
-        clocks = (owner[quantity],) if quantity in owner else others
-        groups[clocks][quantity] = list(columns.titles)
+    groups: dict[tuple[ClockColumn, ...], list[Quantity]] = defaultdict(list)
+    for quantity in mapping.columns:
+        groups[(owner[quantity],) if quantity in owner else others].append(quantity)
     first = next(iter(groups))
     return tuple(
         replace(
