@@ -11,7 +11,7 @@ from pdr_est.types.measurements import START_SOURCE, HeadingPrior, LoopClosure, 
 
 _REPEATED_S = 5.0  # within which exactly the same position of a source is a repetition; ours
 
-_AVERAGED_S = 0.1  # fixes of a source within this time are one; ours: no walker gets farther than its noise meanwhile
+_AVERAGED_S = 0.1  # fixes of a source within this time are one; ours: a walker goes straight on for 0.15 m meanwhile
 
 GivenFixes = tuple[tuple[float, float, float], ...]
 """Times (s) and positions (east and north, m) that a source gave in the last seconds."""
@@ -133,8 +133,9 @@ def averaged_fixes(fixes: Sequence[PositionFix]) -> tuple[PositionFix, ...]:
     Returns
     -------
     tuple of PositionFix
-        Fixes in order of time: of those of one source within the same tenth of a second their mean, weighted by their
-        information, with the information of all. Positions that are repeated count once.
+        Fixes in order of time: of those of one source within the same tenth of a second the mean position and time,
+        weighted by their information, with the information of all, whose errors count as independent. An outlier
+        among them is averaged with the others before it can be recognised. Positions that are repeated count once.
     """
     if len(fixes) < 2:
         return tuple(fixes)
@@ -158,5 +159,7 @@ def _average(group: Sequence[PositionFix]) -> Sequence[PositionFix]:
     position_m = np.array([fix.position_m for fix in different], dtype=np.float64)
     if len(different) > 1:
         position_m = (covariance @ np.einsum("nij,nj->i", information, position_m))[None]
-    time_s = float(np.mean([fix.time_s for fix in different]))
+    # A walker is at the mean of the positions at the mean of the times only if both have the same weights.
+    times_s, weights = [fix.time_s for fix in different], np.trace(information, axis1=1, axis2=2)
+    time_s = float(np.average(times_s, weights=weights))
     return [replace(different[0], time_s=time_s, position_m=position_m[0], covariance_m2=covariance)]

@@ -20,9 +20,14 @@ def test_ten_fixes_a_second_stay_as_they_are() -> None:
 
 def test_faster_fixes_are_their_weighted_mean_with_the_information_of_all() -> None:
     (one,) = averaged_fixes([fix(1.01, 4.0, 1.0), fix(1.03, 7.0, 2.0)])
-    assert one.time_s == pytest.approx(1.02)
+    assert one.time_s == pytest.approx((1.01 + 1.03 / 4.0) / 1.25)
     assert one.position_m == pytest.approx([(4.0 + 7.0 / 4.0) / 1.25, 1.0])
     assert one.covariance_m2 == pytest.approx(np.eye(2) / 1.25)
+
+
+def test_the_average_of_a_walk_at_constant_speed_lies_on_it() -> None:
+    (one,) = averaged_fixes([fix(1.01, 1.4 * 1.01, 0.01), fix(1.05, 1.4 * 1.05, 0.05), fix(1.09, 1.4 * 1.09, 0.02)])
+    assert one.position_m[0] == pytest.approx(1.4 * one.time_s, abs=1e-9)
 
 
 def test_a_position_that_is_repeated_counts_once() -> None:
