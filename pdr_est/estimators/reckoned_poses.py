@@ -19,8 +19,10 @@ def reckon_means(nodes: Sequence[Node], first: Array) -> Array:
 def reckon_poses(nodes: Sequence[Node], anchor: int, state: GaussianState) -> tuple[Array, Array]:
     """Compute the poses at all nodes by dead reckoning from the state at one of them, without a loop.
 
-    The parameters are those of `motion_model.reckon`. An error of the heading at a place turns the rest of the way
-    about that place; the sum of all these errors at a node is written with sums from the anchor up to the node.
+    The parameters are those of `motion_model.reckon`. The heading noise of motion j, of variance v, turns the rest of
+    the way about the place p of node j. With J a quarter turn, its share of the position covariance at node k is
+    v J(p_k - p_j) (J(p_k - p_j))ᵀ, and its covariance c with the displacement adds c (J(p_k - p_j))ᵀ and the
+    transpose. Multiplied out, all of it follows from running sums over j of v, c - v J p_j, and what has no p_k.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Huber weights: outlying measurements count less, and none is discarded."""
+"""Robust weights: outlying measurements count less, and none is discarded."""
 
 import numpy as np
 
@@ -6,6 +6,9 @@ from pdr_est.frames import Array
 
 HUBER = 1.345
 """Huber threshold in standard deviations: 95 % efficient for Gaussian errors in one dimension, 93 % in two."""
+
+CAUCHY = 1.0
+"""Scale of Cauchy's kernel for heading priors, in standard deviations: an error of so many counts half."""
 
 
 def huber_inflation(residual: Array, covariance: Array) -> float:

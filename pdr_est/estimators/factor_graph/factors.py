@@ -13,9 +13,9 @@ from math import cos, sin
 import gtsam
 import numpy as np
 
-from pdr_est.estimators.common.huber import HUBER
+from pdr_est.estimators.common.huber import CAUCHY, HUBER
 from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD, start_prior
-from pdr_est.estimators.common.motion_model import MIN_SIGMA, GaussianState
+from pdr_est.estimators.common.motion_model import MIN_SIGMA, GaussianState, regular_covariances
 from pdr_est.estimators.common.timeline import Node, Timeline
 from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.frames import Array
@@ -23,7 +23,6 @@ from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose
 
 _FREE_HEADING_RAD = 1e3  # standard deviation of a heading that a factor does not constrain
 _FREE_POSITION_M = 1e6  # likewise of a position
-_CAUCHY = 1.0  # standard deviations
 
 
 def add_anchors(
@@ -109,11 +108,8 @@ class MotionNoise:
 
 def motion_noise(nodes: Sequence[Node]) -> MotionNoise:
     """Make the noise models of the motions from the covariances of the nodes."""
-    covariance = np.array([node.covariance for node in nodes[1:]]).reshape(-1, 3, 3)
-    variance, axes = np.linalg.eigh(covariance)
-    variance = np.maximum(variance, MIN_SIGMA**2)
-    regular = (axes * variance[:, None, :]) @ axes.transpose(0, 2, 1)
-    ahead = np.sum(axes[:, 0, :] ** 2 / variance, axis=1)
+    regular = regular_covariances(nodes)
+    ahead: Array = np.linalg.inv(regular)[:, 0, 0].astype(np.float64)
     return MotionNoise([gtsam.noiseModel.Gaussian.Covariance(one) for one in regular], ahead)
 
 
@@ -161,7 +157,7 @@ def _heading_factor(key: int, reference: int | None, prior: HeadingPrior) -> gts
 def _robust(noise: gtsam.noiseModel.Base, robust: bool) -> gtsam.noiseModel.Base:
     if not robust:
         return noise
-    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_CAUCHY), noise)
+    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(CAUCHY), noise)
 
 
 def fix_noise(fix: PositionFix) -> gtsam.noiseModel.Base:

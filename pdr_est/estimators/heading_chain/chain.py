@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dptsv
 
+from pdr_est.estimators.common.huber import CAUCHY
 from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD
 from pdr_est.estimators.common.motion_model import MIN_SIGMA
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.frames import Array, wrap_angle
 
-EXACTLY = 1e-6
-"""Predicted decrease of the error, half a chi square, below which a step is the last one."""
-
+# The rules by which `factor_graph.newton` ends, so that both find the same optimum.
+_LEAST_DECREASE = 1e-6  # predicted, of the error, half a chi square, below which a step is the last one
 _MAX_STEPS = 200
 _MAX_HALVINGS = 20
 _ARMIJO = 1e-4  # share of the decrease that the slope predicts
@@ -84,13 +84,13 @@ class HeadingChain:
         """Return the most probable headings (n,) and reference direction, near initial ones.
 
         The method is iteratively reweighted least squares with Cauchy's kernel for robust priors, the same as
-        Gauss-Newton on the factor graph.
+        Gauss-Newton on the factor graph, with steps that are halved until the error decreases enough (Armijo's rule).
         """
         heading, reference = heading_rad, reference_rad
         here = self._error(heading, reference)
         for _ in range(_MAX_STEPS):
             change, turned, decrease = self._step(heading, reference)
-            if decrease < EXACTLY:
+            if decrease < _LEAST_DECREASE:
                 there = heading + change, reference + turned
                 return there if self._error(*there) <= here else (heading, reference)
             for halving in range(_MAX_HALVINGS):
@@ -147,12 +147,12 @@ class HeadingChain:
 
     def _kernel(self, off: Array) -> Array:
         """Return the weights (m,) of errors in standard deviations."""
-        return np.where(self.priors.robust, 1.0 / (1.0 + off**2), 1.0)
+        return np.where(self.priors.robust, 1.0 / (1.0 + (off / CAUCHY) ** 2), 1.0)
 
     def _error(self, heading: Array, reference: float) -> float:
         """Return half the sum of squares, with the kernels of robust priors."""
         off = self._off(heading, reference)
-        cost = np.where(self.priors.robust, np.log1p(off**2), off**2).sum()
+        cost = np.where(self.priors.robust, CAUCHY**2 * np.log1p((off / CAUCHY) ** 2), off**2).sum()
         cost += np.sum(wrap_angle(np.diff(heading) - self.turn_rad) ** 2 / self.turn_variance)
         cost += float(wrap_angle(heading[0] - self.start_rad)) ** 2 / self.start_variance
         return 0.5 * float(cost + ((reference - self.reference_rad) / VAGUE_SIGMA_RAD) ** 2)

@@ -1,7 +1,6 @@
 """Smooth the devices of a walk whose positions nothing measures, each by itself."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -71,8 +70,8 @@ def _smoothed(timeline: Timeline, start: StartPose, near: StartPose, sigma_lengt
         begin_rad, sigmas[2] ** 2, reference_rad, turn_rad, covariance[:, 2, 2], NodePriors.of_nodes(nodes)
     )
     heading_rad, reference_rad = chain.optimum(initial_rad, reference_rad)
-    moves, positions = _positions(heading_rad, turn_rad, length_m, covariance)
-    positions = replace(positions, start_covariance=_start_covariance(sigmas, float(heading_rad[0]) - begin_rad))
+    start_covariance = _start_covariance(sigmas, float(heading_rad[0]) - begin_rad)
+    moves, positions = _positions(heading_rad, turn_rad, length_m, covariance, start_covariance)
     spread = marginals(chain, chain.weights(heading_rad, reference_rad), positions)
     ahead = rotate_vectors(np.stack([length_m, np.zeros_like(length_m)], axis=1), heading_rad[:-1] + turn_rad)
     per_log = np.concatenate([np.zeros((1, 2)), np.cumsum(ahead, axis=0)])
@@ -82,14 +81,18 @@ def _smoothed(timeline: Timeline, start: StartPose, near: StartPose, sigma_lengt
 
 
 def _start_covariance(sigmas: Array, off_rad: float) -> Array:
-    """Return the covariance (2, 2) of the first position; the error of a pose in GTSAM is its logarithm."""
+    """Return the covariance (2, 2) of the first position, which is the same in both axes.
+
+    The error of a pose in GTSAM is its logarithm, whose first two components are V⁻¹ t, with the displacement t and
+    the matrix V of the heading's error a. V Vᵀ is the unit matrix times (sin(a/2) / (a/2))².
+    """
     half = 0.5 * float(wrap_angle(off_rad))
     shrunk = np.sin(half) / half if abs(half) > _SMALL_RAD else 1.0
     return np.asarray(shrunk**2 * np.diag(sigmas[:2] ** 2))
 
 
 def _positions(
-    heading_rad: Array, turn_rad: Array, length_m: Array, covariance: Array
+    heading_rad: Array, turn_rad: Array, length_m: Array, covariance: Array, start_covariance: Array
 ) -> tuple[Array, PositionChain]:
     """Return the most probable moves (n - 1, 2) for given headings, and their linear dependence on the headings.
 
@@ -112,4 +115,4 @@ def _positions(
     before = np.stack([-moves[:, 1], moves[:, 0]], axis=1) - after
     c, s = np.cos(ahead_rad), np.sin(ahead_rad)
     to_map = np.stack([c, -s, s, c], axis=1).reshape(-1, 2, 2) @ curve
-    return moves, PositionChain(np.zeros((2, 2)), before, after, to_map @ rest @ to_map.transpose(0, 2, 1))
+    return moves, PositionChain(start_covariance, before, after, to_map @ rest @ to_map.transpose(0, 2, 1))
