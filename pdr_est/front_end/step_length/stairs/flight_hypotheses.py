@@ -190,7 +190,7 @@ class FlightHypotheses:
 class _NoiseScale:
     """Variance of this walk's velocities over that of the parameters, from the innovations of the last steps."""
 
-    _PRIOR_STEPS, _KEPT, MOST_HYPOTHESES, _LEAST = 10.0, 0.97, 9.0, 0.25
+    _PRIOR_STEPS, _KEPT, _LARGEST_SQUARE, _LEAST = 10.0, 0.97, 9.0, 0.25
 
     def __init__(self) -> None:
         self._squares = self._weight = 0.0
@@ -202,7 +202,7 @@ class _NoiseScale:
     def learn(self, squared: Array, log_weight: Array) -> None:
         """Take in the squared normalised innovations (n,) of hypotheses with these weights (n,)."""
         weight = np.exp(log_weight - log_weight.max())
-        square = float(np.minimum(squared, self.MOST_HYPOTHESES) @ weight / weight.sum()) * self.variance
+        square = float(np.minimum(squared, self._LARGEST_SQUARE) @ weight / weight.sum()) * self.variance
         self._squares = self._KEPT * self._squares + square
         self._weight = self._KEPT * self._weight + 1.0
 

@@ -66,9 +66,11 @@ def find_impossible_rows(
     if len(found) and not np.isfinite(sum(column.sum(dtype=np.float64) for column in columns)):
         # Rows without a value, as of a slower sensor, are no neighbours of others.
         whole = np.all([np.isfinite(column) for column in columns], axis=0)
-        inner = find_impossible_rows([column[whole] for column in columns], never_zero=never_zero, largest=largest)
-        found[whole] = inner.rows
-        return replace(inner, rows=found)
+        if not whole.all():  # else only the sum is too large
+            kept = [column[whole] for column in columns]
+            inner = find_impossible_rows(kept, never_zero=never_zero, largest=largest)
+            found[whole] = inner.rows
+            return replace(inner, rows=found)
     if len(found) < _FEWEST_ROWS:
         return ImpossibleRows(found, ())
     words: list[str] = []
