@@ -14,10 +14,10 @@ from pdr_est.performance.yardsticks import inertial_arrays, textbook_track, vqf_
 from pdr_est.types.recording import Recording
 
 VQF_ALONE, TEXTBOOK_CHAIN = "VQF alone", "textbook chain"
-_ROUNDS = 5
+_ROUNDS = 5  # measurements of each chain, of which the median counts
 
 
-def whole_chain_cost(minutes: float, config: Config, rounds: int = _ROUNDS) -> list[dict[str, Any]]:
+def whole_chain_cost(minutes: float, config: Config) -> list[dict[str, Any]]:
     """Measure the yardsticks and every estimator, front end included, on a simulated walk with one and two phones.
 
     Parameters
@@ -26,8 +26,6 @@ def whole_chain_cost(minutes: float, config: Config, rounds: int = _ROUNDS) -> l
         Length of the walk.
     config : Config
         Settings of the chain.
-    rounds : int
-        How often everything is measured, one chain after the other; the median counts.
 
     Returns
     -------
@@ -38,7 +36,7 @@ def whole_chain_cost(minutes: float, config: Config, rounds: int = _ROUNDS) -> l
     rows: list[dict[str, Any]] = []
     for devices in (1, 2):
         walk = replace(recording, devices=recording.devices[:devices])
-        seconds = median_cpu_seconds(_chains(walk, config), rounds)
+        seconds = median_cpu_seconds(_chains(walk, config), _ROUNDS)
         rows += [
             {
                 "devices": devices,

@@ -107,7 +107,7 @@ def _body(data: bytes, layout: TableLayout) -> memoryview:
 
 
 def _with_points(body: bytes, width: int) -> bytes:
-    """Put a point where a comma cuts the decimals off; rows of another length stay as they are, to be told."""
+    """Put a point where a comma cuts the decimals off; rows of another length stay as they are, to be reported."""
     lines = []
     for line in body.split(b"\n"):
         cells = line.split(b",")
@@ -129,7 +129,7 @@ def _in_place(data: bytes, body: memoryview, layout: TableLayout) -> tuple[bytes
         and layout.separator != BLANKS
         and not layout.split_decimals
     )
-    if plain and not layout.split_decimals and len(data) - top <= len(body) + 1:
+    if plain and len(data) - top <= len(body) + 1:
         names = pl.read_csv(data[:top], separator=layout.separator, n_rows=0).columns
         if len(names) == len(layout.titles):
             return data, names

@@ -115,7 +115,7 @@ def detect_layout(head: bytes, is_unit: Callable[[str], bool] = lambda cell: Fal
     )
 
 
-def detect_header(head: bytes, is_unit: Callable[[str], bool] = lambda cell: False) -> TableLayout | None:
+def detect_header(head: bytes) -> TableLayout | None:
     """Detect the layout of a table that has titles, also where no row stands below them.
 
     Returns
@@ -123,7 +123,7 @@ def detect_header(head: bytes, is_unit: Callable[[str], bool] = lambda cell: Fal
     TableLayout or None
         None when the text is no table or has no titles.
     """
-    layout = detect_layout(head, is_unit)
+    layout = detect_layout(head)
     if layout is not None and layout.has_header:
         return layout
     top = next((line for line in _first_lines(head) if line.strip()), "")

@@ -116,7 +116,10 @@ def read_long_table(text: bytes, place: str, layout: TableLayout, column: str) -
         else:
             found.append(signals)
     if not found:
-        raise RecordingError(f"{place}: column {column!r} names no sensor that is known ({', '.join(skipped)})")
+        raise RecordingError(
+            f"{place}: column {column!r} names no sensor that is known ({', '.join(skipped)}); "
+            "say with --map which of these names is which sensor"
+        )
     found.sort(key=lambda table: is_second_choice(table.place))
     note = f"column {column!r} names the sensor of each row" + (
         f"; not used: rows {', '.join(skipped)}" if skipped else ""

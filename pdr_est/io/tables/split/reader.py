@@ -61,7 +61,7 @@ def read_tables(
         When the content is no table, has no time, or is damaged.
     """
     text = as_utf8(data)
-    sections = table_sections(text, hint) if mapping is None else ()
+    sections = table_sections(text) if mapping is None else ()
     if sections:
         return (DeviceTables("", read_sections(sections, place, hint)),)
     layout = layout_of(text)

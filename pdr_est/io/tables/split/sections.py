@@ -41,7 +41,7 @@ class TableSection:
     text: bytes
 
 
-def table_sections(text: bytes, hint: Quantity | None = None) -> tuple[TableSection, ...]:
+def table_sections(text: bytes) -> tuple[TableSection, ...]:
     """Find the tables of a file that has several; empty for a file with one.
 
     A header that is written again, in the middle of a table, begins no new one unless another sensor's name stands
@@ -51,8 +51,6 @@ def table_sections(text: bytes, hint: Quantity | None = None) -> tuple[TableSect
     ----------
     text
         Content in UTF-8 with LF at the ends of lines.
-    hint
-        Quantity that the name of the file tells; None when it tells none.
     """
     heads = _headers(text)
     if len(heads) < 2:
@@ -74,7 +72,7 @@ def table_sections(text: bytes, hint: Quantity | None = None) -> tuple[TableSect
 def read_sections(
     sections: Sequence[TableSection], place: str, hint: Quantity | None = None
 ) -> tuple[TableSignals, ...]:
-    """Read the tables of a file that has several; those that are not understood are told.
+    """Read the tables of a file that has several; those that are not understood are reported.
 
     Parameters
     ----------
@@ -107,6 +105,7 @@ def read_sections(
         raise RecordingError(
             f"{place}: {len(sections)} tables one below the other, and none has an accelerometer or gyroscope"
             + (f" ({'; '.join(left)})" if left else "")
+            + "; write the sensor's name above its titles, or save each table as a file of its own"
         )
     note = f"the file has {len(sections)} tables one below the other"
     found[0] = replace(found[0], decisions=(note, *found[0].decisions), warnings=(*found[0].warnings, *left))

@@ -119,7 +119,7 @@ def _with_titles(rows: Sequence[str], heads: Sequence[Sequence[str]], separator:
 
 
 def read_tagged_log(text: bytes, place: str) -> tuple[TableSignals, ...]:
-    """Read the kinds of rows that name a sensor or have titles that do; the others are told."""
+    """Read the kinds of rows that name a sensor or have titles that do; the others are reported."""
     found, skipped, lost = [], [], []
     for table in tagged_tables(text):
         hint = sensor_by_name(table.tag)
@@ -138,7 +138,8 @@ def read_tagged_log(text: bytes, place: str) -> tuple[TableSignals, ...]:
     if not found:
         reasons = f"; {'; '.join(lost)}" if lost else ""
         raise RecordingError(
-            f"{place}: none of the kinds of rows ({', '.join(skipped)}) has the samples of a sensor{reasons}"
+            f"{place}: none of the kinds of rows ({', '.join(skipped)}) has the samples of a sensor{reasons}; "
+            "save the rows of each sensor as a file of its own, named by the sensor"
         )
     decisions = [f"not used: rows {', '.join(skipped)}"] if skipped else []
     found[0] = replace(found[0], decisions=(*found[0].decisions, *decisions), warnings=(*found[0].warnings, *lost))

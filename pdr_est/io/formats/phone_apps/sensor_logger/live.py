@@ -77,7 +77,10 @@ class LiveReader:
         name = message.device
         if name not in self._phones:
             if len(self._phones) >= _MOST_PHONES:
-                raise RecordingError(f"a message of one more phone than the {_MOST_PHONES} that a person may carry")
+                raise RecordingError(
+                    f"a message of one more phone than the {_MOST_PHONES} that a person may carry: track each person "
+                    "by a call of its own"
+                )
             self._phones[name] = _Phone(name, self._platform, self._common)
         return self._phones[name].push(message)
 
