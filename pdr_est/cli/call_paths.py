@@ -10,6 +10,17 @@ _NOTED = "pdr_est.inputs"  # in the context: inputs that are no value of an opti
 _PATTERN = ("*", "?", "[")
 
 
+def is_pattern(path: Path) -> bool:
+    """Tell whether a path stands for all files that match it."""
+    return any(mark in str(path) for mark in _PATTERN) and not path.exists()
+
+
+def matching_paths(pattern: Path) -> list[Path]:
+    """List the files and folders that match a pattern, in order."""
+    anchor = Path(pattern.anchor)
+    return sorted(anchor.glob(str(pattern.relative_to(anchor))))
+
+
 class OutputPath(click.Path):
     """Path that is written and not read."""
 
@@ -61,6 +72,5 @@ def _paths_in(value: Any) -> Iterator[Path]:
             yield from _paths_in(one)
     elif isinstance(value, Path):
         yield value
-        if any(mark in str(value) for mark in _PATTERN) and not value.exists():
-            anchor = Path(value.anchor)
-            yield from anchor.glob(str(value.relative_to(anchor)))
+        if is_pattern(value):
+            yield from matching_paths(value)

@@ -5,13 +5,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pdr_est.cli.call_paths import is_pattern, matching_paths
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io import read
 from pdr_est.io.formats.walks_in_folder import walks_in_folder
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.types.recording import Recording
 
-_PATTERN = ("*", "?", "[")
 _EXTENSION = re.compile(r"\.[a-z][a-z0-9]{0,7}", re.IGNORECASE)
 _MANY = 3  # recordings; two that were made at different times may be phones with a wrong date
 _LARGEST_ZONE_S = 14.0 * 3600.0  # difference between local time and UTC
@@ -137,10 +137,9 @@ def _may_overlap(one: tuple[bool, float, float], other: tuple[bool, float, float
 
 
 def _matches(argument: Path) -> list[Path]:
-    if not any(mark in str(argument) for mark in _PATTERN) or argument.exists():
+    if not is_pattern(argument):
         return [argument]
-    folder = Path(argument.anchor)
-    found = sorted(folder.glob(str(argument.relative_to(folder))))
+    found = matching_paths(argument)
     if not found:
         raise RecordingError(f"{argument}: no file has a name like that: check the pattern")
     return found

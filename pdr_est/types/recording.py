@@ -34,6 +34,11 @@ class Signal:
     def __len__(self) -> int:
         return len(self.time_s)
 
+    def interpolated_at(self, time_s: Array) -> Array:
+        """Return the values (m, k) at some times (m,), s, by straight lines, whatever the order of the samples."""
+        order = np.argsort(self.time_s, kind="stable")
+        return np.stack([np.interp(time_s, self.time_s[order], one) for one in self.values[order].T], axis=1)
+
 
 _CHANNELS = ("specific_force", "linear_acceleration", "rotation_rate", "magnetic_field", "attitude", "pressure")
 
@@ -103,9 +108,8 @@ class DeviceRecording:
 
     def with_times(self, convert: Callable[[Array], Array]) -> "DeviceRecording":
         """Return a copy in which `convert` has been applied to the times (n,) of every signal."""
-        converted: dict[str, Any] = {
-            name: Signal(convert(signal.time_s), signal.values) for name, signal in self.signals().items()
-        }
+        found = self.signals().items()
+        converted: dict[str, Any] = {name: Signal(convert(one.time_s), one.values) for name, one in found}
         if self.restarts_s:
             converted["restarts_s"] = tuple(convert(np.array(self.restarts_s)).tolist())
         return replace(self, **converted)
@@ -116,10 +120,7 @@ class DeviceRecording:
         return {name: signal for name, signal in signals.items() if signal is not None}
 
     def blocks(self) -> Iterator[SensorBlock]:
-        """Iterate over the channels that the front end uses, each as one block.
-
-        Channels for which a resampler does not wait come first.
-        """
+        """Iterate over the channels of the front end, a block each; first those for which no resampler waits."""
         for channel, signal in (
             (Channel.MAGNETIC_FIELD, self.magnetic_field),
             (Channel.ATTITUDE, self.attitude),

@@ -67,13 +67,13 @@ def _recordings() -> Mapping[str, Callable[[], Files]]:
 
 @cache
 def recording(name: str) -> Files:
-    """Files of a sound recording."""
+    """Return the files of a sound recording."""
     return _recordings()[name]()
 
 
 @cache
 def live_messages() -> bytes:
-    """Messages that Sensor Logger pushes in 12 s of a walk with two phones, a line each."""
+    """Return the messages that Sensor Logger pushes in 12 s of a walk with two phones, a line each."""
     walk, lines = table_walk(), []
     for second in range(12):
         for device in ("left", "right"):
@@ -97,7 +97,7 @@ def live_messages() -> bytes:
 
 
 def _keys(values: Mapping[str, Any], above: str = "") -> list[str]:
-    """Dotted keys of all settings, sections without those within."""
+    """List the dotted keys of all settings, sections without those within."""
     return [
         key
         for name, value in values.items()
@@ -126,7 +126,7 @@ _VALUES: st.SearchStrategy[Any] = st.one_of(
 
 
 def attacks(target: str) -> st.SearchStrategy[Attack]:
-    """Strategy of attacks on a target, one of `TARGETS`."""
+    """Make the strategy of attacks on a target, one of `TARGETS`."""
     some = st.lists(mutations(), min_size=1, max_size=_MOST_CHANGES).map(tuple)
     none: st.SearchStrategy[Any] = st.just(())
     if target == "settings":

@@ -106,7 +106,7 @@ def serve() -> None:
 
 
 def complaints(answer: Answer) -> Sequence[str]:
-    """What is wrong with the way in which a call ended: nothing, if it did its work or refused the input in words."""
+    """Say what is wrong with the end of a call: nothing, if it did its work or refused the input in words."""
     last = answer.stderr.rstrip("\n").rsplit("\n", 1)[-1]
     found = {
         f"crash: {answer.crash[-1500:]}": bool(answer.crash),

@@ -56,7 +56,7 @@ KINDS = ("flip", "cut", "repeat", "truncate", "cell", "line away", "line again",
 
 @dataclass(frozen=True)
 class Mutation:
-    """One change of a file. place, other: fractions of 65536 of the bytes, lines or cells; word: text put there."""
+    """One change of a file: place and other count the bytes, lines or cells in 65536ths, word is a text put there."""
 
     kind: str
     place: int
@@ -64,7 +64,7 @@ class Mutation:
     word: str
 
     def apply(self, data: bytes) -> bytes:
-        """The changed file."""
+        """Return the changed content of a file."""
         if not data:
             return self.word.encode()
         if self.kind in ("flip", "cut", "repeat", "truncate"):
@@ -101,13 +101,13 @@ class Mutation:
 
 
 def mutations() -> st.SearchStrategy[Mutation]:
-    """Strategy of single changes."""
+    """Make the strategy of single changes."""
     fraction = st.integers(0, 65535)
     return st.builds(Mutation, st.sampled_from(KINDS), fraction, fraction, st.sampled_from(WORDS))
 
 
 def mutated(data: bytes, changes: Sequence[Mutation]) -> bytes:
-    """A file after changes, one after the other."""
+    """Return the content of a file after changes, one after the other."""
     for change in changes:
         data = change.apply(data)
     return data

@@ -153,21 +153,8 @@ class NodeBuilder:
         first = bisect_right(split_times_s, begin_s)
         splits = split_times_s[first : bisect_left(split_times_s, step.time_s, first)]
         if not inside and not splits:
-            return [
-                Node(
-                    time_s=step.time_s,
-                    moving_from_s=begin_s,
-                    length_m=step.length_m,
-                    heading_change_rad=step.heading_change_rad,
-                    covariance=step.covariance,
-                    is_step=True,
-                    step_length_m=step.length_m,
-                    mode=step.mode,
-                    fixes=standing,
-                    priors=priors,
-                    turn_hypotheses=step.turn_hypotheses,
-                )
-            ]
+            moved = step.length_m, step.heading_change_rad, step.covariance, True, step.length_m
+            return [Node(step.time_s, begin_s, *moved, step.mode, standing, priors, step.turn_hypotheses)]
         nodes = split_step(step, begin_s, inside, splits)
         if standing:
             nodes[-1] = replace(nodes[-1], fixes=standing)

@@ -11,8 +11,6 @@ from math import acos, atan2, pi
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.heading.step_motion import step_motions
-from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import StepMotion
 
 Vector = tuple[float, float, float]
@@ -57,29 +55,6 @@ def wrapped(angle_rad: float) -> float:
     return (angle_rad + pi) % (2.0 * pi) - pi
 
 
-def mean_up(samples: LevelBlock) -> Array:
-    """Compute the mean unit vector (3,) upwards in device axes over some samples."""
-    return np.array(step_motions([samples])[0].up)
-
-
-def mean_yaw(samples: LevelBlock, reference_up: Array) -> float:
-    """Compute the mean yaw over some samples of a phone in a known posture.
-
-    Parameters
-    ----------
-    samples : LevelBlock
-        Samples.
-    reference_up : ndarray, shape (3,)
-        Unit vector upwards in device axes in the usual posture, to which the zero of the yaw belongs.
-
-    Returns
-    -------
-    float
-        Yaw, rad in (-pi, pi].
-    """
-    return posture_of(reference_up).yaw_rad(step_motions([samples])[0])
-
-
 def posture_of(up: Array) -> Posture:
     """Return the posture of a unit vector (3,) upwards in device axes."""
     x, y, z = up.tolist()
@@ -98,8 +73,8 @@ def level_axes(up: Array) -> tuple[Array, Array]:
 def yaw_between_postures(before: Array, after: Array) -> float:
     """Compute how much larger the yaw of a phone is in a posture that it reached by the shortest way.
 
-    `mean_yaw` counts from a zero that belongs to the posture. On the shortest way from one posture to another the
-    phone is tilted and does not turn about the vertical.
+    `Posture.yaw_rad` counts from a zero that belongs to the posture. On the shortest way from one posture to another
+    the phone is tilted and does not turn about the vertical.
 
     Parameters
     ----------

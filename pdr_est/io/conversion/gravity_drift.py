@@ -72,8 +72,9 @@ def gravity_scatter(turned: Array, windows: GravityWindows) -> Array:
 def log_likelihood(variance: Array, windows: GravityWindows) -> float:
     """Compute the log likelihood of apparent movements of gravity (k,), up to a constant; 0 without any.
 
-    Its tails are heavy, because a phone may be thrown about: that of a t distribution, tempered from the nine degrees
-    of freedom of a window's means to two, because the errors of means and of overlapping windows are not independent.
+    It is that of a t distribution, -(f + d)/2 log(1 + d v/(f u)) with the variance v and the usual one u: its tails
+    are heavy (f = 2), because a phone may be thrown about. The nine components of the means of a window count as
+    d = 2, because their errors are not independent, nor are those of overlapping windows (`independent_share`).
     """
     share = independent_share(len(variance))
     return -2.0 * share * float(np.log1p(variance / usual_variance(windows)).sum())

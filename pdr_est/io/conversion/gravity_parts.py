@@ -110,18 +110,13 @@ def _at_times_of(linear: Signal, gravity: Signal) -> tuple[Signal, Array]:
     first_s, last_s = gravity.time_s.min() - _MARGIN_S, gravity.time_s.max() + _MARGIN_S
     inside = (linear.time_s >= first_s) & (linear.time_s <= last_s)
     kept = Signal(linear.time_s[inside], linear.values[inside])
-    return kept, _interpolated(gravity, kept.time_s)
+    return kept, gravity.interpolated_at(kept.time_s)
 
 
 def _turning(rate: RawSignal, motion: Signal) -> Array:
     """Return the rotation rate, rad/s, at the times of the motion, m/s²."""
     factor = rate.factor or detect_rotation_unit(rate.signal, motion).factor
-    return _interpolated(rate.signal, motion.time_s) * factor
-
-
-def _interpolated(signal: Signal, time_s: Array) -> Array:
-    order = np.argsort(signal.time_s, kind="stable")
-    return np.stack([np.interp(time_s, signal.time_s[order], one) for one in signal.values[order].T], axis=1)
+    return rate.signal.interpolated_at(motion.time_s) * factor
 
 
 def _shaking_in_common(linear: Signal, gravity: Array) -> float:

@@ -78,8 +78,6 @@ def _agreement(time_s: Array, quaternion: Array, rate: Signal) -> float:
     if usable.sum() < _FEWEST_STEPS:
         return 0.0
     derived = 2.0 * np.sign(cosine)[usable, None] * rotated[usable] / step_s[usable, None]
-    order = np.argsort(rate.time_s, kind="stable")
-    middle_s = 0.5 * (time_s[:-1] + time_s[1:])[usable]
-    measured = np.stack([np.interp(middle_s, rate.time_s[order], one) for one in rate.values[order].T], axis=1)
+    measured = rate.interpolated_at(0.5 * (time_s[:-1] + time_s[1:])[usable])
     power = float(np.sqrt(np.square(derived).sum() * np.square(measured).sum()))
     return float((derived * measured).sum()) / power if power > 0.0 else 0.0

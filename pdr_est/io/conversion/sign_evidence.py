@@ -120,7 +120,7 @@ def dip_evidence(force: Signal, field: Signal, latitude_deg: float | None = None
     if latitude_deg is not None and abs(latitude_deg) < _EQUATOR_DEG:
         return None
     time_s, values = sampled_rows(force.time_s), sampled_rows(force.values)
-    along = _interpolated(field, time_s)
+    along = field.interpolated_at(time_s)
     lengths = np.linalg.norm(along, axis=1) * np.linalg.norm(values, axis=1)
     usable = lengths > 0.0
     if not usable.any():
@@ -219,10 +219,3 @@ def _log_density(angle_rad: Array, variance_rad2: Array) -> Array:
     normal = np.exp(-0.5 * folded) / np.sqrt(2.0 * np.pi * variance_rad2)
     density: Array = np.log((1.0 - _USELESS_LEG) * normal + _USELESS_LEG / (2.0 * np.pi))
     return density
-
-
-def _interpolated(signal: Signal, time_s: Array) -> Array:
-    """Interpolate a signal (n, k) at some times (m,), whatever the order of its clock."""
-    order = np.argsort(signal.time_s, kind="stable")
-    own_s = signal.time_s[order]
-    return np.stack([np.interp(time_s, own_s, column[order]) for column in signal.values.T], axis=1)

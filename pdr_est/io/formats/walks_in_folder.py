@@ -18,7 +18,7 @@ _ANNOTATION = ".xml"  # files that stand for a walk and hold none of its samples
 def walks_in_folder(folder: Path, mapping: TableMapping | None = None) -> tuple[Path, ...]:
     """List the recordings in a folder, at any depth; the folder itself if it is one recording.
 
-    Files of the same kind that cannot be read are in the list, too, so that whoever reads it is told why; the files
+    Files of the same kind that cannot be read are in the list, too, so that whoever reads it says why; the files
     that a format reads beside a walk are not, nor notes and pictures.
 
     Parameters

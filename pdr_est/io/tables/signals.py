@@ -13,11 +13,11 @@ from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.tables.quantities import MOTION, Quantity, is_unit
-from pdr_est.io.tables.split.zero_filled import without_zero_fill
 from pdr_est.io.tables.times.bursts import spread_bursts
 from pdr_est.io.tables.times.clock import TableClock, read_clock, without_stale_rows
 from pdr_est.io.tables.times.sensor_clocks import by_sensor_clock, rows_of_clocks
 from pdr_est.io.tables.values.measurements import Notes, find_missing_rows, read_measurements
+from pdr_est.io.tables.values.zero_filled import without_zero_fill
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import LooseTable, read_loose_table
 from pdr_est.io.text.number_table import NumberTable

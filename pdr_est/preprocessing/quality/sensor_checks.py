@@ -210,8 +210,6 @@ def attitude_rate_correlation(attitude: Signal, rate: Signal) -> float | None:
     if usable.sum() < 10:
         return None
     derived = 2.0 * np.sign(cosine)[usable, None] * rotated[usable] / period_s[usable, None]
-    order = np.argsort(rate.time_s, kind="stable")
-    middle_s = (time_s[:-1] + time_s[1:])[usable] / 2.0
-    measured = np.stack([np.interp(middle_s, rate.time_s[order], axis) for axis in rate.values[order].T], axis=1)
+    measured = rate.interpolated_at((time_s[:-1] + time_s[1:])[usable] / 2.0)
     power = float(np.sqrt((derived**2).sum() * (measured**2).sum()))
     return float((derived * measured).sum() / power) if power > 0.0 else None

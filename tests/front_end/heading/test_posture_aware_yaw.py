@@ -10,10 +10,11 @@ from scipy.spatial.transform import Rotation
 from signals import run
 
 from pdr_est.frames import Array, twist_about_vertical, up_in_device, wrap_angle
-from pdr_est.front_end.heading.phone_posture import angle_between, level_axes, mean_up, mean_yaw
+from pdr_est.front_end.heading.phone_posture import Posture, angle_between, level_axes
 from pdr_est.front_end.heading.placement_change.auto_params import AutoHeadingParams
 from pdr_est.front_end.heading.posture_aware_yaw import PostureAwareYaw
 from pdr_est.front_end.heading.principal_axis import PrincipalAxisParams
+from pdr_est.front_end.heading.step_motion import motion_of
 from pdr_est.types.steps import CarryingMode, Step
 
 PARAMETERS, AXIS = AutoHeadingParams(), PrincipalAxisParams()
@@ -90,9 +91,9 @@ def test_the_angle_between_directions() -> None:
 @pytest.mark.parametrize("number", range(12))
 def test_the_yaw_turns_with_the_walker_in_any_posture(number: int, nod_deg: float) -> None:
     mount = [FLAT, HEAD_DOWN, UPRIGHT, *Rotation.random(9, random_state=7)][number]
-    reference = mean_up(carried(0, 0.0, mount).samples)
+    posture = Posture(motion_of(carried(0, 0.0, mount)).up)
     yaws = [
-        mean_yaw(carried(0, heading_deg, mount, nod_deg=nod_deg).samples, reference)
+        posture.yaw_rad(motion_of(carried(0, heading_deg, mount, nod_deg=nod_deg)))
         for heading_deg in (0.0, 40.0, 170.0, -160.0)
     ]
     turned = wrap_angle(np.array(yaws) - yaws[0] - np.deg2rad([0.0, 40.0, 170.0, -160.0]))

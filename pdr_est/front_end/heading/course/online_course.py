@@ -2,7 +2,7 @@
 
 The chain of the whole walk (`sideways_chain`) runs forward only. It begins where the phone turns, with mean and noise
 of the acceleration of the steps before, and ends when the walker moves ahead again for certain. What is not certain
-yet, a few steps after each turn, is told as doubt.
+yet, a few steps after each turn, is in the standard deviation of the direction.
 """
 
 from cmath import rect

@@ -8,6 +8,5 @@ owners        columns that tell whose row it is: of one of several devices, pers
 sections      tables one below the other, each with a header of its own
 long_table    one row a sample, with the sensor's name in a column
 tagged_log    rows that begin with the name of their kind, each kind with columns of its own
-zero_filled   rows with the sample of one sensor and zeros for the others
 ============  ==========================================================================================
 """
