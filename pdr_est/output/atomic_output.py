@@ -78,27 +78,51 @@ def staged_file(target: Path, overwrite: bool, inputs: Sequence[Path] = ()) -> I
         exists and may not be replaced, or when no file can be made beside it; afterwards, when the disk is full or
         the target is a file that was read meanwhile.
     """
-    resolved = _resolved(Path(target).expanduser())
-    if is_staged(resolved):
-        yield resolved  # whoever makes the folder words the errors
+    if is_staged(_resolved(Path(target).expanduser())):
+        yield Path(target)  # whoever makes the folder words the errors
         return
-    if resolved.exists() and not resolved.is_file():
-        raise OutputError(f"{target}: not a regular file: choose another file name")
-    refuse_inputs_in_file(target, resolved, inputs)
-    if resolved.exists() and not overwrite:
-        raise OutputError(f"{target}: exists already: allow overwriting (--overwrite) or choose another file")
-    remove_leftovers(resolved.parent, resolved.name)
+    resolved = place_of_file(target, overwrite, inputs)
     with output_errors(target), staging_folder(resolved) as folder, _named(folder / resolved.name, target):
         staging = folder / resolved.name
         staging.touch()
         if resolved.exists():
             shutil.copymode(resolved, staging)
         yield staging
-        _to_disk(staging)
-        refuse_remembered([resolved], target)
-        if not overwrite and resolved.exists():
-            raise OutputError(f"{target}: has appeared meanwhile: choose another file")
-        staging.replace(resolved)
+        publish_file(staging, resolved, overwrite, target)
+
+
+def place_of_file(target: Path, overwrite: bool, inputs: Sequence[Path]) -> Path:
+    """Return the path, links resolved, at which a file may be written, and remove what killed runs left beside it.
+
+    Raises
+    ------
+    OutputError
+        If the target is a folder or a device, is one of the inputs or lies inside one, or exists and may not be
+        replaced.
+    """
+    resolved = _resolved(Path(target).expanduser())
+    if resolved.exists() and not resolved.is_file():
+        raise OutputError(f"{target}: not a regular file: choose another file name")
+    refuse_inputs_in_file(target, resolved, inputs)
+    if resolved.exists() and not overwrite:
+        raise OutputError(f"{target}: exists already: allow overwriting (--overwrite) or choose another file")
+    remove_leftovers(resolved.parent, resolved.name)
+    return resolved
+
+
+def publish_file(staging: Path, resolved: Path, overwrite: bool, target: Path) -> None:
+    """Give a file that has been written its name.
+
+    Raises
+    ------
+    OutputError
+        If the target was read meanwhile, or has appeared and may not be replaced.
+    """
+    _to_disk(staging)
+    refuse_remembered([resolved], target)
+    if not overwrite and resolved.exists():
+        raise OutputError(f"{target}: has appeared meanwhile: choose another file")
+    staging.replace(resolved)
 
 
 @contextmanager

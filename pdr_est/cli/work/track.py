@@ -22,8 +22,7 @@ from pdr_est.io.formats.phone_apps.sensor_logger.live import Platform
 from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import LONGEST_LINE
 from pdr_est.io.side_tables.position_fixes import fixes_within
 from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.output.atomic_output import staged_file
-from pdr_est.output.write_errors import output_errors
+from pdr_est.output.growing_file import growing_file
 from pdr_est.preprocessing.moments import Moment
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.recording import Recording
@@ -112,13 +111,9 @@ def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:
 
 @contextmanager
 def _output_stream(output: Path | None, overwrite: bool) -> Iterator[TextIO]:
-    """Open the stream of the output; a file appears when the walk has ended."""
+    """Open the stream of the output; a file appears with the first estimate and can be followed."""
     if output is None:
         yield sys.stdout
         return
-    with (
-        staged_file(output, overwrite, input_paths()) as staging,
-        output_errors(output),
-        staging.open("w", encoding="utf-8") as stream,
-    ):
+    with growing_file(output, overwrite, input_paths()) as stream:
         yield stream
