@@ -14,10 +14,9 @@ from math import inf
 
 import numpy as np
 
-from pdr_est.estimators.person.track import NAME, fuse
+from pdr_est.estimators.person.track import NAME, fuse_at_one_time
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.online.update import Kind, PoseEstimate, Update
-from pdr_est.types.track import Track
 
 _LONGEST_STEP_S = 2.0  # ours; the step segmentation treats a longer pause as a standstill
 
@@ -165,14 +164,15 @@ class PersonEstimates:
             if number == own.device or device.recorded_at(time_s)
             if (pose := self._pose(number, time_s)) is not None
         ]
-        fused = fuse(_track(known, own, self._kind))
+        poses, covariances = (np.array(column) for column in zip(*known, strict=True))
+        position_m, covariance_m2, heading_rad, sigma_heading_rad = fuse_at_one_time(poses, covariances)
         return Update(
             device=NAME,
             time_s=time_s,
-            position_m=fused.position_m[0],
-            covariance_m2=fused.covariance_m2[0],
-            heading_rad=float(fused.heading_rad[0]),
-            sigma_heading_rad=float(fused.sigma_heading_rad[0]),
+            position_m=position_m,
+            covariance_m2=covariance_m2,
+            heading_rad=heading_rad,
+            sigma_heading_rad=sigma_heading_rad,
             kind=self._kind,
             step_length_m=own.node.step_length_m * own.scale[0],
             mode=own.node.mode,
@@ -196,25 +196,6 @@ class PersonEstimates:
         share, change = (time_s - begin_s) / span_s, following.pose - before.pose
         change[2] = wrap_angle(change[2])
         return before.pose + share * change, before.covariance + share * (following.covariance - before.covariance)
-
-
-def _track(known: Sequence[tuple[Array, Array]], own: PoseEstimate, kind: Kind) -> Track:
-    """Make a track of one pose a device."""
-    pose, covariance = np.array([pose for pose, _ in known]), np.array([spread for _, spread in known])
-    time_s = np.full(len(known), own.node.time_s)
-    return Track(
-        time_s=time_s,
-        moving_from_s=time_s,
-        device=np.array([str(number) for number in range(len(known))]),
-        position_m=pose[:, :2],
-        heading_rad=pose[:, 2],
-        covariance_m2=covariance[:, :2, :2],
-        sigma_heading_rad=np.sqrt(covariance[:, 2, 2]),
-        mode=np.full(len(known), own.node.mode, dtype=np.int8),
-        step_length_m=np.zeros(len(known)),
-        kind=kind,
-        estimator="",
-    )
 
 
 def _same(update: Update, other: Update | None) -> bool:

@@ -89,21 +89,42 @@ def _windows(heading_rad: Array, variance: Array, width: int) -> tuple[Array, Ar
     return mean, within + np.square(headings - mean[:, None]) @ weights, np.ptp(headings, axis=1)
 
 
-def _of_devices(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return the weighted mean of the devices' headings, each unwrapped beside the first, and its variance.
+def intersected_headings(
+    headings_rad: Array, variances: Array, present: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Compute the weighted mean of the devices' headings, each counted from the first one, and its variance.
 
     This is covariance intersection (Julier and Uhlmann 1997) with weights w_k of device k that are constant in time:
     the mean is sum w_k h_k, the variance sum w_k v_k. Weights are inverse to the mean variance, so that a device that
     loses its heading during the walk has a small weight from the beginning.
+
+    Parameters
+    ----------
+    headings_rad
+        Heading of each of d devices at n times, (d, n), rad; the rows may differ by whole turns.
+    variances
+        Their variances, (d, n), rad^2.
+    present
+        True where a device takes part, (d, n).
+
+    Returns
+    -------
+    heading_rad : Array
+        Mean heading (n,), rad, beside that of the first device.
+    variance_rad2 : Array
+        Its variance, (n,), rad^2.
     """
-    headings: list[Array] = []
-    variances: list[Array] = []
-    for one in tracks:
-        own = np.interp(time_s, one.time_s, np.unwrap(one.heading_rad))
-        headings.append(own if not headings else np.asarray(headings[0] + wrap_angle(own - headings[0])))
-        variances.append(np.interp(time_s, one.time_s, np.square(one.sigma_heading_rad)))
-    variance = np.stack(variances)
-    usual = np.sum(variance * present, axis=1) / np.maximum(present.sum(axis=1), 1)
+    beside = headings_rad.copy()
+    beside[1:] = headings_rad[0] + wrap_angle(headings_rad[1:] - headings_rad[0])
+    usual = np.sum(variances * present, axis=1) / np.maximum(present.sum(axis=1), 1)
     weights = present / (usual + LEAST_VARIANCE)[:, None]
     weights /= weights.sum(axis=0)
-    return np.unwrap(np.sum(weights * np.stack(headings), axis=0)), np.sum(weights * variance, axis=0)
+    return np.sum(weights * beside, axis=0), np.sum(weights * variances, axis=0)
+
+
+def _of_devices(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Fuse the headings of the devices at each time, and unwrap them."""
+    headings = np.stack([np.interp(time_s, one.time_s, np.unwrap(one.heading_rad)) for one in tracks])
+    variances = np.stack([np.interp(time_s, one.time_s, np.square(one.sigma_heading_rad)) for one in tracks])
+    heading, variance = intersected_headings(headings, variances, present)
+    return np.unwrap(heading), variance

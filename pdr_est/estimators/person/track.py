@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.timeline import SAME_S
-from pdr_est.estimators.person.heading import LEAST_VARIANCE, heading_of_person
+from pdr_est.estimators.person.heading import LEAST_VARIANCE, heading_of_person, intersected_headings
 from pdr_est.estimators.person.steps import SAME_STEP_S, present_at, steps_of_person
 from pdr_est.frames import Array, rotate_vectors, wrap_angle
 from pdr_est.types.track import Track
@@ -62,6 +62,33 @@ def fuse(track: Track) -> Track:
         length_scale=track.length_scale,
         sigma_length_scale=track.sigma_length_scale,
     )
+
+
+def fuse_at_one_time(poses: Array, covariances: Array) -> tuple[Array, Array, float, float]:
+    """Fuse the poses of several devices at one time as `fuse` does with tracks of one pose each, at a tenth of the cost.
+
+    Parameters
+    ----------
+    poses
+        East m, north m and heading rad of each device, (d, 3).
+    covariances
+        Their covariances, (d, 3, 3).
+
+    Returns
+    -------
+    position_m : Array
+        (2,).
+    covariance_m2 : Array
+        (2, 2).
+    heading_rad : float
+        In [-pi, pi).
+    sigma_heading_rad : float
+        Its standard deviation.
+    """
+    present = np.ones((len(poses), 1), dtype=np.bool_)
+    position, covariance = _intersect(poses[:, None, :2], covariances[:, None, :2, :2], present)
+    heading, variance = intersected_headings(poses[:, 2, None], np.square(np.sqrt(covariances[:, 2, 2, None])), present)
+    return position[0], covariance[0], float(wrap_angle(heading)[0]), float(np.sqrt(variance[0]))
 
 
 def at_lever_arm(track: Track, offset_m: tuple[float, float]) -> Track:
