@@ -13,7 +13,7 @@ from pdr_est.front_end.heading.north import NorthReference
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.front_end_chain import level_chain, measuring, optional_channels, stepping
 from pdr_est.preprocessing.quality.requirements import COARSE_SAMPLING_S
-from pdr_est.stage import Chain
+from pdr_est.stage import Chain, Stage
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.sensors import Channel, LevelBlock, SensorBlock
 
@@ -74,10 +74,9 @@ class DeviceFrontEnd:
         self._device = device
         self._levelling: Chain | None = None
         self._early: list[SensorBlock] = []  # samples before it is known whether to use the device's attitude
-        to_steps = stepping(config, parts).stages
-        heading = Chain([*to_steps[3:], measuring(device.name, config, device.north)])
-        self._parts = (Chain(to_steps[:1]), Chain(to_steps[1:3]), heading)  # about the same work each
-        self._waiting: tuple[list[Any], ...] = ([], [], [])  # input of each part
+        self._parts = _parts_of_equal_work(stepping(config, parts), measuring(device.name, config, device.north))
+        self._step_latency_s = sum(part.latency_s for part in self._parts)
+        self._waiting: tuple[list[Any], ...] = tuple([] for _ in self._parts)  # input of each part
         self._in_process: list[LevelBlock] = []  # taken by the first part since all others had nothing to do
         self._segment = -1
         self.start_s: float | None = None
@@ -93,7 +92,7 @@ class DeviceFrontEnd:
     @property
     def step_latency_s(self) -> float:
         """Largest time from a step to its odometry, s, counted in level samples, as `end_s` is."""
-        return sum(part.latency_s for part in self._parts)
+        return self._step_latency_s
 
     @property
     def pending(self) -> bool:
@@ -114,17 +113,18 @@ class DeviceFrontEnd:
 
     def work(self) -> list[StepOdometry | HeadingPrior]:
         """Process what waits, starting with what is furthest, one part further; return the measurements."""
-        number = next((number for number in (2, 1, 0) if self._waiting[number]), 0)
+        last = len(self._parts) - 1
+        number = next((number for number in range(last, 0, -1) if self._waiting[number]), 0)
         items = self._waiting[number].copy()
         self._waiting[number].clear()
-        found = [output for item in items for output in self._parts[number].push(item)]
+        found = self._parts[number].push_all(items)
         if number == 0:
             self._in_process += items
-        if number < 2:
+        if number < last:
             self._waiting[number + 1].extend(found)
-        if not self._waiting[1] and not self._waiting[2]:
+        if not any(self._waiting[1:]):
             self._extend_spans()
-        return found if number == 2 else []
+        return found if number == last else []
 
     def flush(self) -> list[StepOdometry | HeadingPrior]:
         """End the recording; return the remaining measurements."""
@@ -182,6 +182,13 @@ class DeviceFrontEnd:
     def _early_times(self, channel: Channel) -> Array:
         times = [block.time_s for block in self._early if block.channel == channel]
         return np.concatenate([np.zeros(0), *times])
+
+
+def _parts_of_equal_work(to_steps: Chain, to_measurements: Stage) -> tuple[Chain, ...]:
+    """Divide the stages from level samples to measurements so that no part takes much longer than the others."""
+    detection, gait, length, *rest = to_steps.stages
+    heading = [part for stage in rest for part in (stage.stages if isinstance(stage, Chain) else (stage,))]
+    return Chain([detection]), Chain([gait, length]), Chain(heading[:1]), Chain([*heading[1:], to_measurements])
 
 
 def refuse_malformed(device: str, block: SensorBlock) -> None:

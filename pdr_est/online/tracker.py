@@ -22,7 +22,7 @@ from pdr_est.types.sensors import SensorBlock
 
 _ONLINE = OnlineParams()
 _PARTS = "parts"  # in saved states: the parts of the user's own, which are given again
-_MOST_DEFERRED = 20  # pushes of single samples after which all pending work is done at once
+_MOST_DEFERRED = 40  # pushes of single samples after which all pending work is done at once
 
 
 class Tracker:
@@ -35,7 +35,7 @@ class Tracker:
     estimates of the person, device "fused" (see `person_estimates.py`).
 
     A push of a single sample does one piece of the pending work, such as samples to steps or steps to poses; the next
-    pushes, twenty at most, do the rest. A push of a longer block does everything at once.
+    pushes, forty at most, do the rest. A push of a longer block does everything at once.
 
     Parameters
     ----------
@@ -76,6 +76,7 @@ class Tracker:
         self._measured: list[list[StepOdometry | HeadingPrior]] = []  # by device: what waits for the filter
         self._processed_s: list[float] = []  # by device: time up to which its samples have been filtered
         self._deferred = 0  # pushes since there was no pending work
+        self._has_filtered = False  # whether there may be poses that were not returned yet
         self._estimator = external_estimator(self._config, parts, online) or WalkEstimator(self._config, online)
         delays_s: dict[Kind, float] = {"filtered": 0.0}
         if self._estimator.delayed:
@@ -255,17 +256,19 @@ class Tracker:
 
     def _work_a_little(self) -> list[Update] | None:
         """Do one piece of the pending work; return None if there is none."""
+        if self._has_filtered:
+            return self._filtered()
         for number, measurements in enumerate(self._measured):
             if measurements:
                 self._measured[number] = []
                 self._filter(number, measurements)
-                return self._filtered()
+                return []
         for number, front_end in enumerate(self._front_ends):
             if front_end.pending:
                 self._measured[number] = front_end.work()
                 if not self._measured[number]:
                     self._filter(number, [])
-                return self._filtered()
+                return []
         if self._estimator.delayed_pending:
             return self._updates.of_devices("delayed", self._estimator.take_delayed())
         kind = self._updates.pending_person
@@ -279,12 +282,14 @@ class Tracker:
         if not measurements and front_end.end_s == before_s:
             return  # the samples wait for those of another sensor
         self._processed_s[number] = front_end.end_s
+        self._has_filtered = True
         self._updates.extend(number, before_s, front_end.end_s, measurements)
         span_s = front_end.start_s, front_end.end_s
         self._estimator.extend(number, span_s, measurements, front_end.latency_s)
 
     def _filtered(self) -> list[Update]:
         """Return the updates of the filtered poses that are new or have changed."""
+        self._has_filtered = False
         found = self._updates.of_devices("filtered", self._estimator.take_filtered())
         before_s = self.now_s - 2.0 * self._online.horizon_s
         self._estimator.forget(before_s)
