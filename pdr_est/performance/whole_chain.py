@@ -67,7 +67,8 @@ def _chains(recording: Recording, config: Config) -> dict[str, Callable[[], obje
 
     def smooth(estimator: str) -> object:
         own = config.with_estimator(estimator)
-        return pipeline.estimate_tracks(pipeline.analyse_recording(recording, own), own)
+        by_the_end = own.estimator.make().spec.smooths  # a filter needs no more than the steps so far, as in `smooth`
+        return pipeline.estimate_tracks(pipeline.analyse_recording(recording, own, at_the_end=by_the_end), own)
 
     return {
         VQF_ALONE: lambda: [vqf_attitude(samples) for samples in arrays],

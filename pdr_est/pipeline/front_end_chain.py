@@ -4,8 +4,9 @@ The same chains run online. Each part may be one from outside the package: confi
 an object in `Parts`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from pdr_est.config import Config
@@ -30,7 +31,8 @@ from pdr_est.preprocessing.quality.requirements import (
 )
 from pdr_est.preprocessing.resampling import Resampler
 from pdr_est.stage import Chain, Parallel, Stage, run_through
-from pdr_est.types.analysis import DeviceWalk
+from pdr_est.types.analysis import DeferredOdometry, DeviceWalk
+from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import Channel
 
@@ -72,19 +74,23 @@ def analyse_device(
     steps = run_through(stepping(config, parts), level)
     has_heading = has_gyroscope(device)
     causal = measuring(device.name, config, north)
-    odometry = run_through(causal, steps) if has_heading else []
     corrections = whole_walk_corrections(config, parts) if at_the_end and has_heading else NO_CORRECTIONS
+    odometry: Sequence[StepOdometry | HeadingPrior] = ()
+    if corrections.stages and north is None:  # headings against north have findings, which are told in any case
+        odometry = DeferredOdometry(partial(run_through, causal, steps))
+    elif has_heading:
+        odometry = tuple(run_through(causal, steps))
     whole_walk_odometry = odometry
     if corrections.stages:
         measured = measuring(device.name, config, north, at_the_end=corrections.heading is not None)
-        whole_walk_odometry = run_through(measured, run_through(Chain(corrections.stages), steps))
+        whole_walk_odometry = tuple(run_through(measured, run_through(Chain(corrections.stages), steps)))
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
         level=tuple(level),
         steps=tuple(steps),
-        odometry=tuple(odometry),
-        whole_walk_odometry=tuple(whole_walk_odometry),
+        odometry=odometry,
+        whole_walk_odometry=whole_walk_odometry,
         directions=None if corrections.heading is None else corrections.heading.directions,
         has_heading=has_heading,
         gaps=resampler.gaps,

@@ -1,6 +1,8 @@
 """Results of one walk: the front-end output of each device, and the track estimated from it."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import overload
 
 from pdr_est.frames import Array
 from pdr_est.types.clock import ClockEstimate
@@ -54,6 +56,48 @@ class DominantDirections:
     follows: Array
 
 
+_Measured = StepOdometry | HeadingPrior
+
+
+class DeferredOdometry(Sequence[_Measured]):
+    """Measurements of a device that are computed when they are first looked at: a smoother does not need them.
+
+    Parameters
+    ----------
+    compute
+        Function that returns them; one that can be pickled.
+    """
+
+    def __init__(self, compute: Callable[[], Sequence[_Measured]]) -> None:
+        self._compute: Callable[[], Sequence[_Measured]] | None = compute
+        self._known: tuple[_Measured, ...] = ()
+
+    @overload
+    def __getitem__(self, index: int) -> _Measured: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[_Measured, ...]: ...
+    def __getitem__(self, index: int | slice) -> _Measured | tuple[_Measured, ...]:
+        return self._all[index]
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __eq__(self, other: object) -> bool:
+        return self._all == (other._all if isinstance(other, DeferredOdometry) else other)
+
+    def __hash__(self) -> int:
+        return hash(self._all)
+
+    def __repr__(self) -> str:
+        return repr(self._all)
+
+    @property
+    def _all(self) -> tuple[_Measured, ...]:
+        if self._compute is not None:
+            self._known, self._compute = tuple(self._compute()), None
+        return self._known
+
+
 @dataclass(frozen=True)
 class DeviceWalk:
     """Output of the front end for the recording of one device.
@@ -69,7 +113,8 @@ class DeviceWalk:
     steps
         Detected steps with length and heading.
     odometry
-        Motion step by step, as a causal front end computes it.
+        Motion step by step, as a causal front end computes it; computed when it is first looked at, where a smoother
+        has its own.
     whole_walk_odometry
         The same with corrections that need the whole walk, for estimators that smooth.
     directions
@@ -92,8 +137,8 @@ class DeviceWalk:
     start_s: float
     level: tuple[LevelBlock, ...]
     steps: tuple[Step, ...]
-    odometry: tuple[StepOdometry | HeadingPrior, ...]
-    whole_walk_odometry: tuple[StepOdometry | HeadingPrior, ...] = ()
+    odometry: Sequence[_Measured]
+    whole_walk_odometry: Sequence[_Measured] = ()
     directions: DominantDirections | None = None
     has_heading: bool = True
     clock: ClockEstimate | None = None
@@ -115,7 +160,8 @@ class DeviceWalk:
     @property
     def walking_span_s(self) -> tuple[float, float]:
         """Times of the first usable sample and of the end of the last step, s; of the last sample without steps."""
-        return self.start_s, max((m.time_s for m in self.odometry[-2:]), default=self.span_s[1])
+        walks = self.has_heading and bool(self.steps)
+        return self.start_s, self.steps[-1].time_s if walks else self.span_s[1]
 
     def __repr__(self) -> str:
         start_s, end_s = self.span_s

@@ -89,9 +89,7 @@ def _windows(heading_rad: Array, variance: Array, width: int) -> tuple[Array, Ar
     return mean, within + np.square(headings - mean[:, None]) @ weights, np.ptp(headings, axis=1)
 
 
-def intersected_headings(
-    headings_rad: Array, variances: Array, present: NDArray[np.bool_]
-) -> tuple[Array, Array]:
+def intersected_headings(headings_rad: Array, variances: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Compute the weighted mean of the devices' headings, each counted from the first one, and its variance.
 
     This is covariance intersection (Julier and Uhlmann 1997) with weights w_k of device k that are constant in time:

@@ -65,7 +65,7 @@ def fuse(track: Track) -> Track:
 
 
 def fuse_at_one_time(poses: Array, covariances: Array) -> tuple[Array, Array, float, float]:
-    """Fuse the poses of several devices at one time as `fuse` does with tracks of one pose each, at a tenth of the cost.
+    """Fuse the poses of several devices at one time as `fuse` does tracks of one pose each, at a tenth of the cost.
 
     Parameters
     ----------
@@ -87,7 +87,8 @@ def fuse_at_one_time(poses: Array, covariances: Array) -> tuple[Array, Array, fl
     """
     present = np.ones((len(poses), 1), dtype=np.bool_)
     position, covariance = _intersect(poses[:, None, :2], covariances[:, None, :2, :2], present)
-    heading, variance = intersected_headings(poses[:, 2, None], np.square(np.sqrt(covariances[:, 2, 2, None])), present)
+    variances = np.square(np.sqrt(covariances[:, 2, 2, None]))  # by the standard deviations, as those of a track
+    heading, variance = intersected_headings(poses[:, 2, None], variances, present)
     return position[0], covariance[0], float(wrap_angle(heading)[0]), float(np.sqrt(variance[0]))
 
 
