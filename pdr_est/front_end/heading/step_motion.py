@@ -25,6 +25,7 @@ Result = TypeVar("Result")
 
 _AT_ONCE = 128  # steps: their samples fit into the cache of a processor
 _AXES = (slice(0, 3), slice(3, 6), slice(7, 10))  # rows of up, and of the device axes to the east and to the north
+_FIRST = np.zeros(1, dtype=np.int64)
 _LEAST_LENGTH = 1e-9
 _LEAST_VERTICAL = 1e-9  # m/s^2
 _NO_MOTION = StepMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0))
@@ -81,7 +82,14 @@ def for_each_step(
 
 def first_samples(samples: Sequence[LevelBlock]) -> NDArray[np.int64]:
     """Return where the first sample of each step (n,) is in the samples of all."""
+    if len(samples) == 1:
+        return _FIRST
     return np.cumsum([0, *(len(block.yaw_rad) for block in samples[:-1])])
+
+
+def _joined(arrays: Sequence[Array]) -> Array:
+    """Join the rows of arrays; a single one is returned as it is."""
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
 def _motions(samples: Sequence[LevelBlock]) -> list[StepMotion]:
@@ -104,17 +112,18 @@ def _terms(samples: Sequence[LevelBlock], counts: Sequence[int]) -> Array:
     These are the direction up, the east and the north components of the device axes and of the acceleration, and the
     terms of the first harmonics of the vertical, the east and the north acceleration.
     """
-    yaw_rad = np.concatenate([block.yaw_rad for block in samples])
-    up = np.concatenate([block.up for block in samples]).T.copy()
-    acceleration = np.concatenate([block.acceleration_mps2 for block in samples]).T.copy()
+    yaw_rad = _joined([block.yaw_rad for block in samples])
+    up = _joined([block.up for block in samples]).T.copy()
+    acceleration = _joined([block.acceleration_mps2 for block in samples]).T.copy()
     x, y = axes_upright(up, acceleration)
     cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
-    wave = np.concatenate([_wave(count) for count in counts], axis=1)
+    waves = [_wave(count) for count in counts]
+    wave = waves[0] if len(waves) == 1 else np.concatenate(waves, axis=1)
     terms = np.empty((17, len(yaw_rad)))
     terms[:3] = up
     east = np.subtract(cos * x, sin * y, out=terms[3:7])
     north = np.add(sin * x, cos * y, out=terms[7:11])
-    np.multiply(wave, np.concatenate([block.vertical_mps2 for block in samples]), out=terms[11:13])
+    np.multiply(wave, _joined([block.vertical_mps2 for block in samples]), out=terms[11:13])
     np.multiply(wave, east[3], out=terms[13:15])
     np.multiply(wave, north[3], out=terms[15:])
     return terms
