@@ -100,16 +100,18 @@ class DeviceFrontEnd:
         return any(self._waiting)
 
     def push(self, block: SensorBlock) -> bool:
-        """Add samples; return True if they gave level samples."""
-        before = len(self._waiting[0])
+        """Add samples; return True if they gave some on the working grid, so that the push has cost much already."""
         if self._levelling is None:
             self._early.append(block)
             own_attitude = self._uses_own_attitude(at_end=False)
             if own_attitude is not None:
                 self._begin(own_attitude)
-        else:
-            self._waiting[0].extend(self._levelling.push(block))
-        return len(self._waiting[0]) > before
+            return own_attitude is not None
+        resampler, *to_level = self._levelling.stages
+        resampled = resampler.push(block)
+        if resampled:
+            self._waiting[0].extend(Chain(to_level).push_all(resampled))
+        return bool(resampled)
 
     def work(self) -> list[StepOdometry | HeadingPrior]:
         """Process what waits, starting with what is furthest, one part further; return the measurements."""

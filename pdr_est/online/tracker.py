@@ -143,11 +143,11 @@ class Tracker:
         refuse_malformed(device, block)
         if device not in self._names:
             self._join(ExpectedDevice(device))
-        has_levelled = self._front_ends[self._names.index(device)].push(block)
+        has_resampled = self._front_ends[self._names.index(device)].push(block)
         if len(block.time_s) > 1 or self._deferred >= _MOST_DEFERRED:
             found = self._work()
         else:
-            done = [] if has_levelled else self._work_a_little()
+            done = [] if has_resampled else self._work_a_little()
             self._deferred = 0 if done is None else self._deferred + 1
             found = done or []
         self._warn_of_missed_fixes()
