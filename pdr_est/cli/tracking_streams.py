@@ -1,5 +1,6 @@
 """Online tracking of a replayed recording or of live messages: one line of JSON for each estimate."""
 
+import gc
 import json
 import time
 import warnings
@@ -85,6 +86,8 @@ def follow_live(
     reader, tracker, told = LiveReader(platform), Tracker(config), BoundedNotes()
     number = bad = 0
     last, heard = "", False
+    gc.collect()
+    gc.freeze()  # what is loaded stays: looking through it now and then would delay estimates by 100 ms
     for number, line in enumerate(_until_interrupted(lines), start=1):
         try:
             news = reader.push(line)

@@ -76,17 +76,16 @@ class Tracker:
         self._measured: list[list[StepOdometry | HeadingPrior]] = []  # by device: what waits for the filter
         self._processed_s: list[float] = []  # by device: time up to which its samples have been filtered
         self._deferred = 0  # pushes since there was no pending work
-        self._has_filtered = False  # whether there may be poses that were not returned yet
         self._estimator = external_estimator(self._config, parts, online) or WalkEstimator(self._config, online)
         delays_s: dict[Kind, float] = {"filtered": 0.0}
         if self._estimator.delayed:
             delays_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s
         self._lag_s = delays_s.get("delayed")
-        sigma = self._config.odometry.sigma_length_scale
         shared = self._names, self._front_ends, self._config.devices, online.wait_s
+        sigma = self._config.odometry.sigma_length_scale
         self._updates = UpdateAssembly(*shared, delays_s, sigma, self._config.start.pose())
-        self._flushed, self._reported_missed = False, 0
-        self.refused_fixes = 0
+        self._flushed = self._has_filtered = False  # the latter while there may be filtered poses to return
+        self._reported_missed = self.refused_fixes = 0
         expected = [ExpectedDevice(device) if isinstance(device, str) else device for device in devices]
         for one in sorted(expected, key=lambda device: device.name):  # as for whole walks
             self._join(one)
@@ -148,8 +147,7 @@ class Tracker:
             found = self._work()
         else:
             done = [] if has_resampled else self._work_a_little()
-            self._deferred = 0 if done is None else self._deferred + 1
-            found = done or []
+            found, self._deferred = done or [], 0 if done is None else self._deferred + 1
         self._warn_of_missed_fixes()
         return found
 
@@ -258,16 +256,14 @@ class Tracker:
         """Do one piece of the pending work; return None if there is none."""
         if self._has_filtered:
             return self._filtered()
-        for number, measurements in enumerate(self._measured):
-            if measurements:
+        for number, (measurements, front_end) in enumerate(zip(self._measured, self._front_ends, strict=True)):
+            if measurements or front_end.end_s not in (None, self._processed_s[number]):
                 self._measured[number] = []
                 self._filter(number, measurements)
                 return []
         for number, front_end in enumerate(self._front_ends):
             if front_end.pending:
                 self._measured[number] = front_end.work()
-                if not self._measured[number]:
-                    self._filter(number, [])
                 return []
         if self._estimator.delayed_pending:
             return self._updates.of_devices("delayed", self._estimator.take_delayed())
@@ -284,8 +280,7 @@ class Tracker:
         self._processed_s[number] = front_end.end_s
         self._has_filtered = True
         self._updates.extend(number, before_s, front_end.end_s, measurements)
-        span_s = front_end.start_s, front_end.end_s
-        self._estimator.extend(number, span_s, measurements, front_end.latency_s)
+        self._estimator.extend(number, (front_end.start_s, front_end.end_s), measurements, front_end.latency_s)
 
     def _filtered(self) -> list[Update]:
         """Return the updates of the filtered poses that are new or have changed."""

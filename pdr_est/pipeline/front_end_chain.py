@@ -32,6 +32,7 @@ from pdr_est.preprocessing.quality.requirements import (
 from pdr_est.preprocessing.resampling import Resampler
 from pdr_est.stage import Chain, Parallel, Stage, run_through
 from pdr_est.types.analysis import DeferredOdometry, DeviceWalk
+from pdr_est.types.findings import Finding
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import Channel
@@ -75,11 +76,9 @@ def analyse_device(
     has_heading = has_gyroscope(device)
     causal = measuring(device.name, config, north)
     corrections = whole_walk_corrections(config, parts) if at_the_end and has_heading else NO_CORRECTIONS
-    odometry: Sequence[StepOdometry | HeadingPrior] = ()
-    if corrections.stages and north is None:  # headings against north have findings, which are told in any case
-        odometry = DeferredOdometry(partial(run_through, causal, steps))
-    elif has_heading:
-        odometry = tuple(run_through(causal, steps))
+    odometry: Sequence[StepOdometry | HeadingPrior] = DeferredOdometry(partial(run_through, causal, steps))
+    if not corrections.stages or north is not None:  # headings against north have findings, which are told anyway
+        odometry = tuple(odometry) if has_heading else ()
     whole_walk_odometry = odometry
     if corrections.stages:
         measured = measuring(device.name, config, north, at_the_end=corrections.heading is not None)
@@ -95,10 +94,14 @@ def analyse_device(
         has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
-        findings=tuple(
-            found for stage in causal.stages if isinstance(stage, NorthPriors) for found in stage.findings
-        ),
+        findings=_findings_of(causal),
     )
+
+
+def _findings_of(measuring_stages: Parallel) -> tuple[Finding, ...]:
+    """List what headings against north have found."""
+    priors = [stage for stage in measuring_stages.stages if isinstance(stage, NorthPriors)]
+    return tuple(found for stage in priors for found in stage.findings)
 
 
 @dataclass(frozen=True)
