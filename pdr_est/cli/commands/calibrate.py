@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import (
     FIXES,
     FIXES_METAVAR,
@@ -46,6 +47,7 @@ def calibrate_command(**options: Any) -> None:
     A RECORDING should hold one walk of known length and no other steps. Several walks give a better estimate than
     one; walks at different speeds also show how the steps change with the cadence.
     """
-    from pdr_est.cli.work.calibrate import fit_profile
+    with loading_modules():
+        from pdr_est.cli.work.calibrate import fit_profile
 
     fit_profile(**options)
