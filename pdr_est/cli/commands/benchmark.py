@@ -5,8 +5,8 @@ from typing import Any
 import click
 
 from pdr_est.cli.choices import COMPARED, DEVICE_TURNS, EVERY_VALUE, SUITE_NAMES
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import OUTPUT, PATH, Command, config_option
+from pdr_est.module_loading import loading_modules
 
 
 def _axis_options(command: Command) -> Command:

@@ -4,7 +4,6 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import (
     FIXES,
     FIXES_METAVAR,
@@ -16,6 +15,7 @@ from pdr_est.cli.options import (
     overwrite_option,
     recording_options,
 )
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("calibrate")

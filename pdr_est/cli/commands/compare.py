@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import OUTPUT, PATH
+from pdr_est.module_loading import loading_modules
 
 
 @click.command()

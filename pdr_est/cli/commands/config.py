@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import PATH
+from pdr_est.module_loading import loading_modules
 
 
 @click.group()

@@ -5,8 +5,8 @@ from typing import Any
 import click
 
 from pdr_est.cli.choices import RECORDING_FORMATS
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import OUTPUT, PATH, overwrite_option, recording_options
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("convert")

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import OUTPUT, PATH
 from pdr_est.errors import RecordingError
+from pdr_est.module_loading import loading_modules
 
 _REASONS = 3  # named in the error
 

@@ -4,7 +4,6 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import (
     OUTPUT,
     PATH,
@@ -15,6 +14,7 @@ from pdr_est.cli.options import (
     recording_options,
     summary_option,
 )
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("steps")

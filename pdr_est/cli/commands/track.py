@@ -4,8 +4,8 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import OUTPUT, PATH, config_option, estimation_options, fixes_option, recording_options
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("track")

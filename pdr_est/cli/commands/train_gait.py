@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pdr_est.cli.loading import loading_modules
 from pdr_est.cli.options import OUTPUT, PATH
+from pdr_est.module_loading import loading_modules
 
 if TYPE_CHECKING:
     from pdr_est.front_end.gait.features import FeatureSet

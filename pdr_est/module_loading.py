@@ -1,6 +1,7 @@
-"""Load the modules of a command without searching them for garbage."""
+"""Load modules without searching them for garbage."""
 
 import gc
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -12,11 +13,12 @@ def loading_modules() -> Iterator[None]:
     Modules make very many objects and nearly no garbage. To search them again and again takes a fifth of the time of
     a short command, and pauses of some milliseconds in the middle of a long one.
     """
-    enabled = gc.isenabled()
+    enabled, before = gc.isenabled(), len(sys.modules)
     gc.disable()
     try:
         yield
     finally:
-        gc.freeze()
+        if len(sys.modules) > before:
+            gc.freeze()
         if enabled:
             gc.enable()
