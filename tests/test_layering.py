@@ -14,7 +14,7 @@ PACKAGE = "pdr_est"
 # A part may import what stands in an earlier group, and itself; never its neighbours in the same group. The longest
 # name that fits a module places it.
 ORDER: list[set[str]] = [
-    {"errors", "frames", "stage", "label_runs", "records"},
+    {"errors", "frames", "stage", "label_runs", "records", "module_loading"},
     {"params", "output"},
     {"parts"},
     {"types"},

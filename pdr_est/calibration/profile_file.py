@@ -25,8 +25,6 @@ _HEADER = (
 )
 _SECTIONS = {"format", "learnt", "profile", "walks"}
 _AGREEMENT = 1e-6  # of a number that is written and computed again
-_NOTE = TypeAdapter(ProfileNote)
-_WALKS = TypeAdapter(tuple[LearntWalk, ...])
 
 
 def profile_to_yaml(profile: Profile) -> str:
@@ -67,7 +65,7 @@ def load_profile(path: str | Path) -> Profile:
             f"{path}: {unknown[0]}: a profile must hold {', '.join(sorted(_SECTIONS))} and "
             "nothing else: correct it, or calibrate again"
         )
-    note = _validated(_NOTE, data["profile"], "profile", path)
+    note = _validated(TypeAdapter(ProfileNote), data["profile"], "profile", path)
     # A constant that an earlier version did not have would silently get the default of this one.
     written = data["profile"]["step_length"]
     missing = sorted(field.name for field in fields(StepLengthParams) if field.name not in written)
@@ -76,7 +74,7 @@ def load_profile(path: str | Path) -> Profile:
             f"{path}: profile.step_length: without {', '.join(missing)}: made by another version, whose step lengths "
             "may differ: calibrate again"
         )
-    walks = _validated(_WALKS, data["walks"], "walks", path)
+    walks = _validated(TypeAdapter(tuple[LearntWalk, ...]), data["walks"], "walks", path)
     try:
         profile = Profile(note=note, walks=tuple(sorted(walks, key=lambda walk: walk.sha256)))
     except ConfigError as error:

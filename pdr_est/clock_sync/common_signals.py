@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, hilbert, sosfiltfilt
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
@@ -70,6 +69,8 @@ def extract_common_signals(device: DeviceRecording) -> CommonSignals:
     RecordingError
         For a device without an accelerometer, or with less than 5 s of it.
     """
+    from scipy.signal import hilbert  # slow to load, and not needed for a single device
+
     force = device.specific_force
     if force is None or not len(force):
         raise RecordingError(
@@ -101,6 +102,8 @@ def extract_common_signals(device: DeviceRecording) -> CommonSignals:
 
 def _filtered(values: Array, band_hz: float | tuple[float, float], kind: str) -> Array:
     """Filter forwards and backwards (no phase shift) with a second-order Butterworth filter."""
+    from scipy.signal import butter, sosfiltfilt
+
     sos = butter(2, band_hz, kind, fs=RATE_HZ, output="sos")
     filtered: Array = sosfiltfilt(sos, values, axis=0)
     return filtered

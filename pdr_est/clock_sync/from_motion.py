@@ -11,8 +11,6 @@ Three searches, each finer than the one before and guided by it:
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import fftconvolve
 
 from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals, extract_common_signals
 from pdr_est.clock_sync.robust_line import SIGMA_SKEW, ClockLine, constant_offset_line, fit_clock_line
@@ -149,6 +147,8 @@ def _doubts(
 
 def _search_all_shifts(one: CommonSignals, two: CommonSignals, near_s: float) -> tuple[float, float, float]:
     """Return the shift at which intensity and turns agree best, that agreement, and its relative lead."""
+    from scipy.signal import fftconvolve  # slow to load, and not needed for a single device
+
     total, kinds = np.zeros(len(one.log_intensity) + len(two.log_intensity) - 1), 0
     for a, b in ((one.log_intensity, two.log_intensity), (one.turn_rate_radps, two.turn_rate_radps)):
         if a is not None and b is not None:
@@ -183,6 +183,8 @@ def _search_heel_strikes(
     one: CommonSignals, two: CommonSignals, line: ClockLine, chosen: MotionClockParams
 ) -> _WindowLags:
     """Find the lag of the heel strikes in each window, close to a known line."""
+    from scipy.interpolate import CubicSpline
+
     there = CubicSpline(two.time_s, two.heel_strikes_mps2)
     reach_s = chosen.strike_search_s
     lags_s = np.arange(-reach_s, reach_s + 0.5 * _LAG_S, _LAG_S)

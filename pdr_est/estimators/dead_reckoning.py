@@ -5,7 +5,7 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.kalman.device_filter_step import start_device, step_device
 from pdr_est.estimators.kalman.offline_filter import run_filter
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
+from pdr_est.estimators.kalman.predict_and_update import NodeFilter
 from pdr_est.estimators.kalman.rts_smoother import smooth
 from pdr_est.estimators.reckoned_poses import reckon_poses
 from pdr_est.frames import Array
@@ -65,7 +65,7 @@ def _until_known(timeline: Timeline, prior: StartPrior) -> tuple[int, list[Gauss
     list of GaussianState
         Filtered states from that node on; none if position or heading are never known.
     """
-    scratch, nodes = MultiDeviceEkf(1), timeline.nodes
+    scratch, nodes = NodeFilter(1), timeline.nodes
     observing = max((i for i, node in enumerate(nodes) if node.observes_heading), default=0)
     state = start_device(nodes[0], 0, prior, scratch)
     states, begin, fixed = [state.state], 0, bool(nodes[0].fixes)

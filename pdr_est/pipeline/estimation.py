@@ -1,4 +1,7 @@
-"""The estimator of a walk: its choice, its run, and what is added to the tracks of the devices that it returns."""
+"""The estimator of a walk: its choice, its run, and what is added to the tracks of the devices that it returns.
+
+What is needed for tracks alone is imported at use: it is slow to load, and steps are found without it.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,9 +10,6 @@ from pdr_est.config import Config
 from pdr_est.config.contradictions import unused_closure
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators import Estimator
-from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
-from pdr_est.estimators.person.track import at_lever_arm, fuse
-from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether
@@ -41,6 +41,8 @@ def run_estimator(
     Raises EstimationError for measurements that give no track, and for an estimator that returns no track of every
     device.
     """
+    from pdr_est.estimators.common.late_start import extend_late_devices, without_extension
+
     extended = devices if estimator.spec.online else extend_late_devices(devices, LATE_START_S)
     track = estimator.estimate(extended, tethers, config.start.pose(), config.odometry.sigma_length_scale)
     names = tuple(one.device for one in devices)
@@ -61,6 +63,8 @@ def with_findings(
     config: Config,
 ) -> Track:
     """Add what does not fit in the walk, and what the front ends have found, to what the estimator has found."""
+    from pdr_est.evaluate.walk_findings import findings_of
+
     start, sigma = config.start.pose(), config.odometry.sigma_length_scale
     by_front_end = tuple(finding for walk in walks for finding in walk.findings)
     of_walk = findings_of(track, devices, tethers, start, sigma, estimator.spec)
@@ -71,6 +75,8 @@ def with_person(track: Track, config: Config) -> Track:
     """Put the tracks of several devices where they sit on the body, and add the track of the person."""
     if len(track.devices) < 2:
         return track
+    from pdr_est.estimators.person.track import at_lever_arm, fuse
+
     placed = [
         at_lever_arm(track.of_device(name), config.devices.mounting_of(name).offset_m) for name in track.devices
     ]

@@ -23,6 +23,8 @@ from pdr_est.preprocessing.turned_device import TURN_NAMES
 
 PICTURES = {"matplotlib", "jinja2"}
 ESTIMATION = {"gtsam", "filterpy"}
+NUMERICS = {"scipy", *ESTIMATION}
+NEVER = {"sklearn", "pymap3d", "multiprocessing", "rich", *PICTURES}
 SLOW = {"numpy", "scipy", "polars", "sklearn", "pydantic", "rich", "yaml", *PICTURES, *ESTIMATION}
 CALLS = """
 import sys
@@ -110,10 +112,16 @@ def test_the_settings_that_a_benchmark_compares_are_those_of_the_package() -> No
     assert {axis.name: (axis.values, axis.value_in(Config())) for axis in AXES} == dict(choices.COMPARED)
 
 
+def test_finding_steps_and_smoothing_load_no_scipy(good: Path, tmp_path: Path) -> None:
+    tracks = {"pdr_est.estimators.fix_checks", "pdr_est.estimators.kalman", "pdr_est.estimators.person"}
+    call_without(NEVER | NUMERICS | tracks, ["inspect", str(good)], ["steps", str(good)])
+    smooth = ["smooth", str(good), "-o", str(tmp_path / "out"), "--quiet"]
+    call_without(NEVER | NUMERICS, [*smooth, "--no-report"])
+    call_without((NEVER | NUMERICS | {"matplotlib.pyplot"}) - PICTURES, [*smooth, "--overwrite"])
+
+
 @pytest.mark.slow
 def test_a_command_loads_only_what_it_uses(good: Path, tmp_path: Path) -> None:
-    never = {"sklearn", "pymap3d", "multiprocessing", "rich", *PICTURES}
-    call_without(never | ESTIMATION, ["inspect", str(good)], ["steps", str(good)])
     smooth = ["smooth", str(good), "-o", str(tmp_path / "out"), "--overwrite", "--no-report", "--quiet"]
-    call_without(never | {"gtsam"}, [*smooth, "--estimator", "ekf"])
-    call_without(never, smooth)
+    call_without(NEVER | {"gtsam"}, [*smooth, "--estimator", "ekf"])
+    call_without(NEVER, [*smooth, "--estimator", "fixed-lag"])

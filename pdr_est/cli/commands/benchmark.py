@@ -6,6 +6,7 @@ import click
 
 from pdr_est.cli.choices import COMPARED, DEVICE_TURNS, EVERY_VALUE, SUITE_NAMES
 from pdr_est.cli.options import OUTPUT, PATH, Command, config_option
+from pdr_est.module_loading import loading_modules
 
 
 def _axis_options(command: Command) -> Command:
@@ -28,6 +29,7 @@ def _axis_options(command: Command) -> Command:
 @click.option("-q", "--quiet", is_flag=True, help="No progress bar.")
 def benchmark(**options: Any) -> None:
     """Score the walks of SUITE in DIR and print a table of its metrics; SUITE speed measures what the chain costs."""
-    from pdr_est.cli.work.benchmark import score_suite
+    with loading_modules():
+        from pdr_est.cli.work.benchmark import score_suite
 
     score_suite(**options)

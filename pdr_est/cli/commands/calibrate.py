@@ -15,6 +15,7 @@ from pdr_est.cli.options import (
     overwrite_option,
     recording_options,
 )
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("calibrate")
@@ -46,6 +47,7 @@ def calibrate_command(**options: Any) -> None:
     A RECORDING should hold one walk of known length and no other steps. Several walks give a better estimate than
     one; walks at different speeds also show how the steps change with the cadence.
     """
-    from pdr_est.cli.work.calibrate import fit_profile
+    with loading_modules():
+        from pdr_est.cli.work.calibrate import fit_profile
 
     fit_profile(**options)

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from pdr_est.cli.options import OUTPUT, PATH
+from pdr_est.module_loading import loading_modules
 
 
 @click.command()
@@ -31,10 +32,17 @@ def compare(
     """
     from rich.console import Console
 
-    from pdr_est.experiment.results.comparison import as_csv, as_markdown, compare_variants, read_aligned, read_values
-    from pdr_est.experiment.results.console_tables import print_comparison
-    from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT, compared_files
-    from pdr_est.output.own_files import OwnFiles
+    with loading_modules():
+        from pdr_est.experiment.results.comparison import (
+            as_csv,
+            as_markdown,
+            compare_variants,
+            read_aligned,
+            read_values,
+        )
+        from pdr_est.experiment.results.console_tables import print_comparison
+        from pdr_est.experiment.results.result_folder import COMPARED_CSV, COMPARED_TEXT, compared_files
+        from pdr_est.output.own_files import OwnFiles
 
     pairs = compare_variants(read_values(folders, track, metrics), reference)
     aligned = read_aligned(folders)

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from pdr_est.cli.options import PATH
+from pdr_est.module_loading import loading_modules
 
 
 @click.group()
@@ -17,7 +18,8 @@ def config() -> None:
 @click.option("--settings", is_flag=True, help="Of settings files, as --config takes them. Default: of experiments.")
 def schema(settings: bool) -> None:
     """Print the JSON schema, for editors that complete and check YAML."""
-    from pdr_est.experiment.json_schema import experiment_schema, settings_schema
+    with loading_modules():
+        from pdr_est.experiment.json_schema import experiment_schema, settings_schema
 
     click.echo(json.dumps(settings_schema() if settings else experiment_schema(), indent=2))
 
@@ -30,13 +32,15 @@ def show(file: Path, data: Path | None) -> None:
 
     An experiment is checked as before a run.
     """
-    from pdr_est.config import commented, config_to_yaml, load_config
-    from pdr_est.params.yaml_lines import load_yaml
+    with loading_modules():
+        from pdr_est.config import commented, config_to_yaml, load_config
+        from pdr_est.params.yaml_lines import load_yaml
 
     content = load_yaml(file)
     if isinstance(content, dict) and "data" in content:
-        from pdr_est.experiment import load_experiment
-        from pdr_est.experiment.config import ExperimentConfig
+        with loading_modules():
+            from pdr_est.experiment import load_experiment
+            from pdr_est.experiment.config import ExperimentConfig
 
         resolved = load_experiment(file, data).resolved()
         click.echo(commented(resolved, ExperimentConfig, variants="variants"), nl=False)

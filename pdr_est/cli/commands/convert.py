@@ -6,6 +6,7 @@ import click
 
 from pdr_est.cli.choices import RECORDING_FORMATS
 from pdr_est.cli.options import OUTPUT, PATH, overwrite_option, recording_options
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("convert")
@@ -28,6 +29,7 @@ def convert_command(**options: Any) -> None:
     sensor-logger  a folder with one table a sensor
     npz, hdf5      arrays of all sensors on common times, with RoNIN's names
     """  # noqa: D301  click reads the character \b
-    from pdr_est.cli.work.convert import convert_recording
+    with loading_modules():
+        from pdr_est.cli.work.convert import convert_recording
 
     convert_recording(**options)

@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from pdr_est.cli.options import OUTPUT
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("demo")
@@ -16,6 +17,7 @@ from pdr_est.cli.options import OUTPUT
 @click.option("-q", "--quiet", is_flag=True, help="Show no progress bar and no summary.")
 def demo_command(**options: Any) -> None:
     """Simulate a walk with a held phone, smooth it and write the report. No recording is needed."""
-    from pdr_est.cli.work.demo import run_demo
+    with loading_modules():
+        from pdr_est.cli.work.demo import run_demo
 
     run_demo(**options)

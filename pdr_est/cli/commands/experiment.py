@@ -6,6 +6,7 @@ import click
 
 from pdr_est.cli.options import OUTPUT, PATH
 from pdr_est.errors import RecordingError
+from pdr_est.module_loading import loading_modules
 
 _REASONS = 3  # named in the error
 
@@ -33,8 +34,9 @@ def experiment(
 
     A run that was stopped goes on where it was when it is started again with the same words.
     """
-    from pdr_est.cli.progress import progress_bar
-    from pdr_est.experiment import load_experiment, run_experiment
+    with loading_modules():
+        from pdr_est.cli.progress import progress_bar
+        from pdr_est.experiment import load_experiment, run_experiment
 
     loaded = load_experiment(config, data, limit)
     with progress_bar(loaded.title, total=len(loaded.walks), quiet=quiet) as bar:

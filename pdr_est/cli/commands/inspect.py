@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from pdr_est.cli.options import OUTPUT, PATH, jobs_option, recording_options, summary_option
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("inspect")
@@ -24,6 +25,7 @@ def inspect_command(**options: Any) -> None:
 
     A folder of several recordings stands for these, as does a pattern in quotation marks.
     """
-    from pdr_est.cli.work.inspect import inspect_recordings
+    with loading_modules():
+        from pdr_est.cli.work.inspect import inspect_recordings
 
     inspect_recordings(**options)

@@ -14,6 +14,7 @@ from pdr_est.cli.options import (
     jobs_option,
     recording_options,
 )
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("smooth")
@@ -51,6 +52,7 @@ def smooth_command(**options: Any) -> None:
     of its own: its results go to a folder of its name in OUT, and OUT/walks.csv has a row for each walk. Files of a
     folder that cannot be read count as walks that failed; the exit code is 2 if any did.
     """
-    from pdr_est.cli.work.smooth import smooth_walks
+    with loading_modules():
+        from pdr_est.cli.work.smooth import smooth_walks
 
     smooth_walks(**options)

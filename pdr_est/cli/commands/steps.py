@@ -14,6 +14,7 @@ from pdr_est.cli.options import (
     recording_options,
     summary_option,
 )
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("steps")
@@ -38,6 +39,7 @@ def steps_command(**options: Any) -> None:
     An accelerometer is enough; how the phone was carried is recognised only with a gyroscope. A folder of several
     recordings stands for these, as does a pattern in quotation marks.
     """
-    from pdr_est.cli.work.steps import find_steps
+    with loading_modules():
+        from pdr_est.cli.work.steps import find_steps
 
     find_steps(**options)

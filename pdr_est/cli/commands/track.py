@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from pdr_est.cli.options import OUTPUT, PATH, config_option, estimation_options, fixes_option, recording_options
+from pdr_est.module_loading import loading_modules
 
 
 @click.command("track")
@@ -34,6 +35,7 @@ def track_command(**options: Any) -> None:
     as device `fused`. With - the messages that Sensor Logger pushes are read from standard input, one a line. The
     filter is ekf; --estimator fixed-lag also prints delayed estimates.
     """
-    from pdr_est.cli.work.track import track_walk
+    with loading_modules():
+        from pdr_est.cli.work.track import track_walk
 
     track_walk(**options)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pdr_est.cli.options import OUTPUT, PATH
+from pdr_est.module_loading import loading_modules
 
 if TYPE_CHECKING:
     from pdr_est.front_end.gait.features import FeatureSet
@@ -43,14 +44,15 @@ def train_gait_command(
     The last is for recordings of your own, in any format that `pdr-est inspect` knows. At least three people must
     walk, and three must jog and run. Use the model with gait.model in a configuration file.
     """  # noqa: D301  click reads the character \b
-    from pdr_est.cli.call_paths import input_paths
-    from pdr_est.cli.progress import progress_bar
-    from pdr_est.output.atomic_output import staged_folder
-    from pdr_est.training.gait_files import recordings_digest
-    from pdr_est.training.gait_training import (
-        train_gait,  # scikit-learn loads slowly
-        write_trained,
-    )
+    with loading_modules():
+        from pdr_est.cli.call_paths import input_paths
+        from pdr_est.cli.progress import progress_bar
+        from pdr_est.output.atomic_output import staged_folder
+        from pdr_est.training.gait_files import recordings_digest
+        from pdr_est.training.gait_training import (
+            train_gait,  # scikit-learn loads slowly
+            write_trained,
+        )
 
     with staged_folder(output, overwrite, input_paths()) as folder:
         with progress_bar("gait", total=None, quiet=quiet) as bar:

@@ -15,7 +15,7 @@ from pdr_est.estimators.common.initial_state import start_prior
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, loses_heading, start_device, step_device
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
+from pdr_est.estimators.kalman.predict_and_update import NodeFilter
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import StartPose
 
@@ -80,7 +80,7 @@ def _heading_at_start(timeline: Timeline, turns: Turns, heading_rad: float, numb
 
 def _last_open(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> tuple[DeviceFilterState, int]:
     """Return the state of the filter of a device where nothing is open any more, or at the end, and its node."""
-    scratch, nodes = MultiDeviceEkf(1), timeline.nodes
+    scratch, nodes = NodeFilter(1), timeline.nodes
     observing = max((i for i, node in enumerate(nodes) if node.observes_heading), default=0)
     opening = max((i for i, node in enumerate(nodes) if node.turn_hypotheses or loses_heading(node)), default=0)
     state = start_device(nodes[0], 0, start_prior(timeline, start, sigma_length_scale), scratch)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from scipy.special import chdtrc
 from threadpoolctl import ThreadpoolController
 
 from pdr_est.estimators.common.length_scale_check import UNUSUAL_SIGMAS
@@ -105,6 +104,8 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
 
 def _examined(section: Section) -> SectionResult:
     """Find the best explanation of a section; a section that fits costs one comparison."""
+    from scipy.special import chdtrc  # slow to load, and not needed for a walk without fixes
+
     now = weigh_under(section, Explanation())
     result, stated, freedom = weigh_all(section, now), as_stated(section, now), degrees_of_freedom(section, now)
     if _fits(section, stated, freedom, result):

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from math import degrees, sqrt
 
 import numpy as np
-from scipy.special import chdtrc
 
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult
 from pdr_est.estimators.fix_checks.explanations import BadStretch
@@ -81,6 +80,8 @@ def _misfit(result: SectionResult, begin_s: float, end_s: float, told: bool) -> 
             "less"
         )
         return [Finding(FindingKind.STEPS, message, "", begin_s, end_s, result.steps.factor)]
+    from scipy.special import chdtrc  # slow to load, and not needed for a walk without fixes
+
     if told or chdtrc(freedom, squared) > _IMPROBABLE:
         return []
     message = (

@@ -8,7 +8,6 @@ evidence and leave-one-out residuals in closed form.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dpotri, dtrtrs
 
 from pdr_est.estimators.fix_checks.dead_reckoned_path import LEFT
 from pdr_est.frames import Array, rotate_vectors, rotation_matrix
@@ -156,6 +155,8 @@ def regress(
     about_rad
         Heading about which the model is linear.
     """
+    from scipy.linalg.lapack import dpotri  # slow to load, and not needed for a walk without fixes
+
     joint = _joint(fixes_m, path_m, common_m2, white_m2, prior, about_rad)
     count, row = len(fixes_m), np.arange(len(fixes_m))
     half = dpotri(joint.lower, lower=1)[0]  # the lower half of the inverse; the other one is zero
@@ -190,6 +191,8 @@ def log_evidence(
     fixes_m: Array, path_m: Array, common_m2: Array, white_m2: Array, prior: PlacementPrior, about_rad: float
 ) -> float:
     """Compute the evidence of `regress` alone, at a fraction of the cost; the parameters are the same."""
+    from scipy.linalg.lapack import dtrtrs
+
     joint = _joint(fixes_m, path_m, common_m2, white_m2, prior, about_rad)
     whitened = dtrtrs(joint.lower, joint.residual, lower=1)[0]
     return -0.5 * float(whitened @ whitened) - joint.log_norm

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dptsv
 
 from pdr_est.estimators.common.huber import CAUCHY
 from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD
@@ -18,6 +17,7 @@ _LEAST_DECREASE = 1e-6  # predicted, of the error, half a chi square, below whic
 _MAX_STEPS = 200
 _MAX_HALVINGS = 20
 _ARMIJO = 1e-4  # share of the decrease that the slope predicts
+_LONG = 1000  # nodes; to load LAPACK takes longer than to do without it in a walk of fewer (ours)
 
 
 @dataclass(frozen=True)
@@ -178,6 +178,29 @@ def sums_by_node(node: NDArray[np.intp], value: Array, size: int) -> Array:
 
 def _tridiagonal(diagonal: Array, stiff: Array, right: Array) -> Array:
     """Solve a symmetric system (n, n) with the elements -stiff (n - 1,) beside its diagonal for columns (n, k)."""
-    if len(diagonal) == 1:
-        return right / diagonal
+    if len(diagonal) < _LONG:
+        return _solved_in_turn(diagonal, stiff, right)
+    from scipy.linalg.lapack import dptsv
+
     return np.asarray(dptsv(diagonal, -stiff, right)[2])
+
+
+def _solved_in_turn(diagonal: Array, stiff: Array, right: Array) -> Array:
+    """Solve the system of `_tridiagonal` row by row, as LAPACK does."""
+    pivot, *below = diagonal.tolist()
+    ratios, pivots = [], [pivot]
+    for beside, own in zip(stiff.tolist(), below, strict=True):
+        ratios.append(beside / pivot)
+        pivot = own - ratios[-1] * beside
+        pivots.append(pivot)
+    solved = np.empty(right.shape)
+    for column, values in enumerate(right.T.tolist()):
+        for i, ratio in enumerate(ratios):
+            values[i + 1] += ratio * values[i]
+        found = values[-1] / pivots[-1]
+        values[-1] = found
+        for i in range(len(ratios) - 1, -1, -1):
+            found = values[i] / pivots[i] + ratios[i] * found
+            values[i] = found
+        solved[:, column] = values
+    return solved

@@ -9,7 +9,7 @@ from pdr_est.estimators.common.initial_state import StartPrior, prior_after_lost
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank, Lineage
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
+from pdr_est.estimators.kalman.predict_and_update import NodeFilter
 from pdr_est.frames import Array
 
 HEADING_RESET_VARIANCE_RAD2 = 0.25
@@ -69,7 +69,7 @@ def loses_heading(node: Node) -> bool:
 
 
 def start_device(
-    node: Node, number: int, prior: StartPrior, scratch: MultiDeviceEkf, decided: Lineage = ()
+    node: Node, number: int, prior: StartPrior, scratch: NodeFilter, decided: Lineage = ()
 ) -> DeviceFilterState:
     """Return the state after the first node of a segment.
 
@@ -94,7 +94,7 @@ def start_device(
     return DeviceFilterState(number, scratch.state_of(), None, True, True, decided=decided)
 
 
-def restart_device(before: DeviceFilterState, node: Node, number: int, scratch: MultiDeviceEkf) -> DeviceFilterState:
+def restart_device(before: DeviceFilterState, node: Node, number: int, scratch: NodeFilter) -> DeviceFilterState:
     """Return the state after a node at which the heading is given up and a new segment begins.
 
     The parameters are those of `step_device`.
@@ -103,7 +103,7 @@ def restart_device(before: DeviceFilterState, node: Node, number: int, scratch: 
 
 
 def step_device(
-    before: DeviceFilterState, node: Node, number: int, heading_observed_later: bool, scratch: MultiDeviceEkf
+    before: DeviceFilterState, node: Node, number: int, heading_observed_later: bool, scratch: NodeFilter
 ) -> DeviceFilterState:
     """Return the state after a node.
 

@@ -6,6 +6,7 @@ steps and can return to any earlier state, because a state is never changed in p
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 from typing import TypeVar
 
@@ -14,7 +15,7 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
 from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, start_device, step_device
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf, marginal_of
+from pdr_est.estimators.kalman.predict_and_update import NodeFilter, marginal_of
 from pdr_est.frames import Array
 
 Tether = TypeVar("Tether", NodeTether, PairTether)
@@ -86,8 +87,14 @@ class WalkStepper:
     """
 
     def __init__(self, devices: int) -> None:
-        self._own, self._joint = MultiDeviceEkf(1), MultiDeviceEkf(devices)
+        self._own = NodeFilter(1)
         self._devices = devices
+
+    @cached_property
+    def _joint(self) -> NodeFilter:
+        from pdr_est.estimators.kalman.filterpy_ekf import MultiDeviceEkf  # slow to load, and for a joint state only
+
+        return MultiDeviceEkf(self._devices)
 
     def initial(self, joint: bool) -> WalkFilterState:
         """Return the state before the first node; `joint` tells whether there is a joint state."""
@@ -189,5 +196,5 @@ class WalkStepper:
 
 
 def _zero_state(devices: int) -> GaussianState:
-    empty = MultiDeviceEkf(devices)
+    empty = NodeFilter(devices)
     return empty.dump()

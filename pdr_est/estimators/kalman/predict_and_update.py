@@ -1,11 +1,10 @@
-"""Prediction and updates of the extended Kalman filter (filterpy): the states of some devices side by side."""
+"""Prediction and updates of the extended Kalman filter: the states of some devices side by side."""
 
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
 
 from pdr_est.estimators.common.huber import huber_inflation
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
@@ -23,8 +22,8 @@ _ALONE = np.ones(1)  # weight of a single state
 _TETHER_ITERATIONS = 3  # a distance is not linear in the positions
 
 
-class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
-    """Extended Kalman filter of filterpy with the motion model of `motion_model.py`; x is one-dimensional throughout.
+class NodeFilter:
+    """Extended Kalman filter with the motion model of `motion_model.py`; x is one-dimensional throughout.
 
     A device takes part once its state has been set; before that its state and covariance are zero. The wandering
     errors of sources of fixes follow, each from its first fix on. The arrays x and P are replaced by every operation
@@ -37,7 +36,6 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
     """
 
     def __init__(self, devices: int = 1) -> None:
-        super().__init__(dim_x=STATES * devices, dim_z=2)
         self._devices = devices
         self.load(GaussianState(np.zeros(STATES * devices), np.zeros((STATES * devices, STATES * devices))))
 
@@ -53,7 +51,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         """Set the states of all devices and sources to what `dump` returned."""
         self.x, self.P, self._sources, self._trusts = state.mean, state.covariance, state.sources, state.trusts
         self._trails, self._taken = state.trails or ((),) * self._devices, state.taken
-        self._I = _unit(len(self.x))  # filterpy's unit matrix
+        self._I = _unit(len(self.x))
 
     def dump(self) -> GaussianState:
         """Return the states of all devices and sources; the covariance is symmetric only up to rounding."""
@@ -131,7 +129,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         self._trails, self._taken = (*self._trails[:device], trail, *self._trails[device + 1 :]), ()
 
     def predict(self, u: tuple[Node, slice]) -> None:
-        """Predict mean and covariance as filterpy does, without the copies that it keeps."""
+        """Predict mean and covariance."""
         self.predict_x(u)
         self.P = np.dot(self.F, self.P).dot(self.F.T) + self.Q
 
@@ -213,7 +211,7 @@ class MultiDeviceEkf(ExtendedKalmanFilter):  # type: ignore[misc]
         return whole
 
     def _correct(self, z: Array, jacobian: Array, noise: Array, residual: Callable[[Array, Array], Array]) -> None:
-        """Update by one number, with the products of filterpy in its order and without the copies that it keeps."""
+        """Update by one number, with the covariance in Joseph form."""
         across = np.dot(self.P, jacobian.T)
         gain = across / (np.dot(jacobian, across) + noise)
         self.x = self.x + np.dot(gain, residual(z, jacobian @ self.x))

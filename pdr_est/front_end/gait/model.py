@@ -11,6 +11,7 @@ UPTIME: Alzantot and Youssef, WCNC 2012, section III-B, Figure 5.
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -108,7 +109,10 @@ class GaitModel:
     """Metrics of models trained in the same way with some people left out; null for such a model itself."""
 
 
-_MODEL = TypeAdapter(GaitModel)
+@cache
+def _validator() -> TypeAdapter[GaitModel]:
+    """Build the validator at its first use, because that is slow."""
+    return TypeAdapter(GaitModel)
 
 
 def load_model(path: Path) -> GaitModel:
@@ -161,7 +165,7 @@ def model_from_dict(content: Any, place: str) -> GaitModel:
         If keys are missing or unknown, types are wrong, arrays do not fit together, or numbers are implausible.
     """
     try:
-        model = _MODEL.validate_python(content)
+        model = _validator().validate_python(content)
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])

@@ -2,6 +2,8 @@
 
 * `blocks`: join and cut blocks of samples.
 * `filters`: causal Butterworth filters.
+* `butterworth`: their coefficients.
+* `recursion`: their output.
 * `moving_average`: mean over a sliding window.
 * `event_detection`: local extrema, Schmitt trigger and refractory period.
 * `axis_turn`: axes that do not depend on how those of the device lie.

@@ -1,7 +1,6 @@
 """Axes for an attitude filter that do not depend on how those of the device lie."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pdr_est.frames import Array
 
@@ -14,7 +13,7 @@ class AxisTurn:
 
     def __init__(self, matrix: Array) -> None:
         self._matrix = matrix
-        x, y, z, w = Rotation.from_matrix(matrix).as_quat().tolist()
+        w, x, y, z = _quaternion(matrix)
         self._right = np.array([[w, -x, -y, -z], [x, w, z, -y], [y, -z, w, x], [z, y, -x, w]])
 
     def vectors(self, values: Array) -> Array:
@@ -36,6 +35,23 @@ def _multiplied(matrix: Array, rows: Array) -> Array:
     for k in range(1, matrix.shape[1]):
         product += np.multiply.outer(rows[:, k], matrix[:, k])
     return product
+
+
+def _quaternion(matrix: Array) -> list[float]:
+    """Compute the unit quaternion, w first, of a rotation matrix (3, 3)."""
+    r = matrix
+    # Each row is the quaternion times four times one of its elements; the longest is the most accurate.
+    multiples = np.array(
+        [
+            [1.0 + r[0, 0] + r[1, 1] + r[2, 2], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]],
+            [r[2, 1] - r[1, 2], 1.0 + r[0, 0] - r[1, 1] - r[2, 2], r[1, 0] + r[0, 1], r[0, 2] + r[2, 0]],
+            [r[0, 2] - r[2, 0], r[1, 0] + r[0, 1], 1.0 - r[0, 0] + r[1, 1] - r[2, 2], r[2, 1] + r[1, 2]],
+            [r[1, 0] - r[0, 1], r[0, 2] + r[2, 0], r[2, 1] + r[1, 2], 1.0 - r[0, 0] - r[1, 1] + r[2, 2]],
+        ]
+    )
+    longest = multiples[int(np.argmax(np.diagonal(multiples)))]
+    quaternion: list[float] = (longest / np.linalg.norm(longest)).tolist()
+    return quaternion
 
 
 def axes_through(force: Array, rate: Array) -> Array:

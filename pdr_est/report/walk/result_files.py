@@ -11,6 +11,7 @@ from pdr_est.evaluate.time_association import associate
 from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.track_files import write_geojson, write_steps_csv, write_tum
+from pdr_est.module_loading import loading_modules
 from pdr_est.output.atomic_output import write_text
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report.walk.summary import Json, package_versions, summarise
@@ -79,7 +80,8 @@ def write_results(
 
 
 def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json) -> None:
-    from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
+    with loading_modules():
+        from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
 
     write_text(path, render_report(walk, recording, summary))
 

@@ -9,7 +9,7 @@ from estimator_walks import SIGMA_SCALE, STEP_S, step
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.kalman import ekf
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
+from pdr_est.estimators.kalman.filterpy_ekf import MultiDeviceEkf
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track
 

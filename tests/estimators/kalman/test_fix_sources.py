@@ -13,6 +13,7 @@ from least_squares import fix_covariance, solve_linear, wander_variances
 
 from pdr_est.estimators.common.motion_model import SOURCE_STATES, STATES, GaussianState
 from pdr_est.estimators.common.timeline import Timeline, build_timeline, timelines_of
+from pdr_est.estimators.kalman.filterpy_ekf import MultiDeviceEkf
 from pdr_est.estimators.kalman.fix_sources import (
     fix_rows,
     place_of_source,
@@ -20,7 +21,6 @@ from pdr_est.estimators.kalman.fix_sources import (
 )
 from pdr_est.estimators.kalman.joint_filter_step import WalkStepper
 from pdr_est.estimators.kalman.offline_filter import filter_walk, run_filter
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.estimators.kalman.rts_smoother import smooth_segments, smooth_walk
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceMeasurements, PositionFix, StartPose, StepOdometry

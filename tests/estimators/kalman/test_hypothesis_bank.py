@@ -15,9 +15,9 @@ from scipy.stats import multivariate_normal, norm
 from pdr_est.estimators.common.motion_model import SOURCE_STATES, STATES, GaussianState
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.timeline import build_timeline
+from pdr_est.estimators.kalman.filterpy_ekf import MultiDeviceEkf
 from pdr_est.estimators.kalman.hypothesis_bank import MOST_HYPOTHESES, HypothesisBank
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, run_filter
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, Measurement, PositionFix, StartPose, TurnHypothesis
 from pdr_est.types.steps import CarryingMode

@@ -10,9 +10,9 @@ from pdr_est.estimators.common.initial_state import StartPrior, start_prior, sta
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import PairTether, node_tethers_between, tethers_between
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
+from pdr_est.estimators.kalman.filterpy_ekf import MultiDeviceEkf
 from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
 from pdr_est.estimators.kalman.offline_filter import filter_walk, run_filter
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.types.measurements import DeviceTether, LoopClosure, StartPose, StepOdometry
 
 EAST = StartPose((0.0, 0.0), 0.0, 0.1, 0.1)

@@ -11,9 +11,9 @@ from scipy.stats import multivariate_normal
 
 from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.nodes import Node
+from pdr_est.estimators.kalman.filterpy_ekf import MultiDeviceEkf
 from pdr_est.estimators.kalman.fix_sources import fix_rows, with_source_at
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
 from pdr_est.estimators.kalman.similarity_update import similarity_update
 from pdr_est.frames import Array, rotation_matrix
 from pdr_est.types.measurements import PositionFix

@@ -12,7 +12,7 @@ from scipy.stats import multivariate_normal
 
 from pdr_est.estimators.common.measurement_checks import is_repeated
 from pdr_est.estimators.common.motion_model import STATES, GaussianState
-from pdr_est.estimators.kalman.predict_and_update import MultiDeviceEkf
+from pdr_est.estimators.kalman.filterpy_ekf import MultiDeviceEkf
 from pdr_est.estimators.kalman.source_trust import (
     hypotheses_about,
     mixture_of,

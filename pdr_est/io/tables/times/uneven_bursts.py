@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from pdr_est.frames import Array
 
@@ -106,8 +105,16 @@ def _fit(stamps_s: Array, rows: NDArray[np.intp], ends: NDArray[np.intp]) -> tup
     smooth_s = np.empty(len(rows))
     for run in np.split(np.arange(len(rows)), breaks):
         first, last = run[0], run[-1]
-        smooth_s[run] = median_filter(offset_s[run], size=_WINDOW, mode="reflect")
+        smooth_s[run] = _sliding_median(offset_s[run])
         inside = slice(ends[first - 1] if first else 0, ends[last])
         times = interval_s * every[inside] + np.interp(every[inside], rows[run], smooth_s[run])
         time_s[inside] = np.maximum.accumulate(times)
     return time_s, interval_s, float(np.median(np.abs(offset_s - smooth_s)))
+
+
+def _sliding_median(values: Array) -> Array:
+    """Compute the median of the `_WINDOW` values about each of some (n,), which are mirrored at their ends."""
+    half = _WINDOW // 2
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, half, mode="symmetric"), _WINDOW)
+    medians: Array = np.partition(windows, half, axis=1)[:, half]
+    return medians
