@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 
 from pdr_est.errors import RecordingError, SeveralWalksError
-from pdr_est.io.formats.registry import FORMATS, read
+from pdr_est.io.formats.registry import format_of, read
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source, SourceKind
 
@@ -47,7 +47,7 @@ def walks_in_folder(folder: Path, mapping: TableMapping | None = None) -> tuple[
 def _with_other_formats(folder: Path) -> tuple[Path, ...]:
     """List the walk of a folder that is one recording, with recordings of other formats that lie beside it."""
     source = Source.open(folder)
-    known = next((known for known in FORMATS if known.sniff(source)), None)
+    known, _ = format_of(source)
     own = [member for member in source.members if known is not None and known.sniff(source.with_only(member))]
     if source.kind is not SourceKind.FOLDER or not own or len(source.members) == 1:
         return (folder,)
@@ -58,7 +58,7 @@ def _with_other_formats(folder: Path) -> tuple[Path, ...]:
 
 
 def _is_readable(path: Path) -> bool:
-    return any(known.sniff(Source.open(path)) for known in FORMATS)
+    return format_of(Source.open(path))[0] is not None
 
 
 def _paths(source: Source, walks: tuple[str, ...]) -> tuple[Path, ...]:
@@ -134,7 +134,7 @@ def _extension(path: Path) -> str:
 def _names_beside(walk: Path) -> re.Pattern[str]:
     """Return the names of files that the format of a walk reads beside it."""
     alone = Source.open(walk)
-    known = next((known for known in FORMATS if known.sniff(alone)), None)
+    known, _ = format_of(alone)
     names: re.Pattern[str] = getattr(known, "BESIDE", _NONE)
     return names
 
@@ -142,6 +142,6 @@ def _names_beside(walk: Path) -> re.Pattern[str]:
 def _is_recording(source: Source, member: str) -> bool:
     try:
         alone = Source.open(source.path / source.stored[member])
-        return any(known.sniff(alone) for known in FORMATS)
+        return format_of(alone)[0] is not None
     except RecordingError:  # such as a damaged archive
         return False

@@ -39,8 +39,10 @@ class SensorFile:
 
     @property
     def is_second_choice(self) -> bool:
-        """Tell whether a calibrated file of the same sensor is better."""
-        return is_second_choice(member_stem(self.member))
+        """Tell whether another file of the same sensor is better: calibrated, or with the gyroscope in it."""
+        stem = member_stem(self.member)
+        without_gyroscope = self.quantity is Quantity.ROTATION_VECTOR and "mag" in stem.casefold()
+        return is_second_choice(stem) or without_gyroscope
 
 
 @dataclass(frozen=True)
