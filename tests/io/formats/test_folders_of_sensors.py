@@ -198,3 +198,19 @@ def test_counts_of_a_chip_are_refused(tmp_path: Path, walk: TableWalk) -> None:
     lines = rows({"micros": ticks(walk, 10**6, 523), **xyz("a{}", counts), **xyz("g{}", np.round(walk.rate * 7506))})
     with pytest.raises(RecordingError, match=r"ax, ay, az are integers whose mean has length .* state what one is"):
         read(folder_of(tmp_path, {"walk.csv": lines}) / "walk.csv")
+
+
+@pytest.mark.parametrize("first", ["rv.txt", "orientation.txt", "game_rv.txt"])
+def test_a_second_rotation_vector_is_not_used(tmp_path: Path, walk: TableWalk, first: str) -> None:
+    """Android has three: the one from magnetic north alone is the worst, and the walk does not depend on any."""
+    vectors = np.roll(walk.attitude, -1, axis=1)  # w last
+    files = {
+        "acce.txt": table(walk, walk.force),
+        "gyro.txt": table(walk, walk.rate),
+        first: rows({"time": ticks(walk, 10**9, UNIX_NS), **dict(zip("xyzw", vectors.T, strict=True))}),
+        "magnetic_rv.txt": rows({"time": ticks(walk, 10**9, UNIX_NS), **dict(zip("xyzw", -vectors.T, strict=True))}),
+    }
+    device = read(folder_of(tmp_path, files)).devices[0]
+    assert_walk(device, walk)
+    assert device.attitude is not None
+    assert "files not used: magnetic_rv.txt" in " | ".join(device.decisions)
