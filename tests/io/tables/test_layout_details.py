@@ -87,3 +87,11 @@ def test_a_unit_that_is_not_g_is_not_called_g(tmp_path: Path, walk: TableWalk) -
     device = device_of(tmp_path, text(rows(columns)))
     assert_walk(device, walk)
     assert "recorders in this unit have either sign" in " ".join(device.decisions)
+
+
+def test_times_since_the_row_before_are_no_clock(tmp_path: Path, walk: TableWalk) -> None:
+    columns = plain(walk)
+    steps = {"delta_ms": 20 + np.arange(len(walk.time_s)) % 3 - 1}
+    lines = rows({**steps, **{title: values for title, values in columns.items() if title != "time"}})
+    with pytest.raises(RecordingError, match=r"'delta_ms' holds the time since the row before.*rate_hz: 50"):
+        device_of(tmp_path, text(lines))
