@@ -11,6 +11,7 @@ from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source, SourceKind
 
 _NOTE = re.compile(r"(?:read_?me|licen[cs]e|copying|changelog|index|notes?)\b.*", re.IGNORECASE)
+_OF_NOTES_TOO = ".json"  # recordings are rarer in it than facts about them
 _NONE = re.compile(r"(?!)")
 _ANNOTATION = ".xml"  # files that stand for a walk and hold none of its samples
 
@@ -97,7 +98,7 @@ def _others(source: Source, walks: Sequence[Path]) -> list[Path]:
     outside = [(path, m) for path, m in outside if path not in walks and not folders & set(path.parents)]
     found = _joined(source, walks, [path for path, member in outside if _is_recording(source, member)])
     outside = [(path, m) for path, m in outside if not set(found) & {path, *path.parents}]
-    extensions = {_extension(walk) for walk in walks if walk.is_file()}
+    extensions = {_extension(walk) for walk in (*walks, *found) if walk.is_file()} - {_OF_NOTES_TOO}
     stems = {(walk.parent, _stem(walk)) for walk in (*walks, *found)}
     broken = [path for path, _ in outside if _extension(path) in extensions]
     return [*found, *(path for path in broken if (path.parent, _stem(path)) not in stems)]

@@ -12,6 +12,7 @@ from table_walk import TableWalk, rows, table_walk, xyz
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.frames import Array
 from pdr_est.io import read
+from pdr_est.io.formats.walks_in_folder import walks_in_folder
 from pdr_est.types.recording import DeviceRecording
 
 
@@ -214,3 +215,12 @@ def test_a_second_rotation_vector_is_not_used(tmp_path: Path, walk: TableWalk, f
     assert_walk(device, walk)
     assert device.attitude is not None
     assert "files not used: magnetic_rv.txt" in " | ".join(device.decisions)
+
+
+def test_a_table_that_cannot_be_read_beside_walks_is_not_dropped(tmp_path: Path, walk: TableWalk) -> None:
+    """The first walk is a folder: the extension of the others tells that it should be one, too."""
+    plain = rows({"time": walk.time_s, **xyz("acc_{}", walk.force), **xyz("gyro_{}", walk.rate)})
+    files = {"a/acc.csv": table(walk, walk.force), "a/gyro.csv": table(walk, walk.rate)}
+    files |= {"walk.csv": plain, "broken.csv": [line.partition(",")[2] for line in plain], "info.json": ['{"a": 1}']}
+    found = {path.name for path in walks_in_folder(folder_of(tmp_path, files))}
+    assert found == {"a", "walk.csv", "broken.csv"}

@@ -95,3 +95,8 @@ def test_times_since_the_row_before_are_no_clock(tmp_path: Path, walk: TableWalk
     lines = rows({**steps, **{title: values for title, values in columns.items() if title != "time"}})
     with pytest.raises(RecordingError, match=r"'delta_ms' holds the time since the row before.*rate_hz: 50"):
         device_of(tmp_path, text(lines))
+
+
+def test_titles_in_windows_1251(tmp_path: Path, walk: TableWalk) -> None:
+    columns = {"время": walk.time_s, **xyz("ускорение {}", walk.force), **xyz("угловая скорость {}", walk.rate)}
+    assert_walk(device_of(tmp_path, ("\n".join(rows(columns)) + "\n").encode("cp1251")), walk)

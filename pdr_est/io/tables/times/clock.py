@@ -171,7 +171,7 @@ def _no_time(loose: LooseTable, columns: Sequence[ClockColumn]) -> str:
         title = column.title
         if title in loose.table and holds_differences(title, loose.table.columns[title]):
             return (
-                f"{title!r} holds the time since the row before, which no mapping can sum up; write the time since the "
+                f"{title!r} holds the time since the row before, which cannot be summed up; write the time since the "
                 "start, or give the sampling rate with --map (time: {rate_hz: 50})"
             )
     shown: Mapping[str, str] = {
