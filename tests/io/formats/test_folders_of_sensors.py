@@ -224,3 +224,12 @@ def test_a_table_that_cannot_be_read_beside_walks_is_not_dropped(tmp_path: Path,
     files |= {"walk.csv": plain, "broken.csv": [line.partition(",")[2] for line in plain], "info.json": ['{"a": 1}']}
     found = {path.name for path in walks_in_folder(folder_of(tmp_path, files))}
     assert found == {"a", "walk.csv", "broken.csv"}
+
+
+@pytest.mark.parametrize("axes", [("x_uncalib", "y_uncalib", "z_uncalib"), ("values_0", "values_1", "values_2")])
+def test_axes_that_only_the_name_of_the_file_tells(tmp_path: Path, walk: TableWalk, axes: Sequence[str]) -> None:
+    found = {}
+    for name, values in (("accelerometer.csv", walk.force), ("gyroscope.csv", walk.rate)):
+        columns = dict(zip(axes, values.T, strict=True))
+        found[name] = rows({"timestamp": ticks(walk, 10**9, UNIX_NS), "accuracy": [3] * len(values), **columns})
+    assert_walk(read(folder_of(tmp_path, found)).devices[0], walk)

@@ -100,3 +100,15 @@ def test_times_since_the_row_before_are_no_clock(tmp_path: Path, walk: TableWalk
 def test_titles_in_windows_1251(tmp_path: Path, walk: TableWalk) -> None:
     columns = {"время": walk.time_s, **xyz("ускорение {}", walk.force), **xyz("угловая скорость {}", walk.rate)}
     assert_walk(device_of(tmp_path, ("\n".join(rows(columns)) + "\n").encode("cp1251")), walk)
+
+
+def test_calibrated_columns_beside_raw_ones_count(tmp_path: Path, walk: TableWalk) -> None:
+    counts = {**xyz("a{}_raw", np.round(1670.0 * walk.force)), **xyz("g{}_raw", np.round(7500.0 * walk.rate))}
+    columns = {"time": walk.time_s, **counts, **xyz("a{}", walk.force), **xyz("g{}", walk.rate / DEG)}
+    assert_walk(device_of(tmp_path, text(rows(columns))), walk)
+
+
+def test_no_numbered_values_without_a_sensor(tmp_path: Path, walk: TableWalk) -> None:
+    columns = {"time": walk.time_s, **{f"value_{i}": walk.force[:, i] for i in range(3)}}
+    with pytest.raises(RecordingError, match="no accelerometer or gyroscope"):
+        device_of(tmp_path, text(rows(columns)))
