@@ -10,19 +10,21 @@ heel strikes and the phase between up and forward stay the same. Only what is no
 * the turns of position fixes, against those by the gyroscope. They alone prove it.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, wrap_angle
 from pdr_est.io.conversion.units import sampled_rows
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Signal
 
 _BY_SCREEN = 4.0
 _UP_IN_MPS2, _UP_IN_G, _UP_IN_G_APART = 2.2, 0.0, -2.2
+_PARTS_OF_G, _G_RTOL = (1.0, 1e-3, 1e-6), 1e-2
 _BY_DIP = 1.2
 _BY_TITLES = 3.4
 _LEAST_DIP_COSINE = 0.25
@@ -89,7 +91,8 @@ def unit_evidence(unit_factor: float, gravity_apart: bool = False) -> SignEviden
         return SignEvidence(_UP_IN_MPS2, "recorders in m/s^2 mostly have Android's sign")
     if gravity_apart:
         return SignEvidence(_UP_IN_G_APART, "gravity in g, apart from the motion, is mostly Core Motion's")
-    return SignEvidence(_UP_IN_G, "recorders in g have either sign")
+    in_g = any(math.isclose(unit_factor, part * STANDARD_GRAVITY_MPS2, rel_tol=_G_RTOL) for part in _PARTS_OF_G)
+    return SignEvidence(_UP_IN_G, f"recorders in {'g' if in_g else 'this unit'} have either sign")
 
 
 def title_evidence(sign: float, reason: str) -> SignEvidence:

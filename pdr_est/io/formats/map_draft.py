@@ -6,7 +6,7 @@ from pathlib import Path
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io.formats.named_tables import NamedTableFormat
 from pdr_est.io.formats.plain_csv import reader as plain_csv
-from pdr_est.io.formats.registry import FORMATS
+from pdr_est.io.formats.registry import format_of
 from pdr_est.io.formats.sensor_files import reader as sensor_files
 from pdr_est.io.tables.header import understand_titles
 from pdr_est.io.tables.headerless import guess_columns
@@ -15,6 +15,7 @@ from pdr_est.io.tables.mapping_draft import draft_mapping, mapping_of_tables
 from pdr_est.io.tables.quantities import AXES, Quantity
 from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of
 from pdr_est.io.tables.split.reader import DeviceTables, read_tables
+from pdr_est.io.tables.split.respelt import respelt
 from pdr_est.io.tables.split.sections import table_sections
 from pdr_est.io.tables.split.tagged_log import tagged_separator
 from pdr_est.io.tables.titles import sensor_by_name
@@ -24,7 +25,7 @@ from pdr_est.io.text.loose_table import read_loose_table
 from pdr_est.io.text.members import member_stem, require_single_walk
 from pdr_est.io.text.single_archive import open_recording
 from pdr_est.io.text.table_layout import TableLayout
-from pdr_est.io.text.workbook import unpack_workbook
+from pdr_est.io.text.unpacked.workbook import unpack_workbook
 from pdr_est.output.atomic_output import staged_file
 
 _TITLE = "# Meaning of the columns, for --map; docs/recorder-formats.md describes the file.\n"
@@ -55,7 +56,7 @@ def write_map_draft(recording: Path, target: Path) -> None:
 
 
 def _draft(source: Source) -> str:
-    known = next((known for known in FORMATS if known.sniff(source)), None)
+    known, source = format_of(source)
     if known is None:
         return _draft_of_unknown(source)
     if known is sensor_files:
@@ -89,7 +90,7 @@ def _draft_of_sensor_files(source: Source) -> str:
 
 def _refuse_kinds(source: Source, member: str) -> None:
     """Refuse files with several tables of their own titles each, which a mapping cannot describe."""
-    text = as_utf8(source.read(member))
+    text = respelt(as_utf8(source.read(member)))
     if table_sections(text):
         raise RecordingError(
             f"{source.place(member)}: it has tables one below the other, which a mapping cannot describe; save each "
@@ -116,7 +117,7 @@ def _tables(
 
 
 def _draft_of_file(source: Source, member: str, mappings: Sequence[TableMapping]) -> str:
-    layout = layout_of(as_utf8(source.head(member, HEAD_BYTES)))
+    layout = layout_of(respelt(as_utf8(source.head(member, HEAD_BYTES))))
     titles, sample = ((), ()) if layout is None else (layout.titles, layout.sample)
     mapping = mappings[0] if len(mappings) == 1 else TableMapping(parts=tuple(mappings))
     return draft_mapping(mapping, titles, sample)
@@ -134,7 +135,7 @@ def _draft_of_unknown(source: Source) -> str:
     """Draft a mapping from titles and first rows alone."""
     found: dict[str, tuple[TableLayout, TableMapping]] = {}
     for member in source.members:
-        head = as_utf8(source.head(member, HEAD_BYTES))
+        head = respelt(as_utf8(source.head(member, HEAD_BYTES)))
         layout = layout_of(head)
         if layout is not None:
             found[member] = layout, _guess(head, layout, member_stem(member))

@@ -43,7 +43,8 @@ from pdr_est.io.side_tables.clock_messages import split_off_clock_messages
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source
 from pdr_est.io.text.single_archive import open_recording
-from pdr_est.io.text.workbook import unpack_workbook
+from pdr_est.io.text.unpacked.json_records import unpack_json
+from pdr_est.io.text.unpacked.workbook import unpack_workbook
 from pdr_est.types.recording import Recording
 
 
@@ -140,16 +141,28 @@ def read(path: str | Path, mapping: TableMapping | None = None, devices: Sequenc
     if not any(source.head(member, 1) for member in source.members):
         raise RecordingError(f"{source.path}: the recording is empty (0 bytes); export it again")
     if mapping is not None:
-        return mend_clocks(replace(read_mapped(source, mapping, devices), messages=messages))
-    for known in FORMATS:
-        if known.sniff(source):
-            return mend_clocks(replace(_read_known(known, source, devices), messages=messages))
+        return mend_clocks(replace(read_mapped(unpack_json(source), mapping, devices), messages=messages))
+    known, source = format_of(source)
+    if known is not None:
+        return mend_clocks(replace(_read_known(known, source, devices), messages=messages))
     names = ", ".join(known.NAME for known in FORMATS)
     raise RecordingError(
         f"{source.path}: unknown format: {describe_unknown(source)}. Say what the columns mean with --map FILE.yaml, "
         "of which `pdr-est inspect RECORDING --write-map FILE.yaml` writes a draft; known formats are "
         f"{names}; see docs/recorder-formats.md"
     )
+
+
+def format_of(source: Source) -> tuple[Format | None, Source]:
+    """Find the format of a source, and what is then to be read: the tables in it if it is JSON of other recorders.
+
+    Returns
+    -------
+    tuple of Format or None, and Source
+        None with the source, unpacked if possible, when no format knows it.
+    """
+    tables = source if sensor_logger.sniff(source) else unpack_json(source)
+    return next((known for known in FORMATS if known.sniff(tables)), None), tables
 
 
 def _read_known(known: Format, source: Source, devices: Sequence[str]) -> Recording:

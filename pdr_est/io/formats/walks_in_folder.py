@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 
 from pdr_est.errors import RecordingError, SeveralWalksError
-from pdr_est.io.formats.registry import FORMATS, read
+from pdr_est.io.formats.registry import format_of, read
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.io.text.container import Source, SourceKind
 
 _NOTE = re.compile(r"(?:read_?me|licen[cs]e|copying|changelog|index|notes?)\b.*", re.IGNORECASE)
+_OF_NOTES_TOO = ".json"  # recordings are rarer in it than facts about them
 _NONE = re.compile(r"(?!)")
 _ANNOTATION = ".xml"  # files that stand for a walk and hold none of its samples
 
@@ -47,7 +48,7 @@ def walks_in_folder(folder: Path, mapping: TableMapping | None = None) -> tuple[
 def _with_other_formats(folder: Path) -> tuple[Path, ...]:
     """List the walk of a folder that is one recording, with recordings of other formats that lie beside it."""
     source = Source.open(folder)
-    known = next((known for known in FORMATS if known.sniff(source)), None)
+    known, _ = format_of(source)
     own = [member for member in source.members if known is not None and known.sniff(source.with_only(member))]
     if source.kind is not SourceKind.FOLDER or not own or len(source.members) == 1:
         return (folder,)
@@ -58,7 +59,7 @@ def _with_other_formats(folder: Path) -> tuple[Path, ...]:
 
 
 def _is_readable(path: Path) -> bool:
-    return any(known.sniff(Source.open(path)) for known in FORMATS)
+    return format_of(Source.open(path))[0] is not None
 
 
 def _paths(source: Source, walks: tuple[str, ...]) -> tuple[Path, ...]:
@@ -97,7 +98,7 @@ def _others(source: Source, walks: Sequence[Path]) -> list[Path]:
     outside = [(path, m) for path, m in outside if path not in walks and not folders & set(path.parents)]
     found = _joined(source, walks, [path for path, member in outside if _is_recording(source, member)])
     outside = [(path, m) for path, m in outside if not set(found) & {path, *path.parents}]
-    extensions = {_extension(walk) for walk in walks if walk.is_file()}
+    extensions = {_extension(walk) for walk in (*walks, *found) if walk.is_file()} - {_OF_NOTES_TOO}
     stems = {(walk.parent, _stem(walk)) for walk in (*walks, *found)}
     broken = [path for path, _ in outside if _extension(path) in extensions]
     return [*found, *(path for path in broken if (path.parent, _stem(path)) not in stems)]
@@ -134,7 +135,7 @@ def _extension(path: Path) -> str:
 def _names_beside(walk: Path) -> re.Pattern[str]:
     """Return the names of files that the format of a walk reads beside it."""
     alone = Source.open(walk)
-    known = next((known for known in FORMATS if known.sniff(alone)), None)
+    known, _ = format_of(alone)
     names: re.Pattern[str] = getattr(known, "BESIDE", _NONE)
     return names
 
@@ -142,6 +143,6 @@ def _names_beside(walk: Path) -> re.Pattern[str]:
 def _is_recording(source: Source, member: str) -> bool:
     try:
         alone = Source.open(source.path / source.stored[member])
-        return any(known.sniff(alone) for known in FORMATS)
+        return format_of(alone)[0] is not None
     except RecordingError:  # such as a damaged archive
         return False

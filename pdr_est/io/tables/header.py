@@ -15,6 +15,7 @@ from pdr_est.io.tables.titles import TitleMeaning, understand_title
 from pdr_est.io.tables.words.folding import split_words
 from pdr_est.io.tables.words.sensors import Word
 
+_RAW_WORDS = frozenset({"raw", "uncal", "uncalib", "uncalibrated"})
 _SECOND_WORDS = frozenset({"sec", "secs", "seconds", "s"})
 _NANOSECOND_WORDS = frozenset({"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds", "ns"})
 _ACCELERATIONS = (Quantity.FORCE, Quantity.LINEAR)
@@ -136,7 +137,8 @@ def _without_second(title: str) -> tuple[str, ...]:
 def _groups(meanings: Mapping[str, TitleMeaning | None], hint: Quantity | None) -> list[_Group]:
     """Put the titles of one sensor together."""
     found: dict[tuple[Word, str, bool], dict[str, str]] = defaultdict(dict)
-    for title, meaning in meanings.items():
+    # Of two titles that mean the same the calibrated one counts.
+    for title, meaning in sorted(meanings.items(), key=lambda one: not _RAW_WORDS.isdisjoint(split_words(one[0]))):
         word = None if meaning is None else meaning.word or _word_of_bare_axis(meaning, hint)
         if meaning is None or word is None or word.quantity is Quantity.TIME:
             continue
@@ -168,6 +170,8 @@ def _word_of_bare_axis(meaning: TitleMeaning, hint: Quantity | None) -> Word | N
             return Word(by_unit[0], 5, by_unit[0] is Quantity.FORCE)
         if hint is None:
             return None  # an angle, a length …
+    if hint is None and meaning.axis.isdigit():
+        return None  # `values_0` is an axis only where something else names the sensor
     if hint is Quantity.ROTATION_VECTOR or hint is Quantity.ATTITUDE:
         return Word(hint, 5)
     if meaning.axis == "w":

@@ -9,8 +9,9 @@ from pdr_est.io.tables.headerless import guess_columns
 from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import HEAD_BYTES, layout_of
 from pdr_est.io.tables.split.long_table import sensor_column
+from pdr_est.io.tables.split.respelt import respelt
 from pdr_est.io.tables.split.tagged_log import tagged_tables
-from pdr_est.io.tables.titles import sensor_by_name
+from pdr_est.io.tables.titles import sensor_by_name, understand_title
 from pdr_est.io.tables.values.impossible_values import without_impossible_rows
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.loose_table import read_loose_table
@@ -43,10 +44,13 @@ def motion_evidence(head: bytes, stem: str) -> Evidence:
     stem
         Name of the file without its extension, which may name the sensor.
     """
-    text = _whole_lines(head)
+    written = _whole_lines(head)
+    text = respelt(written)
     layout = layout_of(text)
     if layout is not None and sensor_column(layout, text) is not None:
         return Evidence.TITLES
+    if layout is not None and text is not written and any(map(_is_motion_axis, layout.titles)):
+        return Evidence.TITLES  # the other axes may come behind the head
     if any(_is_motion(table.tag, table.text) for table in tagged_tables(text)):
         return Evidence.TITLES
     if layout is None:
@@ -68,7 +72,7 @@ def motion_evidence(head: bytes, stem: str) -> Evidence:
 
 def describe_content(head: bytes, stem: str) -> str:
     """Say in words what a file that is not read holds, and what is missing."""
-    text = _whole_lines(head)
+    text = respelt(_whole_lines(head))
     layout = layout_of(text)
     if (layout is None or not layout.has_header) and has_split_decimals(text):
         return (
@@ -104,6 +108,11 @@ def _is_motion(tag: str, text: bytes) -> bool:
         return True
     layout = layout_of(text)
     return layout is not None and layout.has_header and understand_titles(layout.titles).has_motion
+
+
+def _is_motion_axis(title: str) -> bool:
+    meaning = understand_title(title)
+    return meaning is not None and meaning.word is not None and meaning.word.quantity in MOTION
 
 
 def _is_bare(titles: tuple[str, ...]) -> bool:

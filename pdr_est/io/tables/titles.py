@@ -255,6 +255,8 @@ def _bare_axis(words: Sequence[str], unit: str) -> TitleMeaning | None:
     """Recognise an axis without a sensor's name, with a number where several columns have the same title."""
     useful = [word for word in words if word not in FILLERS]
     number = useful[1] if len(useful) == 2 and useful[1].isdigit() else ""
+    if len(useful) == 1 < len(words) and useful[0] in ("0", "1", "2", "3"):
+        return TitleMeaning(None, useful[0], unit)
     if useful and len(useful) == 1 + bool(number) and useful[0] in ("x", "y", "z", "w", "cos", "х", "у"):
         return TitleMeaning(None, AXIS_WORDS[useful[0]], unit, number)
     return None

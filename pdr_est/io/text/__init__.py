@@ -6,7 +6,7 @@ file            content
 archives        subpackage: unpack compressed data piece by piece against a limit
 container       open a file, a folder or a zip archive, plain or gzipped, and read its members safely
 single_archive  a folder that holds nothing but one archive
-workbook        an Excel workbook as a folder of tables
+unpacked        subpackage: Excel workbooks and JSON as folders of tables
 members         find the member that holds the recording
 encoding        bring any encoding to UTF-8
 cells           split a line into cells, and tell what one holds: a number, a date, nothing or text

@@ -12,6 +12,10 @@ _IDEOGRAPHS = re.compile("[\u4e00-\u9fff]")
 _FEWEST_LETTERS = 2
 # Frequent in titles of recordings: time, acceleration, angle, axis, magnetism, sensor, gyroscope, place.
 _TELLING = re.compile("[時間刻加速度角軸轴磁気地力重压圧緯経度方向位置回転时间戳传感器陀螺仪场强气纬经旋转值]")
+# Beginnings of the same words in Russian and Ukrainian.
+_TELLING_CYRILLIC = re.compile(
+    "врем|отмет|дата|час|секунд|ускор|прискор|скорост|гироск|гіроск|акселер|магн|широт|долгот"
+)
 # First bytes of signs and digits that mean the same as those of ASCII: minus and dashes, full-width, Arabic, Persian.
 _FOREIGN_LEADS = (b"\xe2\x88\x92", b"\xe2\x80\x93", b"\xef\xbc", b"\xd9", b"\xdb")
 _DASHES = re.compile("[−–－](?=[0-9０-９٠-٩۰-۹.])")
@@ -22,8 +26,9 @@ _BROKEN_SIGNS = {"Â²": "²", "Â°": "°", "Âµ": "µ", "Î¼": "μ", "â°":
 def as_utf8(data: bytes) -> bytes:
     """Return the bytes of a text in UTF-8, without byte-order mark and NUL, with LF at the ends of lines.
 
-    UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are Chinese (GB 18030) or
-    Japanese (Shift JIS) if they come in pairs, else Windows-1252, which contains Latin-1. Digits of other scripts and
+    UTF-16 is recognised by its mark or by its NULs. Bytes that are not UTF-8 are Cyrillic (Windows-1251) by its words
+    for what is recorded, Chinese (GB 18030) or Japanese (Shift JIS) if they come in pairs, else Windows-1252, which
+    contains Latin-1. Digits of other scripts and
     typographic minus signs become those of ASCII. A text that is plain UTF-8 already is returned as it is, so that
     nothing is copied.
     """
@@ -82,10 +87,12 @@ def _from_single_bytes(data: bytes) -> bytes:
 
 
 def _encoding_of_bytes(sample: bytes) -> str:
-    """Tell Chinese and Japanese text, whose letters are pairs of bytes, from Western text with single signs."""
+    """Tell Cyrillic, Chinese and Japanese text, of many letters beyond ASCII, from Western text with single signs."""
     runs = [run for run in _HIGH_BYTES.findall(sample) if len(run) > 1]
     if 2 * len(runs) < len(_HIGH_BYTES.findall(sample)):
         return "cp1252"
+    if len(_TELLING_CYRILLIC.findall(sample.decode("cp1251", "ignore").lower())) >= _FEWEST_LETTERS:
+        return "cp1251"
     likelier = max(("cp932", "gb18030"), key=lambda one: len(_TELLING.findall(sample.decode(one, "ignore"))))
     for encoding, script in ((likelier, _TELLING), ("cp932", _KANA), ("gb18030", _IDEOGRAPHS)):
         text = sample.decode(encoding, "ignore")

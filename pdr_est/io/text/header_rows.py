@@ -18,6 +18,7 @@ _SEP_LINE = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
 _COMMENT = re.compile(r"^\s*(#|%|//)+\s*")
 _LINES_SCORED = 40
 _SEARCH_LINES = 6
+_FEWEST_UNITS = 2  # of a row in which other cells name no unit that is known
 _AXES = frozenset("xyzw")
 # Cells of a row of types or units that name no unit.
 _TYPES = frozenset(
@@ -126,14 +127,15 @@ def is_row(cells: Sequence[str]) -> bool:
 
 
 def _are_units(cells: Sequence[str], is_unit: Callable[[str], bool], others_above: bool) -> bool:
-    """Tell whether cells are a row of units or types: all of them, or most below a line of titles."""
+    """Tell whether cells are a row of units or types: all, or half of those that are no types below other titles."""
     filled = [cell for cell in cells if cell]
     if 2 * len(filled) < len(cells):
         return False
     if all(is_unit(cell) or cell.lower() in _TYPES for cell in filled):
         return True
-    real = [cell for cell in filled if is_unit(cell) and cell.lower() not in _TYPES]
-    return others_above and 2 * len(real) >= len(filled)
+    telling = [cell for cell in filled if cell.lower() not in _TYPES]
+    real = [cell for cell in telling if is_unit(cell)]
+    return others_above and len(real) >= _FEWEST_UNITS and 2 * len(real) >= len(telling)
 
 
 def _are_types(cells: Sequence[str]) -> bool:

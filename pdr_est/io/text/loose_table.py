@@ -93,9 +93,7 @@ def _body(data: bytes, layout: TableLayout) -> memoryview:
     start = 0
     for _ in range(layout.first_line):
         start = data.find(b"\n", start) + 1
-    end = len(data)
-    while end > start and data[end - 1] in b"\n \t":
-        end -= 1
+    end = _end_of_rows(data, start)
     if layout.separator == BLANKS:
         body = data[start:end].replace(b"\t", b" ")
         while b"  " in body:
@@ -104,6 +102,15 @@ def _body(data: bytes, layout: TableLayout) -> memoryview:
     if layout.split_decimals:
         return memoryview(_with_points(data[start:end], len(layout.titles)))
     return memoryview(data)[start:end]
+
+
+def _end_of_rows(data: bytes, start: int) -> int:
+    """Find the end of the last line that is not blank: tabs at its end are empty cells."""
+    end = len(data)
+    while end > start and data[end - 1] in b"\n \t":
+        end -= 1
+    line_end = data.find(b"\n", end)
+    return len(data) if line_end < 0 else line_end
 
 
 def _with_points(body: bytes, width: int) -> bytes:

@@ -5,7 +5,7 @@ from pathlib import Path
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.io.text.container import ZIP_MAGICS, Source, SourceKind
 from pdr_est.io.text.table_layout import detect_layout
-from pdr_est.io.text.workbook import is_xlsx
+from pdr_est.io.text.unpacked.workbook import is_xlsx
 
 _NAMED_IN_MESSAGE = 3
 _HEAD_BYTES = 2048

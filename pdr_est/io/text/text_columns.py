@@ -107,7 +107,8 @@ def _with_points(text: pl.Series) -> pl.Series:
     """Write numbers with a point before their decimals, and nothing between thousands.
 
     In a column with commas and points the sign that comes last in a number is the decimal one. Two commas in one
-    number can only set thousands apart. Otherwise a comma is the decimal mark.
+    number can only set thousands apart, and so do the commas of a column that has whole numbers below 1000 without
+    one, and none but groups of three digits behind it. Otherwise a comma is the decimal mark.
     """
     plain = text.str.replace(r"^([+-]?[\d.,]+)[dD]([+-]?\d+)$", "${1}e${2}")
     for _ in range(2):  # neighbouring groups share a digit
@@ -117,11 +118,19 @@ def _with_points(text: pl.Series) -> pl.Series:
     both_american = plain.str.contains(r"\d,\d{3}(,\d{3})*\.\d*$").any()
     both_european = plain.str.contains(r"\d\.\d{3}(\.\d{3})*,\d*$").any()
     grouped = plain.str.contains(r"^[+-]?\d{1,3},\d{3},\d{3}").any()
-    if (both_american or grouped) and not both_european:
+    if (both_american or grouped or _counts_in_thousands(plain)) and not both_european:
         return plain.str.replace_all(",", "", literal=True)
     if both_european and not both_american:
         plain = plain.str.replace_all(".", "", literal=True)
     return plain.str.replace(",", ".", literal=True)
+
+
+def _counts_in_thousands(text: pl.Series) -> bool:
+    """Tell whether cells are whole numbers of which only those above 999 have a comma, before every third digit."""
+    cells = text.drop_nulls()
+    with_comma = cells.str.contains(r"^[+-]?[1-9]\d{0,2}(,\d{3})+$")
+    below = cells.str.contains(r"^[+-]?\d{1,3}$")
+    return bool((with_comma | below).all() and with_comma.any() and below.any())
 
 
 def _floats(text: pl.Series, missing: pl.Series) -> tuple[NDArray[Any], NDArray[np.bool_]]:

@@ -12,6 +12,7 @@ from table_walk import TableWalk, rows, table_walk, xyz
 from pdr_est.errors import RecordingError, SeveralWalksError
 from pdr_est.frames import Array
 from pdr_est.io import read
+from pdr_est.io.formats.walks_in_folder import walks_in_folder
 from pdr_est.types.recording import DeviceRecording
 
 
@@ -198,3 +199,37 @@ def test_counts_of_a_chip_are_refused(tmp_path: Path, walk: TableWalk) -> None:
     lines = rows({"micros": ticks(walk, 10**6, 523), **xyz("a{}", counts), **xyz("g{}", np.round(walk.rate * 7506))})
     with pytest.raises(RecordingError, match=r"ax, ay, az are integers whose mean has length .* state what one is"):
         read(folder_of(tmp_path, {"walk.csv": lines}) / "walk.csv")
+
+
+@pytest.mark.parametrize("first", ["rv.txt", "orientation.txt", "game_rv.txt"])
+def test_a_second_rotation_vector_is_not_used(tmp_path: Path, walk: TableWalk, first: str) -> None:
+    """Android has three: the one from magnetic north alone is the worst, and the walk does not depend on any."""
+    vectors = np.roll(walk.attitude, -1, axis=1)  # w last
+    files = {
+        "acce.txt": table(walk, walk.force),
+        "gyro.txt": table(walk, walk.rate),
+        first: rows({"time": ticks(walk, 10**9, UNIX_NS), **dict(zip("xyzw", vectors.T, strict=True))}),
+        "magnetic_rv.txt": rows({"time": ticks(walk, 10**9, UNIX_NS), **dict(zip("xyzw", -vectors.T, strict=True))}),
+    }
+    device = read(folder_of(tmp_path, files)).devices[0]
+    assert_walk(device, walk)
+    assert device.attitude is not None
+    assert "files not used: magnetic_rv.txt" in " | ".join(device.decisions)
+
+
+def test_a_table_that_cannot_be_read_beside_walks_is_not_dropped(tmp_path: Path, walk: TableWalk) -> None:
+    """The first walk is a folder: the extension of the others tells that it should be one, too."""
+    plain = rows({"time": walk.time_s, **xyz("acc_{}", walk.force), **xyz("gyro_{}", walk.rate)})
+    files = {"a/acc.csv": table(walk, walk.force), "a/gyro.csv": table(walk, walk.rate)}
+    files |= {"walk.csv": plain, "broken.csv": [line.partition(",")[2] for line in plain], "info.json": ['{"a": 1}']}
+    found = {path.name for path in walks_in_folder(folder_of(tmp_path, files))}
+    assert found == {"a", "walk.csv", "broken.csv"}
+
+
+@pytest.mark.parametrize("axes", [("x_uncalib", "y_uncalib", "z_uncalib"), ("values_0", "values_1", "values_2")])
+def test_axes_that_only_the_name_of_the_file_tells(tmp_path: Path, walk: TableWalk, axes: Sequence[str]) -> None:
+    found = {}
+    for name, values in (("accelerometer.csv", walk.force), ("gyroscope.csv", walk.rate)):
+        columns = dict(zip(axes, values.T, strict=True))
+        found[name] = rows({"timestamp": ticks(walk, 10**9, UNIX_NS), "accuracy": [3] * len(values), **columns})
+    assert_walk(read(folder_of(tmp_path, found)).devices[0], walk)

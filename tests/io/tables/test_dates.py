@@ -175,3 +175,17 @@ def test_times_of_day_in_chinese() -> None:
     found = parse_dates(np.array(["4时05分06秒789毫秒", "4时05分07秒009毫秒"]))
     assert found is not None
     assert np.diff(found.ns).tolist() == [220_000_000]
+
+
+@pytest.mark.parametrize("day", ["", "2031-02-03 "])
+def test_a_clock_to_12_without_am_and_pm_goes_on_after_12(day: str) -> None:
+    texts = [f"{day}{text}" for text in ("12:59:59.500", "01:00:00.000", "01:00:00.500")]
+    dates = parse_dates(np.array(texts))
+    assert dates is not None
+    np.testing.assert_array_equal(np.diff(dates.ns) / 1e9, [0.5, 0.5])
+
+
+def test_a_clock_that_starts_again_at_one_is_no_clock_to_12() -> None:
+    dates = parse_dates(np.array(["00:10:00.0", "12:59:59.0", "01:00:00.0"]))
+    assert dates is not None
+    assert np.diff(dates.ns)[1] < 0

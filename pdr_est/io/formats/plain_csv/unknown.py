@@ -10,6 +10,14 @@ from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.members import member_stem
 
 _MEMBERS_NAMED = 3
+_PACKINGS = {
+    b"BZh": "a bzip2 file",
+    b"\xfd7zXZ\0": "an xz file",
+    b"\x28\xb5\x2f\xfd": "a zstd file",
+    b"7z\xbc\xaf\x27\x1c": "a 7z archive",
+    b"Rar!\x1a\x07": "a rar archive",
+}
+_TAR_MARK_AT, _TAR_MARK = 257, b"ustar"
 _BINARY_SHARE = 0.1
 _TEXT_BYTES = bytes({*range(32, 256), 9, 10, 13})
 
@@ -23,9 +31,12 @@ def describe_unknown(source: Source) -> str:
             f"the rows of {named} have three axes and no time; a mapping can give the rate of each file, time: "
             "{rate_hz: 50}"
         )
+    packed = _packed_as(source)
+    if packed:
+        return f"it is {packed}: unpack it, and give the file or folder inside"
     with_rows = [member for member in source.members if layout_of(source.head(member, HEAD_BYTES)) is not None]
     if len(source.members) == 1 and source.head(source.members[0], 1) in (b"{", b"["):
-        return "it is JSON; only that of Sensor Logger is known"
+        return "it is JSON without records of a clock and the axes of a sensor, or text in brackets"
     if not with_rows and any(_has_titles_only(source.head(member, HEAD_BYTES)) for member in source.members):
         return "it has the titles of a table and no rows below them; record again"
     if not with_rows:
@@ -39,6 +50,16 @@ def describe_unknown(source: Source) -> str:
     more = len(with_rows) - len(described)
     text = described[0].split(": ", 1)[1] if len(source.members) == 1 else "; ".join(described)
     return f"{text}; and {more} more tables" if more else text
+
+
+def _packed_as(source: Source) -> str:
+    """Name the packing of a single file that no reader unpacks; "" for other sources."""
+    if len(source.members) != 1:
+        return ""
+    head = source.head(source.members[0], _TAR_MARK_AT + len(_TAR_MARK))
+    if head[_TAR_MARK_AT:] == _TAR_MARK:
+        return "a tar archive"
+    return next((name for magic, name in _PACKINGS.items() if head.startswith(magic)), "")
 
 
 def _has_titles_only(head: bytes) -> bool:

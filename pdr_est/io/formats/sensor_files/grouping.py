@@ -15,6 +15,7 @@ from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.text.members import member_stem
 from pdr_est.io.text.table_layout import TableLayout
 
+_ATTITUDES = (Quantity.ROTATION_VECTOR, Quantity.ATTITUDE)
 _BESIDE = (Quantity.ACCURACY, Quantity.TRUE_POSITION)
 _NO_TABLES = (".jpg", ".png", ".mp4", ".pdf", ".wav", ".m4a", ".py", ".m", ".ipynb", ".md", ".json", ".xml", ".yaml")
 
@@ -39,8 +40,10 @@ class SensorFile:
 
     @property
     def is_second_choice(self) -> bool:
-        """Tell whether a calibrated file of the same sensor is better."""
-        return is_second_choice(member_stem(self.member))
+        """Tell whether another file of the same sensor is better: calibrated, or with the gyroscope in it."""
+        stem = member_stem(self.member)
+        without_gyroscope = self.quantity in _ATTITUDES and "mag" in stem.casefold()
+        return is_second_choice(stem) or without_gyroscope
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from pdr_est.io.conversion.raw_device import RawDevice
 from pdr_est.io.formats.sensor_files.grouping import SensorFile, SensorFiles, by_device, sensor_file_walks
 from pdr_est.io.formats.sensor_files.known_apps import app_of_files
 from pdr_est.io.tables.device import read_devices
-from pdr_est.io.tables.quantities import Quantity
+from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import TableSignals
 from pdr_est.io.tables.split.reader import DeviceTables, read_tables
 from pdr_est.io.text.container import Source
@@ -121,11 +121,13 @@ def _named(table: TableSignals, file: SensorFile, stem: str) -> TableSignals:
 
 
 def _one_per_sensor(source: Source, files: Sequence[SensorFile]) -> tuple[SensorFile, ...]:
-    """Choose one file for each sensor, the calibrated one."""
+    """Choose one file for each sensor: the calibrated one, and of those that a walk can do without the first."""
     chosen: dict[Quantity, SensorFile] = {}
     for file in sorted(files, key=lambda file: file.is_second_choice):
         other = chosen.setdefault(file.quantity, file)
-        if other is not file and other.is_second_choice == file.is_second_choice:
+        if file.quantity not in MOTION or other is file:
+            continue
+        if other.is_second_choice == file.is_second_choice:
             raise RecordingError(
                 f"{source.path}: {other.member} and {file.member} both hold the {file.quantity}; put the files of "
                 "each walk into a folder of its own"

@@ -10,6 +10,7 @@ from pdr_est.io.tables.quantities import Quantity
 from pdr_est.io.tables.signals import HEAD_BYTES, TableSignals, layout_of, tables_of_text, with_titles_of
 from pdr_est.io.tables.split.long_table import read_long_table, read_stated_rows, sensor_column
 from pdr_est.io.tables.split.owners import split_by_owner
+from pdr_est.io.tables.split.respelt import respelt
 from pdr_est.io.tables.split.sections import read_sections, table_sections
 from pdr_est.io.tables.split.tagged_log import read_tagged_log, tagged_separator
 from pdr_est.io.text.encoding import as_utf8
@@ -60,7 +61,7 @@ def read_tables(
     RecordingError
         When the content is no table, has no time, or is damaged.
     """
-    text = as_utf8(data)
+    text = respelt(as_utf8(data))
     sections = table_sections(text) if mapping is None else ()
     if sections:
         return (DeviceTables("", read_sections(sections, place, hint)),)

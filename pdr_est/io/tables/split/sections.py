@@ -119,14 +119,18 @@ def _headers(text: bytes) -> list[tuple[str, int]]:
         return []
     heads: list[tuple[str, int]] = []
     above: list[bytes] = []
+    begun = -1  # end of the last header
     for start in starts:
         end = text.find(b"\n", start)
         line = text[start : len(text) if end < 0 else end]
+        if begun >= 0 and not text[begun:start].strip():
+            continue  # a row of units below its titles
         if not _is_header(line, text[start + len(line) + 1 :][: HEAD_BYTES // 4]):
             above.append(line)
             continue
         names = [name for one in above[-_LINES_ABOVE:] if sensor_by_name(name := _plain(one)) is not None]
         heads.append((names[-1] if names else "", start))
+        begun = start + len(line)
         above = []
     return heads
 

@@ -62,3 +62,24 @@ def over_midnight(of_day_ns: NDArray[Any], known: NDArray[np.bool_], period_s: i
         turns = np.concatenate([[0], np.cumsum(np.diff(times) < -period_ns // 2)])
         result[index] = times + turns * period_ns
     return result
+
+
+def past_twelve(times_ns: NDArray[Any], hour: NDArray[Any], known: NDArray[np.bool_]) -> NDArray[Any]:
+    """Add 12 hours wherever a clock that counts to 12 without AM and PM goes on at 1.
+
+    Parameters
+    ----------
+    times_ns
+        (n,) times as written, ns.
+    hour
+        (n,) hours as written; unless all are 1 to 12 the clock is another one and the times stay.
+    known
+        (n,) False where there is no time.
+    """
+    index = np.flatnonzero(known)
+    result = times_ns.copy()
+    hours = hour[index]
+    if len(index) and ((hours >= 1) & (hours <= 12)).all():
+        falls = (hours[:-1] == 12) & (hours[1:] == 1) & (np.diff(times_ns[index]) < 0)
+        result[index] += np.concatenate([[0], np.cumsum(falls)]) * (DAY_S // 2 * 10**9)
+    return result

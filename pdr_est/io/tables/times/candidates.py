@@ -23,11 +23,14 @@ from pdr_est.io.tables.times.date_parts import read_date_parts, shown_date_parts
 from pdr_est.io.tables.times.dates import DateTimes, parse_dates
 from pdr_est.io.tables.times.joined_columns import fraction_ns, joined_ticks
 from pdr_est.io.tables.times.unset import unset_rows
+from pdr_est.io.tables.words.folding import split_words
 from pdr_est.io.text.loose_table import LooseTable
 
 _FEWEST_KNOWN = 0.5
 _RATE_HZ = (0.2, 5000.0)  # a stated unit outside of this contradicts the values
 _FINEST_TICKS_PER_S = 10**12  # units of time have fewer; larger denominators come from binary rounding
+_DIFFERENCES = frozenset({"delta", "dt", "diff", "difference", "interval", "deltat", "differenz"})
+_LARGEST_SHARE_DOWN = 0.1
 _NAMED_CELLS = 3
 
 
@@ -108,6 +111,8 @@ def read_candidate(loose: LooseTable, column: ClockColumn, mapping: TableMapping
     known &= ~unset
     if known.sum() < max(1.0, _FEWEST_KNOWN * len(ticks)):
         return None
+    if holds_differences(column.title, ticks[known]):
+        return None
     unit = _unit(column, ticks[known], loose, mapping)
     if column.fraction and column.fraction not in loose.text_columns:
         known &= np.isfinite(loose.table.numbers(column.fraction))
@@ -121,6 +126,13 @@ def read_candidate(loose: LooseTable, column: ClockColumn, mapping: TableMapping
     return ClockCandidate(
         column, ticks, known, unit, _count_stamps(ticks[known]), before_1970_s, is_local, True, unset
     )
+
+
+def holds_differences(title: str, ticks: NDArray[Any]) -> bool:
+    """Tell whether a column holds the time since the row before: its title says so, and it often goes down."""
+    down, up = int((ticks[1:] < ticks[:-1]).sum()), int((ticks[1:] > ticks[:-1]).sum())
+    named = not _DIFFERENCES.isdisjoint(split_words(title))
+    return named and up > 0 and down > _LARGEST_SHARE_DOWN * (up + down)
 
 
 def _told_unset(unset: NDArray[np.bool_]) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.stale_samples import count_stale_samples, stale_warning
 from pdr_est.io.tables.mapping import ClockColumn, TableMapping
-from pdr_est.io.tables.times.candidates import ClockCandidate, read_candidate, unit_remedy
+from pdr_est.io.tables.times.candidates import ClockCandidate, holds_differences, read_candidate, unit_remedy
 from pdr_est.io.tables.times.clock_units import is_impossible_rate
 from pdr_est.io.tables.times.dates import KNOWN_FORMS
 from pdr_est.io.tables.times.joined_columns import with_fractions
@@ -167,6 +167,13 @@ def _unknown_unit(candidate: ClockCandidate) -> str:
 
 def _no_time(loose: LooseTable, columns: Sequence[ClockColumn]) -> str:
     """Say why no column gives times."""
+    for column in columns:
+        title = column.title
+        if title in loose.table and holds_differences(title, loose.table.columns[title]):
+            return (
+                f"{title!r} holds the time since the row before, which cannot be summed up; write the time since the "
+                "start, or give the sampling rate with --map (time: {rate_hz: 50})"
+            )
     shown: Mapping[str, str] = {
         column.title: str(loose.table.columns[column.title][0])
         for column in columns

@@ -12,7 +12,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from pdr_est.io.tables.times.calendar import DAY_S, MISSING_NS, days_since_1970, over_midnight
+from pdr_est.io.tables.times.calendar import DAY_S, MISSING_NS, days_since_1970, over_midnight, past_twelve
 from pdr_est.io.tables.times.fractions import read_fractions
 from pdr_est.io.tables.times.scripts import with_usual_marks
 
@@ -123,6 +123,8 @@ def _from_groups(groups: pl.DataFrame) -> DateTimes:
         known &= (minute < 60) | ("hour" not in groups.columns)
         period_s = DAY_S if "hour" in groups.columns else 3600
         ns = over_midnight(of_day, known, period_s)
+        if not _has_halves(groups):
+            ns = past_twelve(ns, hour, known)
         return DateTimes(ns, known, has_date=False, has_zone=False, counted=counted)
     days, valid, order = _days(groups)
     zones = groups["zone"] if "zone" in groups.columns else pl.Series([None] * len(groups), dtype=pl.String)
@@ -131,7 +133,13 @@ def _from_groups(groups: pl.DataFrame) -> DateTimes:
     has_zone = bool(zoned.any())
     known = zoned if has_zone else known
     ns = days * (DAY_S * 10**9) + of_day - (_zone_s(zones) * 10**9 if has_zone else 0)
+    ns = ns if _has_halves(groups) else past_twelve(ns, hour, known)
     return DateTimes(np.where(known, ns, MISSING_NS), known, True, has_zone, order, counted)
+
+
+def _has_halves(groups: pl.DataFrame) -> bool:
+    """Tell whether the times have AM or PM."""
+    return "half" in groups.columns and bool(groups["half"].is_not_null().any())
 
 
 def _integers(groups: pl.DataFrame, name: str) -> NDArray[Any]:
@@ -164,7 +172,7 @@ def _days(groups: pl.DataFrame) -> tuple[NDArray[Any], NDArray[np.bool_], str]:
     order = ""
     if (first > 31).any():
         year, month, day = first, second, third
-    elif (not named and (second > 12).any()) or (not named and _american(groups) and not (first > 12).any()):
+    elif (not named and (second > 12).any()) or (not named and _has_halves(groups) and not (first > 12).any()):
         year, month, day = third, first, second
         order = "month" if _is_open(groups, first, second) else ""
     else:
@@ -177,11 +185,6 @@ def _is_open(groups: pl.DataFrame, first: NDArray[Any], second: NDArray[Any]) ->
     """Tell whether each of two numbers may be the month; with points between them the day comes first everywhere."""
     points = groups["between"].drop_nulls().eq(".").all() if "between" in groups.columns else False
     return not points and not ((first > 12) | (second > 12)).any() and bool((first != second).any())
-
-
-def _american(groups: pl.DataFrame) -> bool:
-    """Tell whether the times have AM or PM, with which the month comes first."""
-    return "half" in groups.columns and bool(groups["half"].is_not_null().any())
 
 
 def _zone_s(zones: pl.Series) -> NDArray[Any]:

@@ -84,7 +84,8 @@ TIME_WORDS = _words(
 
 FILLERS = _words(
     """axis axes achse axe eje asse eixo as os oś ось axel direction richtung direccion component komponente
-    xyz vector vehicle attr raw data value values val reading readings measurement sensor sensors imu calibrated
+    xyz vector vehicle attr raw uncal
+    uncalib uncalibrated data value values val reading readings measurement sensor sensors imu calibrated
     cal si wert werte ios android phone device core motion body frame field of the in de der du del rs s en des di
     del do da van od wzdłuż по le la lungo along about around um 轴 軸 方向 軸方向 轴向 축"""
 )

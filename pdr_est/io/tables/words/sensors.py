@@ -73,7 +73,7 @@ _ACCELEROMETER = {
 _WITHOUT_GRAVITY = {
     **_named(
         Word(Quantity.LINEAR, 2, ambiguous=True),
-        """linearacceleration linacceleration linearaccel linaccel linearacc linacc linacce linearaccelerometer
+        """la linearacceleration linacceleration linearaccel linaccel linearacc linacc linacce linearaccelerometer
         lineareaccelerometer accelerometerlinear accelerationlinear acclinear accellinear linear lin
         accelerationwithoutgravity accelerationwithoutg accwithoutgravity typelinearacceleration accelerometrelineaire
         linearebeschleunigung lineareacceleration aceleracionlineal accelerationlineaire aceleraçãolinear

@@ -20,6 +20,7 @@ from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.io.text.table_layout import detect_header
 
 CLOCK_COLUMN = "time"
+_JSON_OWN = re.compile(rb'"seconds_elapsed"|"sensor"\s*:\s*"Metadata"')  # other recorders name sensors, too
 _JSON_START = re.compile(rb'^\s*\[\s*\{[^{}]*"sensor"\s*:')
 _SENSOR_HEADERS = (frozenset(("time", "x", "y", "z")), frozenset(("time", "rotationRateX", "accelerationX")))
 _NO_NUMBER = ("", "null", "None", "nan", "NaN")
@@ -190,7 +191,7 @@ class JsonExport:
 
 def looks_like_json(head: bytes) -> bool:
     """Tell whether a member begins like the JSON export."""
-    return _JSON_START.match(head) is not None
+    return _JSON_START.match(head) is not None and _JSON_OWN.search(head) is not None
 
 
 def looks_like_sensor(head: bytes, name: str) -> bool:

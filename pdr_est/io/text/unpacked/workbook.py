@@ -3,48 +3,15 @@
 import csv
 import io
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from datetime import date, datetime, time
 from typing import Any
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.text.container import ZIP_MAGICS, Source, SourceKind
+from pdr_est.io.text.unpacked.tables_source import source_of_tables
 
 _XLS_MAGIC = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _XLSX_PARTS = (b"[Content_Types].xml", b"xl/")
-
-
-@dataclass(frozen=True)
-class WorkbookSource(Source):
-    """Workbook whose sheets are members, as comma-separated text.
-
-    Attributes
-    ----------
-    sheets
-        Member -> content.
-    """
-
-    sheets: dict[str, bytes] = field(default_factory=dict)
-
-    def place(self, member: str) -> str:
-        """Describe where a sheet lies, for messages."""
-        return f"{self.path}, sheet {self.stored[member]}"
-
-    def folder_name(self, member: str) -> str:
-        """Return the name of the folder that the workbook lies in."""
-        return self.path.absolute().parent.name
-
-    def read(self, member: str) -> bytes:
-        """Return the content of a sheet."""
-        return self.sheets[member]
-
-    def head(self, member: str, n_bytes: int = 4096) -> bytes:
-        """Return the first bytes of a sheet."""
-        return self.sheets[member][:n_bytes]
-
-    def sibling(self, member: str, relative: str) -> Source | None:
-        """Return None: a sheet has no files beside it."""
-        return None
 
 
 def unpack_workbook(source: Source) -> Source:
@@ -60,11 +27,10 @@ def unpack_workbook(source: Source) -> Source:
     data = _workbook_bytes(source)
     if data is None:
         return source
-    sheets = {f"{name}.csv": content for name, content in _read_sheets(data, str(source.path))}
+    sheets = dict(_read_sheets(data, str(source.path)))
     if not sheets:
         raise RecordingError(f"{source.path}: the workbook has no cells; export the recording again")
-    names = {member: member.removesuffix(".csv") for member in sheets}
-    return WorkbookSource(source.path, SourceKind.FOLDER, names, source.limit_bytes, sheets=sheets)
+    return source_of_tables(source, sheets, "sheet")
 
 
 def _workbook_bytes(source: Source) -> bytes | None:
