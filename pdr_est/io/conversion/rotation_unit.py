@@ -34,10 +34,12 @@ _OTHER_UNIT = 0.0005  # probability that the values are in none of the units, sp
 _OTHER_WIDTH = 20.0
 _INTERVAL_S = 2.0
 _MOST_INTERVALS = 100  # spread over longer recordings
+_MOST_WINDOWS = 30  # of gravity, 18 000 samples at 100 Hz
 _LEAST_SAMPLES = 4  # in an interval
 _LEAST_INTERVALS = 1
 _DECISIVE = 0.99
 _LEAST_TOLD = 0.005  # probability
+_NEGLIGIBLE = 10.0  # logarithm of odds
 _RARE_UNITS: Mapping[str, float] = {"rpm": np.pi / 30.0, "rev/s": 2.0 * np.pi, "mrad/s": 1e-3}
 _UNITS: Mapping[str, float] = {**ROTATION_RATE_UNITS, **_RARE_UNITS}
 _PRIORS: Mapping[str, float] = {
@@ -75,7 +77,7 @@ class _Motion:
         ratio = motion_log_ratio(rate, acceleration)
         if ratio is None:
             return None
-        windows = gravity_windows(acceleration, rate)
+        windows = gravity_windows(acceleration, rate, most=_MOST_WINDOWS)
         if windows is None:
             return cls(ratio, None, None)
         fastest = float(np.linalg.norm(hann_means(windows.rate_radps, windows.period_s), axis=2).max())
@@ -213,11 +215,15 @@ def _odd_ratio(ratio: float) -> str:
 
 def _probabilities(motion: _Motion) -> dict[str, float]:
     """Return the probability of each unit, and under "" that of none of them."""
-    logs = {
-        name: float(np.log(_PRIORS[name])) + motion.log_likelihood(factor) + motion.log_penalty(factor)
-        for name, factor in _UNITS.items()
-    }
-    logs[""] = float(np.log(_OTHER_UNIT / _OTHER_WIDTH))
+    logs = {name: float(np.log(_PRIORS[name])) + motion.log_likelihood(one) for name, one in _UNITS.items()}
+    none_of_them = float(np.log(_OTHER_UNIT / _OTHER_WIDTH))
+    best = none_of_them
+    for name in sorted(logs, key=lambda one: -logs[one]):
+        if logs[name] < best - _NEGLIGIBLE:
+            break  # the penalty takes long, and can only lower what is improbable without it
+        logs[name] += motion.log_penalty(_UNITS[name])
+        best = max(best, logs[name])
+    logs[""] = none_of_them
     highest = max(logs.values())
     weights = {name: float(np.exp(one - highest)) for name, one in logs.items()}
     total = sum(weights.values())
