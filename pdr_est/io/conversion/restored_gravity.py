@@ -9,14 +9,13 @@ The gyroscope alone does not suffice: over a stride the mean acceleration withou
 
 import numpy as np
 
-from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
+from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
+from pdr_est.io.conversion.rotation_agreement import rotation_agreement
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.types.recording import Signal
 
 _LEAST_AGREEMENT = 0.7
 _CLEARLY_BETTER = 0.3
-_LONGEST_STEP_S = 0.25
-_FEWEST_STEPS = 50
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -41,8 +40,8 @@ def restore_gravity(linear: Signal, attitude: Signal, rate: Signal) -> tuple[Sig
     conversion : Conversion
         How that was decided; its factor has no meaning.
     """
-    forth = _agreement(attitude.time_s, attitude.values, rate)
-    back = _agreement(attitude.time_s, attitude.values * _CONJUGATE, rate)
+    forth = rotation_agreement(attitude, rate) or 0.0
+    back = rotation_agreement(Signal(attitude.time_s, attitude.values * _CONJUGATE), rate) or 0.0
     inverted = back > forth
     best, other = max(forth, back), min(forth, back)
     if best < _LEAST_AGREEMENT or best - other < _CLEARLY_BETTER:
@@ -65,19 +64,3 @@ def restore_gravity(linear: Signal, attitude: Signal, rate: Signal) -> tuple[Sig
     )
     doubt = "gravity is not recorded but restored by the attitude, which is taken to have z up: track with care"
     return (force if len(force) else None), attitude, Conversion(1.0, words, doubt)
-
-
-def _agreement(time_s: Array, quaternion: Array, rate: Signal) -> float:
-    """Correlate the gyroscope with the rotation between attitudes device to level; 0 without motion."""
-    w, v = quaternion[:, 0], quaternion[:, 1:]
-    step_s = np.diff(time_s)
-    rotated = w[:-1, None] * v[1:] - w[1:, None] * v[:-1] - np.cross(v[:-1], v[1:])
-    cosine = w[:-1] * w[1:] + (v[:-1] * v[1:]).sum(axis=1)
-    usable = (step_s > 0.0) & (step_s < _LONGEST_STEP_S) & (rotated != 0.0).any(axis=1)
-    usable &= (time_s[:-1] >= rate.time_s.min()) & (time_s[1:] <= rate.time_s.max())
-    if usable.sum() < _FEWEST_STEPS:
-        return 0.0
-    derived = 2.0 * np.sign(cosine)[usable, None] * rotated[usable] / step_s[usable, None]
-    measured = rate.interpolated_at(0.5 * (time_s[:-1] + time_s[1:])[usable])
-    power = float(np.sqrt(np.square(derived).sum() * np.square(measured).sum()))
-    return float((derived * measured).sum()) / power if power > 0.0 else 0.0
