@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.io.conversion.gravity_drift import gravity_scatter, hann_means
 from pdr_est.io.conversion.gravity_windows import GravityWindows, gravity_windows, turned_by
-from pdr_est.io.conversion.units import ROTATION_RATE_UNITS, Conversion, detect_rotation_rate_unit
+from pdr_est.io.conversion.units import ROTATION_RATE_UNITS, Conversion, detect_rotation_rate_unit, sampled_rows
 from pdr_est.types.recording import Signal
 
 _USUAL_LOG_RATIO = -1.3
@@ -160,7 +160,7 @@ def detect_rotation_unit(rate: Signal, acceleration: Signal | None) -> Conversio
             by_size.factor,
             by_size.decision,
             f"{by_size.warning + '; ' if by_size.warning else ''}{_odd_ratio(motion.log_ratio)}: turns of the track "
-            "are doubtful; write the unit of the gyroscope into the header",
+            f"are doubtful; {_remedy(rate)}",
         )
     factor = _UNITS[name]
     decision = (
@@ -174,8 +174,19 @@ def detect_rotation_unit(rate: Signal, acceleration: Signal | None) -> Conversio
     return Conversion(
         factor,
         decision,
-        f"the unit of the rotation rate is doubtful ({told}): {_odd_ratio(motion.log_ratio)}; {name} is taken: write "
-        "the unit into the header",
+        f"the unit of the rotation rate is doubtful ({told}): {_odd_ratio(motion.log_ratio)}; {name} is taken: "
+        f"{_remedy(rate)}",
+    )
+
+
+def _remedy(rate: Signal) -> str:
+    """Return what helps if the unit is not known."""
+    values = sampled_rows(rate.values)
+    if not values.any() or (values != np.round(values)).any():
+        return "write the unit of the gyroscope into the header"
+    return (
+        "the values are integers: if they are the counts of a sensor chip, state what one is with --map, such as "
+        "unit: 0.0001332 (131 counts in 1 deg/s), else write the unit of the gyroscope into the header"
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.io.conversion.rotation_agreement import rotation_agreement
+from pdr_est.io.conversion.restored_gravity import rotation_agreement
 from pdr_est.io.conversion.signs import gravity_cosine
 from pdr_est.preprocessing.quality.capabilities import describe_capabilities
 from pdr_est.preprocessing.quality.consistency import consistency_warnings

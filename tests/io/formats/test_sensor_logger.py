@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
-from pdr_est.io.conversion.rotation_agreement import rotation_agreement
+from pdr_est.io.conversion.restored_gravity import rotation_agreement
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.registry import read
 from pdr_est.io.text.container import Source

@@ -152,7 +152,9 @@ def test_lone_jumps_within_the_range_of_a_phone(
     read_values = device.specific_force if sensor == "force" else device.rotation_rate
     assert read_values is not None
     np.testing.assert_allclose(read_values.values, np.delete(getattr(walk, sensor), at, axis=0), atol=2e-5)
-    assert any("4 of 2000 rows are left out" in words and "lone values far away" in words for words in device.warnings)
+    assert any(
+        "4 of 2000 rows are left out" in words and "lone values far away" in words for words in device.warnings
+    )
 
 
 def test_a_hard_knock_is_no_lone_jump(walk: TableWalk) -> None:

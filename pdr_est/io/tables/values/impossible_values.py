@@ -94,16 +94,7 @@ def find_impossible_rows(
         for code, rows in _far_away(column, found):
             found[rows] = True
             words.append(f"{code:g}")
-    if largest is not None:
-        spikes = _spikes(columns, largest, found)
-        if len(spikes):
-            found[spikes] = True
-            words.append(f"lone values beyond {largest:.3g}")
-    if lone_jumps:
-        rows = _lone_jumps(columns, found)
-        if len(rows):
-            found[rows] = True
-            words.append("lone values far away from those before and after")
+    words += _mark_lone_rows(columns, found, largest, lone_jumps)
     return ImpossibleRows(found, tuple(dict.fromkeys(words)), zero_is_code)
 
 
@@ -198,6 +189,20 @@ def _distance(
     """Compute how far (k,) rows are from the mean of two others, in the axis where it is most."""
     distance: Array = np.max([np.abs(c[rows] - 0.5 * (c[before] + c[after])) for c in columns], axis=0)
     return distance
+
+
+def _mark_lone_rows(
+    columns: Sequence[NDArray[Any]], found: Mask, largest: float | None, lone_jumps: bool
+) -> Iterator[str]:
+    """Mark single rows as found that are beyond a phone, or jump away and back; iterate over words for them."""
+    spikes = np.zeros(0, dtype=np.intp) if largest is None else _spikes(columns, largest, found)
+    if len(spikes):
+        found[spikes] = True
+        yield f"lone values beyond {largest:.3g}"
+    jumps = _lone_jumps(columns, found) if lone_jumps else spikes[:0]
+    if len(jumps):
+        found[jumps] = True
+        yield "lone values far away from those before and after"
 
 
 def _spikes(columns: Sequence[NDArray[Any]], largest: float, found: Mask) -> NDArray[np.intp]:
