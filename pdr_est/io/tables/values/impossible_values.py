@@ -228,6 +228,8 @@ def _lone_jumps(columns: Sequence[NDArray[Any]], found: Mask) -> NDArray[np.intp
     if usual == 0.0:
         return kept[:0]
     for column in columns:
+        if column.max() - column.min() <= _LONE_JUMP * usual:
+            continue  # most sensors end here
         steps = np.diff(column if len(kept) == len(column) else column[kept])
         far = np.flatnonzero(np.abs(steps) > _LONE_JUMP * usual)
         at = far[:-1][np.diff(far) == 1]  # away with one step and back with the next

@@ -6,7 +6,7 @@ import numpy as np
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
-from pdr_est.io.conversion.units import detect_acceleration_unit, mean_vector
+from pdr_est.io.conversion.units import detect_acceleration_unit, mean_vector, sampled_rows
 from pdr_est.io.tables.placed import PlacedSignal
 from pdr_est.io.tables.quantities import MOTION, Quantity
 
@@ -14,6 +14,7 @@ _FEWEST_COUNTS = 20.0  # in gravity; fewer are m/s^2 or g
 _GRAVITY_SHARE = 0.65  # length of the mean by that of the vectors, as in `units`
 _FEWEST_ROWS = 50
 _EXACT, _ALMOST = 1e-9, 2e-3
+_ROUGHLY = 0.2  # by some of the rows of a long recording
 _RANGES = ((0.0, 1.0), (-1.0, 1.0))
 
 
@@ -43,6 +44,11 @@ def refuse_unusable_values(placed: Mapping[Quantity, PlacedSignal], place: str) 
 
 def _refuse_normalised(values: Array, title: str, place: str) -> None:
     """Refuse values of which each axis was scaled by itself."""
+    sample = sampled_rows(values)
+    within = np.abs(sample).max() <= 1.0 + _EXACT
+    standard = (np.abs(sample.mean(axis=0)) < _ROUGHLY).all() and (np.abs(sample.std(axis=0) - 1.0) < _ROUGHLY).all()
+    if not within and not standard:
+        return
     how = ""
     low, high = values.min(axis=0), values.max(axis=0)
     for lowest, highest in _RANGES:
