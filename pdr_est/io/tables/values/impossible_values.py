@@ -227,10 +227,11 @@ def _lone_jumps(columns: Sequence[NDArray[Any]], found: Mask) -> NDArray[np.intp
     usual = float(np.percentile(_distance(columns, kept[middle], kept[middle - 1], kept[middle + 1]), 95.0))
     if usual == 0.0:
         return kept[:0]
-    for column in columns:
-        if column.max() - column.min() <= _LONE_JUMP * usual:
-            continue  # most sensors end here
-        steps = np.diff(column if len(kept) == len(column) else column[kept])
+    for column in columns if len(kept) == len(found) else [column[kept] for column in columns]:
+        with np.errstate(over="ignore"):  # numbers near the largest ones there are
+            if column.max() - column.min() <= _LONE_JUMP * usual:
+                continue  # most sensors end here
+            steps = np.diff(column)
         far = np.flatnonzero(np.abs(steps) > _LONE_JUMP * usual)
         at = far[:-1][np.diff(far) == 1]  # away with one step and back with the next
         away, back = steps[at], steps[at + 1]
