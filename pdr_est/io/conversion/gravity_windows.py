@@ -52,9 +52,7 @@ class GravityWindows:
         return turned_by(self.rate_radps, self.period_s)
 
 
-def gravity_windows(
-    force: Signal, rate: Signal, lag_s: float = 0.0, most: int = _MOST_WINDOWS
-) -> GravityWindows | None:
+def gravity_windows(force: Signal, rate: Signal, lag_s: float = 0.0) -> GravityWindows | None:
     """Cut accelerometer and gyroscope into windows of 6 s without pauses.
 
     Parameters
@@ -63,8 +61,6 @@ def gravity_windows(
         (n, 3) specific force, m/s², and rotation rate, rad/s, with time stamps of their own.
     lag_s
         Time that is added to the time stamps of the gyroscope's samples.
-    most
-        Largest number of windows, which are spread over the recording; samples between them are not looked at.
 
     Returns
     -------
@@ -79,7 +75,7 @@ def gravity_windows(
     if not end_s - begin_s >= _WINDOW_S:
         return None
     count = int((end_s - begin_s - _WINDOW_S) / _HOP_S) + 1
-    chosen = np.arange(count) if count <= most else np.linspace(0.0, count - 1.0, most).round()
+    chosen = np.arange(count) if count <= _MOST_WINDOWS else np.linspace(0.0, count - 1.0, _MOST_WINDOWS).round()
     start_s = begin_s + _HOP_S * chosen
     edges_s = start_s[:, None] + np.arange(round(_WINDOW_S / _PERIOD_S) + 1) * _PERIOD_S
     force_mps2, whole = _Integral.of(_near(usable_force, edges_s)).means(edges_s)

@@ -34,7 +34,6 @@ _OTHER_UNIT = 0.0005  # probability that the values are in none of the units, sp
 _OTHER_WIDTH = 20.0
 _INTERVAL_S = 2.0
 _MOST_INTERVALS = 100  # spread over longer recordings
-_MOST_WINDOWS = 30  # of gravity, 18 000 samples at 100 Hz
 _LEAST_SAMPLES = 4  # in an interval
 _LEAST_INTERVALS = 1
 _DECISIVE = 0.99
@@ -77,7 +76,7 @@ class _Motion:
         ratio = motion_log_ratio(rate, acceleration)
         if ratio is None:
             return None
-        windows = gravity_windows(acceleration, rate, most=_MOST_WINDOWS)
+        windows = gravity_windows(acceleration, rate)
         if windows is None:
             return cls(ratio, None, None)
         fastest = float(np.linalg.norm(hann_means(windows.rate_radps, windows.period_s), axis=2).max())

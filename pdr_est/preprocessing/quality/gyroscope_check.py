@@ -10,7 +10,7 @@ than 4.7 in the logarithm of the likelihood, or reach a probability of 3 %; of f
 signs of the axes reach 9 in nine of ten, while an axis that reads half of the truth shows in one of ten: most phones
 never turn over far enough. A fault is told from a probability of 20 % on, because its track is worth nothing.
 
-What the fit takes for a constant bias is told if it is beyond what the attitude filter can follow.
+What the fit takes for a constant bias is told if it is beyond that of any recording here.
 (The unit shows without gravity, see `pdr_est.io.conversion.rotation_unit`.)
 """
 
@@ -33,7 +33,7 @@ _FAULTY_SHARE = 0.02
 _OF_AXES, _OF_GAINS, _OF_LAGS = 0.7, 0.2, 0.1  # shares of the faults
 _PER_OPERATION = 0.3  # how much rarer a fault of axes is with each axis negated and each pair exchanged
 _LEAST_PROBABILITY = 0.2
-_LARGEST_BIAS_RADPS = 0.035  # 2 deg/s, up to which VQF follows a bias; those of phones are smaller
+_LARGEST_BIAS_RADPS = 0.07  # 4 deg/s; the raw sensors of the belts of SisFall have up to 0.066
 _BIAS_LOG_ODDS = 10.0  # improvement by the bias that no motion brings about; ours
 _NOTHING_FITS_MPS2 = 2.0
 _ARC = 4.0  # length of an arc by the standard deviation of a component of four points that are spread over it evenly
