@@ -95,6 +95,22 @@ def test_a_clipped_axis_is_named(walk: Walk, limit: float) -> None:
     assert "axis y hits the end of its range" in findings(found)
 
 
+def test_an_axis_that_is_clipped_once_for_long_is_named(walk: Walk) -> None:
+    rate = walk.rate.copy()
+    rate[300:330, 2] = 3.0 * np.abs(rate[:, 2]).max() + np.arange(30) % 7
+    limit = float(rate[300:330, 2].min())
+    rate[:, 2] = np.minimum(rate[:, 2], limit)
+    found = look(device(walk, rotation_rate=Signal(walk.time_s, rate)))
+    assert channel(found, "rotation_rate").clipped_axes == ("z",)
+
+
+@pytest.mark.parametrize("digit", [0.5, 1.0, 2.0])
+def test_coarse_digits_are_not_taken_for_clipping(walk: Walk, digit: float) -> None:
+    coarse = digit * np.round(walk.force / digit)
+    found = look(device(walk, specific_force=Signal(walk.time_s, coarse)))
+    assert channel(found, "specific_force").clipped_axes == ()
+
+
 def test_coarse_and_repeated_values_are_not_taken_for_clipping(walk: Walk) -> None:
     repeated = np.repeat(walk.force[::4], 4, axis=0)
     found = look(device(walk, specific_force=Signal(walk.time_s, repeated)))

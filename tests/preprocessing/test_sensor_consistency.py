@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from table_walk import table_walk
 
 from pdr_est.frames import Array
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
@@ -39,10 +40,32 @@ def test_nothing_is_told_of_sound_sensors(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["l_shape", "office_loop", "mmpdr_indoor_pocket"])
-def test_a_gyroscope_with_the_bias_of_raw_sensors_is_sound(name: str) -> None:
+def test_the_bias_of_raw_sensors_is_no_fault_of_the_axes(name: str) -> None:
     sound = device(name)
     biased = mapped(sound.rotation_rate, np.eye(3), np.radians([4.0, -3.0, 2.0]))
+    (words,) = consistency_warnings(replace(sound, rotation_rate=biased))
+    assert words.startswith("the gyroscope reads at least 0.0")
+    assert "subtract what it reads while it lies still" in words
+
+
+@pytest.mark.parametrize("name", ["l_shape", "office_loop", "mmpdr_indoor_pocket"])
+def test_the_bias_of_a_phone_is_not_told(name: str) -> None:
+    sound = device(name)
+    biased = mapped(sound.rotation_rate, np.eye(3), np.radians([1.0, -0.7, 0.5]))
     assert consistency_warnings(replace(sound, rotation_rate=biased)) == ()
+
+
+@pytest.mark.parametrize(
+    ("rows", "fits"),
+    [([[-1, 0, 0], [0, -1, 0], [0, 0, -1]], "(-x, -y, -z)"), ([[1, 0, 0], [0, 0, 1], [0, 1, 0]], "(x, z, y)")],
+)
+def test_a_fault_that_is_only_possible_is_told_as_such(rows: list[list[float]], fits: str) -> None:
+    walk = table_walk()
+    rate = Signal(walk.time_s, walk.rate @ np.array(rows, dtype=float).T)
+    short = DeviceRecording("phone", specific_force=Signal(walk.time_s, walk.force), rotation_rate=rate)
+    (words,) = consistency_warnings(short)
+    assert words.startswith("gyroscope and accelerometer may contradict each other")
+    assert fits in words
 
 
 @pytest.mark.parametrize(

@@ -67,19 +67,19 @@ def gravity_windows(force: Signal, rate: Signal, lag_s: float = 0.0) -> GravityW
     GravityWindows or None
         None when the two never run together for the length of a window.
     """
-    accelerometer, gyroscope = _Integral.of(force), _Integral.of(rate)
-    if accelerometer is None or gyroscope is None:
+    usable_force, usable_rate = _usable(force), _usable(rate)
+    if len(usable_force) < 2 or len(usable_rate) < 2:
         return None
-    begin_s = max(accelerometer.time_s[0], gyroscope.time_s[0] + lag_s)
-    end_s = min(accelerometer.time_s[-1], gyroscope.time_s[-1] + lag_s)
+    begin_s = max(usable_force.time_s[0], usable_rate.time_s[0] + lag_s)
+    end_s = min(usable_force.time_s[-1], usable_rate.time_s[-1] + lag_s)
     if not end_s - begin_s >= _WINDOW_S:
         return None
     count = int((end_s - begin_s - _WINDOW_S) / _HOP_S) + 1
     chosen = np.arange(count) if count <= _MOST_WINDOWS else np.linspace(0.0, count - 1.0, _MOST_WINDOWS).round()
     start_s = begin_s + _HOP_S * chosen
     edges_s = start_s[:, None] + np.arange(round(_WINDOW_S / _PERIOD_S) + 1) * _PERIOD_S
-    force_mps2, whole = accelerometer.means(edges_s)
-    rate_radps, also_whole = gyroscope.means(edges_s - lag_s)
+    force_mps2, whole = _Integral.of(_near(usable_force, edges_s)).means(edges_s)
+    rate_radps, also_whole = _Integral.of(_near(usable_rate, edges_s - lag_s)).means(edges_s - lag_s)
     usable = whole & also_whole
     if not usable.any():
         return None
@@ -94,6 +94,30 @@ def gravity_windows(force: Signal, rate: Signal, lag_s: float = 0.0) -> GravityW
     )
 
 
+def _usable(signal: Signal) -> Signal:
+    """Leave out the rows that are not finite or not later than those before."""
+    time_s, values = signal.time_s, signal.values
+    if (np.diff(time_s) > 0.0).all() and np.isfinite(np.einsum("ij->", values)) and np.isfinite(time_s[-1:]).all():
+        return signal
+    finite = np.isfinite(time_s) & np.isfinite(values).all(axis=1)
+    time_s, values = time_s[finite], values[finite]
+    if len(time_s) and (np.diff(time_s) <= 0.0).any():
+        later = np.concatenate([[True], time_s[1:] > np.maximum.accumulate(time_s)[:-1]])
+        time_s, values = time_s[later], values[later]
+    return Signal(time_s, values)
+
+
+def _near(signal: Signal, edges_s: Array) -> Signal:
+    """Return the samples of a long recording that lie in windows with edges (k, n), and one on either side."""
+    first = np.searchsorted(signal.time_s, edges_s[:, 0], side="right") - 1
+    last = np.searchsorted(signal.time_s, edges_s[:, -1]) + 1
+    near = np.zeros(len(signal) + 1, dtype=np.int64)
+    np.add.at(near, first.clip(0), 1)
+    np.add.at(near, last.clip(max=len(signal)), -1)
+    inside = np.cumsum(near[:-1]) > 0
+    return signal if inside.all() else Signal(signal.time_s[inside], signal.values[inside])
+
+
 @dataclass(frozen=True)
 class _Integral:
     """Integral of a signal over time, for means over intervals of any length."""
@@ -103,15 +127,9 @@ class _Integral:
     pauses: NDArray[np.int64]
 
     @classmethod
-    def of(cls, signal: Signal) -> "_Integral | None":
-        """Integrate by the trapezoidal rule; rows that are not finite or not later than those before are left out."""
-        usable = np.isfinite(signal.time_s) & np.isfinite(signal.values).all(axis=1)
-        time_s, values = signal.time_s[usable], signal.values[usable]
-        if len(time_s) and (np.diff(time_s) <= 0.0).any():
-            later = np.concatenate([[True], time_s[1:] > np.maximum.accumulate(time_s)[:-1]])
-            time_s, values = time_s[later], values[later]
-        if len(time_s) < 2:
-            return None
+    def of(cls, signal: Signal) -> "_Integral":
+        """Integrate by the trapezoidal rule."""
+        time_s, values = signal.time_s, signal.values
         step_s = np.diff(time_s)
         areas = 0.5 * (values[1:] + values[:-1]) * step_s[:, None]
         longest_s = max(_LONGEST_PAUSE_S, 2.5 * float(np.median(step_s)))

@@ -109,7 +109,7 @@ class RawDevice:
             conversion = signs.detect_force_sign(total, attitude, expected, self.sign_reason, evidence)
             # Steps do not depend on the sign: without a gyroscope there is no track that could be mirrored.
             sign = self.note(conversion if RawSensor.RATE in self.signals else replace(conversion, warning=""))
-            force = Signal(total.time_s, total.values * sign)
+            force = _times(total, sign)
         linear = self._acceleration_without_gravity() if force is None else None
         rate = self._rotation_rate(force or linear)
         if linear is not None:
@@ -139,7 +139,7 @@ class RawDevice:
             self.warnings.append(
                 f"acceleration and attitude contradict each other: median cosine {cosine * sign:+.2f}"
             )
-        return total if sign > 0.0 else Signal(total.time_s, -total.values)
+        return _times(total, sign)
 
     def _recorded_unit(self) -> float:
         """Return the factor to m/s² of the signal that shows gravity, which one without it does not."""
@@ -169,9 +169,7 @@ class RawDevice:
         raw = self.signals.get(RawSensor.RATE)
         if raw is None or raw.factor is not None:
             return self._in_si(RawSensor.RATE)
-        return Signal(
-            raw.signal.time_s, raw.signal.values * self.note(detect_rotation_unit(raw.signal, acceleration))
-        )
+        return _times(raw.signal, self.note(detect_rotation_unit(raw.signal, acceleration)))
 
     def _acceleration(self) -> Signal | None:
         """Find the acceleration with gravity, m/s^2, still with the recorder's sign."""
@@ -258,8 +256,8 @@ class RawDevice:
             if detect is None:
                 self.decisions.append(f"{raw.title}: taken in uT")
                 return raw.signal
-            return Signal(raw.signal.time_s, raw.signal.values * self.note(detect(raw.signal.values)))
-        converted = Signal(raw.signal.time_s, raw.signal.values * raw.factor) if raw.factor != 1.0 else raw.signal
+            return _times(raw.signal, self.note(detect(raw.signal.values)))
+        converted = _times(raw.signal, raw.factor)
         if detect is not None:
             checked = detect(converted.values)
             as_written = detect(raw.signal.values) if checked.warnings and sensor is RawSensor.FORCE else checked
@@ -267,12 +265,17 @@ class RawDevice:
                 self.warnings.append(
                     f"the stated unit of {raw.title} contradicts its values and is not used: {as_written.decision}"
                 )
-                return Signal(raw.signal.time_s, raw.signal.values * as_written.factor)
+                return _times(raw.signal, as_written.factor)
             if checked.factor != 1.0:
                 self.warnings.append(f"the stated unit of {raw.title} contradicts its values: {checked.decision}")
             elif sensor is RawSensor.FORCE:
                 self.warnings.extend(checked.warnings)
         return converted
+
+
+def _times(signal: Signal, factor: float) -> Signal:
+    """Multiply the values; long recordings are not copied for a factor of 1."""
+    return signal if factor == 1.0 else Signal(signal.time_s, signal.values * factor)
 
 
 _DETECT_UNIT = {

@@ -9,13 +9,13 @@ The gyroscope alone does not suffice: over a stride the mean acceleration withou
 
 import numpy as np
 
-from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
+from pdr_est.frames import STANDARD_GRAVITY_MPS2, up_in_device
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.types.recording import Signal
 
 _LEAST_AGREEMENT = 0.7
 _CLEARLY_BETTER = 0.3
-_LONGEST_STEP_S = 0.25
+_LONGEST_STEP_S = 0.25  # between attitudes; over longer ones a person turns back and forth
 _FEWEST_STEPS = 50
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
@@ -41,8 +41,8 @@ def restore_gravity(linear: Signal, attitude: Signal, rate: Signal) -> tuple[Sig
     conversion : Conversion
         How that was decided; its factor has no meaning.
     """
-    forth = _agreement(attitude.time_s, attitude.values, rate)
-    back = _agreement(attitude.time_s, attitude.values * _CONJUGATE, rate)
+    forth = rotation_agreement(attitude, rate) or 0.0
+    back = rotation_agreement(Signal(attitude.time_s, attitude.values * _CONJUGATE), rate) or 0.0
     inverted = back > forth
     best, other = max(forth, back), min(forth, back)
     if best < _LEAST_AGREEMENT or best - other < _CLEARLY_BETTER:
@@ -67,17 +67,33 @@ def restore_gravity(linear: Signal, attitude: Signal, rate: Signal) -> tuple[Sig
     return (force if len(force) else None), attitude, Conversion(1.0, words, doubt)
 
 
-def _agreement(time_s: Array, quaternion: Array, rate: Signal) -> float:
-    """Correlate the gyroscope with the rotation between attitudes device to level; 0 without motion."""
-    w, v = quaternion[:, 0], quaternion[:, 1:]
-    step_s = np.diff(time_s)
+def rotation_agreement(attitude: Signal, rate: Signal) -> float | None:
+    """Correlate the gyroscope with the rotation between consecutive attitudes, over all axes.
+
+    Parameters
+    ----------
+    attitude
+        (n, 4) quaternions, w first, device to level axes.
+    rate
+        (m, 3) rotation rate, in any unit.
+
+    Returns
+    -------
+    float or None
+        Near +1 when both use the same axes and signs; None without enough motion or overlap in time.
+    """
+    w, v = attitude.values[:, 0], attitude.values[:, 1:]
+    time_s, step_s = attitude.time_s, np.diff(attitude.time_s)
+    # The vector part of conj(q_k) q_(k+1) is half the rotation vector in device axes, for small rotations.
     rotated = w[:-1, None] * v[1:] - w[1:, None] * v[:-1] - np.cross(v[:-1], v[1:])
     cosine = w[:-1] * w[1:] + (v[:-1] * v[1:]).sum(axis=1)
     usable = (step_s > 0.0) & (step_s < _LONGEST_STEP_S) & (rotated != 0.0).any(axis=1)
     usable &= (time_s[:-1] >= rate.time_s.min()) & (time_s[1:] <= rate.time_s.max())
     if usable.sum() < _FEWEST_STEPS:
-        return 0.0
+        return None
     derived = 2.0 * np.sign(cosine)[usable, None] * rotated[usable] / step_s[usable, None]
-    measured = rate.interpolated_at(0.5 * (time_s[:-1] + time_s[1:])[usable])
+    order = np.argsort(rate.time_s, kind="stable")
+    middle_s = 0.5 * (time_s[:-1] + time_s[1:])[usable]
+    measured = np.stack([np.interp(middle_s, rate.time_s[order], one) for one in rate.values[order].T], axis=1)
     power = float(np.sqrt(np.square(derived).sum() * np.square(measured).sum()))
-    return float((derived * measured).sum()) / power if power > 0.0 else 0.0
+    return float((derived * measured).sum()) / power if power > 0.0 else None

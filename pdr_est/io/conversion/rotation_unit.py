@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.io.conversion.gravity_drift import gravity_scatter, hann_means
 from pdr_est.io.conversion.gravity_windows import GravityWindows, gravity_windows, turned_by
-from pdr_est.io.conversion.units import ROTATION_RATE_UNITS, Conversion, detect_rotation_rate_unit
+from pdr_est.io.conversion.units import ROTATION_RATE_UNITS, Conversion, detect_rotation_rate_unit, sampled_rows
 from pdr_est.types.recording import Signal
 
 _USUAL_LOG_RATIO = -1.3
@@ -38,6 +38,7 @@ _LEAST_SAMPLES = 4  # in an interval
 _LEAST_INTERVALS = 1
 _DECISIVE = 0.99
 _LEAST_TOLD = 0.005  # probability
+_NEGLIGIBLE = 10.0  # logarithm of odds
 _RARE_UNITS: Mapping[str, float] = {"rpm": np.pi / 30.0, "rev/s": 2.0 * np.pi, "mrad/s": 1e-3}
 _UNITS: Mapping[str, float] = {**ROTATION_RATE_UNITS, **_RARE_UNITS}
 _PRIORS: Mapping[str, float] = {
@@ -158,7 +159,7 @@ def detect_rotation_unit(rate: Signal, acceleration: Signal | None) -> Conversio
             by_size.factor,
             by_size.decision,
             f"{by_size.warning + '; ' if by_size.warning else ''}{_odd_ratio(motion.log_ratio)}: turns of the track "
-            "are doubtful; write the unit of the gyroscope into the header",
+            f"are doubtful; {_remedy(rate)}",
         )
     factor = _UNITS[name]
     decision = (
@@ -172,8 +173,19 @@ def detect_rotation_unit(rate: Signal, acceleration: Signal | None) -> Conversio
     return Conversion(
         factor,
         decision,
-        f"the unit of the rotation rate is doubtful ({told}): {_odd_ratio(motion.log_ratio)}; {name} is taken: write "
-        "the unit into the header",
+        f"the unit of the rotation rate is doubtful ({told}): {_odd_ratio(motion.log_ratio)}; {name} is taken: "
+        f"{_remedy(rate)}",
+    )
+
+
+def _remedy(rate: Signal) -> str:
+    """Return what helps if the unit is not known."""
+    values = sampled_rows(rate.values)
+    if not values.any() or (values != np.round(values)).any():
+        return "write the unit of the gyroscope into the header"
+    return (
+        "the values are integers: if they are the counts of a sensor chip, state what one is with --map, such as "
+        "unit: 0.0001332 (131 counts in 1 deg/s), else write the unit of the gyroscope into the header"
     )
 
 
@@ -213,11 +225,15 @@ def _odd_ratio(ratio: float) -> str:
 
 def _probabilities(motion: _Motion) -> dict[str, float]:
     """Return the probability of each unit, and under "" that of none of them."""
-    logs = {
-        name: float(np.log(_PRIORS[name])) + motion.log_likelihood(factor) + motion.log_penalty(factor)
-        for name, factor in _UNITS.items()
-    }
-    logs[""] = float(np.log(_OTHER_UNIT / _OTHER_WIDTH))
+    logs = {name: float(np.log(_PRIORS[name])) + motion.log_likelihood(one) for name, one in _UNITS.items()}
+    none_of_them = float(np.log(_OTHER_UNIT / _OTHER_WIDTH))
+    best = none_of_them
+    for name in sorted(logs, key=lambda one: -logs[one]):
+        if logs[name] < best - _NEGLIGIBLE:
+            break  # the penalty takes long, and can only lower what is improbable without it
+        logs[name] += motion.log_penalty(_UNITS[name])
+        best = max(best, logs[name])
+    logs[""] = none_of_them
     highest = max(logs.values())
     weights = {name: float(np.exp(one - highest)) for name, one in logs.items()}
     total = sum(weights.values())

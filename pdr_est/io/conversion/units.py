@@ -111,12 +111,24 @@ def detect_acceleration_unit(values: Array) -> Conversion:
             return Conversion(ACCELERATION_UNITS["g"], f"acceleration is in g: its mean vector has length {mean:.3f}")
         if _STATIC_MG[0] <= mean <= _STATIC_MG[1]:
             return Conversion(
-                ACCELERATION_UNITS["mg"], f"acceleration is in mg: its mean vector has length {mean:.0f}"
+                ACCELERATION_UNITS["mg"],
+                f"acceleration is in mg, or in cm/s^2, which differs by 2 %: its mean vector has length {mean:.0f}",
             )
+    assumed = (
+        f"acceleration is assumed to be in m/s^2, although its mean vector has length {mean:.3g} "
+        f"({share:.0%} of the median norm)"
+    )
+    if share >= _GRAVITY_SHARE and mean > _STATIC_MPS2[1]:
+        return Conversion(
+            1.0,
+            assumed,
+            f"the mean acceleration has length {mean:.4g}, which is gravity in no usual unit (9.8 in m/s^2, 1 in g, "
+            f"1000 in mg): m/s^2 is assumed; state the unit with --map, such as unit: "
+            f"{STANDARD_GRAVITY_MPS2 / mean:.4g}, or do not trust the track",
+        )
     return Conversion(
         1.0,
-        f"acceleration is assumed to be in m/s^2, although its mean vector has length {mean:.3g} "
-        f"({share:.0%} of the median norm)",
+        assumed,
         f"the mean acceleration has length {mean:.3g}, {share:.0%} of the median norm: with gravity it would be 1 "
         "(g) or 9.8 (m/s^2) and above 70 %; gravity may be missing, check the recorder's settings",
     )

@@ -13,12 +13,12 @@ from pdr_est.io.tables.quantities import MOTION, Quantity
 from pdr_est.io.tables.signals import TableSignals
 from pdr_est.io.tables.split.reader import DeviceTables
 from pdr_est.io.tables.values.angle_axes import settle_angle_axes
+from pdr_est.io.tables.values.lost_units import refuse_unusable_values
 from pdr_est.io.tables.values.settling import settle_quantities, settle_sign
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import DeviceRecording
 
 _ASSUMED_FIX_SIGMA_M = 3.0
-_FEWEST_COUNTS = 1600.0  # gravity in mg is 1000
 _SENSORS = {
     Quantity.FORCE: RawSensor.FORCE,
     Quantity.LINEAR: RawSensor.LINEAR,
@@ -111,7 +111,7 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice, zero: TableSi
         device.decisions += [f"{prefix}{text}" for text in table.decisions]
         device.warnings += [f"{prefix}{text}" for text in table.warnings]
     placed = place_signals(tables, first.clock.start, first.clock.epoch_s, device)
-    _refuse_counts(placed, first.place)
+    refuse_unusable_values(placed, first.place)
     settle_quantities(placed, device)
     settle_sign(placed, device)
     if not set(MOTION) & set(placed):
@@ -128,22 +128,6 @@ def read_device(tables: Sequence[TableSignals], device: RawDevice, zero: TableSi
     if Quantity.RATE in placed and placed[Quantity.RATE].other_order:
         converted = settle_angle_axes(converted, placed[Quantity.RATE].other_order)
     return DeviceReading(converted, gnss, first.clock.epoch_s, first.clock.local_epoch_s, positions)
-
-
-def _refuse_counts(placed: Mapping[Quantity, PlacedSignal], place: str) -> None:
-    """Refuse accelerations that are the counts of a sensor chip: how many are in a g depends on its settings."""
-    force = placed.get(Quantity.FORCE)
-    if force is None or force.raw.factor is not None:
-        return
-    values = force.raw.signal.values
-    length = float(np.linalg.norm(values.mean(axis=0)))
-    if length < _FEWEST_COUNTS or (values != np.round(values)).any():
-        return
-    raise RecordingError(
-        f"{place}: {force.raw.title} are integers whose mean has length {length:.0f}, which is no usual unit: if "
-        "they are the counts of a sensor chip, state what one is with --map, such as unit: 0.0005986 for the "
-        "accelerometer (9.80665 m/s^2 in 16384 counts) and unit: 0.0001332 for the gyroscope (131 counts in 1 deg/s)"
-    )
 
 
 def _fixes(placed: Mapping[Quantity, PlacedSignal], device: RawDevice) -> GnssFixes:

@@ -192,7 +192,7 @@ def signals_of(loose: LooseTable, mapping: TableMapping) -> TableSignals:
     documented = any(column.canonical for column in mapping.clocks)
     loose, clock, told = (loose, clock, ()) if documented else without_stale_rows(loose, clock)
     warnings += told
-    if not documented:
+    if not documented and not (np.diff(clock.time_s) > 0.0).all():  # a clock that always advances has no bursts
         time_s, warning = spread_bursts(clock.time_s, _motion_values(loose.table, mapping))
         clock = replace(clock, time_s=time_s)
         warnings += [warning] if warning else []

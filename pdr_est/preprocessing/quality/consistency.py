@@ -5,7 +5,7 @@ import numpy as np
 from pdr_est.io.conversion.gravity_windows import gravity_windows
 from pdr_est.io.conversion.rotation_unit import rotation_unit_warnings
 from pdr_est.preprocessing.quality.accelerometer_check import find_accelerometer_fault
-from pdr_est.preprocessing.quality.gyroscope_check import gyroscope_warnings
+from pdr_est.preprocessing.quality.gyroscope_check import SURE_FAULT, gyroscope_warnings
 from pdr_est.preprocessing.quality.sensor_checks import stuck_intervals
 from pdr_est.preprocessing.sensor_ranges import out_of_range
 from pdr_est.types.recording import DeviceRecording, Signal
@@ -47,7 +47,7 @@ def _gravity_warnings(force: Signal, gyroscope: Signal) -> tuple[str, ...]:
     # An axis of the accelerometer that is wrong moves gravity, too: it is the fault if its correction ends that.
     corrected = fault.corrected(force)
     again = gravity_windows(corrected, gyroscope)
-    if again is None or not gyroscope_warnings(again, corrected, gyroscope):
+    if again is None or not gyroscope_warnings(again, corrected, gyroscope, SURE_FAULT):
         return (fault.warning,)
     return (*axes, *_without_gyroscope(force))
 

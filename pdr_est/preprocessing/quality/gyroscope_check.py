@@ -6,8 +6,11 @@ are ordered or signed otherwise; one axis has a wrong gain; its clock is late or
 fifty is taken to be faulty, simple faults more often than contrived ones. Constants are ours.
 
 Over 395 sound recordings of real phones no other axes, signs or gain are better than the gyroscope as it is by more
-than 4.7 in the logarithm of the likelihood; of faults put into them, other orders and signs of the axes reach 9 in
-nine of ten, while an axis that reads half of the truth shows in one of ten: most phones never turn over far enough.
+than 4.7 in the logarithm of the likelihood, or reach a probability of 3 %; of faults put into them, other orders and
+signs of the axes reach 9 in nine of ten, while an axis that reads half of the truth shows in one of ten: most phones
+never turn over far enough. A fault is told from a probability of 20 % on, because its track is worth nothing.
+
+What the fit takes for a constant bias is told if it is beyond that of any recording here.
 (The unit shows without gravity, see `pdr_est.io.conversion.rotation_unit`.)
 """
 
@@ -23,10 +26,15 @@ from pdr_est.io.conversion.gravity_windows import GravityWindows, gravity_window
 from pdr_est.preprocessing.quality.gyroscope_fit import GyroscopeFit, fit_gyroscope
 from pdr_est.types.recording import Signal
 
+SURE_FAULT = 0.8
+"""Probability of a fault of the gyroscope from which on it is no mere possibility."""
+
 _FAULTY_SHARE = 0.02
 _OF_AXES, _OF_GAINS, _OF_LAGS = 0.7, 0.2, 0.1  # shares of the faults
 _PER_OPERATION = 0.3  # how much rarer a fault of axes is with each axis negated and each pair exchanged
-_LEAST_PROBABILITY = 0.8
+_LEAST_PROBABILITY = 0.2
+_LARGEST_BIAS_RADPS = 0.07  # 4 deg/s; the raw sensors of the belts of SisFall have up to 0.066
+_BIAS_LOG_ODDS = 10.0  # improvement by the bias that no motion brings about; ours
 _NOTHING_FITS_MPS2 = 2.0
 _ARC = 4.0  # length of an arc by the standard deviation of a component of four points that are spread over it evenly
 _LEAST_TOLD = 0.1  # of the probability of the best explanation
@@ -55,7 +63,9 @@ class _Explanation:
     variance: Array
 
 
-def gyroscope_warnings(windows: GravityWindows, force: Signal, rate: Signal) -> tuple[str, ...]:
+def gyroscope_warnings(
+    windows: GravityWindows, force: Signal, rate: Signal, least_probability: float = _LEAST_PROBABILITY
+) -> tuple[str, ...]:
     """Warn if the gyroscope moves gravity about and an explanation fits better, or if nothing fits.
 
     Parameters
@@ -64,19 +74,53 @@ def gyroscope_warnings(windows: GravityWindows, force: Signal, rate: Signal) -> 
         Windows of both sensors.
     force, rate
         (n, 3) specific force, m/s², and rotation rate, rad/s.
+    least_probability
+        Probability of a fault from which on it is told.
     """
     # No explanation can be better than gravity that does not move at all: most gyroscopes pass here.
-    enough = np.log(_LEAST_PROBABILITY / (1.0 - _LEAST_PROBABILITY)) - np.log(_FAULTY_SHARE)
-    if -log_likelihood(gravity_scatter(windows.turned, windows), windows) < enough:
+    least_odds = least_probability / (1.0 - least_probability)
+    enough = np.log(least_odds) - np.log(_FAULTY_SHARE * _OF_GAINS / 3.0)
+    as_it_is = log_likelihood(gravity_scatter(windows.turned, windows), windows)
+    if -as_it_is < enough:
         return ()
     sound = fit_gyroscope(windows.rate_radps, windows)
     if -sound.log_likelihood < enough:
+        return _bias_warning(sound, as_it_is)
+    return _fault_warning(windows, force, rate, sound, least_odds) or _bias_warning(sound, as_it_is)
+
+
+def _bias_warning(sound: GyroscopeFit, as_it_is: float) -> tuple[str, ...]:
+    """Warn of a bias that keeps gravity in its place and is too large to be followed.
+
+    Parameters
+    ----------
+    sound
+        Fit of bias and small errors of gains.
+    as_it_is
+        Log likelihood of the movement of gravity without them.
+    """
+    size_radps = float(np.linalg.norm(sound.bias_radps))
+    if size_radps < _LARGEST_BIAS_RADPS or sound.log_likelihood - as_it_is < _BIAS_LOG_ODDS:
         return ()
+    axes = ", ".join(f"{name} {bias:+.2f}" for name, bias in zip(_AXES, sound.bias_radps, strict=True))
+    return (
+        f"the gyroscope reads at least {size_radps:.2f} rad/s ({np.degrees(size_radps):.1f} deg/s) too much all the "
+        f"time ({axes} rad/s, besides what it reads about the vertical): subtract what it reads while it lies still, "
+        "or do not trust headings and track",
+    )
+
+
+def _fault_warning(
+    windows: GravityWindows, force: Signal, rate: Signal, sound: GyroscopeFit, least_odds: float
+) -> tuple[str, ...]:
+    """Compare the explanations by a fault with a sound gyroscope, and warn of those that are probable."""
     others = sorted(_explanations(windows, force, rate, sound), key=lambda one: -one.log_odds)
     moved_mps2 = float(np.sqrt(sound.variance.max()))
     moved_deg = min(float(np.degrees(_ARC * moved_mps2 / STANDARD_GRAVITY_MPS2)), 180.0)
+    odds = np.exp(np.minimum([one.log_odds for one in others], 500.0))
+    maybe = "" if odds.sum() >= SURE_FAULT / (1.0 - SURE_FAULT) else "may "
     contradiction = (
-        "gyroscope and accelerometer contradict each other: by the gyroscope gravity moves by up to "
+        f"gyroscope and accelerometer {maybe}contradict each other: by the gyroscope gravity moves by up to "
         f"{moved_deg:.0f} deg within seconds, which the accelerometer does not see"
     )
     best_mps2 = max(_movement_mps2(others[0].variance), 1e-3)
@@ -85,8 +129,7 @@ def gyroscope_warnings(windows: GravityWindows, force: Signal, rate: Signal) -> 
             f"{contradiction}, and no other axes, signs, gain or delay of the gyroscope fit: do not trust headings "
             "and track; check that both sensors are of one device and one walk",
         )
-    odds = np.exp(np.minimum([one.log_odds for one in others], 500.0))
-    if odds.sum() < _LEAST_PROBABILITY / (1.0 - _LEAST_PROBABILITY):
+    if odds.sum() < least_odds:
         return ()
     better = _movement_mps2(sound.variance) / best_mps2
     return (

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from pdr_est.io.conversion.restored_gravity import rotation_agreement
 from pdr_est.io.conversion.signs import gravity_cosine
 from pdr_est.preprocessing.quality.capabilities import describe_capabilities
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
+from pdr_est.preprocessing.quality.sampling_rate import SamplingRate, sampling_rate
 from pdr_est.preprocessing.quality.sensor_checks import (
     ClockCheck,
     Interval,
-    attitude_rate_correlation,
     check_clock,
     clipped_axes,
-    effective_rate,
     stuck_intervals,
 )
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
@@ -42,8 +42,8 @@ class ChannelInspection:
         Earliest and latest time stamp, s.
     clock
         Check of the time stamps.
-    effective_rate_hz
-        Rate, Hz, at which new values really come.
+    samples_hz, effective_rate_hz
+        Rates of samples and of new values, Hz (`pdr_est.preprocessing.quality.sampling_rate`).
     hidden_by
         How the other values were made: "repeated", "interpolated", or "" when all are new.
     clipped_axes
@@ -59,6 +59,7 @@ class ChannelInspection:
     start_s: float
     end_s: float
     clock: ClockCheck
+    samples_hz: float
     effective_rate_hz: float
     hidden_by: str
     clipped_axes: tuple[str, ...]
@@ -169,7 +170,7 @@ def _inspect_device(device: DeviceRecording) -> DeviceInspection:
     signals = {name: signal for name in _CHANNELS if (signal := getattr(device, name)) is not None and len(signal)}
     channels = tuple(_inspect_channel(name, signal, signals) for name, signal in signals.items())
     force, rate, attitude = (signals.get(name) for name in ("specific_force", "rotation_rate", "attitude"))
-    correlation = None if attitude is None or rate is None else attitude_rate_correlation(attitude, rate)
+    correlation = None if attitude is None or rate is None else rotation_agreement(attitude, rate)
     overlap = None if force is None or rate is None else _overlap(force, rate)
     findings = [finding for channel in channels for finding in _channel_findings(channel)]
     if force is not None and rate is not None and overlap is None:
@@ -200,15 +201,16 @@ def _inspect_channel(name: str, signal: Signal, signals: Mapping[str, Signal]) -
     clock = check_clock(signal.time_s)
     vector = name in _VECTORS
     others = [signals[other] for other in _CLIPPING if other in signals and other != name]
-    rate_hz, hidden_by = effective_rate(signal, clock.rate_hz) if vector else (clock.rate_hz, "")
+    rate = sampling_rate(signal) if vector else SamplingRate(clock.rate_hz, clock.rate_hz)
     return ChannelInspection(
         name=name,
         samples=len(signal),
         start_s=float(signal.time_s.min()),
         end_s=float(signal.time_s.max()),
         clock=clock,
-        effective_rate_hz=rate_hz,
-        hidden_by=hidden_by,
+        samples_hz=rate.samples_hz,
+        effective_rate_hz=rate.new_hz,
+        hidden_by=rate.hidden_by,
         clipped_axes=tuple(_AXES[i] for i in clipped_axes(signal.values)) if name in _CLIPPING else (),
         stuck=stuck_intervals(signal, others) if vector else (),
         all_zero=not signal.values.any(),
@@ -232,7 +234,7 @@ def _channel_findings(channel: ChannelInspection) -> list[str]:
     elif channel.hidden_by:
         findings.append(
             f"{name}: values are {channel.hidden_by}, new ones come at about {channel.effective_rate_hz:.0f} Hz "
-            f"instead of {clock.rate_hz:.0f} Hz"
+            f"instead of {channel.samples_hz:.0f} Hz"
         )
     if channel.clipped_axes:
         findings.append(f"{name}: axis {', '.join(channel.clipped_axes)} hits the end of its range")

@@ -30,6 +30,7 @@ _ROUNDING = 3.0  # last digits by which rounded numbers leave a straight line: a
 _COARSE = 1e-3  # share of the usual bend above which a last digit hides whether lines are straight
 _EXACT = 1e-6
 _ROUNDED_NUMBER = 1e-9  # share of the usual bend; what is less comes from binary numbers
+_MOSTLY_NEW = 0.7  # ours: some digits repeat by chance
 _MOST_WINDOWS = 200  # ours: enough of a long recording
 
 
@@ -43,10 +44,13 @@ class SamplingRate:
         Samples a second while it records, Hz; 0 when its clock does not advance.
     new_hz
         New values a second while the device moves, Hz; that of the samples where no value ever changes.
+    hidden_by
+        How most of the others were made: "repeated" or "interpolated"; "" where at least 70 % of the values are new.
     """
 
     samples_hz: float
     new_hz: float
+    hidden_by: str = ""
 
     @property
     def text(self) -> str:
@@ -94,8 +98,11 @@ def sampling_rate(signal: Signal) -> SamplingRate:
     finite = np.isfinite(signal.values).all(axis=1)
     if size < _FEWEST_SAMPLES or finite.sum() < _FEWEST_SAMPLES:
         return SamplingRate(samples_hz, samples_hz)
-    share = _share_of_new(_active_windows(signal.values[finite], size))
-    return SamplingRate(samples_hz, samples_hz * (share or 1.0))
+    new, repeated = _shares(_active_windows(signal.values[finite], size))
+    if not 0.0 < new < _MOSTLY_NEW:
+        return SamplingRate(samples_hz, samples_hz * (new or 1.0))
+    hidden_by = "repeated" if repeated > 1.0 - new - repeated else "interpolated"
+    return SamplingRate(samples_hz, samples_hz * new, hidden_by)
 
 
 def refuse_slow_sampling(acceleration: Signal, label: str) -> None:
@@ -164,13 +171,22 @@ def _active_windows(values: Array, size: int) -> Array:
     return moving
 
 
-def _share_of_new(windows: Array) -> float:
-    """Compute the usual share of samples of windows (m, n, k) that neither repeat nor go on in a straight line."""
+def _shares(windows: Array) -> tuple[float, float]:
+    """Compute usual shares of samples of windows (m, n, k).
+
+    Returns
+    -------
+    new : float
+        Share of those that neither repeat nor go on in a straight line.
+    repeated : float
+        Share of those that repeat.
+    """
     step = np.diff(windows, axis=1)
     bends = np.abs(np.diff(step, axis=1))
     bend = bends.max(axis=2)
     usual = np.percentile(bend, 99, axis=1, keepdims=True)
     digit = bends.min(axis=(1, 2), initial=np.inf, where=bends > _ROUNDED_NUMBER * usual[..., None])[:, None]
     straight = np.where(_ROUNDING * digit < _COARSE * usual, _ROUNDING * digit, _EXACT * usual)
-    new = (step[:, 1:] != 0.0).any(axis=2) & (bend > straight)
-    return float(np.median(new.mean(axis=1)))
+    changed = (step[:, 1:] != 0.0).any(axis=2)
+    new = changed & (bend > straight)
+    return float(np.median(new.mean(axis=1))), float(np.median(1.0 - changed.mean(axis=1)))

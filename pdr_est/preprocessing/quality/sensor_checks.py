@@ -1,4 +1,4 @@
-"""Check one sensor: its clock, its true sampling rate, values that stand still or hit the end of their range."""
+"""Check one sensor: its clock, values that stand still or hit the end of their range."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,10 +14,9 @@ LONGEST_PERIOD_S = 0.5
 
 _STUCK_S = 2.0
 _STUCK_SAMPLES = 5
-_REPEATED_SHARE = 0.3  # of the samples equal the one before: the true rate is below 70 % of the nominal one
-_LINEAR_SHARE = 0.4
-_LINEAR_TOLERANCE = 1e-6
 _PLATEAUS = 2  # separate times at the same extreme for two samples or more
+_LONG_PLATEAU = 10  # samples of a single one
+_PILED_UP = 2.0  # times as many samples at the extreme as at the next value; coarse digits thin out towards it
 _CLIPPED_SAMPLES = 5
 _MOVING_SHARE = 0.2  # of the signal's usual variation
 _LEAST_VARIATION = 1e-9  # in the unit of the signal; a constant one varies by rounding errors
@@ -89,46 +88,6 @@ def check_clock(time_s: Array) -> ClockCheck:
     )
 
 
-def effective_rate(signal: Signal, rate_hz: float) -> tuple[float, str]:
-    """Find the rate at which new values really come.
-
-    Samples with repeated time stamps are not counted, because those are a fault of the clock.
-
-    Parameters
-    ----------
-    signal
-        Samples of the sensor.
-    rate_hz
-        Nominal sampling rate, Hz.
-
-    Returns
-    -------
-    rate_hz : float
-        True rate, Hz; 0 for a constant signal.
-    hidden_by : str
-        How the other values were made: "repeated", "interpolated", or "" when all are new.
-    """
-    keep = np.concatenate([[True], np.diff(signal.time_s) != 0.0])
-    time_s, values = signal.time_s[keep], signal.values[keep]
-    step = np.diff(values, axis=0)
-    changed = (step != 0.0).any(axis=1)
-    if len(values) < 3:
-        return rate_hz, ""
-    if not changed.any():
-        return 0.0, "repeated"
-    if (~changed).mean() > _REPEATED_SHARE:
-        return rate_hz * float(changed.mean()), "repeated"
-    period_s = np.diff(time_s)
-    if (period_s <= 0.0).any():
-        return rate_hz, ""
-    bend = np.abs(np.diff(step / period_s[:, None], axis=0)).max(axis=1)
-    scale = float(np.percentile(bend, 99))
-    straight = bend <= _LINEAR_TOLERANCE * scale
-    if straight.mean() > _LINEAR_SHARE:
-        return rate_hz * float((~straight).mean()), "interpolated"
-    return rate_hz, ""
-
-
 def clipped_axes(values: Array) -> tuple[int, ...]:
     """Find the axes (columns of values, (n, k)) that stay at one extreme value while the other axes move.
 
@@ -147,13 +106,21 @@ def constant_axes(values: Array) -> tuple[int, ...]:
 
 
 def _is_clipped(values: Array) -> bool:
-    """Tell whether a column has several plateaus at its minimum or maximum."""
+    """Tell whether a column has several plateaus, or a long one, at its minimum or maximum."""
     spread = float(values.std())
+    levels, counts = np.unique(values, return_counts=True)
+    if len(levels) < 3:
+        return False
+    piled_up = {
+        levels[0]: counts[0] >= _PILED_UP * counts[1],
+        levels[-1]: counts[-1] >= _PILED_UP * counts[-2],
+    }
     for extreme in (values.min(), values.max()):
         lengths = _run_lengths(values == extreme)
         plateaus = lengths[lengths >= 2]
         far = abs(float(extreme) - float(np.median(values))) > spread
-        if far and len(plateaus) >= _PLATEAUS and plateaus.sum() >= _CLIPPED_SAMPLES:
+        enough = len(plateaus) >= _PLATEAUS or plateaus.max(initial=0) >= _LONG_PLATEAU
+        if far and piled_up[extreme] and enough and plateaus.sum() >= _CLIPPED_SAMPLES:
             return True
     return False
 
@@ -190,26 +157,3 @@ def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
     return np.array([last - first + 1 for first, last in _runs(mask)], dtype=np.int64)
-
-
-def attitude_rate_correlation(attitude: Signal, rate: Signal) -> float | None:
-    """Correlate the gyroscope with the rotation between consecutive attitudes, over all axes.
-
-    Returns
-    -------
-    float or None
-        Near +1 when both use the same axes and signs; None without enough motion or overlap in time.
-    """
-    w, v = attitude.values[:, 0], attitude.values[:, 1:]
-    time_s, period_s = attitude.time_s, np.diff(attitude.time_s)
-    # The vector part of conj(q_k) q_(k+1) is half the rotation vector in device axes, for small rotations.
-    rotated = w[:-1, None] * v[1:] - w[1:, None] * v[:-1] - np.cross(v[:-1], v[1:])
-    cosine = w[:-1] * w[1:] + (v[:-1] * v[1:]).sum(axis=1)
-    usable = (period_s > 0.0) & (period_s < LONGEST_PERIOD_S) & (rotated != 0.0).any(axis=1)
-    usable &= (time_s[:-1] >= rate.time_s.min()) & (time_s[1:] <= rate.time_s.max())
-    if usable.sum() < 10:
-        return None
-    derived = 2.0 * np.sign(cosine)[usable, None] * rotated[usable] / period_s[usable, None]
-    measured = rate.interpolated_at((time_s[:-1] + time_s[1:])[usable] / 2.0)
-    power = float(np.sqrt((derived**2).sum() * (measured**2).sum()))
-    return float((derived * measured).sum() / power) if power > 0.0 else None

@@ -23,10 +23,10 @@ from scipy.spatial.transform import Rotation
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array, up_in_device
+from pdr_est.io.conversion.restored_gravity import rotation_agreement
 from pdr_est.io.formats.phone_apps.sensor_logger import reader as sensor_logger
 from pdr_est.io.formats.registry import read
 from pdr_est.io.text.container import Source
-from pdr_est.preprocessing.quality.sensor_checks import attitude_rate_correlation
 from pdr_est.types.recording import Recording, Signal
 
 Columns = dict[str, dict[str, Sequence[Any] | Array]]
@@ -374,7 +374,7 @@ def test_real_recordings_are_physically_right(shared_data: Path) -> None:
         up = up_in_device(device.attitude.values)
         level = (up * device.specific_force.values).sum(axis=1).mean()
         assert level == pytest.approx(9.8, abs=0.3)
-        correlation = attitude_rate_correlation(device.attitude, device.rotation_rate)
+        correlation = rotation_agreement(device.attitude, device.rotation_rate)
         assert correlation is not None
         assert correlation > 0.99
         assert recording.fixes

@@ -136,3 +136,28 @@ def test_a_quiet_sensor_with_empty_rows_between_loses_nothing() -> None:
     apart = np.full((8000, 3), np.nan)
     apart[::2] = values
     assert not find_impossible_rows(list(apart.T), never_zero=False, largest=40.0).rows.any()
+
+
+@pytest.mark.parametrize("sensor", ["force", "rate"])
+@pytest.mark.parametrize(("axes", "jump"), [(slice(None), 40.0), (slice(1, 2), -70.0)], ids=["all axes", "one axis"])
+def test_lone_jumps_within_the_range_of_a_phone(
+    tmp_path: Path, walk: TableWalk, sensor: str, axes: slice, jump: float
+) -> None:
+    at = np.array([40, 333, 900, 1500])
+    values = getattr(walk, sensor).copy()
+    values[at, axes] += jump if sensor == "force" else 0.4 * jump
+    signals = {"force": walk.force, "rate": walk.rate, sensor: values}
+    columns = {"time": walk.time_s, **xyz("acc_{}", signals["force"]), **xyz("gyro_{}", signals["rate"])}
+    device = device_of(tmp_path, text(rows(columns)))
+    read_values = device.specific_force if sensor == "force" else device.rotation_rate
+    assert read_values is not None
+    np.testing.assert_allclose(read_values.values, np.delete(getattr(walk, sensor), at, axis=0), atol=2e-5)
+    assert any(
+        "4 of 2000 rows are left out" in words and "lone values far away" in words for words in device.warnings
+    )
+
+
+def test_a_hard_knock_is_no_lone_jump(walk: TableWalk) -> None:
+    knocked = walk.force.copy()
+    knocked[500:503] += np.array([[30.0], [80.0], [-40.0]])
+    assert not find_impossible_rows(list(knocked.T), never_zero=True, lone_jumps=True).rows.any()

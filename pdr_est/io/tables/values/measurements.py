@@ -10,7 +10,7 @@ from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawSignal
 from pdr_est.io.conversion.units import Conversion
 from pdr_est.io.tables.mapping import QuantityColumns
-from pdr_est.io.tables.quantities import Quantity, unit_factor
+from pdr_est.io.tables.quantities import MOTION, Quantity, unit_factor
 from pdr_est.io.tables.titles import understand_title
 from pdr_est.io.tables.values.column_units import complete_factors, unknown_unit_words
 from pdr_est.io.tables.values.impossible_values import ImpossibleRows, find_impossible_rows, rows_without_measurement
@@ -50,7 +50,10 @@ def find_missing_rows(
     }
     found = {
         quantity: find_impossible_rows(
-            axes, never_zero=quantity in _NEVER_ZERO, largest=_largest(table, columns[quantity], quantity)
+            axes,
+            never_zero=quantity in _NEVER_ZERO,
+            largest=_largest(table, columns[quantity], quantity),
+            lone_jumps=quantity in MOTION,
         )
         for quantity, axes in parts.items()
     }

@@ -92,8 +92,8 @@ FILLERS = _words(
 """Words of a title that carry no meaning."""
 
 BLOCKED = _words(
-    """angular angulaire winkel bias biases std stdev var variance sigma mean avg average min max delta diff
-    difference error err offset noise cov covariance jerk norm abs absolute magnitude magnitud rms filtered
+    """angular angulaire winkel bias biases drift drifts std stdev var variance sigma mean avg average min max delta
+    diff difference error err offset noise cov covariance jerk norm abs absolute magnitude magnitud rms filtered
     lowpass highpass fft power energy velocity speed position pos displacement distance status
     altitude height course heading step steps
     temperature temp count counter battery true truth ref reference gt groundtruth frequency freq"""
