@@ -23,9 +23,10 @@ from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.factor_graph.initial_values import initial_states, with_headings
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
-from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
+from pdr_est.estimators.factor_graph.marginals import marginal_covariances
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTLY
 from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem
+from pdr_est.estimators.pose_chains.linear_rows import to_map
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, PositionFix, StartPose
 from pdr_est.types.track import Track, concatenate
@@ -82,7 +83,8 @@ def estimate(
 
     def work() -> tuple[LengthScales, Array, Array]:
         scales, values = solve(problem, initial, sigma_length_scale)
-        pose, covariance = pose_marginals(problem, *problem.complete(values, scales.value))
+        linear = problem.linear(values, scales.value, with_stiffness=False)
+        pose, covariance = marginals_of(problem, linear.factors, values)
         return scales, pose, covariance
 
     scales, pose, covariance = run_gtsam(work, problem.keys.poses)
@@ -131,11 +133,20 @@ def pose_marginals(
     covariance : (n, 3, 3) array
         Covariances in the map frame.
     """
+    return marginals_of(problem, graph.linearize(values), values, *problem.further_variables(graph))
+
+
+def marginals_of(
+    problem: SmoothingProblem,
+    linear: gtsam.GaussianFactorGraph,
+    values: gtsam.Values,
+    auxiliary: Sequence[int] = (),
+    others: Sequence[int] = (),
+) -> tuple[Array, Array]:
+    """Compute `pose_marginals` from a linear system, with auxiliary and other variables beside those of the walk."""
     pose, count = problem.poses(values), problem.keys.poses
     rotation = to_map(pose[:, 2])
-    auxiliary, others = problem.further_variables(graph)
-    order = (*problem.variables.order, *others)
-    covariance = marginal_covariances(graph.linearize(values), order, auxiliary)
+    covariance = marginal_covariances(linear, (*problem.variables.order, *others), auxiliary)
     own = np.array([covariance[key] for key in range(count)])
     return pose, rotation @ own @ rotation.transpose(0, 2, 1)
 

@@ -11,11 +11,14 @@ from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
 from pdr_est.estimators.factor_graph.factors import add_anchors, add_motion, initial_reference, motion_noise
-from pdr_est.estimators.factor_graph.keys import GraphKeys, is_auxiliary
+from pdr_est.estimators.factor_graph.keys import GraphKeys, is_auxiliary, pose_array, values_of_poses
 from pdr_est.estimators.factor_graph.newton import LinearSystem, Variables, linear_system, minimised
-from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.estimators.factor_graph.tether_factors import tether_factors
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes, zero_errors
+from pdr_est.estimators.pose_chains.newton_on_arrays import ChainProblem, minimised_poses
+from pdr_est.estimators.pose_chains.normal_equations import Elimination, NotBandedError
+from pdr_est.estimators.pose_chains.pose_chains import PoseChains
+from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StartPose
 
@@ -77,9 +80,10 @@ class SmoothingProblem:
         self._anchors.push_back(self.wandering.chains())
         self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
         self._at: tuple[Array, WalkFactors] | None = None
-        self.tethers, self.softening = TetherConstraints.between_nodes(node_tethers, self.keys), 1.0
+        self.tethers, self.softening = TetherConstraints.between_nodes(node_tethers, self.keys.first), 1.0
         self._candidates = BetweenStepConstraints.of_timelines(timelines, node_tethers, self.keys)
         self.variables = Variables.of_timelines(timelines, self.keys, self.wandering)
+        self._chains = _Chains.of_walk(self.timelines, self.keys, self.variables, starts, initial)
         # Tethers alone would only shrink the walk: tracks that disagree are closer to each other when all is smaller.
         self.scale_is_observable = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
 
@@ -139,14 +143,22 @@ class SmoothingProblem:
         return values
 
     def optimised(self, values: gtsam.Values, length_scale: Array, tolerance: float) -> gtsam.Values:
-        """Return the optimal values at given length scales (`newton.minimised`)."""
+        """Return the optimal values at given length scales (`newton.minimised`).
+
+        Where all measurements connect neighbours in time, the same steps are made without GTSAM.
+        """
         tethers = self.tethers.softened(self.softening)
+        if self._chains is not None:
+            try:
+                return self._chains.optimised(values, tethers, length_scale, tolerance)
+            except NotBandedError:
+                self._chains = None
         return minimised(self.without_tethers(length_scale), tethers, values, self.variables, tolerance)
 
-    def linear(self, values: gtsam.Values, length_scale: Array) -> LinearSystem:
-        """Return the linear system of Newton's method at some values."""
+    def linear(self, values: gtsam.Values, length_scale: Array, with_stiffness: bool = True) -> LinearSystem:
+        """Return the linear system of Newton's method at some values (`newton.linear_system`)."""
         tethers = self.tethers.softened(self.softening)
-        return linear_system(self.without_tethers(length_scale), tethers, values, self.variables, with_stiffness=True)
+        return linear_system(self.without_tethers(length_scale), tethers, values, self.variables, with_stiffness)
 
     def add_violated_tethers(self, values: gtsam.Values) -> bool:
         """Add tethers where tracks are too far apart between the given ones; return whether any were added."""
@@ -185,3 +197,36 @@ class SmoothingProblem:
             moved[first + 1 : first + len(length_m), :2, d] = length_scale[d] * np.cumsum(steps, axis=0)
         known = LengthScales.known(length_scale, self.keys)
         return replace(known, log_covariance=sigma**2 * np.eye(len(length_scale)), pose_per_log=moved)
+
+
+@dataclass(frozen=True)
+class _Chains:
+    """Arrays of a walk without closures and wandering errors."""
+
+    chains: PoseChains
+    elimination: Elimination
+    variables: Variables
+
+    @classmethod
+    def of_walk(
+        cls,
+        timelines: Sequence[Timeline],
+        keys: GraphKeys,
+        variables: Variables,
+        starts: Sequence[StartPose],
+        initial: Sequence[Sequence[GaussianState]],
+    ) -> "_Chains | None":
+        """Make the arrays of a walk; None if it does not fit."""
+        if keys.fix_errors or any(one.closure_sigma_m is not None for one in timelines):
+            return None
+        chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
+        return cls(chains, Elimination(variables.order, len(keys.present_references)), variables)
+
+    def optimised(
+        self, values: gtsam.Values, tethers: TetherConstraints, length_scale: Array, tolerance: float
+    ) -> gtsam.Values:
+        """Return the optimal values."""
+        residuals = self.chains.at_scales(length_scale)
+        problem = ChainProblem(residuals, tethers, self.elimination, self.variables.retraction)
+        pose = minimised_poses(problem, pose_array(values, len(self.variables.order)), tolerance)
+        return values_of_poses(pose)
