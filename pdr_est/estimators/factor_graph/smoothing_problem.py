@@ -22,6 +22,14 @@ from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StartPose
 
+Point = gtsam.Values | Array
+"""Values of all variables, or poses and references (n, 3) of a walk that has no other ones."""
+
+
+def as_values(at: Point) -> gtsam.Values:
+    """Return the values of a point."""
+    return values_of_poses(at) if isinstance(at, np.ndarray) else at
+
 
 @dataclass(frozen=True)
 class LengthScales:
@@ -142,27 +150,37 @@ class SmoothingProblem:
                 values.insert(reference, initial_reference(states))
         return values
 
-    def optimised(self, values: gtsam.Values, length_scale: Array, tolerance: float) -> gtsam.Values:
-        """Return the optimal values at given length scales (`newton.minimised`).
+    def initial_point(self, initial: Sequence[Sequence[GaussianState]]) -> Point:
+        """Return `initial_values`, as an array where the optimum is found on arrays at known length scales."""
+        if self._chains is None or self.scale_is_observable:
+            return self.initial_values(initial)
+        poses = [np.array([state.mean[:3] for state in states]) for states in initial]
+        pairs = zip(initial, self.keys.references, strict=True)
+        references = [initial_reference(states) for states, key in pairs if key is not None]
+        return np.concatenate([*poses, *([[one.x(), one.y(), one.theta()]] for one in references)])
+
+    def optimised(self, at: Point, length_scale: Array, tolerance: float) -> Point:
+        """Return the optimum at given length scales (`newton.minimised`), as an array if it begins with one.
 
         Where all measurements connect neighbours in time, the same steps are made without GTSAM.
         """
         tethers = self.tethers.softened(self.softening)
         if self._chains is not None:
             try:
-                return self._chains.optimised(values, tethers, length_scale, tolerance)
+                pose = self._chains.optimised(self._all_poses(at), tethers, length_scale, tolerance)
+                return pose if isinstance(at, np.ndarray) else values_of_poses(pose)
             except NotBandedError:
                 self._chains = None
-        return minimised(self.without_tethers(length_scale), tethers, values, self.variables, tolerance)
+        return minimised(self.without_tethers(length_scale), tethers, as_values(at), self.variables, tolerance)
 
     def linear(self, values: gtsam.Values, length_scale: Array, with_stiffness: bool = True) -> LinearSystem:
         """Return the linear system of Newton's method at some values (`newton.linear_system`)."""
         tethers = self.tethers.softened(self.softening)
         return linear_system(self.without_tethers(length_scale), tethers, values, self.variables, with_stiffness)
 
-    def add_violated_tethers(self, values: gtsam.Values) -> bool:
+    def add_violated_tethers(self, at: Point) -> bool:
         """Add tethers where tracks are too far apart between the given ones; return whether any were added."""
-        more, self._candidates = self._candidates.most_violated(self.poses(values))
+        more, self._candidates = self._candidates.most_violated(self.poses(at))
         self.tethers = self.tethers + more
         return len(more) > 0
 
@@ -182,9 +200,13 @@ class SmoothingProblem:
         auxiliary = [key for key in further if is_auxiliary(key)]
         return auxiliary, sorted(set(further) - set(auxiliary))
 
-    def poses(self, values: gtsam.Values) -> Array:
+    def poses(self, at: Point) -> Array:
         """Return the poses (n, 3)."""
-        return self.variables.pose(values)
+        return at[: self.keys.poses] if isinstance(at, np.ndarray) else self.variables.pose(at)
+
+    def _all_poses(self, at: Point) -> Array:
+        """Return poses and references."""
+        return at if isinstance(at, np.ndarray) else pose_array(at, len(self.variables.order))
 
     def prior_scales(self, values: gtsam.Values, length_scale: Array, sigma: float) -> LengthScales:
         """Return the scales of a walk without position measurements: sigma is that of the logarithm in the prior."""
@@ -222,11 +244,8 @@ class _Chains:
         chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
         return cls(chains, Elimination(variables.order, len(keys.present_references)), variables)
 
-    def optimised(
-        self, values: gtsam.Values, tethers: TetherConstraints, length_scale: Array, tolerance: float
-    ) -> gtsam.Values:
-        """Return the optimal values."""
+    def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
+        """Return the optimal poses and references (n, 3), beginning with some."""
         residuals = self.chains.at_scales(length_scale)
         problem = ChainProblem(residuals, tethers, self.elimination, self.variables.retraction)
-        pose = minimised_poses(problem, pose_array(values, len(self.variables.order)), tolerance)
-        return values_of_poses(pose)
+        return minimised_poses(problem, pose, tolerance)

@@ -18,7 +18,7 @@ from pdr_est.frames import Array
 
 _MOST_DIAGONALS = 200  # beyond them a band is no cheaper than an elimination without one; ours
 _MOST_REFINEMENTS = 8
-_REFINED = 1e-9  # last correction as a share of the change
+_REFINED = 1e-6  # last correction as a share of the change; what is left is about its square
 
 
 class NotBandedError(ArithmeticError):
