@@ -21,6 +21,8 @@ from pdr_est.estimators.kalman.predict_and_update import NodeFilter, rows_of
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 
+_ROWS = 4096  # that are smoothed together, which bounds the memory
+
 
 @dataclass(frozen=True)
 class KnownHeadings:
@@ -67,32 +69,34 @@ class KnownHeadings:
     def smoothed_means(self, timelines: Sequence[Timeline]) -> list[Array]:
         """Return the smoothed means (k, 5) of each device at its nodes (Rauch-Tung-Striebel)."""
         mean = self.mean.copy()
-        covariance = 0.5 * (self.covariance + self.covariance.transpose(0, 2, 1))[:-1]
-        moved, jacobian = mean[:-1].copy(), np.broadcast_to(np.eye(mean.shape[1]), covariance.shape).copy()
-        noise = np.zeros(covariance.shape)
+        for begin in range((len(mean) - 2) // _ROWS * _ROWS, -1, -_ROWS):
+            rows = slice(begin, min(begin + _ROWS, len(mean) - 1))
+            moved, gain = self._gains(rows, timelines)
+            for k in range(len(gain) - 1, -1, -1):
+                mean[begin + k] += gain[k] @ (mean[begin + k + 1] - moved[k])
+        return [mean[self.device == device, rows_of(device)] for device in range(len(timelines))]
+
+    def _gains(self, rows: slice, timelines: Sequence[Timeline]) -> tuple[Array, Array]:
+        """Return predicted means (k, 5 d) of what follows some rows, and the gains (k, 5 d, 5 d) of the smoother."""
+        covariance = self.covariance[rows]
+        covariance = 0.5 * (covariance + covariance.transpose(0, 2, 1))
+        moved, jacobian = self.mean[rows].copy(), np.tile(np.eye(self.mean.shape[1]), (len(covariance), 1, 1))
+        noise, after = np.zeros(covariance.shape), np.arange(rows.start, rows.stop) + 1
+        entering = np.isin(after, list(self.entered))
         for device, timeline in enumerate(timelines):
-            own, later = rows_of(device), np.flatnonzero(self.device[1:] == device)
-            going = np.array([row for row in later.tolist() if row + 1 not in self.entered], dtype=np.int64)
-            nodes = [timeline.nodes[i] for i in self.node[1:][going].tolist()]
+            own, going = rows_of(device), np.flatnonzero((self.device[after] == device) & ~entering)
+            nodes = [timeline.nodes[i] for i in self.node[after[going]].tolist()]
             if nodes:
                 moved[going, own], jacobian[going, own, own], noise[going, own, own] = linearise_each(
-                    mean[going, own], nodes
+                    moved[going, own], nodes
                 )
-        for row, state in self.entered.items():
-            if row:
-                own = rows_of(int(self.device[row]))
-                jacobian[row - 1, own, own] = 0.0
-                noise[row - 1, own, own], moved[row - 1, own] = state.covariance, state.mean
+        for k in np.flatnonzero(entering).tolist():
+            own, state = rows_of(int(self.device[after[k]])), self.entered[int(after[k])]
+            jacobian[k, own, own] = 0.0
+            noise[k, own, own], moved[k, own] = state.covariance, state.mean
         ahead = jacobian @ covariance
-        regular = ahead @ jacobian.transpose(0, 2, 1) + noise + JITTER_VARIANCE * np.eye(mean.shape[1])
-        gain = np.linalg.solve(regular, ahead).transpose(0, 2, 1)
-        for k in range(len(gain) - 1, -1, -1):
-            mean[k] += gain[k] @ (mean[k + 1] - moved[k])
-        smoothed = []
-        for device in range(len(timelines)):
-            rows = np.flatnonzero(self.device == device)
-            smoothed.append(mean[rows, rows_of(device)])
-        return smoothed
+        regular = ahead @ jacobian.transpose(0, 2, 1) + noise + JITTER_VARIANCE * np.eye(self.mean.shape[1])
+        return moved, np.asarray(np.linalg.solve(regular, ahead).transpose(0, 2, 1))
 
 
 def known_headings(

@@ -26,10 +26,14 @@ class LinearRows:
     jacobian: Array
     right: Array
 
+    def product(self, change: Array) -> Array:
+        """Return the product (m, r) with changes (n, 3) of the poses."""
+        own = change[self.pose].reshape(len(self.pose), -1, 1)
+        return np.asarray((self.jacobian @ own)[..., 0])
+
     def left_over(self, change: Array) -> Array:
         """Return what is left (m, r) of the wanted values after changes (n, 3) of the poses."""
-        own = change[self.pose].reshape(len(self.pose), -1, 1)
-        return np.asarray(self.right - (self.jacobian @ own)[..., 0])
+        return self.right - self.product(change)
 
 
 def to_map(heading_rad: Array) -> Array:

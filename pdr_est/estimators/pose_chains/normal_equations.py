@@ -5,7 +5,7 @@ equations are then a band with a border, and their cost is linear in the length 
 number of the problem; the solution is therefore refined by what it leaves over, until that is nothing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +17,9 @@ from pdr_est.estimators.pose_chains.linear_rows import LinearRows
 from pdr_est.frames import Array
 
 _MOST_DIAGONALS = 200  # beyond them a band is no cheaper than an elimination without one; ours
-_MOST_REFINEMENTS = 8
+_MOST_REFINEMENTS = 30
 _REFINED = 1e-6  # last correction as a share of the change; what is left is about its square
+_GOOD_ENOUGH = 1e-3  # likewise after the last refinement; Newton's next step makes up for the rest
 
 
 class NotBandedError(ArithmeticError):
@@ -130,17 +131,39 @@ class Elimination:
             root = cho_factor(corner, lower=True) if self._outer else None
         except LinAlgError as error:
             raise NotBandedError("the border has no Cholesky factor") from error
-        change = np.zeros(inner + self._outer)
-        for _ in range(_MOST_REFINEMENTS):
-            pull = self._pull(equations.rows, change[self._unknowns])
-            step = np.empty_like(change)
-            step[:inner] = dpbtrs(factor, pull[:inner], lower=1)[0]
+
+        def solved(pull: Array) -> Array:
+            found = np.empty_like(pull)
+            found[:inner] = dpbtrs(factor, pull[:inner], lower=1)[0]
             if root is not None:
-                step[inner:] = cho_solve(root, pull[inner:] - equations.border.T @ step[:inner])
-                step[:inner] -= across @ step[inner:]
-            change += step
+                found[inner:] = cho_solve(root, pull[inner:] - equations.border.T @ found[:inner])
+                found[:inner] -= across @ found[inner:]
+            return found
+
+        return np.asarray(self._refined(equations.rows, solved)[self._unknowns])
+
+    def _refined(self, rows: Sequence[LinearRows], solved: Callable[[Array], Array]) -> Array:
+        """Solve the least squares of rows by conjugate gradients; `solved` solves their normal equations roughly."""
+        change = np.zeros(self._inner + self._outer)
+        pull = self._pull(rows, change[self._unknowns])
+        direction = preconditioned = solved(pull)
+        worth = float(pull @ preconditioned)
+        if worth <= 0.0:
+            return change
+        for _ in range(_MOST_REFINEMENTS):
+            along = sum(float(np.sum(one.product(direction[self._unknowns]) ** 2)) for one in rows)
+            step = float(pull @ direction) / along * direction
+            change = change + step
             if np.abs(step).max() <= _REFINED * np.abs(change).max():
-                return np.asarray(change[self._unknowns])
+                return change
+            before, pull = pull, self._pull(rows, change[self._unknowns])
+            preconditioned = solved(pull)
+            turned, worth = float(preconditioned @ (pull - before)) / worth, float(pull @ preconditioned)
+            direction = preconditioned + max(turned, 0.0) * direction
+            if worth <= 0.0:
+                break
+        if np.abs(step).max() <= _GOOD_ENOUGH * np.abs(change).max():
+            return change
         raise NotBandedError("the refinement does not converge")
 
     def _pull(self, rows: Sequence[LinearRows], change: Array) -> Array:
