@@ -26,6 +26,7 @@ ORDER: list[set[str]] = [
         "estimators.kalman",
         "estimators.fix_checks",
         "estimators.reckoned_poses",
+        "estimators.pose_chains",
     },
     {"io.tables"},
     {"io.side_tables", "front_end.mode", "estimators.dead_reckoning", "estimators.person", "estimators.factor_graph"},

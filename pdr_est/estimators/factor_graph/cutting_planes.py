@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.keys import GraphKeys
-from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
+from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 from pdr_est.types.track import bracketing_poses
 
@@ -48,14 +48,14 @@ class BetweenStepConstraints:
         pairs: dict[tuple[int, int], list[NodeTether]] = defaultdict(list)
         for node_tether in node_tethers:
             pairs[node_tether.device_a, node_tether.device_b].append(node_tether)
-        tethers, intervals, count = TetherConstraints.between_nodes([], keys), [np.zeros(0, dtype=np.int64)], 0
+        tethers, intervals, count = TetherConstraints.between_nodes([], keys.first), [np.zeros(0, dtype=np.int64)], 0
         for (a, b), own in pairs.items():
             for variant in (lines, [one.without_pauses() for one in lines]):
                 time_s, interval = _corner_times(variant[a], variant[b], own)
                 tethers = tethers + _tethers_at(variant[a], variant[b], time_s, own, interval)
                 intervals.append(interval + count)
             count += len(own)
-        given = TetherConstraints.between_nodes(node_tethers, keys)
+        given = TetherConstraints.between_nodes(node_tethers, keys.first)
         _, first = np.unique(np.concatenate([given.ends, tethers.ends]), axis=0, return_index=True)
         return cls(tethers, np.concatenate(intervals))._only(np.sort(first[first >= len(given)]) - len(given))
 

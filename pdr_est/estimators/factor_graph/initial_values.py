@@ -3,15 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import GaussianState
+from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.kalman.known_heading import known_headings
 from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.estimators.kalman.rts_smoother import smooth_segments, smooth_walk
 from pdr_est.estimators.reckoned_poses import reckon_means
 from pdr_est.types.measurements import StartPose
 
+_NO_COVARIANCE = np.zeros((STATES, STATES))
 _SIGMA_GUESS_RAD = 0.2  # of a start heading to linearise at
 
 
@@ -35,6 +39,10 @@ def initial_states(
     They are those of the Kalman smoother, or dead reckoning where nothing is measured on the way.
     """
     if node_tethers:
+        known = known_headings(timelines, node_tethers, starts, sigma_length_scale)
+        if known is not None:
+            smoothed = known.smoothed_means(timelines)
+            return [[GaussianState(mean, _NO_COVARIANCE) for mean in own] for own in smoothed]
         return smooth_walk(timelines, node_tethers, starts, sigma_length_scale)
     states = []
     for timeline, start in zip(timelines, starts, strict=True):

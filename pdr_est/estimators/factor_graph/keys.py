@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import SAME_S, Timeline
 from pdr_est.frames import Array
 
@@ -118,11 +117,6 @@ class GraphKeys:
             )
         return self.first_fix_error + found[0]
 
-    def of_node_tether(self, node_tether: NodeTether) -> tuple[int, int]:
-        """Return the keys of the two poses that a tether ties."""
-        a, b = self.first[node_tether.device_a], self.first[node_tether.device_b]
-        return a + node_tether.node_a, b + node_tether.node_b
-
     @property
     def present_references(self) -> list[int]:
         """Keys of the references of those devices that have one."""
@@ -157,3 +151,11 @@ def is_auxiliary(key: int) -> bool:
 def pose_array(values: gtsam.Values, count: int) -> NDArray[np.float64]:
     """Return the poses with the keys 0 … count - 1 as (count, 3): east m, north m, heading rad."""
     return np.asarray(gtsam.utilities.extractPose2(values)[:count])
+
+
+def values_of_poses(pose: NDArray[np.float64]) -> gtsam.Values:
+    """Return values that hold poses (count, 3) under the keys 0 … count - 1."""
+    values = gtsam.Values()
+    for key, (east_m, north_m, heading_rad) in enumerate(pose.tolist()):
+        values.insert(key, gtsam.Pose2(east_m, north_m, heading_rad))
+    return values

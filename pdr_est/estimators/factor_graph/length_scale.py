@@ -16,7 +16,7 @@ import numpy as np
 
 from pdr_est.estimators.factor_graph.marginals import in_map
 from pdr_est.estimators.factor_graph.newton import ROUGHLY
-from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem
+from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, Point, SmoothingProblem, as_values
 from pdr_est.frames import Array
 
 _PROBE = 0.05  # distance of the neighbouring scales; of no influence, because the systems are linear
@@ -28,19 +28,19 @@ _ARMIJO = 1e-4  # share of the decrease that the slope predicts
 
 def optimise_with_scales(
     problem: SmoothingProblem,
-    values: gtsam.Values,
+    at: Point,
     scales: LengthScales,
     sigma: float,
     tolerance: float,
     rounds: int,
-) -> tuple[LengthScales, gtsam.Values]:
+) -> tuple[LengthScales, Point]:
     """Optimise the poses, and the length scales where they are observable.
 
     Parameters
     ----------
     problem : SmoothingProblem
         The walk.
-    values, scales
+    at, scales
         Initial values of poses and references, and initial scales.
     sigma : float
         Standard deviation of the prior of the logarithm of each scale, whose mean is 0; 0 for known scales.
@@ -49,15 +49,16 @@ def optimise_with_scales(
     rounds : int
         Largest number of Newton steps on the scales.
     """
-    values = problem.optimised(values, scales.value, tolerance)
+    at = problem.optimised(at, scales.value, tolerance)
     if sigma <= 0.0 or not problem.scale_is_observable:
-        return scales, values
+        return scales, at
+    values = as_values(at)
     for _ in range(rounds):
         before = scales.value
         scales, values = _improved(problem, values, before, sigma)
         if np.all(np.abs(np.log(scales.value / before)) < _TOLERANCE * np.sqrt(np.diag(scales.log_covariance))):
             break
-        values = problem.optimised(values, scales.value, ROUGHLY)
+        values = as_values(problem.optimised(values, scales.value, ROUGHLY))
     return scales, values
 
 

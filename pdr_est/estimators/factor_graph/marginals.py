@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 import gtsam
 import numpy as np
 
+from pdr_est.estimators.pose_chains.linear_rows import to_map
 from pdr_est.frames import Array
 
 
@@ -119,12 +120,3 @@ def in_map(change: gtsam.VectorValues, heading_rad: Array) -> Array:
     body = change.vector()[: 3 * len(heading_rad)].reshape(-1, 3)
     turned: Array = np.einsum("nij,nj->ni", to_map(heading_rad), body)
     return turned
-
-
-def to_map(heading_rad: Array) -> Array:
-    """Return the rotations (n, 3, 3) of (forward, left, heading) into (east, north, heading)."""
-    c, s = np.cos(heading_rad), np.sin(heading_rad)
-    rotation = np.zeros((len(heading_rad), 3, 3))
-    rotation[:, 0, 0], rotation[:, 0, 1], rotation[:, 1, 0], rotation[:, 1, 1] = c, -s, s, c
-    rotation[:, 2, 2] = 1.0
-    return rotation

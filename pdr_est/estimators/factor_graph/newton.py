@@ -17,23 +17,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.factor_graph.chained_retraction import ChainedRetraction
 from pdr_est.estimators.factor_graph.keys import GraphKeys, pose_array
 from pdr_est.estimators.factor_graph.marginals import ordering_of
-from pdr_est.estimators.factor_graph.tether_constraints import LinearTethers, TetherConstraints
-from pdr_est.estimators.factor_graph.tether_factors import tether_factors
+from pdr_est.estimators.factor_graph.tether_factors import add_rows
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes
+from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
+from pdr_est.estimators.pose_chains.newton_on_arrays import (
+    ARMIJO,
+    MAX_ACTIVE_SETS,
+    MAX_HALVINGS,
+    MAX_STEPS,
+    WORTHWHILE,
+)
+from pdr_est.estimators.pose_chains.tether_constraints import LinearTethers, TetherConstraints
 from pdr_est.frames import Array
 
 # Predicted decrease of the error, half a chi square, of the last step. With tethers the last digits converge slowly.
 EXACTLY, EXACTLY_TETHERED, ROUGHLY = 1e-6, 1e-4, 1e-3
 SOFTLY = 1.0  # while the standard deviations of tethers are enlarged
 CONTINUATION_FACTORS = (64.0, 8.0, 1.0)  # of the tethers' standard deviations, one after the other
-_MAX_STEPS = 200
-_MAX_HALVINGS = 20
-_ARMIJO = 1e-4  # share of the decrease that the slope predicts
-_MAX_ACTIVE_SETS = 8  # solutions of one linear system with different active sets
-_WORTHWHILE = 0.1  # share of the predicted decrease by which another active set must improve it to go on
 
 
 @dataclass(frozen=True)
@@ -98,18 +100,14 @@ class LinearSystem:
     Attributes
     ----------
     factors : gtsam.GaussianFactorGraph
-        The linear factors.
-    auxiliary : tuple of int
-        Keys of the auxiliary variables of the tethers, which are eliminated first.
+        The linear factors. A tether is one row in the poses that its ends lie between.
     """
 
     factors: gtsam.GaussianFactorGraph
-    auxiliary: tuple[int, ...]
 
     def solution(self, variables: Variables) -> gtsam.VectorValues:
-        """Return the changes of least error of all variables, the auxiliary ones included."""
-        ordering = ordering_of((*self.auxiliary, *variables.order)) if self.auxiliary else variables.ordering
-        return self.factors.eliminateSequential(ordering, gtsam.EliminateQR).optimize()
+        """Return the changes of least error of all variables."""
+        return self.factors.eliminateSequential(variables.ordering, gtsam.EliminateQR).optimize()
 
 
 def linear_system(
@@ -137,11 +135,10 @@ def linear_system(
     """
     linear = graph.linearize(values)
     if not len(tethers):
-        return LinearSystem(linear, ())
-    pose = variables.pose(values)
-    near = tethers.linearised(pose)
+        return LinearSystem(linear)
+    near = tethers.linearised(variables.pose(values))
     violation_m = near.violation_m if with_stiffness else 0.0 * near.violation_m
-    return _with_tethers(linear, near, near.violation_m > 0.0, violation_m, values, pose)
+    return _with_tethers(linear, near, near.violation_m > 0.0, violation_m)
 
 
 def _with_tethers(
@@ -149,20 +146,13 @@ def _with_tethers(
     near: LinearTethers,
     active: NDArray[np.bool_],
     expected_violation_m: Array,
-    values: gtsam.Values,
-    pose: Array,
 ) -> LinearSystem:
-    """Add the linearised factors of the active tethers, and their stiffness, to a copy of a linear system."""
-    made = tether_factors(near.tethers, active, pose)
-    at = values
-    if made.auxiliary.size():
-        at = gtsam.Values(values)
-        at.insert(made.auxiliary)
+    """Add the rows of the active tethers, and their stiffness, to a copy of a linear system."""
     system = gtsam.GaussianFactorGraph()
     system.push_back(linear)
-    system.push_back(made.graph.linearize(at))
-    system.push_back(near.stiffness_factors(active, expected_violation_m))
-    return LinearSystem(system, tuple(made.auxiliary.keys()))
+    for rows in near.rows(active, expected_violation_m):
+        add_rows(system, rows)
+    return LinearSystem(system)
 
 
 def minimised(
@@ -188,7 +178,7 @@ def minimised(
         return float(graph.error(at)) + (tethers.error(variables.pose(at)) if len(tethers) else 0.0)
 
     here, active = error(values), None
-    for _ in range(_MAX_STEPS):
+    for _ in range(MAX_STEPS):
         step = newton_step(graph.linearize(values), tethers, values, variables, active)
         if step.predicted_decrease < tolerance:
             there = values.retract(step.change)
@@ -238,7 +228,7 @@ def newton_step(
         Active set to begin with, that of the last step; None for the tethers that are violated at `values`.
     """
     if not len(tethers):
-        change = LinearSystem(linear, ()).solution(variables)
+        change = LinearSystem(linear).solution(variables)
         predicted_decrease = linear.error(values.zeroVectors()) - linear.error(change)
         return NewtonStep(change, predicted_decrease, np.zeros(0, dtype=np.bool_))
     pose = variables.pose(values)
@@ -248,8 +238,8 @@ def newton_step(
     expected_violation_m, before = near.violation_m, np.inf
     active = expected_violation_m > 0.0 if active is None else active
     best, tried = NewtonStep(gtsam.VectorValues(), -np.inf, active), set[bytes]()
-    for _ in range(_MAX_ACTIVE_SETS):
-        change = _with_tethers(linear, near, active, expected_violation_m, values, pose).solution(variables)
+    for _ in range(MAX_ACTIVE_SETS):
+        change = _with_tethers(linear, near, active, expected_violation_m).solution(variables)
         moves = variables.pose_changes(change)
         left = linear.error(change) + near.error(moves, expected_violation_m)
         expected_violation_m = near.violation_m + near.displacements(moves)[0]
@@ -257,7 +247,7 @@ def newton_step(
         active = expected_violation_m > 0.0
         if here - left > best.predicted_decrease:
             best = NewtonStep(change, here - left, active)
-        enough = best.predicted_decrease > 0.0 and before - left < _WORTHWHILE * best.predicted_decrease
+        enough = best.predicted_decrease > 0.0 and before - left < WORTHWHILE * best.predicted_decrease
         if enough or active.tobytes() in tried:
             break
         before = left
@@ -289,11 +279,11 @@ def line_search(
     values, error : gtsam.Values and float, or None
         Values with a lower error; None if there are none along the step.
     """
-    for halving in range(_MAX_HALVINGS):
+    for halving in range(MAX_HALVINGS):
         share = 0.5**halving
         change = step.change.scale(share) if halving else step.change
         reached = [(there, error(there)) for there in variables.retracted(values, change)]
         there, error_there = min(reached, key=lambda one: one[1])
-        if error_there <= here - 2.0 * _ARMIJO * share * step.predicted_decrease:
+        if error_there <= here - 2.0 * ARMIJO * share * step.predicted_decrease:
             return there, error_there
     return None

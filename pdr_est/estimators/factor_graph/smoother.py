@@ -23,9 +23,10 @@ from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.factor_graph.initial_values import initial_states, with_headings
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
-from pdr_est.estimators.factor_graph.marginals import marginal_covariances, to_map
+from pdr_est.estimators.factor_graph.marginals import marginal_covariances
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTLY
-from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem
+from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem, as_values
+from pdr_est.estimators.pose_chains.linear_rows import to_map
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, PositionFix, StartPose
 from pdr_est.types.track import Track, concatenate
@@ -82,7 +83,8 @@ def estimate(
 
     def work() -> tuple[LengthScales, Array, Array]:
         scales, values = solve(problem, initial, sigma_length_scale)
-        pose, covariance = pose_marginals(problem, *problem.complete(values, scales.value))
+        linear = problem.linear(values, scales.value, with_stiffness=False)
+        pose, covariance = marginals_of(problem, linear.factors, values)
         return scales, pose, covariance
 
     scales, pose, covariance = run_gtsam(work, problem.keys.poses)
@@ -95,17 +97,17 @@ def solve(
     """Find the optimal length scales and values of poses and references, from initial states of each device."""
     expected = [states[-1].length_scale[0] if problem.scale_is_observable else 1.0 for states in initial]
     scales = LengthScales.known(np.array(expected), problem.keys)
-    values, tethered = problem.initial_values(initial), len(problem.tethers) > 0
+    at, tethered = problem.initial_point(initial), len(problem.tethers) > 0
     for softening in CONTINUATION_FACTORS[:-1] if tethered else ():
         problem.softening = softening
-        scales, values = optimise_with_scales(problem, values, scales, sigma_length_scale, SOFTLY, _SOFT_SCALE_ROUNDS)
-        problem.add_violated_tethers(values)
+        scales, at = optimise_with_scales(problem, at, scales, sigma_length_scale, SOFTLY, _SOFT_SCALE_ROUNDS)
+        problem.add_violated_tethers(at)
     problem.softening = 1.0
     for _ in range(_CUTTING_ROUNDS if tethered or problem.scale_is_observable else 0):
-        scales, values = optimise_with_scales(problem, values, scales, sigma_length_scale, ROUGHLY, _SCALE_ROUNDS)
-        if not problem.add_violated_tethers(values):
+        scales, at = optimise_with_scales(problem, at, scales, sigma_length_scale, ROUGHLY, _SCALE_ROUNDS)
+        if not problem.add_violated_tethers(at):
             break
-    values = problem.optimised(values, scales.value, EXACTLY_TETHERED if tethered else EXACTLY)
+    values = as_values(problem.optimised(at, scales.value, EXACTLY_TETHERED if tethered else EXACTLY))
     if sigma_length_scale > 0.0 and not problem.scale_is_observable:
         scales = problem.prior_scales(values, scales.value, sigma_length_scale)
     return scales, values
@@ -131,11 +133,20 @@ def pose_marginals(
     covariance : (n, 3, 3) array
         Covariances in the map frame.
     """
+    return marginals_of(problem, graph.linearize(values), values, *problem.further_variables(graph))
+
+
+def marginals_of(
+    problem: SmoothingProblem,
+    linear: gtsam.GaussianFactorGraph,
+    values: gtsam.Values,
+    auxiliary: Sequence[int] = (),
+    others: Sequence[int] = (),
+) -> tuple[Array, Array]:
+    """Compute `pose_marginals` from a linear system, with auxiliary and other variables beside those of the walk."""
     pose, count = problem.poses(values), problem.keys.poses
     rotation = to_map(pose[:, 2])
-    auxiliary, others = problem.further_variables(graph)
-    order = (*problem.variables.order, *others)
-    covariance = marginal_covariances(graph.linearize(values), order, auxiliary)
+    covariance = marginal_covariances(linear, (*problem.variables.order, *others), auxiliary)
     own = np.array([covariance[key] for key in range(count)])
     return pose, rotation @ own @ rotation.transpose(0, 2, 1)
 

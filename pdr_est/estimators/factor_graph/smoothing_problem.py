@@ -11,13 +11,24 @@ from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
 from pdr_est.estimators.factor_graph.factors import add_anchors, add_motion, initial_reference, motion_noise
-from pdr_est.estimators.factor_graph.keys import GraphKeys, is_auxiliary
+from pdr_est.estimators.factor_graph.keys import GraphKeys, is_auxiliary, pose_array, values_of_poses
 from pdr_est.estimators.factor_graph.newton import LinearSystem, Variables, linear_system, minimised
-from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.estimators.factor_graph.tether_factors import tether_factors
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes, zero_errors
+from pdr_est.estimators.pose_chains.newton_on_arrays import ChainProblem, minimised_poses
+from pdr_est.estimators.pose_chains.normal_equations import Elimination, NotBandedError
+from pdr_est.estimators.pose_chains.pose_chains import PoseChains
+from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix, StartPose
+
+Point = gtsam.Values | Array
+"""Values of all variables, or poses and references (n, 3) of a walk that has no other ones."""
+
+
+def as_values(at: Point) -> gtsam.Values:
+    """Return the values of a point."""
+    return values_of_poses(at) if isinstance(at, np.ndarray) else at
 
 
 @dataclass(frozen=True)
@@ -77,9 +88,10 @@ class SmoothingProblem:
         self._anchors.push_back(self.wandering.chains())
         self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
         self._at: tuple[Array, WalkFactors] | None = None
-        self.tethers, self.softening = TetherConstraints.between_nodes(node_tethers, self.keys), 1.0
+        self.tethers, self.softening = TetherConstraints.between_nodes(node_tethers, self.keys.first), 1.0
         self._candidates = BetweenStepConstraints.of_timelines(timelines, node_tethers, self.keys)
         self.variables = Variables.of_timelines(timelines, self.keys, self.wandering)
+        self._chains = _Chains.of_walk(self.timelines, self.keys, self.variables, starts, initial)
         # Tethers alone would only shrink the walk: tracks that disagree are closer to each other when all is smaller.
         self.scale_is_observable = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
 
@@ -138,19 +150,37 @@ class SmoothingProblem:
                 values.insert(reference, initial_reference(states))
         return values
 
-    def optimised(self, values: gtsam.Values, length_scale: Array, tolerance: float) -> gtsam.Values:
-        """Return the optimal values at given length scales (`newton.minimised`)."""
-        tethers = self.tethers.softened(self.softening)
-        return minimised(self.without_tethers(length_scale), tethers, values, self.variables, tolerance)
+    def initial_point(self, initial: Sequence[Sequence[GaussianState]]) -> Point:
+        """Return `initial_values`, as an array where the optimum is found on arrays at known length scales."""
+        if self._chains is None or self.scale_is_observable:
+            return self.initial_values(initial)
+        poses = [np.array([state.mean[:3] for state in states]) for states in initial]
+        pairs = zip(initial, self.keys.references, strict=True)
+        references = [initial_reference(states) for states, key in pairs if key is not None]
+        return np.concatenate([*poses, *([[one.x(), one.y(), one.theta()]] for one in references)])
 
-    def linear(self, values: gtsam.Values, length_scale: Array) -> LinearSystem:
-        """Return the linear system of Newton's method at some values."""
-        tethers = self.tethers.softened(self.softening)
-        return linear_system(self.without_tethers(length_scale), tethers, values, self.variables, with_stiffness=True)
+    def optimised(self, at: Point, length_scale: Array, tolerance: float) -> Point:
+        """Return the optimum at given length scales (`newton.minimised`), as an array if it begins with one.
 
-    def add_violated_tethers(self, values: gtsam.Values) -> bool:
+        Where all measurements connect neighbours in time, the same steps are made without GTSAM.
+        """
+        tethers = self.tethers.softened(self.softening)
+        if self._chains is not None:
+            try:
+                pose = self._chains.optimised(self._all_poses(at), tethers, length_scale, tolerance)
+                return pose if isinstance(at, np.ndarray) else values_of_poses(pose)
+            except NotBandedError:
+                self._chains = None
+        return minimised(self.without_tethers(length_scale), tethers, as_values(at), self.variables, tolerance)
+
+    def linear(self, values: gtsam.Values, length_scale: Array, with_stiffness: bool = True) -> LinearSystem:
+        """Return the linear system of Newton's method at some values (`newton.linear_system`)."""
+        tethers = self.tethers.softened(self.softening)
+        return linear_system(self.without_tethers(length_scale), tethers, values, self.variables, with_stiffness)
+
+    def add_violated_tethers(self, at: Point) -> bool:
         """Add tethers where tracks are too far apart between the given ones; return whether any were added."""
-        more, self._candidates = self._candidates.most_violated(self.poses(values))
+        more, self._candidates = self._candidates.most_violated(self.poses(at))
         self.tethers = self.tethers + more
         return len(more) > 0
 
@@ -170,9 +200,13 @@ class SmoothingProblem:
         auxiliary = [key for key in further if is_auxiliary(key)]
         return auxiliary, sorted(set(further) - set(auxiliary))
 
-    def poses(self, values: gtsam.Values) -> Array:
+    def poses(self, at: Point) -> Array:
         """Return the poses (n, 3)."""
-        return self.variables.pose(values)
+        return at[: self.keys.poses] if isinstance(at, np.ndarray) else self.variables.pose(at)
+
+    def _all_poses(self, at: Point) -> Array:
+        """Return poses and references."""
+        return at if isinstance(at, np.ndarray) else pose_array(at, len(self.variables.order))
 
     def prior_scales(self, values: gtsam.Values, length_scale: Array, sigma: float) -> LengthScales:
         """Return the scales of a walk without position measurements: sigma is that of the logarithm in the prior."""
@@ -185,3 +219,33 @@ class SmoothingProblem:
             moved[first + 1 : first + len(length_m), :2, d] = length_scale[d] * np.cumsum(steps, axis=0)
         known = LengthScales.known(length_scale, self.keys)
         return replace(known, log_covariance=sigma**2 * np.eye(len(length_scale)), pose_per_log=moved)
+
+
+@dataclass(frozen=True)
+class _Chains:
+    """Arrays of a walk without closures and wandering errors."""
+
+    chains: PoseChains
+    elimination: Elimination
+    variables: Variables
+
+    @classmethod
+    def of_walk(
+        cls,
+        timelines: Sequence[Timeline],
+        keys: GraphKeys,
+        variables: Variables,
+        starts: Sequence[StartPose],
+        initial: Sequence[Sequence[GaussianState]],
+    ) -> "_Chains | None":
+        """Make the arrays of a walk; None if it does not fit."""
+        if keys.fix_errors or any(one.closure_sigma_m is not None for one in timelines):
+            return None
+        chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
+        return cls(chains, Elimination(variables.order, len(keys.present_references)), variables)
+
+    def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
+        """Return the optimal poses and references (n, 3), beginning with some."""
+        residuals = self.chains.at_scales(length_scale)
+        problem = ChainProblem(residuals, tethers, self.elimination, self.variables.retraction)
+        return minimised_poses(problem, pose, tolerance)

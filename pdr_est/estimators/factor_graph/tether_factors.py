@@ -18,13 +18,15 @@ values of that least sum.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import gtsam
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.factor_graph.keys import position_copies, tethered_place
-from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
+from pdr_est.estimators.pose_chains.linear_rows import LinearRows
+from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
 
 # Standard deviations. Nothing turns auxiliary poses, and they must tell nothing of the heading of poses.
@@ -109,3 +111,15 @@ def _interpolation(keys: tuple[int, int, int], share: float, sigma_m: float) -> 
     for key in keys:
         origin.insert(key, gtsam.Pose2())
     return gtsam.LinearContainerFactor(linear, origin)
+
+
+def add_rows(graph: gtsam.GaussianFactorGraph, rows: LinearRows) -> None:
+    """Add rows to a linear graph, each block of them as a factor of the changes of its poses."""
+    for pose, jacobian, right in zip(rows.pose.tolist(), rows.jacobian, rows.right, strict=True):
+        blocks: dict[int, Array] = {}
+        for k, key in enumerate(pose):
+            own = jacobian[:, 3 * k : 3 * k + 3]
+            blocks[key] = blocks[key] + own if key in blocks else own
+        parts: list[Any] = [part for pair in blocks.items() for part in pair]
+        parts += [right, gtsam.noiseModel.Unit.Create(len(right))]
+        graph.add(gtsam.JacobianFactor(*parts))

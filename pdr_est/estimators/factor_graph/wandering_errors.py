@@ -26,7 +26,7 @@ from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.common.wandering_error import wander_chain
 from pdr_est.estimators.factor_graph.factors import fix_noise
 from pdr_est.estimators.factor_graph.keys import GraphKeys, pose_array
-from pdr_est.estimators.factor_graph.marginals import to_map
+from pdr_est.estimators.pose_chains.linear_rows import to_map
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
 

@@ -11,7 +11,6 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.motion_model import LOG_SCALE, MIN_SIGMA, STATES
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
 from pdr_est.estimators.factor_graph.factors import add_measurements, displacement, motion_noise
-from pdr_est.estimators.factor_graph.marginals import to_map
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose
 from pdr_est.estimators.fixed_lag.window_errors import WindowErrors
@@ -23,6 +22,7 @@ from pdr_est.estimators.fixed_lag.window_prior import (
     pose_per_scale,
     prior_factors,
 )
+from pdr_est.estimators.pose_chains.linear_rows import to_map
 
 _SCALE_TOLERANCE = 0.1  # in units of the scale's sigma; a larger change of the scale needs a new window
 _RELINEARISE = 1e-3  # m and rad

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.motion_model import LOG_SCALE, MIN_SIGMA, STATES, GaussianState
-from pdr_est.estimators.factor_graph.marginals import to_map
+from pdr_est.estimators.pose_chains.linear_rows import to_map
 from pdr_est.frames import Array
 
 _SOURCE_STATES = 2  # wandering error of a source of fixes, east and north, in standard deviations; no clock here

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from pdr_est.estimators.common.initial_state import starts_of
+from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
+from pdr_est.estimators.kalman.known_heading import KnownHeadings, known_headings
 from pdr_est.estimators.kalman.offline_filter import filter_walk
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
@@ -37,7 +39,12 @@ def estimate(
     """
     several = len(timelines) > 1
     node_tethers = node_tethers_between(timelines, tethers) if several else []
-    walk = filter_walk(timelines, node_tethers, starts_of(timelines, start), sigma_length_scale, joint=several)
+    starts = starts_of(timelines, start)
+    # With three devices, a pose may be older than the tethers between the two others at its time.
+    known = known_headings(timelines, node_tethers, starts, sigma_length_scale) if len(timelines) == 2 else None
+    if known is not None:
+        return _track_of_known(known, timelines)
+    walk = filter_walk(timelines, node_tethers, starts, sigma_length_scale, joint=several)
     poses = [np.concatenate([segment.pose for segment in segments]) for segments in walk.segments]
     covariances = [np.concatenate([segment.covariance for segment in segments]) for segments in walk.segments]
     scales = [segments[-1].end.length_scale for segments in walk.segments]
@@ -49,4 +56,14 @@ def estimate(
         track_from_nodes(timeline, pose[:, :2], pose[:, 2], covariance, "filtered", NAME, scale)
         for timeline, pose, covariance, scale in zip(timelines, poses, covariances, scales, strict=True)
     ]
+    return concatenate(tracks)
+
+
+def _track_of_known(known: KnownHeadings, timelines: Sequence[Timeline]) -> Track:
+    """Make the filtered track from joint states."""
+    tracks = []
+    for timeline, (mean, covariance) in zip(timelines, known.filtered(timelines), strict=True):
+        scale = GaussianState(mean[-1], covariance[-1]).length_scale
+        pose, spread = mean[:, :3], covariance[:, :3, :3]
+        tracks.append(track_from_nodes(timeline, pose[:, :2], pose[:, 2], spread, "filtered", NAME, scale))
     return concatenate(tracks)

@@ -118,26 +118,24 @@ class NodeFilter:
 
     def predict_node(self, node: Node, device: int = 0) -> None:
         """Predict the motion of a device to a node; the other devices do not move."""
-        own = rows_of(device)
-        if self._devices == 1 and len(self.x) == STATES:
-            self.F, self.Q = linearise(self.x, node)
-        else:
-            self.F, self.Q = np.eye(len(self.x)), np.zeros(self.P.shape)
-            self.F[own, own], self.Q[own, own] = linearise(self.x[own], node)
-        self.predict((node, own))
+        self.predict_motion(node, device)
         trail = with_node(self._trails[device], node)
         self._trails, self._taken = (*self._trails[:device], trail, *self._trails[device + 1 :]), ()
 
-    def predict(self, u: tuple[Node, slice]) -> None:
-        """Predict mean and covariance."""
-        self.predict_x(u)
-        self.P = np.dot(self.F, self.P).dot(self.F.T) + self.Q
-
-    def predict_x(self, u: tuple[Node, slice]) -> None:
-        """Predict the mean; called by `predict`."""
-        node, own = u
+    def predict_motion(self, node: Node, device: int = 0) -> None:
+        """Predict mean and covariance only, and keep no trail for late fixes."""
+        own, first = rows_of(device), STATES * device
+        before = self.x[own]
+        jacobian, noise = linearise(before, node)
         self.x = self.x.copy()
-        self.x[own] = move(self.x[own], node)
+        self.x[own] = move(before, node)
+        if len(self.x) == STATES:
+            self.P = np.dot(jacobian, self.P).dot(jacobian.T) + noise
+            return
+        whole = self._I.copy()
+        whole[first : first + 2, own] = jacobian[:2]
+        self.P = np.dot(whole, self.P).dot(whole.T)
+        self.P[first : first + 3, first : first + 3] += noise[:3, :3]
 
     def update_node(self, node: Node, device: int = 0) -> None:
         """Update with all measurements at a node of a device."""

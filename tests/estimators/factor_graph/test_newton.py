@@ -6,8 +6,8 @@ import pytest
 
 from pdr_est.estimators.factor_graph.marginals import ordering_of
 from pdr_est.estimators.factor_graph.newton import Variables, linear_system
-from pdr_est.estimators.factor_graph.tether_constraints import TetherConstraints
 from pdr_est.estimators.factor_graph.tether_factors import tether_factors
+from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 
 POSE = np.array([[0.0, 0.0, 0.3], [0.6, 0.4, -1.0], [1.0, 1.0, 2.0]])
 VARIABLES = Variables(3, (2, 1, 0), ordering_of((2, 1, 0)), None)

@@ -44,6 +44,11 @@ class ChainedRetraction:
         leader = [np.searchsorted(leader_s, own_s, side="right") - 1 for own_s in times_s[1:]]
         return cls(len(leader_s), np.maximum(np.concatenate([np.zeros(0, dtype=np.int64), *leader]), 0))
 
+    @property
+    def count(self) -> int:
+        """Number of poses."""
+        return self.leading + len(self.leader)
+
     def moved(self, pose: Array, change: Array) -> Array:
         """Apply changes to poses along the chains.
 

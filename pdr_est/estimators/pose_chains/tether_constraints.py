@@ -14,18 +14,15 @@ Newton steps would grow with the length of the walk.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import gtsam
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.motion_model import MIN_SIGMA
 from pdr_est.estimators.common.tethers import NodeTether
-from pdr_est.estimators.factor_graph.keys import GraphKeys
-from pdr_est.estimators.factor_graph.marginals import to_map
+from pdr_est.estimators.pose_chains.linear_rows import LinearRows, to_map
 from pdr_est.frames import Array
 
 _MIN_DISTANCE_M = 1e-9
-_UNIT = gtsam.noiseModel.Unit.Create(1)
 
 
 @dataclass(frozen=True)
@@ -54,9 +51,12 @@ class TetherConstraints:
     sigma_m: Array
 
     @classmethod
-    def between_nodes(cls, node_tethers: Sequence[NodeTether], keys: GraphKeys) -> "TetherConstraints":
-        """Make the constraints of tethers whose two places are at poses."""
-        ends = np.array([keys.of_node_tether(one) for one in node_tethers], dtype=np.int64).reshape(-1, 2)
+    def between_nodes(cls, node_tethers: Sequence[NodeTether], first: Sequence[int]) -> "TetherConstraints":
+        """Make the constraints of tethers whose two places are at poses; `first`: number of each device's first."""
+        ends = np.array(
+            [(first[one.device_a] + one.node_a, first[one.device_b] + one.node_b) for one in node_tethers],
+            dtype=np.int64,
+        ).reshape(-1, 2)
         limits = np.array([[one.max_distance_m, one.sigma_m] for one in node_tethers]).reshape(-1, 2)
         return cls.between_places(ends, ends, np.ones(ends.shape), limits[:, 0], limits[:, 1])
 
@@ -177,50 +177,45 @@ class LinearTethers:
         resisting = self._stiffness(expected_violation_m) * across
         return 0.5 * float(np.sum((violation_m / self.tethers.sigma_m) ** 2 + resisting**2))
 
-    def stiffness_factors(self, active: NDArray[np.bool_], expected_violation_m: Array) -> gtsam.GaussianFactorGraph:
-        """Return linear factors of the stiffness of active tethers across their direction.
+    def rows(self, active: NDArray[np.bool_], expected_violation_m: Array) -> list[LinearRows]:
+        """Return the rows of active tethers, and those of their stiffness across their direction.
 
         Parameters
         ----------
         active : (m,) array of bool
             Tethers that are violated.
         expected_violation_m : (m,) array
-            Violation that is expected at the optimum, m, which gives the tension.
+            Violation that is expected at the optimum, m, which gives the tension; zero leaves the stiffness out.
         """
-        graph = gtsam.GaussianFactorGraph()
+        chosen = np.flatnonzero(active)
+        along = self.along[chosen] / self.tethers.sigma_m[chosen, None]
+        wanted = -self.violation_m[chosen] / self.tethers.sigma_m[chosen]
         stiffness = self._stiffness(expected_violation_m)
-        chosen = np.flatnonzero(active & (stiffness > 0.0))
-        if not len(chosen):
-            return graph
-        stiffness = stiffness[chosen]
-        x, y = self.along[chosen].T
-        rows = (np.array([-y, x]) * stiffness).T[:, None, :]  # (chosen, 1, 2)
-        turned = (-0.5 * stiffness * self.distance_m[chosen])[:, None, None]
+        stiff = np.flatnonzero(active & (stiffness > 0.0))
+        x, y = self.along[stiff].T
+        across = np.stack([-y, x], axis=1) * stiffness[stiff, None]
+        turned = -0.5 * stiffness[stiff] * self.distance_m[stiff]
+        return [
+            self._rows_of(chosen, along, np.zeros(len(chosen)), wanted),
+            self._rows_of(stiff, across, turned, np.zeros(len(stiff))),
+        ]
+
+    def _rows_of(self, chosen: NDArray[np.int64], direction: Array, turned: Array, right: Array) -> LinearRows:
+        """Make a row for each chosen tether, of displacements along a direction and of the turns of its ends."""
         earlier, later = self.tethers.earlier[chosen], self.tethers.later[chosen]
         share = self.tethers.share[chosen]
-        blocks = []
+        jacobian = np.zeros((len(chosen), 1, 4, 3))
         for end, sign in ((0, 1.0), (1, -1.0)):
-            of_earlier = sign * (1.0 - share[:, end])[:, None, None] * rows @ self.to_map[earlier[:, end]]
-            of_later = sign * share[:, end][:, None, None] * rows @ self.to_map[later[:, end]]
-            blocks.append(np.concatenate([of_earlier, turned], axis=2))
-            blocks.append(np.concatenate([of_later, np.zeros_like(turned)], axis=2))
-        keys = np.stack([earlier[:, 0], later[:, 0], earlier[:, 1], later[:, 1]], axis=1).tolist()
-        for own_keys, *own in zip(keys, *blocks, strict=True):
-            graph.add(_factor_of_four(own_keys, own))
-        return graph
+            for place, pose, part in ((0, earlier, 1.0 - share), (1, later, share)):
+                weight = sign * part[:, end, None]
+                jacobian[:, 0, 2 * end + place, :2] = weight * np.einsum(
+                    "mi,mij->mj", direction, self.to_map[pose[:, end]]
+                )
+            jacobian[:, 0, 2 * end, 2] = turned
+        pose = np.stack([earlier[:, 0], later[:, 0], earlier[:, 1], later[:, 1]], axis=1)
+        return LinearRows(pose, jacobian.reshape(len(chosen), 1, 12), right[:, None])
 
     def _stiffness(self, expected_violation_m: Array) -> Array:
         """Return the square root of tension over length (m,), 1/m."""
         stiffness: Array = np.sqrt(np.maximum(expected_violation_m, 0.0) / self.distance_m) / self.tethers.sigma_m
         return stiffness
-
-
-def _factor_of_four(keys: Sequence[int], blocks: Sequence[Array]) -> gtsam.JacobianFactor:
-    """Make a factor of the four keys of two places; the keys of at least one place are equal."""
-    i, j, k, m = keys
-    zero = np.zeros(1)
-    if i == j and k == m:
-        return gtsam.JacobianFactor(i, blocks[0] + blocks[1], k, blocks[2] + blocks[3], zero, _UNIT)
-    if i == j:
-        return gtsam.JacobianFactor(i, blocks[0] + blocks[1], k, blocks[2], m, blocks[3], zero, _UNIT)
-    return gtsam.JacobianFactor(i, blocks[0], j, blocks[1], k, blocks[2] + blocks[3], zero, _UNIT)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pdr_est.estimators.factor_graph.chained_retraction import ChainedRetraction
+from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
 
 LEADER, FOLLOWER = 40, 25
 CHAINS = ChainedRetraction(LEADER, np.sort(np.random.default_rng(3).integers(0, LEADER, FOLLOWER)))

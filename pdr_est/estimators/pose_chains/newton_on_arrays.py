@@ -1,0 +1,148 @@
+"""Newton's method with an active set of tethers, on arrays of poses and banded matrices.
+
+The method is that of `factor_graph.newton`, which explains it, and takes the same steps but for rounding.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
+from pdr_est.estimators.pose_chains.linear_rows import LinearRows
+from pdr_est.estimators.pose_chains.normal_equations import Elimination
+from pdr_est.estimators.pose_chains.pose_chains import cost_of, linearised_rows
+from pdr_est.estimators.pose_chains.residuals import Residuals, moved_by
+from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
+from pdr_est.frames import Array
+
+MAX_STEPS = 200
+MAX_HALVINGS = 20
+ARMIJO = 1e-4
+"""Share of the decrease that the slope predicts."""
+
+MAX_ACTIVE_SETS = 8
+"""Solutions of one linear system with different active sets."""
+
+WORTHWHILE = 0.1
+"""Share of the predicted decrease by which another active set must improve it to go on."""
+
+
+@dataclass(frozen=True)
+class ChainProblem:
+    """Residuals and tethers of a walk.
+
+    Attributes
+    ----------
+    residuals
+        All residuals but those of tethers.
+    tethers
+        All tethers.
+    elimination
+        Elimination of the poses.
+    retraction
+        How changes are composed along the walk; None to move every pose by itself.
+    """
+
+    residuals: Sequence[Residuals]
+    tethers: TetherConstraints
+    elimination: Elimination
+    retraction: ChainedRetraction | None
+
+    def cost(self, pose: Array) -> float:
+        """Return the cost of everything at poses (n, 3)."""
+        return cost_of(self.residuals, pose) + (self.tethers.error(pose) if len(self.tethers) else 0.0)
+
+    def moved(self, pose: Array, change: Array) -> list[Array]:
+        """Return the poses that a change leads to, in each of the ways that agree to first order."""
+        each = moved_by(pose, change)
+        if self.retraction is None:
+            return [each]
+        count = self.retraction.count
+        chained = self.retraction.moved(pose[:count], change[:count])
+        return [np.concatenate([chained, each[count:]]), each]
+
+
+def minimised_poses(problem: ChainProblem, pose: Array, tolerance: float) -> Array:
+    """Minimise the cost of residuals and tethers.
+
+    Parameters
+    ----------
+    problem
+        Residuals and tethers.
+    pose
+        Initial poses (n, 3), references included.
+    tolerance
+        Predicted decrease of the cost below which a step is the last one.
+
+    Raises
+    ------
+    NotBandedError
+        If a linear system cannot be solved this way.
+    """
+    here, active = problem.cost(pose), None
+    for _ in range(MAX_STEPS):
+        step = _step(problem, pose, active)
+        if step.predicted_decrease < tolerance:
+            there = moved_by(pose, step.change)
+            return there if problem.cost(there) <= here else pose
+        found = _line_search(problem, step, pose, here)
+        if found is None:  # no decrease beyond rounding
+            return pose
+        (pose, here), active = found, step.active
+    return pose
+
+
+@dataclass(frozen=True)
+class _Step:
+    """Changes (n, 3), the decrease of the linear problem's cost, and the tethers (m,) that are violated after it."""
+
+    change: Array
+    predicted_decrease: float
+    active: NDArray[np.bool_]
+
+
+def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) -> _Step:
+    """Find the step of least cost whose active set is the one that it was computed with."""
+    rows = linearised_rows(problem.residuals, pose)
+    fixed = problem.elimination.equations(rows, keep_places=True)
+    start, tethers = _square(rows, np.zeros_like(pose)), problem.tethers
+    if not len(tethers):
+        change = problem.elimination.solution(fixed)
+        return _Step(change, start - _square(rows, change), np.zeros(0, dtype=np.bool_))
+    near = tethers.linearised(pose)
+    here = start + tethers.error(pose)  # not the residuals' own cost: a kernel is linearised with its weight
+    expected_violation_m, before = near.violation_m, np.inf
+    active = expected_violation_m > 0.0 if active is None else active
+    best, tried = _Step(np.zeros_like(pose), -np.inf, active), set[bytes]()
+    for _ in range(MAX_ACTIVE_SETS):
+        held = problem.elimination.equations(near.rows(active, expected_violation_m))
+        change = problem.elimination.solution(fixed + held)
+        left = _square(rows, change) + near.error(change, expected_violation_m)
+        expected_violation_m = near.violation_m + near.displacements(change)[0]
+        tried.add(active.tobytes())
+        active = expected_violation_m > 0.0
+        if here - left > best.predicted_decrease:
+            best = _Step(change, here - left, active)
+        enough = best.predicted_decrease > 0.0 and before - left < WORTHWHILE * best.predicted_decrease
+        if enough or active.tobytes() in tried:
+            break
+        before = left
+    return best
+
+
+def _square(rows: Sequence[LinearRows], change: Array) -> float:
+    """Return half the sum of squares that rows have left over after a change (n, 3)."""
+    return 0.5 * float(sum(np.sum(one.left_over(change) ** 2) for one in rows if len(one.pose)))
+
+
+def _line_search(problem: ChainProblem, step: _Step, pose: Array, here: float) -> tuple[Array, float] | None:
+    """Halve a step until the cost decreases enough (Armijo's condition); return poses and cost, or None."""
+    for halving in range(MAX_HALVINGS):
+        share = 0.5**halving
+        reached = [(there, problem.cost(there)) for there in problem.moved(pose, share * step.change)]
+        there, cost_there = min(reached, key=lambda one: one[1])
+        if cost_there <= here - 2.0 * ARMIJO * share * step.predicted_decrease:
+            return there, cost_there
+    return None

@@ -1,0 +1,197 @@
+"""Least squares in the changes of poses that are connected to neighbours in time only, by a banded Cholesky factor.
+
+In order of time all rows but those of the reference directions connect poses that are near each other. The normal
+equations are then a band with a border, and their cost is linear in the length of a walk. They square the condition
+number of the problem; the solution is therefore refined by what it leaves over, until that is nothing.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg.lapack import dpbtrf, dpbtrs
+
+from pdr_est.estimators.pose_chains.linear_rows import LinearRows
+from pdr_est.frames import Array
+
+_MOST_DIAGONALS = 200  # beyond them a band is no cheaper than an elimination without one; ours
+_MOST_REFINEMENTS = 30
+_REFINED = 1e-6  # last correction as a share of the change; what is left is about its square
+_GOOD_ENOUGH = 1e-3  # likewise after the last refinement; Newton's next step makes up for the rest
+
+
+class NotBandedError(ArithmeticError):
+    """The normal equations have too wide a band, or are too ill-conditioned."""
+
+
+@dataclass(frozen=True)
+class _Places:
+    """Places of the products of rows in the normal equations, those below the main diagonal left out.
+
+    For band, border and corner: numbers of the products, and where they go.
+    """
+
+    band: tuple[NDArray[np.int64], NDArray[np.int64]]
+    border: tuple[NDArray[np.int64], NDArray[np.int64]]
+    corner: tuple[NDArray[np.int64], NDArray[np.int64]]
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """Sums of products of rows.
+
+    Attributes
+    ----------
+    rows
+        The rows.
+    band
+        Diagonals below the main one, and that (d, n), one after the other.
+    border
+        Rows (n, e) that the unknowns of the border have in common with the others.
+    corner
+        Those among themselves (e, e), below the main diagonal.
+    """
+
+    rows: tuple[LinearRows, ...]
+    band: Array
+    border: Array
+    corner: Array
+
+    def __add__(self, other: "NormalEquations") -> "NormalEquations":
+        """Return the equations of the rows of both."""
+        wide, narrow = sorted((self.band, other.band), key=len, reverse=True)
+        band = wide.copy()
+        band[: len(narrow)] += narrow
+        return NormalEquations(
+            (*self.rows, *other.rows), band, self.border + other.border, self.corner + other.corner
+        )
+
+
+class Elimination:
+    """Makes and solves normal equations.
+
+    Parameters
+    ----------
+    order
+        Numbers of all poses in the order of elimination. Those of the border come last.
+    border
+        Number of poses in the border, which may be connected to any other.
+    """
+
+    def __init__(self, order: Sequence[int], border: int) -> None:
+        rank = np.empty(len(order), dtype=np.int64)
+        rank[np.asarray(order)] = np.arange(len(order))
+        self._unknowns = 3 * rank[:, None] + np.arange(3)  # by pose
+        self._inner, self._outer = 3 * (len(order) - border), 3 * border
+        self._known: dict[int, tuple[NDArray[np.int64], _Places]] = {}
+
+    def equations(self, rows: Sequence[LinearRows], keep_places: bool = False) -> NormalEquations:
+        """Sum up rows; `keep_places` for rows of the same poses again and again, which are the same array.
+
+        Raises
+        ------
+        NotBandedError
+            If rows connect poses that are far from each other.
+        """
+        parts = [(one, self._places(one.pose, keep_places)) for one in rows if len(one.pose)]
+        inner, outer = self._inner, self._outer
+        products = [(one.jacobian.transpose(0, 2, 1) @ one.jacobian).ravel() for one, _ in parts]
+        tops = [int(places.band[1].max(initial=-1)) for _, places in parts]
+        band = np.zeros((max(tops, default=-1) // inner + 1) * inner)
+        for product, top, (_, places) in zip(products, tops, parts, strict=True):
+            chosen, place = places.band
+            band[: top + 1] += np.bincount(place, product[chosen], top + 1)
+        border, corner = np.zeros(inner * outer), np.zeros(outer * outer)
+        for product, (_, places) in zip(products, parts, strict=True):
+            for total, (chosen, place) in ((border, places.border), (corner, places.corner)):
+                if len(chosen):
+                    total += np.bincount(place, product[chosen], len(total))
+        given = tuple(one for one, _ in parts)
+        return NormalEquations(
+            given, band.reshape(-1, inner), border.reshape(inner, outer), corner.reshape(outer, outer)
+        )
+
+    def solution(self, equations: NormalEquations) -> Array:
+        """Return the changes (n, 3) of least error.
+
+        Raises
+        ------
+        NotBandedError
+            If the refinement does not converge: the problem has no unique solution within rounding.
+        """
+        factor, info = dpbtrf(equations.band, lower=1)
+        if info:
+            raise NotBandedError("the band has no Cholesky factor")
+        inner = self._inner
+        across = dpbtrs(factor, equations.border, lower=1)[0] if self._outer else equations.border
+        corner = equations.corner - np.tril(equations.border.T @ across)
+        try:
+            root = cho_factor(corner, lower=True) if self._outer else None
+        except LinAlgError as error:
+            raise NotBandedError("the border has no Cholesky factor") from error
+
+        def solved(pull: Array) -> Array:
+            found = np.empty_like(pull)
+            found[:inner] = dpbtrs(factor, pull[:inner], lower=1)[0]
+            if root is not None:
+                found[inner:] = cho_solve(root, pull[inner:] - equations.border.T @ found[:inner])
+                found[:inner] -= across @ found[inner:]
+            return found
+
+        return np.asarray(self._refined(equations.rows, solved)[self._unknowns])
+
+    def _refined(self, rows: Sequence[LinearRows], solved: Callable[[Array], Array]) -> Array:
+        """Solve the least squares of rows by conjugate gradients; `solved` solves their normal equations roughly."""
+        change = np.zeros(self._inner + self._outer)
+        pull = self._pull(rows, change[self._unknowns])
+        direction = preconditioned = solved(pull)
+        worth = float(pull @ preconditioned)
+        if worth <= 0.0:
+            return change
+        for _ in range(_MOST_REFINEMENTS):
+            along = sum(float(np.sum(one.product(direction[self._unknowns]) ** 2)) for one in rows)
+            step = float(pull @ direction) / along * direction
+            change = change + step
+            if np.abs(step).max() <= _REFINED * np.abs(change).max():
+                return change
+            before, pull = pull, self._pull(rows, change[self._unknowns])
+            preconditioned = solved(pull)
+            turned, worth = float(preconditioned @ (pull - before)) / worth, float(pull @ preconditioned)
+            direction = preconditioned + max(turned, 0.0) * direction
+            if worth <= 0.0:
+                break
+        if np.abs(step).max() <= _GOOD_ENOUGH * np.abs(change).max():
+            return change
+        raise NotBandedError("the refinement does not converge")
+
+    def _pull(self, rows: Sequence[LinearRows], change: Array) -> Array:
+        """Return the right side of the normal equations of what is left over after a change (n, 3)."""
+        pull = np.zeros(self._inner + self._outer)
+        for one in rows:
+            products = (one.left_over(change)[:, None, :] @ one.jacobian).ravel()
+            pull += np.bincount(self._unknowns[one.pose].ravel(), products, len(pull))
+        return pull
+
+    def _places(self, pose: NDArray[np.int64], keep: bool) -> _Places:
+        known = self._known.get(id(pose))
+        if known is not None:
+            return known[1]
+        inner, outer = self._inner, self._outer
+        unknown = self._unknowns[pose].reshape(len(pose), -1)
+        row, column = np.broadcast_arrays(unknown[:, :, None], unknown[:, None, :])
+        i, j = row.ravel(), column.ravel()
+        in_band = np.flatnonzero((i >= j) & (i < inner))
+        apart = i[in_band] - j[in_band]
+        if len(apart) and apart.max() > _MOST_DIAGONALS:
+            raise NotBandedError(f"{apart.max()} diagonals")
+        in_border, in_corner = np.flatnonzero((i >= inner) & (j < inner)), np.flatnonzero((i >= j) & (j >= inner))
+        places = _Places(
+            (in_band, apart * inner + j[in_band]),
+            (in_border, j[in_border] * outer + i[in_border] - inner),
+            (in_corner, (i[in_corner] - inner) * outer + j[in_corner] - inner),
+        )
+        if keep:
+            self._known[id(pose)] = pose, places  # the array is kept, so that its id stays its own
+        return places
