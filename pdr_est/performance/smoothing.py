@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import gtsam
 import numpy as np
 
+from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import build_timeline
-from pdr_est.estimators.factor_graph import smoother as factor_graph
 from pdr_est.estimators.factor_graph.build import build_graph
 from pdr_est.estimators.factor_graph.initial_values import initial_states
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS
@@ -33,7 +33,7 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        ``poses``: number of poses. ``smoothing``: all that `factor-graph` does, from the initial values to the track.
+        ``poses``: number of poses. ``smoothing``: all that `factor-graph` does, from the measurements to the track.
         ``start``: its part for the initial values. ``bare``: what a user of GTSAM would do with `build_graph`: build
         the graph, run the Levenberg-Marquardt optimiser with its default parameters, and compute the marginal
         covariances of all poses. For two devices the optimiser runs again and again with the tethers that are active
@@ -45,7 +45,7 @@ def smoothing_seconds(steps: int, devices: int) -> dict[str, float]:
     split_times_s = sorted({tether.time_s for tether in tethers})
     timelines = [build_timeline(one.device, one.start_s, one.measurements, split_times_s) for one in known]
     begin = time.process_time()
-    factor_graph.estimate(timelines, tethers, START, SIGMA_SCALE)
+    estimate_walk("factor-graph", known, START, SIGMA_SCALE, tethers)
     smoothing_s = time.process_time() - begin
     starts, node_tethers = starts_of(timelines, START), node_tethers_between(timelines, tethers)
     begin = time.process_time()
