@@ -81,6 +81,7 @@ for number in range(first, first + 12):
 """
 
 
+@pytest.mark.slow
 def test_no_walk_is_lost_when_several_processes_learn(tmp_path: Path) -> None:
     profile = tmp_path / "me.yaml"
     learners = [subprocess.Popen((sys.executable, "-c", LEARNER, str(profile), str(100 * i))) for i in range(3)]

@@ -165,6 +165,7 @@ def test_in_real_time_it_waits_for_every_moment(good: Path, walk: Walk, monkeypa
     assert came_s[0] < 0.6 * walk.time_s[-1]
 
 
+@pytest.mark.slow
 def test_real_time_is_that_of_the_clock(lines: list[str], tmp_path: Path) -> None:
     short = tmp_path / "short.csv"
     short.write_text("\n".join(lines[:76]) + "\n", encoding="utf-8")  # 1.5 s at 50 Hz

@@ -94,7 +94,7 @@ def test_a_phone_that_another_file_brings_is_not_missing(
     alone = read(third)
     (device,) = alone.devices
     pair = replace(alone, name="pair", devices=(replace(device, name="1L"), replace(device, name="2R")))
-    monkeypatch.setattr(recording_part, "read", lambda path, _: alone if path == third else pair)
+    monkeypatch.setattr(recording_part, "read", lambda path, *_: alone if path == third else pair)
     both = recording_part.WHOLE.read_files([left, right])
     assert [[one.name for one in recording.devices] for recording in both] == [["1L"], ["2R"]]
     assert all(one.warnings == device.warnings for recording in both for one in recording.devices)

@@ -42,10 +42,13 @@ def estimate(name: EstimatorName, order: tuple[int, ...], fixes: bool, start: St
     return with_person(estimate_walk(name, [devices[i] for i in order], start, 0.1, own), Config())
 
 
+QUICK = ("dead-reckoning", "ekf")
+
+
 @pytest.mark.parametrize("start", [StartPose(), StartPose((1.0, 2.0), 0.3, 0.1, 0.1)], ids=["unplaced", "placed"])
 @pytest.mark.parametrize("fixes", [False, True])
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name.startswith("map") else ()) for name in ESTIMATORS]
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in ESTIMATORS]
 )
 def test_it_makes_no_difference(name: EstimatorName, fixes: bool, start: StartPose) -> None:
     expected = estimate(name, (0, 1, 2), fixes, start)

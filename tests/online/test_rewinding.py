@@ -82,6 +82,7 @@ def test_events_in_any_order_give_the_offline_filter(seed: int) -> None:
 
 @settings(max_examples=12, deadline=None)
 @given(seeds)
+@pytest.mark.slow
 def test_wandering_errors_and_open_turns_are_taken_back_like_poses(seed: int) -> None:
     rng = np.random.default_rng(seed)
     walk = with_doubts(random_walk(rng), rng)

@@ -27,9 +27,11 @@ KNOWN = {
     # Into memory.
     ("io/formats/exchange/parquet_table.py", "write_parquet_recording", "write_parquet"),
     ("io/writers/parquet.py", "write_parquet", "write_parquet"),
-    # No files: the column of a table, and the table of a track, which writes through `text_output`.
+    # No files: columns of a table, a table as text, and the table of a track, which writes through `text_output`.
     ("io/text/whole_rows.py", "_add", "rename"),
     ("types/track.py", "to_csv", "write_csv"),
+    ("io/tables/split/respelt.py", "_side_by_side", "write_csv"),
+    ("io/tables/split/respelt.py", "_side_by_side", "rename"),
 }
 
 

@@ -193,6 +193,7 @@ def test_truth_is_laid_onto_a_track_in_a_frame_of_its_own(make_walk) -> None:
     assert "rotated and shifted" not in tied
 
 
+@pytest.mark.slow
 def test_very_long_walk_stays_small(make_walk) -> None:
     walk, recording = make_walk(steps=50_000)
     text = render(walk, recording)

@@ -152,6 +152,7 @@ def test_every_device_has_a_strip_of_its_own_above_the_gait(make_walk) -> None:
     assert dots == [svg.device_colour(0), svg.device_colour(1)]
 
 
+@pytest.mark.slow
 def test_thousands_of_changes_stay_small(make_walk) -> None:
     walk, recording = make_walk(steps=1500)
     changes_s = 3.0 + 0.5 * np.arange(1.0, 1500.0)

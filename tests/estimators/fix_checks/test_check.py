@@ -190,6 +190,7 @@ def test_a_misfit_of_which_nothing_tells_the_cause_is_one_statement() -> None:
     assert finding.kind in (FindingKind.FIXES, FindingKind.FIX_ACCURACY)
 
 
+@pytest.mark.slow
 def test_steps_are_blamed_only_where_the_evidence_tells_it() -> None:
     """With steps as they are stated hardly a walk is told that its steps disagree; with far worse ones most are."""
     blamed = {1.0: 0, 6.0: 0}

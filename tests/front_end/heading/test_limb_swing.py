@@ -9,11 +9,12 @@ from signals import run
 from pdr_est.config import Config
 from pdr_est.frames import wrap_angle
 from pdr_est.front_end.attitude import AttitudeParams
-from pdr_est.front_end.heading.phone_posture import mean_yaw
+from pdr_est.front_end.heading.phone_posture import posture_of
 from pdr_est.front_end.heading.placement_change.limb_swing import density_by_rotation
 from pdr_est.front_end.heading.placement_change.placement_tracker import common_up
 from pdr_est.front_end.heading.placement_change.stride_cues import stride_cues
 from pdr_est.front_end.heading.placement_change.turn_density import ANGLES_RAD
+from pdr_est.front_end.heading.step_motion import motion_of
 from pdr_est.pipeline.front_end_chain import levelling, stepping
 from pdr_est.simulate import PathParams, Scenario, SensorParams, SimulatedWalk, sample_person, simulate_walk
 from pdr_est.simulate.people.carried_device import carried_device
@@ -40,7 +41,8 @@ def share_near(walk: SimulatedWalk, steps: list[Step], within_rad: float) -> flo
     up = common_up(steps)
     density = density_by_rotation(stride_cues(steps, up))
     heading = walk.heading_at(np.array([step.event.time_s for step in steps]))
-    yaw = np.array([mean_yaw(step.samples, up) for step in steps])
+    posture = posture_of(up)
+    yaw = np.array([posture.yaw_rad(motion_of(step)) for step in steps])
     ahead = float(np.angle(np.mean(np.exp(1j * (heading - yaw)))))
     return float(density[np.abs(wrap_angle(ANGLES_RAD - ahead)) < within_rad].sum() / density.sum())
 
