@@ -140,9 +140,7 @@ def test_steps_and_inspect_of_a_folder(folder: Path, tmp_path: Path) -> None:
         assert all(int(row["steps"]) > 10 for row in rows_of(table))
         documents = json.loads(run(command, folder, "--json").stdout)
         assert len(documents) == 3
-    assert "is no table of walks" in refused_after(
-        folder / "a.csv", "steps", folder / "a.csv", "--summary", folder / "a.csv"
-    )
+    assert "is the input" in refused_after(folder / "a.csv", "steps", folder / "a.csv", "--summary", folder / "a.csv")
 
 
 def refused_after(untouched: Path, *arguments: object) -> str:

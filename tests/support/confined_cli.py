@@ -79,12 +79,12 @@ class ConfinedCli:
 
 def serve() -> None:
     """Answer calls, a line of JSON each, until standard input ends."""
-    import resource
     import time
 
     from click.testing import CliRunner
 
     from pdr_est.cli import main
+    from pdr_est.performance.memory import peak_mb
 
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
@@ -99,7 +99,7 @@ def serve() -> None:
             stdout=result.stdout,
             stderr=result.stderr,
             seconds=time.process_time() - begin,
-            peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+            peak_mib=peak_mb(),
             crash="".join(traceback.format_exception(*raised)) if raised else "",
         )
         print(json.dumps(answer.__dict__), file=answers, flush=True)
