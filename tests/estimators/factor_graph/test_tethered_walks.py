@@ -217,13 +217,13 @@ def test_a_device_that_goes_on_alone_is_fused_in_linear_time() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["ekf", "map-closed-form", "map-general", "factor-graph"])
-def test_twice_the_walk_takes_twice_the_time(name: str) -> None:
-    short, long = (walk_of(steps, 2) for steps in (4_000, 8_000))
+def test_four_times_the_walk_takes_four_times_the_time(name: str) -> None:
+    short, long = (walk_of(steps, 2) for steps in (1_000, 4_000))
     seconds = [
         cpu_seconds(lambda known=known, tethers=tethers: estimate_walk(name, known, START, SIGMA_SCALE, tethers))
         for known, tethers in (short, long)
     ]
-    assert seconds[1] < 3.2 * seconds[0]  # a busy machine is not that unfair; squared it would be 4
+    assert seconds[1] < 9.0 * seconds[0]  # a busy machine is not that unfair; squared it would be 16
 
 
 @pytest.mark.slow
