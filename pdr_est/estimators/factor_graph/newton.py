@@ -21,13 +21,12 @@ from pdr_est.estimators.factor_graph.keys import GraphKeys, pose_array
 from pdr_est.estimators.factor_graph.marginals import ordering_of
 from pdr_est.estimators.factor_graph.tether_factors import add_rows
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes
+from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
 from pdr_est.estimators.pose_chains.newton_on_arrays import (
     ARMIJO,
-    MAX_ACTIVE_SETS,
     MAX_HALVINGS,
     MAX_STEPS,
-    WORTHWHILE,
 )
 from pdr_est.estimators.pose_chains.tether_constraints import LinearTethers, TetherConstraints
 from pdr_est.frames import Array
@@ -190,23 +189,8 @@ def minimised(
     return values
 
 
-@dataclass(frozen=True)
-class NewtonStep:
-    """One step of Newton's method.
-
-    Attributes
-    ----------
-    change : gtsam.VectorValues
-        Changes of the variables.
-    predicted_decrease : float
-        Decrease of the error of the linear system.
-    active : (m,) array of bool
-        Tethers that are violated after the change.
-    """
-
-    change: gtsam.VectorValues
-    predicted_decrease: float
-    active: NDArray[np.bool_]
+GraphStep = NewtonStep[gtsam.VectorValues]
+"""Step in the variables of a graph."""
 
 
 def newton_step(
@@ -215,7 +199,7 @@ def newton_step(
     values: gtsam.Values,
     variables: Variables,
     active: NDArray[np.bool_] | None,
-) -> NewtonStep:
+) -> GraphStep:
     """Find the step of least error whose active set is the one that it was computed with.
 
     Parameters
@@ -233,29 +217,18 @@ def newton_step(
         return NewtonStep(change, predicted_decrease, np.zeros(0, dtype=np.bool_))
     pose = variables.pose(values)
     near = tethers.linearised(pose)
+
+    def solve(tight: NDArray[np.bool_], expected_violation_m: Array) -> tuple[gtsam.VectorValues, Array, float]:
+        change = _with_tethers(linear, near, tight, expected_violation_m).solution(variables)
+        return change, variables.pose_changes(change), linear.error(change)
+
     # Not the graph's own error: a robust factor is linearised with its weight, and the square is not its cost.
     here = linear.error(values.zeroVectors()) + tethers.error(pose)
-    expected_violation_m, before = near.violation_m, np.inf
-    active = expected_violation_m > 0.0 if active is None else active
-    best, tried = NewtonStep(gtsam.VectorValues(), -np.inf, active), set[bytes]()
-    for _ in range(MAX_ACTIVE_SETS):
-        change = _with_tethers(linear, near, active, expected_violation_m).solution(variables)
-        moves = variables.pose_changes(change)
-        left = linear.error(change) + near.error(moves, expected_violation_m)
-        expected_violation_m = near.violation_m + near.displacements(moves)[0]
-        tried.add(active.tobytes())
-        active = expected_violation_m > 0.0
-        if here - left > best.predicted_decrease:
-            best = NewtonStep(change, here - left, active)
-        enough = best.predicted_decrease > 0.0 and before - left < WORTHWHILE * best.predicted_decrease
-        if enough or active.tobytes() in tried:
-            break
-        before = left
-    return best
+    return step_with_tethers(near, active, here, gtsam.VectorValues(), solve)
 
 
 def line_search(
-    step: NewtonStep,
+    step: GraphStep,
     values: gtsam.Values,
     variables: Variables,
     error: Callable[[gtsam.Values], float],
@@ -265,7 +238,7 @@ def line_search(
 
     Parameters
     ----------
-    step : NewtonStep
+    step : GraphStep
         Step to shorten.
     values, variables
         Values that the step begins at.

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
 from pdr_est.estimators.pose_chains.linear_rows import LinearRows
 from pdr_est.estimators.pose_chains.normal_equations import Elimination
@@ -21,12 +22,6 @@ MAX_STEPS = 200
 MAX_HALVINGS = 20
 ARMIJO = 1e-4
 """Share of the decrease that the slope predicts."""
-
-MAX_ACTIVE_SETS = 8
-"""Solutions of one linear system with different active sets."""
-
-WORTHWHILE = 0.1
-"""Share of the predicted decrease by which another active set must improve it to go on."""
 
 
 @dataclass(frozen=True)
@@ -94,42 +89,23 @@ def minimised_poses(problem: ChainProblem, pose: Array, tolerance: float) -> Arr
     return pose
 
 
-@dataclass(frozen=True)
-class _Step:
-    """Changes (n, 3), the decrease of the linear problem's cost, and the tethers (m,) that are violated after it."""
-
-    change: Array
-    predicted_decrease: float
-    active: NDArray[np.bool_]
-
-
-def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) -> _Step:
+def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) -> NewtonStep[Array]:
     """Find the step of least cost whose active set is the one that it was computed with."""
     rows = linearised_rows(problem.residuals, pose)
     fixed = problem.elimination.equations(rows, keep_places=True)
     start, tethers = _square(rows, np.zeros_like(pose)), problem.tethers
     if not len(tethers):
         change = problem.elimination.solution(fixed)
-        return _Step(change, start - _square(rows, change), np.zeros(0, dtype=np.bool_))
+        return NewtonStep(change, start - _square(rows, change), np.zeros(0, dtype=np.bool_))
     near = tethers.linearised(pose)
-    here = start + tethers.error(pose)  # not the residuals' own cost: a kernel is linearised with its weight
-    expected_violation_m, before = near.violation_m, np.inf
-    active = expected_violation_m > 0.0 if active is None else active
-    best, tried = _Step(np.zeros_like(pose), -np.inf, active), set[bytes]()
-    for _ in range(MAX_ACTIVE_SETS):
-        held = problem.elimination.equations(near.rows(active, expected_violation_m))
+
+    def solve(tight: NDArray[np.bool_], expected_violation_m: Array) -> tuple[Array, Array, float]:
+        held = problem.elimination.equations(near.rows(tight, expected_violation_m))
         change = problem.elimination.solution(fixed + held)
-        left = _square(rows, change) + near.error(change, expected_violation_m)
-        expected_violation_m = near.violation_m + near.displacements(change)[0]
-        tried.add(active.tobytes())
-        active = expected_violation_m > 0.0
-        if here - left > best.predicted_decrease:
-            best = _Step(change, here - left, active)
-        enough = best.predicted_decrease > 0.0 and before - left < WORTHWHILE * best.predicted_decrease
-        if enough or active.tobytes() in tried:
-            break
-        before = left
-    return best
+        return change, change, _square(rows, change)
+
+    here = start + tethers.error(pose)  # not the residuals' own cost: a kernel is linearised with its weight
+    return step_with_tethers(near, active, here, np.zeros_like(pose), solve)
 
 
 def _square(rows: Sequence[LinearRows], change: Array) -> float:
@@ -137,7 +113,9 @@ def _square(rows: Sequence[LinearRows], change: Array) -> float:
     return 0.5 * float(sum(np.sum(one.left_over(change) ** 2) for one in rows if len(one.pose)))
 
 
-def _line_search(problem: ChainProblem, step: _Step, pose: Array, here: float) -> tuple[Array, float] | None:
+def _line_search(
+    problem: ChainProblem, step: NewtonStep[Array], pose: Array, here: float
+) -> tuple[Array, float] | None:
     """Halve a step until the cost decreases enough (Armijo's condition); return poses and cost, or None."""
     for halving in range(MAX_HALVINGS):
         share = 0.5**halving
