@@ -6,29 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from read_tables import assert_same_samples, device_of
 from table_layouts import G, plain, text
 from table_walk import TableWalk, rows, table_walk, xyz
 
 from pdr_est.errors import RecordingError
-from pdr_est.io import read
-from pdr_est.types.recording import DeviceRecording
 
 
 @pytest.fixture(scope="module")
 def walk() -> TableWalk:
     return table_walk()
-
-
-def device_of(folder: Path, data: bytes) -> DeviceRecording:
-    (folder / "walk.csv").write_bytes(data)
-    return read(folder / "walk.csv").devices[0]
-
-
-def assert_walk(device: DeviceRecording, walk: TableWalk) -> None:
-    assert device.specific_force is not None
-    assert device.rotation_rate is not None
-    np.testing.assert_allclose(device.specific_force.values, walk.force, atol=2e-5)
-    np.testing.assert_allclose(device.rotation_rate.values, walk.rate, atol=2e-5)
 
 
 HEADS: dict[str, Sequence[str]] = {
@@ -59,7 +46,7 @@ HEADS: dict[str, Sequence[str]] = {
 
 @pytest.mark.parametrize("head", HEADS.values(), ids=HEADS)
 def test_lines_above_the_rows(tmp_path: Path, walk: TableWalk, head: Sequence[str]) -> None:
-    assert_walk(device_of(tmp_path, text([*head, *rows(plain(walk))[1:]])), walk)
+    assert_same_samples(device_of(tmp_path, text([*head, *rows(plain(walk))[1:]])), walk)
 
 
 def test_a_unit_of_another_column_that_is_not_known(tmp_path: Path, walk: TableWalk) -> None:
@@ -68,7 +55,7 @@ def test_a_unit_of_another_column_that_is_not_known(tmp_path: Path, walk: TableW
     lines.insert(1, "s,g,g,g,rad/s,rad/s,rad/s,no idea")
     device = device_of(tmp_path, text(lines))
     assert any("contradicts its values" in words for words in device.warnings)  # the unit was read: it is wrong
-    assert_walk(device, walk)
+    assert_same_samples(device, walk)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +67,7 @@ def test_axes_without_a_sensor(tmp_path: Path, walk: TableWalk, titles: str, fir
     two = (walk.force, walk.rate) if first == "accelerometer" else (walk.rate, walk.force)
     lines = rows({"time": walk.time_s, **xyz("a_{}", two[0]), **xyz("b_{}", two[1])})
     device = device_of(tmp_path, text([f"time,{titles}", *lines[1:]]))
-    assert_walk(device, walk)
+    assert_same_samples(device, walk)
     assert any("the titles name no sensor" in words for words in device.warnings)
 
 
@@ -101,7 +88,7 @@ NUMBERS: dict[str, Callable[[str], str]] = {
 @pytest.mark.parametrize("written", NUMBERS.values(), ids=NUMBERS)
 def test_ways_of_writing_numbers(tmp_path: Path, walk: TableWalk, written: Callable[[str], str]) -> None:
     lines = rows(plain(walk))
-    assert_walk(device_of(tmp_path, text([lines[0], *map(written, lines[1:])])), walk)
+    assert_same_samples(device_of(tmp_path, text([lines[0], *map(written, lines[1:])])), walk)
 
 
 @pytest.mark.parametrize(("form", "scale"), [("{:,.6f}", 1.0), ("{:_.6f}", 1.0)])
@@ -117,7 +104,7 @@ def test_thousands_that_are_set_apart(tmp_path: Path, walk: TableWalk, form: str
 def test_a_clock_whose_thousands_are_set_apart(tmp_path: Path, walk: TableWalk) -> None:
     micros = [f'"{tick:,}"' for tick in np.round(1e6 * walk.time_s).astype(int).tolist()]
     device = device_of(tmp_path, text(rows({**plain(walk), "time": micros})))
-    assert_walk(device, walk)
+    assert_same_samples(device, walk)
     assert device.specific_force is not None
     np.testing.assert_allclose(device.specific_force.time_s, walk.time_s, atol=1e-6)
 
@@ -141,7 +128,7 @@ def fixed(walk: TableWalk) -> list[str]:
 
 def test_commas_between_cells_and_in_numbers(tmp_path: Path, walk: TableWalk) -> None:
     lines = fixed(walk)
-    assert_walk(device_of(tmp_path, text([lines[0], *map(comma, lines[1:])])), walk)
+    assert_same_samples(device_of(tmp_path, text([lines[0], *map(comma, lines[1:])])), walk)
 
 
 def test_commas_that_cannot_be_told_apart_are_refused(tmp_path: Path, walk: TableWalk) -> None:
@@ -154,14 +141,14 @@ def test_commas_that_cannot_be_told_apart_are_refused(tmp_path: Path, walk: Tabl
 def test_an_unlabelled_axis_has_the_unit_of_its_sisters(tmp_path: Path, walk: TableWalk) -> None:
     titles = ["time", "acc_x", "acc_y (mps2)", "acc_z (mps2)", "gyro_x", "gyro_y (rad/s)", "gyro_z (rad/s)"]
     device = device_of(tmp_path, text([",".join(titles), *rows(plain(walk))[1:]]))
-    assert_walk(device, walk)
+    assert_same_samples(device, walk)
     assert not any("not certain" in words and "unit" in words for words in device.warnings)
 
 
 def test_an_unknown_unit_of_all_axes_is_told(tmp_path: Path, walk: TableWalk) -> None:
     columns = {"time": walk.time_s, **xyz("acc_{} (zorgs/s)", walk.force), **xyz("gyro_{}", walk.rate)}
     device = device_of(tmp_path, text(rows(columns)))
-    assert_walk(device, walk)
+    assert_same_samples(device, walk)
     assert any("the unit 'zorgs/s' of acc_x" in words for words in device.warnings)
 
 
@@ -170,4 +157,4 @@ def test_pitch_and_roll_of_a_gyroscope_are_settled_by_gravity(tmp_path: Path, wa
     names = ("Roll", "Pitch", "Yaw") if turned else ("Pitch", "Roll", "Yaw")
     columns = {"time": walk.time_s, **xyz("acc_{}", walk.force)}
     columns |= {f"GYROSCOPE {name} (rad/s)": column for name, column in zip(names, walk.rate.T, strict=True)}
-    assert_walk(device_of(tmp_path, text(rows(columns))), walk)
+    assert_same_samples(device_of(tmp_path, text(rows(columns))), walk)
