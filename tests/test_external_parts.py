@@ -459,6 +459,7 @@ def test_an_experiment_of_another_folder_in_two_processes(folder: Path, tmp_path
     assert "user_parts:upward" in shown.stdout
 
 
+@pytest.mark.slow
 def test_smooth_and_track_of_another_folder(folder: Path, recording: Recording, tmp_path: Path) -> None:
     write_plain_csv(recording, tmp_path / "walk.csv")
     walk, settings = str(tmp_path / "walk.csv"), str(folder / "settings.yaml")

@@ -101,6 +101,7 @@ def test_a_closed_walk_without_fixes_tells_nothing(simulated) -> None:
     assert not told.doubtful
 
 
+@pytest.mark.slow
 def test_fixes_that_disagree_teach_nothing(simulated) -> None:
     walks, fixes, _ = simulated
     elsewhere = [

@@ -29,6 +29,7 @@ def test_it_prints_the_errors_the_report_and_what_to_do_next(demo: tuple[Path, s
     assert "pdr-est smooth RECORDING -o OUT" in text
 
 
+@pytest.mark.slow
 def test_its_recording_can_be_smoothed(demo: tuple[Path, str], tmp_path: Path) -> None:
     out, _ = demo
     assert {path.name for path in out.iterdir() if path.suffix} - {".json"} >= RESULT_FILES

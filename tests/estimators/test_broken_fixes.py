@@ -13,7 +13,7 @@ from pdr_est.evaluate.consistency import coverage95
 from pdr_est.types.track import Track
 
 CASES = 500
-SAMPLE = 12
+SAMPLE = 5
 
 
 @cache

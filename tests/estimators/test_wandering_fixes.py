@@ -144,6 +144,7 @@ def test_a_lag_longer_than_the_walk_gives_the_batch_graph() -> None:
 CORNERS = st.tuples(st.floats(-60.0, 60.0), st.floats(-60.0, 60.0))
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(st.lists(st.tuples(st.floats(0.0, 30.0), CORNERS), min_size=2, max_size=12), st.sampled_from([0.0, 4.0, 15.0]))
 def test_contradicting_fixes_leave_a_positive_finite_scale(

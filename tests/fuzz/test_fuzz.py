@@ -19,7 +19,7 @@ from mutations import Attack, load_attack
 
 CORPUS = Path(__file__).parent / "corpus"
 MINUTES = float(os.environ.get("PDR_EST_FUZZ_MINUTES", "0"))
-IN_CI = {"recording": 120, "fixes": 40, "settings": 60, "live": 25, "measurements": 300}
+IN_CI = {"recording": 60, "fixes": 20, "settings": 30, "live": 12, "measurements": 200}
 _BATCH = 100
 
 

@@ -104,6 +104,7 @@ def test_sample_by_sample_and_device_by_device_are_the_same() -> None:
     same(of_person(push_all(tracker, blocks)), whole)
 
 
+@pytest.mark.slow
 def test_late_fixes_and_late_data_take_their_place() -> None:
     recording = recorded(2)
     tracker, updates, waiting = tracker_of(recording, KNOWN_START), [], list(FIXES)

@@ -40,6 +40,7 @@ def counted_detector(rate_hz: float) -> Counted:
     return Counted("steps", step_detector(rate_hz, Config().steps))
 
 
+@pytest.mark.slow
 def test_a_push_that_levels_samples_does_nothing_else() -> None:
     parts = Parts(mode=counted_mode, step_detector=counted_detector)
     tracker = Tracker(Config(), [ExpectedDevice(name, own_attitude=False) for name in ("a", "b")], parts=parts)

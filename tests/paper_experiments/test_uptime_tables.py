@@ -49,6 +49,7 @@ def test_table_2_as_recorded():
         assert row["paper_m"] == TABLE_2["PAPER_M"][dict(TABLE_2["GROUPS"].values())[row["what"]]]
 
 
+@pytest.mark.slow
 def test_table_2_walks_real_recordings(shared_data, tmp_path):
     person = tmp_path / "sisfall" / "SA02"
     person.mkdir(parents=True)

@@ -116,6 +116,7 @@ def test_the_tests_are_of_five_people_both_pockets_and_both_ways() -> None:
     assert psp_walks("I", 1, seed=1) != psp_walks("I", 1)
 
 
+@pytest.mark.slow
 def test_the_phone_stands_nearly_straight_and_has_a_magnetometer() -> None:
     for scenario in psp_walks("I", 5):
         walk = simulate_walk(scenario)

@@ -182,6 +182,7 @@ def test_its_covariances_are_gtsam_s() -> None:
             np.testing.assert_allclose(own.covariance_m2[row], expected, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_gtsam_finds_the_tethered_track_when_tethers_are_exchanged_and_softened_at_first() -> None:
     built, expected = tethered(60), tethered(60, optimised=True)
     values, solutions = built.values, 0

@@ -65,6 +65,7 @@ def test_a_smoother_gets_the_error_that_the_filter_believed() -> None:
     assert gross.position_m == pytest.approx([50.0, 0.0])
 
 
+@pytest.mark.slow
 def test_the_mixture_has_the_moments_of_its_samples() -> None:
     weights, means = np.array([0.2, 0.8]), np.array([[0.0, 1.0], [5.0, -1.0]])
     covariances = np.array([np.eye(2), [[2.0, 0.5], [0.5, 1.0]]])

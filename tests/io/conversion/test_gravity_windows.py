@@ -59,6 +59,7 @@ def standing(count: int, period_s: float = 0.04) -> GravityWindows:
     return GravityWindows(np.zeros(count), force, np.zeros_like(force), period_s, np.full(count, 0.09))
 
 
+@pytest.mark.slow
 def test_scatter_is_the_variance_of_a_component() -> None:
     windows = standing(4000)
     means = np.random.default_rng(0).normal(scale=0.7, size=(4000, 4, 3))

@@ -39,7 +39,7 @@ def check_spelling(folder: Path, seed: int) -> None:
 
 
 @settings(
-    max_examples=30, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=15, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(seed=SEEDS)
 def test_some_spellings_are_read_to_the_same_samples(tmp_path: Path, seed: int) -> None:
