@@ -216,7 +216,7 @@ def _observed(
         along[part] = grid.likelihood(heading[part], of_section, OUTLIER_SHARE)
     levels = list(dict.fromkeys(drift.level for drift in drifts))
     which = [levels.index(drift.level) for drift in drifts]
-    sigma = np.stack([_sigma_between(sections, transitions, level) for level in levels], axis=1)
+    sigma = np.stack([sigma_between(sections, transitions, level) for level in levels], axis=1)
     damping = grid.damping(sigma)[:, which]
     diagonal = _predictive_likelihoods(grid, along, damping, transitions.new_leg)
     return _Observed(heading, along, diagonal, sigma[:, which], damping)
@@ -245,7 +245,7 @@ def _passed(
         yield belief, mean
 
 
-def _sigma_between(sections: LegSections, transitions: SectionTransitions, level: DriftLevel) -> Array:
+def sigma_between(sections: LegSections, transitions: SectionTransitions, level: DriftLevel) -> Array:
     """Compute the standard deviations (n - 1,), rad, of the drift between sections."""
     walked = level.per_sqrt_s**2 * transitions.elapsed_s + (level.per_turn * transitions.quarter_turns) ** 2
     sigma: Array = np.sqrt(walked + sections.sigma_change_rad[1:] ** 2)
