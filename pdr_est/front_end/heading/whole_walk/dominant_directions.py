@@ -44,9 +44,9 @@ from pdr_est.types.analysis import DominantDirections
 # Prior probability of each number of directions; the rest is that there are none.
 _NUMBER_PRIOR: Mapping[int, float] = MappingProxyType({2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1})
 _PRIOR_OF_NONE = 1.0 - sum(_NUMBER_PRIOR.values())
-# Doubt in the log odds by `collapsed_passes`, for a walk and for each of its legs, and what they leave out is less
-# probable by as much: at least by e^20. Ours.
-_DOUBT, _DOUBT_OF_LEG = 20.0, 0.5
+# Doubt in the log odds by `collapsed_passes`: of a walk, and of each of its legs. What stays out is less probable by as
+# much, at least by e^10. Ours.
+_DOUBT, _DOUBT_OF_LEG = 10.0, 0.5
 
 
 @params

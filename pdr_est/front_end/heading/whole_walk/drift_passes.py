@@ -144,8 +144,8 @@ class _Observed:
     """Sections as several drifts, side by side, have them.
 
     `heading_rad` (n, drifts); `along` (n, drifts, cells): likelihood of each section if its leg follows a direction;
-    `diagonal` (n, drifts): that if it does not; `sigma`, `damping` (n - 1, drifts) and (n - 1, drifts, cells): of the
-    drift between sections.
+    `diagonal` (n, drifts): that if it does not; `sigma`, `damping` (n - 1, levels) and (n - 1, levels, 2 * frequencies):
+    of the drift between sections for each level, of which `level` (drifts,) is the number.
     """
 
     heading_rad: Array
@@ -153,6 +153,7 @@ class _Observed:
     diagonal: Array
     sigma: Array
     damping: Array
+    level: NDArray[np.int64]
 
 
 def drift_evidences(
@@ -178,7 +179,7 @@ def drift_evidences(
     steady = np.flatnonzero([not drift.rate_radps for drift in drifts])
     of_none = np.full(len(drifts), np.nan)
     predicted = _predictive_likelihoods(
-        grid, observed.along[:, steady], observed.damping[:, steady], transitions.informative
+        grid, observed.along[:, steady], observed.damping, observed.level[steady], transitions.informative
     )
     of_none[steady] = np.log(predicted).sum(axis=0)
     return [
@@ -215,11 +216,11 @@ def _observed(
         part = slice(begin, begin + _AT_ONCE)
         along[part] = grid.likelihood(heading[part], of_section, OUTLIER_SHARE)
     levels = list(dict.fromkeys(drift.level for drift in drifts))
-    which = [levels.index(drift.level) for drift in drifts]
-    sigma = np.stack([sigma_between(sections, transitions, level) for level in levels], axis=1)
-    damping = grid.damping(sigma)[:, which]
-    diagonal = _predictive_likelihoods(grid, along, damping, transitions.new_leg)
-    return _Observed(heading, along, diagonal, sigma[:, which], damping)
+    level = np.array([levels.index(drift.level) for drift in drifts])
+    sigma = np.stack([sigma_between(sections, transitions, one) for one in levels], axis=1)
+    damping = grid.damping(sigma)
+    diagonal = _predictive_likelihoods(grid, along, damping, level, transitions.new_leg)
+    return _Observed(heading, along, diagonal, sigma, damping, level)
 
 
 def _passed(
@@ -233,14 +234,16 @@ def _passed(
     prior = LEG_PRIOR[:, None, None]
     belief = np.empty((2, *observed.along.shape[1:]))
     belief[:] = prior
+    new_leg, diagonal = transitions.new_leg.tolist(), observed.diagonal[..., None]
     for i, along in enumerate(observed.along):
         if i:
-            belief = grid.damp(belief, observed.damping[i - 1])
-            if transitions.new_leg[i - 1]:
-                belief = prior * (belief[0] + belief[1])
-        belief[0] *= along
-        belief[1] *= observed.diagonal[i, :, None]
-        mean = np.add.reduce(belief[0] + belief[1], axis=-1) / grid.cells
+            belief = grid.damp(belief, observed.damping[i - 1].take(observed.level, axis=0))
+            if new_leg[i - 1]:
+                np.multiply(prior, belief[0] + belief[1], out=belief)
+        follows, off = belief
+        follows *= along
+        off *= diagonal[i]
+        mean = np.add.reduce(follows + off, axis=-1) / grid.cells
         belief /= mean[:, None]
         yield belief, mean
 
@@ -252,7 +255,9 @@ def sigma_between(sections: LegSections, transitions: SectionTransitions, level:
     return sigma
 
 
-def _predictive_likelihoods(grid: CircularGrid, along: Array, damping: Array, anew: NDArray[np.bool_]) -> Array:
+def _predictive_likelihoods(
+    grid: CircularGrid, along: Array, damping: Array, level: NDArray[np.int64], anew: NDArray[np.bool_]
+) -> Array:
     """Compute the likelihood (n, drifts) of the sections given those before, relative to the uniform density.
 
     Where `anew` (n - 1,), the next section may have any direction: so the sections fall into runs, which are passed
@@ -267,7 +272,7 @@ def _predictive_likelihoods(grid: CircularGrid, along: Array, damping: Array, an
     for k in range(int(length[0])):
         at = begin[: np.count_nonzero(length > k)] + k
         if k:
-            belief = grid.damp(belief[: len(at)], damping[at - 1])
+            belief = grid.damp(belief[: len(at)], damping[(at - 1)[:, None], level])
         belief = belief * along[at]
         likelihood[at] = mean = np.add.reduce(belief, axis=-1) / grid.cells
         belief /= mean[..., None]
@@ -277,10 +282,11 @@ def _predictive_likelihoods(grid: CircularGrid, along: Array, damping: Array, an
 def backward_pass(fitted: ForwardPass) -> Array:
     """Compute the likelihood (n, 2, cells) of all later sections given drift and kind of leg at each section."""
     futures = np.ones_like(fitted.forward)
+    damping = fitted.grid.damping(fitted.sigma)
     for i in range(len(futures) - 1, 0, -1):
         future = futures[i] * fitted.likelihood[i]
         if fitted.new_leg[i - 1]:
-            future = np.broadcast_to(LEG_PRIOR @ future, future.shape)
-        future = fitted.grid.diffuse(future, fitted.sigma[i - 1])
-        futures[i - 1] = future / future.mean()
+            future = (LEG_PRIOR @ future)[None]
+        future = fitted.grid.damp(future, damping[i - 1])
+        futures[i - 1] = future * (future.size / np.add.reduce(future, axis=None))
     return futures
