@@ -31,11 +31,10 @@ from pdr_est.front_end.heading.whole_walk.drift_passes import (
     OUTLIER_SHARE,
     Drift,
     DriftEvidence,
+    DriftPasses,
     ForwardPass,
     SectionTransitions,
     backward_pass,
-    drift_evidences,
-    forward_pass,
 )
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams
 from pdr_est.params import params
@@ -179,28 +178,33 @@ def best_fit(sections: LegSections, parameters: DominantParams) -> BestFit:
             sections, transitions, {number: _drifts(sections, number) for number in numbers}
         ).items()
     }
-    number, best = _most_probable(sections, transitions, found)
+    number, best, passes = _most_probable(sections, transitions, found)
     log_odds, drift = best.log_odds, best.most_probable
-    fitted = forward_pass(sections, transitions, number, drift)
-    return BestFit(number, log_odds, fitted, best.mean_rate_radps / (1.0 + exp(-log_odds)))
+    if not passes.has_forward(drift):
+        passes = DriftPasses(sections, transitions, number, [drift])
+    return BestFit(number, log_odds, passes.forward_pass(drift), best.mean_rate_radps / (1.0 + exp(-log_odds)))
 
 
 def _most_probable(
     sections: LegSections, transitions: SectionTransitions, found: Mapping[int, "_Compared"]
-) -> tuple[int, "_Compared"]:
+) -> tuple[int, "_Compared", DriftPasses]:
     """Find the most probable number of directions, with exact evidence of all that may matter for it.
 
     Numbers that are less probable than the best one, whatever the error of their approximate evidence, stay out.
     """
     doubt = _DOUBT + _DOUBT_OF_LEG * np.count_nonzero(transitions.new_leg)
-    exact: dict[int, _Compared] = {}
-    for number, one in sorted(found.items(), key=lambda item: -item[1].log_odds):
-        if exact and one.log_odds + doubt < max(known.log_odds for known in exact.values()):
-            break
-        drifts = one.likely(doubt if one.log_odds > doubt else inf)
-        exact[number] = one.updated(drift_evidences(sections, transitions, number, drifts))
-    number = max(exact, key=lambda one: exact[one].log_odds)
-    return number, exact[number]
+
+    def exact(number: int) -> tuple[int, _Compared, DriftPasses]:
+        within = doubt if found[number].log_odds > doubt else inf
+        passes = DriftPasses(sections, transitions, number, found[number].likely(within))
+        return number, found[number].updated(passes.evidences), passes
+
+    first, *others = sorted(found, key=lambda number: -found[number].log_odds)
+    best = exact(first)
+    for number in others:
+        if found[number].log_odds + doubt >= best[1].log_odds:
+            best = max(best, exact(number), key=lambda one: one[1].log_odds)
+    return best
 
 
 def _drifts(sections: LegSections, number: int) -> list[Drift]:

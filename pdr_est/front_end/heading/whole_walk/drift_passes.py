@@ -55,6 +55,7 @@ OUTLIER_SHARE = 0.1  # share of sections off their direction, such as the rest o
 _DIAGONAL_SHARE = 0.02  # share of legs that follow no dominant direction; ours
 LEG_PRIOR = np.array([1.0 - _DIAGONAL_SHARE, _DIAGONAL_SHARE])
 LEG_PRIOR.flags.writeable = False
+_MOST_KEPT = 6  # drifts whose forward passes are kept: those of all drifts of a long walk take much memory
 _AT_ONCE = 32  # sections: their likelihoods fit into the cache of a processor
 _QUARTER_RAD = 0.5 * np.pi
 _MOST_TURN = 2.0  # quarter turns beyond which a turn adds no more uncertainty
@@ -156,10 +157,8 @@ class _Observed:
     level: NDArray[np.int64]
 
 
-def drift_evidences(
-    sections: LegSections, transitions: SectionTransitions, number: int, drifts: Sequence[Drift]
-) -> list[DriftEvidence]:
-    """Compute how probable the headings are with each drift, all drifts side by side.
+class DriftPasses:
+    """Forward passes with several drifts, side by side, for one number of directions.
 
     Parameters
     ----------
@@ -171,38 +170,52 @@ def drift_evidences(
         Number of directions.
     drifts : sequence of Drift
         Drifts of the headings.
+
+    Attributes
+    ----------
+    evidences : list of DriftEvidence
+        How probable the headings are with each drift.
     """
-    grid = CircularGrid(2.0 * np.pi / number)
-    observed = _observed(grid, sections, transitions, drifts)
-    means = np.array([mean for _, mean in _passed(grid, observed, transitions)])
-    log_evidence = np.log(means).sum(axis=0)
-    steady = np.flatnonzero([not drift.rate_radps for drift in drifts])
-    of_none = np.full(len(drifts), np.nan)
-    predicted = _predictive_likelihoods(
-        grid, observed.along[:, steady], observed.damping, observed.level[steady], transitions.informative
-    )
-    of_none[steady] = np.log(predicted).sum(axis=0)
-    return [
-        DriftEvidence(drift, *logs)
-        for drift, *logs in zip(drifts, log_evidence.tolist(), of_none.tolist(), strict=True)
-    ]
 
+    def __init__(
+        self, sections: LegSections, transitions: SectionTransitions, number: int, drifts: Sequence[Drift]
+    ) -> None:
+        self._grid = grid = CircularGrid(2.0 * np.pi / number)
+        self._transitions, self._drifts = transitions, list(drifts)
+        self._observed = observed = _observed(grid, sections, transitions, drifts)
+        means = np.empty((len(sections), len(drifts)))
+        kept = len(sections) if len(drifts) <= _MOST_KEPT else 0
+        self._forward = np.empty((kept, 2, len(drifts), grid.cells))
+        for i, (belief, mean) in enumerate(_passed(grid, observed, transitions)):
+            means[i] = mean
+            if kept:
+                self._forward[i] = belief
+        steady = np.flatnonzero([not drift.rate_radps for drift in drifts])
+        of_none = np.full(len(drifts), np.nan)
+        if len(steady):
+            along, level = observed.along[:, steady], observed.level[steady]
+            predicted = _predictive_likelihoods(grid, along, observed.damping, level, transitions.informative)
+            of_none[steady] = np.log(predicted).sum(axis=0)
+        logs = zip(drifts, np.log(means).sum(axis=0).tolist(), of_none.tolist(), strict=True)
+        self.evidences = [DriftEvidence(*one) for one in logs]
 
-def forward_pass(sections: LegSections, transitions: SectionTransitions, number: int, drift: Drift) -> ForwardPass:
-    """Compute the density of one drift at each section given the sections up to it; see `drift_evidences`."""
-    grid = CircularGrid(2.0 * np.pi / number)
-    observed = _observed(grid, sections, transitions, [drift])
-    forward = np.array([belief[:, 0].copy() for belief, _ in _passed(grid, observed, transitions)])
-    diagonal = np.broadcast_to(observed.diagonal[..., None], observed.along.shape)
-    return ForwardPass(
-        grid=grid,
-        drift=drift,
-        heading_rad=observed.heading_rad[:, 0],
-        likelihood=np.concatenate([observed.along, diagonal], axis=1),
-        forward=forward,
-        sigma=observed.sigma[:, 0],
-        new_leg=transitions.new_leg,
-    )
+    def has_forward(self, drift: Drift) -> bool:
+        """Return True if the forward pass of a drift is kept, as that of few drifts is."""
+        return bool(len(self._forward)) and drift in self._drifts
+
+    def forward_pass(self, drift: Drift) -> ForwardPass:
+        """Return the density of a drift at each section given the sections up to it, where it is kept."""
+        place, observed = self._drifts.index(drift), self._observed
+        along, diagonal = observed.along[:, place], observed.diagonal[:, place, None]
+        return ForwardPass(
+            grid=self._grid,
+            drift=drift,
+            heading_rad=observed.heading_rad[:, place],
+            likelihood=np.stack([along, np.broadcast_to(diagonal, along.shape)], axis=1),
+            forward=self._forward[:, :, place],
+            sigma=observed.sigma[:, observed.level[place]],
+            new_leg=self._transitions.new_leg,
+        )
 
 
 def _observed(
