@@ -41,7 +41,9 @@ class Posture:
         x, y, z = motion.east
         u, v, w = motion.north
         # Written out, for this is called at every step.
-        return atan2((u * a + v * b + w * c) - (x * d + y * e + z * f), (x * a + y * b + z * c) + (u * d + v * e + w * f))
+        north_of_first, east_of_second = u * a + v * b + w * c, x * d + y * e + z * f
+        east_of_first, north_of_second = x * a + y * b + z * c, u * d + v * e + w * f
+        return atan2(north_of_first - east_of_second, east_of_first + north_of_second)
 
     def angle_to(self, up: Vector) -> float:
         """Compute the angle, rad, to another unit vector upwards."""

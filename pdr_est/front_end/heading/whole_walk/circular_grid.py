@@ -52,10 +52,10 @@ class CircularGrid:
         return np.concatenate([damping, damping], axis=-1)
 
     def damp(self, density: Array, damping: Array) -> Array:
-        """Compute densities (..., cells) after changes that leave so much of each frequency, as `damping` gives it."""
+        """Compute densities (..., cells) after changes that leave so much of each frequency, by `damping`."""
         if density.size * self.cells > _LARGEST_PRODUCT:
-            waves = np.fft.rfft(density) * damping[..., : len(self._frequency)]
-            return np.maximum(np.fft.irfft(waves, self.cells), _LEAST_DENSITY)
+            left = np.fft.rfft(density) * damping[..., : len(self._frequency)]
+            return np.maximum(np.fft.irfft(left, self.cells), _LEAST_DENSITY)
         shape = density.shape
         waves = (density.reshape(-1, self.cells) @ self._to_waves).reshape(*shape[:-1], -1)
         waves *= damping

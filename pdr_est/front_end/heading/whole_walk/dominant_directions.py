@@ -26,16 +26,14 @@ from annotated_types import Ge, Le
 
 from pdr_est.front_end.heading.whole_walk.collapsed_passes import collapsed_evidences
 from pdr_est.front_end.heading.whole_walk.constant_rate import rate_candidates
-from pdr_est.front_end.heading.whole_walk.drift_passes import (
+from pdr_est.front_end.heading.whole_walk.drift_model import (
     DRIFT_LEVELS,
     OUTLIER_SHARE,
     Drift,
     DriftEvidence,
-    DriftPasses,
-    ForwardPass,
     SectionTransitions,
-    backward_pass,
 )
+from pdr_est.front_end.heading.whole_walk.drift_passes import DriftPasses, ForwardPass, backward_pass
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams
 from pdr_est.params import params
 from pdr_est.types.analysis import DominantDirections
@@ -43,8 +41,8 @@ from pdr_est.types.analysis import DominantDirections
 # Prior probability of each number of directions; the rest is that there are none.
 _NUMBER_PRIOR: Mapping[int, float] = MappingProxyType({2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1})
 _PRIOR_OF_NONE = 1.0 - sum(_NUMBER_PRIOR.values())
-# Doubt in the log odds by `collapsed_passes`: of a walk, and of each of its legs. What stays out is less probable by as
-# much, at least by e^10. Ours.
+# Doubt in the log odds by `collapsed_passes`: of a walk, and of each of its legs. What stays out is less probable by
+# as much, at least by e^10. Ours.
 _DOUBT, _DOUBT_OF_LEG = 10.0, 0.5
 
 
@@ -194,16 +192,21 @@ def _most_probable(
     """
     doubt = _DOUBT + _DOUBT_OF_LEG * np.count_nonzero(transitions.new_leg)
 
-    def exact(number: int) -> tuple[int, _Compared, DriftPasses]:
-        within = doubt if found[number].log_odds > doubt else inf
-        passes = DriftPasses(sections, transitions, number, found[number].likely(within))
-        return number, found[number].updated(passes.evidences), passes
+    def exact(number: int, within: float) -> tuple[int, _Compared, DriftPasses]:
+        drifts = found[number].likely(within)
+        passes = DriftPasses(sections, transitions, number, drifts)
+        compared = found[number].updated(passes.evidences)
+        misled = not set(drifts).issuperset(compared.likely(within))
+        return exact(number, inf) if misled else (number, compared, passes)
+
+    def best_of(number: int) -> tuple[int, _Compared, DriftPasses]:
+        return exact(number, doubt if found[number].log_odds > doubt else inf)
 
     first, *others = sorted(found, key=lambda number: -found[number].log_odds)
-    best = exact(first)
+    best = best_of(first)
     for number in others:
         if found[number].log_odds + doubt >= best[1].log_odds:
-            best = max(best, exact(number), key=lambda one: one[1].log_odds)
+            best = max(best, best_of(number), key=lambda one: one[1].log_odds)
     return best
 
 
