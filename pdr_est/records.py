@@ -20,11 +20,12 @@ def changed(record: Record, **fields: Any) -> Record:
     TypeError
         If the record has no field of such a name.
     """
-    if not fields.keys() <= record.__dict__.keys():
+    merged = record.__dict__ | fields
+    if len(merged) != len(record.__dict__):
         unknown = ", ".join(sorted(fields.keys() - record.__dict__.keys()))
         raise TypeError(f"{type(record).__name__} has no field {unknown}: give one of {', '.join(record.__dict__)}")
     copy = object.__new__(type(record))
-    copy.__dict__.update(record.__dict__, **fields)
+    object.__setattr__(copy, "__dict__", merged)  # faster than to fill the dictionary that the copy has
     return copy
 
 

@@ -74,15 +74,15 @@ def analyse_device(
         raise explain_empty_grid(device, place, config.resample.max_gap_s)
     steps = run_through(stepping(config, parts), level)
     has_heading = has_gyroscope(device)
-    causal = measuring(device.name, config, north)
+    used = causal = measuring(device.name, config, north)
     corrections = whole_walk_corrections(config, parts) if at_the_end and has_heading else NO_CORRECTIONS
     odometry: Sequence[StepOdometry | HeadingPrior] = DeferredOdometry(partial(run_through, causal, steps))
-    if not corrections.stages or north is not None:  # headings against north have findings, which are told anyway
+    if not corrections.stages:
         odometry = tuple(odometry) if has_heading else ()
     whole_walk_odometry = odometry
     if corrections.stages:
-        measured = measuring(device.name, config, north, at_the_end=corrections.heading is not None)
-        whole_walk_odometry = tuple(run_through(measured, run_through(Chain(corrections.stages), steps)))
+        used = measuring(device.name, config, north, at_the_end=corrections.heading is not None)
+        whole_walk_odometry = tuple(run_through(used, run_through(Chain(corrections.stages), steps)))
     return DeviceWalk(
         device=device.name,
         start_s=float(level[0].time_s[0]),
@@ -94,7 +94,7 @@ def analyse_device(
         has_heading=has_heading,
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
-        findings=_findings_of(causal),
+        findings=_findings_of(used),
     )
 
 

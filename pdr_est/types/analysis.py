@@ -130,7 +130,8 @@ class DeviceWalk:
     dropped_samples
         Number of samples left out, by reason.
     findings
-        What of the device's measurements does not fit together.
+        What of the device's measurements does not fit together: of those for estimators that smooth, where there are
+        any.
     """
 
     device: str

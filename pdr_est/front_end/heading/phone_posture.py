@@ -37,17 +37,18 @@ class Posture:
         Two axes of the phone that are level in this posture are turned into the level frame, where the one is a
         quarter turn ahead of the other.
         """
-        first, second = self._level_axes
-        east, north = motion.east, motion.north
-        return atan2(_dot(north, first) - _dot(east, second), _dot(east, first) + _dot(north, second))
+        (a, b, c), (d, e, f) = self._level_axes
+        x, y, z = motion.east
+        u, v, w = motion.north
+        # Written out, for this is called at every step.
+        north_of_first, east_of_second = u * a + v * b + w * c, x * d + y * e + z * f
+        east_of_first, north_of_second = x * a + y * b + z * c, u * d + v * e + w * f
+        return atan2(north_of_first - east_of_second, east_of_first + north_of_second)
 
     def angle_to(self, up: Vector) -> float:
         """Compute the angle, rad, to another unit vector upwards."""
-        return acos(min(max(_dot(self.up, up), -1.0), 1.0))
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+        (a, b, c), (x, y, z) = self.up, up
+        return acos(min(max(a * x + b * y + c * z, -1.0), 1.0))
 
 
 def wrapped(angle_rad: float) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.frames import Array, wrap_angle
+from pdr_est.frames import Array
 from pdr_est.front_end.heading.course.course_likelihood import (
     LEAST_STEPS,
     LEAST_TURN_RAD,
@@ -28,6 +28,7 @@ from pdr_est.front_end.heading.course.course_likelihood import (
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
+from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.front_end.heading.stride_pairing import stride_averages
 from pdr_est.records import changed
 from pdr_est.types.steps import Step
@@ -91,10 +92,9 @@ def with_courses(
         run = _Run(stride_averages(acceleration[part]), heading[part], counts[part], ahead[part], last == len(steps))
         mean_rad, sigma_rad = _offsets(run, parameters)
         for k in np.flatnonzero(np.hypot(mean_rad, sigma_rad) > _LEAST_RAD).tolist():
-            turned = float(wrap_angle(steps[first + k].heading_rad + mean_rad[k]))
             done[first + k] = changed(
                 steps[first + k],
-                heading_rad=turned,
+                heading_rad=wrapped(steps[first + k].heading_rad + float(mean_rad[k])),
                 course_offset_rad=float(mean_rad[k]),
                 sigma_course_rad=float(sigma_rad[k]),
             )
@@ -106,7 +106,7 @@ def without_courses(steps: Sequence[Step]) -> list[Step]:
     return [
         changed(
             step,
-            heading_rad=float(wrap_angle(step.heading_rad - step.course_offset_rad)),
+            heading_rad=wrapped(step.heading_rad - step.course_offset_rad),
             course_offset_rad=0.0,
             sigma_course_rad=0.0,
         )

@@ -110,18 +110,17 @@ class NorthPriors:
     def _take_all(self, items: Sequence[Step], pointings: Sequence[Pointing | None]) -> list[list[HeadingPrior]]:
         told = [pointing is not None and pointing.decided for pointing in pointings]
         offsets = recorded_north_offsets if self._reference.source == "device" else magnetic_north_offsets
-        found = iter(offsets([item.samples for item, decided in zip(items, told, strict=True) if decided]))
+        north = iter(offsets([item.samples for item, decided in zip(items, told, strict=True) if decided]))
         return [
-            self._take(item, pointing, next(found) if decided else nan)
+            self._take(item, pointing, self._offset(item, pointing, next(north)) if pointing and decided else nan)
             for item, pointing, decided in zip(items, pointings, told, strict=True)
         ]
 
-    def _take(self, item: Step, pointing: Pointing | None, north_rad: float) -> list[HeadingPrior]:
-        """Take a step, where the offset of north in the level frame is known if the pointing is decided."""
+    def _take(self, item: Step, pointing: Pointing | None, offset_rad: float) -> list[HeadingPrior]:
+        """Take a step, where the heading in the map less that of the step is known if the phone tells it."""
         self._move(item)
-        offset_rad = nan
         if pointing is not None and pointing.decided:
-            offset_rad, self._pointing_rad = self._offset(item, pointing, north_rad), pointing.sigma_rad
+            self._pointing_rad = pointing.sigma_rad
         if isfinite(offset_rad):
             self._first = self._first or item
             self._steps, self._offset_sum = self._steps + 1, self._offset_sum + cmath.rect(1.0, offset_rad)
@@ -131,11 +130,13 @@ class NorthPriors:
             self._begin_window(self._walked_m)
             if pointing is not None:  # in the hand, and its direction may soon be known
                 self._first = first
+        if self._walked_m < self._parameters.spacing_m:
+            return []
         return self._prior_if_due(item)
 
     def _prior_if_due(self, step: Step) -> list[HeadingPrior]:
         p, first = self._parameters, self._first
-        if first is None or self._steps < p.least_steps or self._walked_m < p.spacing_m:
+        if first is None or self._steps < p.least_steps:
             return []
         if not self._measured:
             self._error.set_stays(hypot(self._stays_rad, self._pointing_rad))

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,15 +58,21 @@ def _cue(pair: Sequence[Step], up: Array) -> StrideCue:
     vertical, twist, lift, count = 0j, 0j, 0j, sum(len(step.samples) for step in pair)
     for number, step in enumerate(pair):
         samples = step.samples
-        phase = (np.arange(len(samples)) + 0.5) / len(samples)
-        once_a_step, once_a_stride = np.exp(-2j * np.pi * phase), np.exp(-1j * np.pi * (phase + number))
+        once_a_step, once_a_stride = _waves(len(samples), number)
         acceleration = to_level(samples.acceleration_mps2, samples.up, samples.yaw_rad - yaw_rad)
         rate = to_level(samples.rotation_rate_radps, samples.up, samples.yaw_rad - yaw_rad)
-        horizontal += np.sum(once_a_step[:, None] * acceleration, axis=0)
-        rotation += np.sum(once_a_stride[:, None] * rate, axis=0)
-        at_steps += np.sum(once_a_step[:, None] * rate, axis=0)
-        vertical += complex(np.sum(once_a_step * samples.vertical_mps2))
-        lift += complex(np.sum(once_a_stride * samples.vertical_mps2))
-        twist += complex(np.sum(once_a_stride * samples.turn_rate_radps))
+        horizontal += (once_a_step[:, None] * acceleration).sum(axis=0)
+        rotation += (once_a_stride[:, None] * rate).sum(axis=0)
+        at_steps += (once_a_step[:, None] * rate).sum(axis=0)
+        vertical += complex((once_a_step * samples.vertical_mps2).sum())
+        lift += complex((once_a_stride * samples.vertical_mps2).sum())
+        twist += complex((once_a_stride * samples.turn_rate_radps).sum())
     motion = StrideMotion(horizontal / count, vertical / count, yaw_rad)
     return StrideCue(motion, rotation / count, at_steps / count, twist / count, lift / count, pair[0].event.mode)
+
+
+@lru_cache(maxsize=256)
+def _waves(count: int, number: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Return the waves (count,) at the step frequency and at the stride frequency over the first or second step."""
+    phase = (np.arange(count) + 0.5) / count
+    return np.exp(-2j * np.pi * phase), np.exp(-1j * np.pi * (phase + number))

@@ -1,5 +1,7 @@
 """Probability densities of an angle modulo a spacing, on a grid around the circle."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from pdr_est.frames import Array
@@ -42,17 +44,22 @@ class CircularGrid:
         return self.damp(density, self.damping(sigma_rad))
 
     def damping(self, sigma_rad: Array | float) -> Array:
-        """Compute what Gaussian changes with sigmas (...), rad, leave of each frequency, (..., frequencies)."""
-        damping: Array = np.exp(-0.5 * (np.asarray(sigma_rad)[..., None] * self._frequency) ** 2)
-        return damping
+        """Compute what Gaussian changes with sigmas (...), rad, leave of each frequency, (..., 2 * frequencies).
+
+        All frequencies come twice, for the cosines and for the sines.
+        """
+        damping = np.exp(-0.5 * (np.asarray(sigma_rad)[..., None] * self._frequency) ** 2)
+        return np.concatenate([damping, damping], axis=-1)
 
     def damp(self, density: Array, damping: Array) -> Array:
-        """Compute densities (..., cells) after changes that leave so much of each frequency."""
+        """Compute densities (..., cells) after changes that leave so much of each frequency, by `damping`."""
         if density.size * self.cells > _LARGEST_PRODUCT:
-            return np.maximum(np.fft.irfft(np.fft.rfft(density) * damping, self.cells), _LEAST_DENSITY)
-        shape = (*density.shape[:-1], 2, len(self._frequency))
-        waves = (density.reshape(-1, self.cells) @ self._to_waves).reshape(shape) * damping[..., None, :]
-        damped = (waves.reshape(-1, self._to_waves.shape[1]) @ self._from_waves).reshape(density.shape)
+            left = np.fft.rfft(density) * damping[..., : len(self._frequency)]
+            return np.maximum(np.fft.irfft(left, self.cells), _LEAST_DENSITY)
+        shape = density.shape
+        waves = (density.reshape(-1, self.cells) @ self._to_waves).reshape(*shape[:-1], -1)
+        waves *= damping
+        damped = (waves.reshape(-1, waves.shape[-1]) @ self._from_waves).reshape(shape)
         return np.maximum(damped, _LEAST_DENSITY, out=damped)
 
     def likelihood(self, angles_rad: Array, sigma_rad: Array | float, outlier_share: float) -> Array:
@@ -84,13 +91,14 @@ class CircularGrid:
 
     def mean_and_sigma(self, density: Array) -> tuple[Array, Array]:
         """Compute circular mean and standard deviation, both (n,), of densities (n, cells)."""
-        phasor = np.exp(2j * np.pi * self._angle / self.spacing_rad)
-        moment = density @ phasor / density.sum(axis=1)
-        length = np.clip(np.abs(moment), 1e-9, 1.0)
         radian = self.spacing_rad / (2.0 * np.pi)
-        return np.angle(moment) * radian, np.sqrt(-2.0 * np.log(length)) * radian
+        phase = self._angle / radian
+        total, cos, sin = density.sum(axis=1), density @ np.cos(phase), density @ np.sin(phase)
+        length = np.clip(np.hypot(cos, sin) / total, 1e-9, 1.0)
+        return np.arctan2(sin, cos) * radian, np.sqrt(-2.0 * np.log(length)) * radian
 
 
+@lru_cache(maxsize=16)
 def _waves(cells: int) -> tuple[Array, Array]:
     """Return the matrices of a discrete Fourier transform of real numbers, and of its inverse.
 

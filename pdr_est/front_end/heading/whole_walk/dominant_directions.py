@@ -17,24 +17,23 @@ beforehand.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import exp, inf
 from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
 from annotated_types import Ge, Le
 
+from pdr_est.front_end.heading.whole_walk.collapsed_passes import collapsed_evidences
 from pdr_est.front_end.heading.whole_walk.constant_rate import rate_candidates
-from pdr_est.front_end.heading.whole_walk.drift_passes import (
+from pdr_est.front_end.heading.whole_walk.drift_model import (
     DRIFT_LEVELS,
     OUTLIER_SHARE,
     Drift,
     DriftEvidence,
-    ForwardPass,
     SectionTransitions,
-    backward_pass,
-    drift_evidences,
-    forward_pass,
 )
+from pdr_est.front_end.heading.whole_walk.drift_passes import DriftPasses, ForwardPass, backward_pass
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections, StraightLegParams
 from pdr_est.params import params
 from pdr_est.types.analysis import DominantDirections
@@ -42,6 +41,9 @@ from pdr_est.types.analysis import DominantDirections
 # Prior probability of each number of directions; the rest is that there are none.
 _NUMBER_PRIOR: Mapping[int, float] = MappingProxyType({2: 0.1, 3: 0.04, 4: 0.5, 5: 0.02, 6: 0.04, 8: 0.1})
 _PRIOR_OF_NONE = 1.0 - sum(_NUMBER_PRIOR.values())
+# Doubt in the log odds by `collapsed_passes`: of a walk, and of each of its legs. What stays out is less probable by
+# as much, at least by e^10. Ours.
+_DOUBT, _DOUBT_OF_LEG = 10.0, 0.5
 
 
 @params
@@ -102,6 +104,59 @@ class BestFit:
     mean_rate_radps: float
 
 
+class _Compared:
+    """Compare the drifts with one number of directions, and all else: no directions, or too much drift to tell them.
+
+    Parameters
+    ----------
+    passes : sequence of DriftEvidence
+        Evidence of each drift.
+    prior : float
+        Prior probability of the number.
+    any_level : bool
+        True if directions are to be found whatever the level of the drift.
+
+    Attributes
+    ----------
+    log_odds : float
+        Log odds of directions that the headings are steady enough to tell, against all else.
+    """
+
+    def __init__(self, passes: Sequence[DriftEvidence], prior: float, any_level: bool) -> None:
+        self._passes, self._prior, self._any_level = passes, prior, any_level
+        log_evidence = np.array([run.log_evidence + run.drift.log_prior for run in passes])
+        tells = np.array([run.drift.level.tells_directions for run in passes])
+        self._usable = np.where(tells | any_level, log_evidence, -np.inf)
+        self._drifting = np.where(tells, -np.inf, log_evidence + np.log(prior))
+        # Without directions a constant rate changes nothing.
+        of_none = np.array([run.log_evidence_of_none + np.log(run.drift.level.probability) for run in passes])
+        self._none = np.where(np.isnan(of_none), -np.inf, of_none + np.log(_PRIOR_OF_NONE))
+        log_else = np.logaddexp.reduce(np.concatenate([self._none, self._drifting]))
+        self.log_odds = float(np.logaddexp.reduce(self._usable) + np.log(prior) - log_else)
+
+    @property
+    def most_probable(self) -> Drift:
+        """Return the most probable drift."""
+        return self._passes[int(np.argmax(self._usable))].drift
+
+    @property
+    def mean_rate_radps(self) -> float:
+        """Mean of the constant rate, rad/s, given directions."""
+        weight = np.exp(self._usable - self._usable.max())
+        return float(weight @ [run.drift.rate_radps for run in self._passes] / weight.sum())
+
+    def likely(self, within: float) -> list[Drift]:
+        """List the drifts that are no less probable, by the log, than the best with directions or of all else."""
+        others = np.maximum(self._none, self._drifting)
+        near = (self._usable >= self._usable.max() - within) | (others >= others.max() - within)
+        return [run.drift for run, chosen in zip(self._passes, near.tolist(), strict=True) if chosen]
+
+    def updated(self, passes: Sequence[DriftEvidence]) -> "_Compared":
+        """Return the same with other evidence of some drifts."""
+        other = {run.drift: run for run in passes}
+        return _Compared([other.get(run.drift, run) for run in self._passes], self._prior, self._any_level)
+
+
 def best_fit(sections: LegSections, parameters: DominantParams) -> BestFit:
     """Find the most probable number of directions and drift of the headings.
 
@@ -115,21 +170,44 @@ def best_fit(sections: LegSections, parameters: DominantParams) -> BestFit:
     given = parameters.given_number
     numbers = _NUMBER_PRIOR if given is None else {given: 1.0 - _PRIOR_OF_NONE}
     transitions = SectionTransitions.of(sections, parameters.turn_rad)
-    passes = {number: drift_evidences(sections, transitions, number, _drifts(sections, number)) for number in numbers}
-    usable = {
-        number: [run for run in runs if given is not None or run.drift.level.tells_directions]
-        for number, runs in passes.items()
+    found = {
+        number: _Compared(passes, numbers[number], any_level=given is not None)
+        for number, passes in collapsed_evidences(
+            sections, transitions, {number: _drifts(sections, number) for number in numbers}
+        ).items()
     }
-    log_odds = {
-        number: _log_probability(usable[number]) + np.log(prior) - _log_probability_else(passes[number], prior)
-        for number, prior in numbers.items()
-    }
-    number = max(log_odds, key=lambda one: log_odds[one])
-    best = max(usable[number], key=lambda run: run.log_evidence + run.drift.log_prior)
-    weight = np.exp([run.log_evidence + run.drift.log_prior - best.log_evidence for run in usable[number]])
-    rate = weight @ [run.drift.rate_radps for run in usable[number]] / weight.sum()
-    fitted = forward_pass(sections, transitions, number, best.drift)
-    return BestFit(number, float(log_odds[number]), fitted, float(rate / (1.0 + np.exp(-log_odds[number]))))
+    number, best, passes = _most_probable(sections, transitions, found)
+    log_odds, drift = best.log_odds, best.most_probable
+    if not passes.has_forward(drift):
+        passes = DriftPasses(sections, transitions, number, [drift])
+    return BestFit(number, log_odds, passes.forward_pass(drift), best.mean_rate_radps / (1.0 + exp(-log_odds)))
+
+
+def _most_probable(
+    sections: LegSections, transitions: SectionTransitions, found: Mapping[int, "_Compared"]
+) -> tuple[int, "_Compared", DriftPasses]:
+    """Find the most probable number of directions, with exact evidence of all that may matter for it.
+
+    Numbers that are less probable than the best one, whatever the error of their approximate evidence, stay out.
+    """
+    doubt = _DOUBT + _DOUBT_OF_LEG * np.count_nonzero(transitions.new_leg)
+
+    def exact(number: int, within: float) -> tuple[int, _Compared, DriftPasses]:
+        drifts = found[number].likely(within)
+        passes = DriftPasses(sections, transitions, number, drifts)
+        compared = found[number].updated(passes.evidences)
+        misled = not set(drifts).issuperset(compared.likely(within))
+        return exact(number, inf) if misled else (number, compared, passes)
+
+    def best_of(number: int) -> tuple[int, _Compared, DriftPasses]:
+        return exact(number, doubt if found[number].log_odds > doubt else inf)
+
+    first, *others = sorted(found, key=lambda number: -found[number].log_odds)
+    best = best_of(first)
+    for number in others:
+        if found[number].log_odds + doubt >= best[1].log_odds:
+            best = max(best, best_of(number), key=lambda one: one[1].log_odds)
+    return best
 
 
 def _drifts(sections: LegSections, number: int) -> list[Drift]:
@@ -140,26 +218,6 @@ def _drifts(sections: LegSections, number: int) -> list[Drift]:
         for level in DRIFT_LEVELS
         for rate, log_prior in rates
     ]
-
-
-def _log_probability(passes: Sequence[DriftEvidence]) -> float:
-    """Compute the log probability of the headings with dominant directions, over the drifts."""
-    return float(np.logaddexp.reduce([run.log_evidence + run.drift.log_prior for run in passes]))
-
-
-def _log_probability_else(passes: Sequence[DriftEvidence], prior: float) -> float:
-    """Compute the log probability of all else: no dominant directions, or headings that drift too much to tell them.
-
-    Without directions a constant rate changes nothing.
-    """
-    steady = [run for run in passes if not run.drift.rate_radps]
-    none = [run.log_evidence_of_none + np.log(run.drift.level.probability) + np.log(_PRIOR_OF_NONE) for run in steady]
-    drifting = [
-        run.log_evidence + run.drift.log_prior + np.log(prior)
-        for run in passes
-        if not run.drift.level.tells_directions
-    ]
-    return float(np.logaddexp.reduce([*none, *drifting]))
 
 
 def _smooth(sections: LegSections, best: BestFit, used: bool) -> DominantDirections:

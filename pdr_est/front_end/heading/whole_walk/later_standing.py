@@ -12,8 +12,9 @@ import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.attitude import BRIDGED_S
+from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.records import changed
-from pdr_est.types.steps import Step
+from pdr_est.types.steps import Step, TurnHypothesis
 
 _WALK_RADPS_PER_SQRT_S = np.deg2rad(0.01)  # random walk of the bias, as VQF's
 _LEAST_RAD = 0.01  # correction of a whole walk below which it is left as it is
@@ -46,17 +47,18 @@ def with_later_standing(steps: Sequence[Step]) -> list[Step]:
     total = np.cumsum(turned)
     if np.abs(total).max() < _LEAST_RAD:
         return list(steps)
+    heading_rad = wrap_angle(np.array([step.heading_rad for step in steps]) - total).tolist()
     return [
-        changed(
-            step,
-            heading_rad=float(wrap_angle(step.heading_rad - off)),
-            turn_hypotheses=tuple(
-                changed(one, heading_change_rad=float(wrap_angle(one.heading_change_rad - here)))
-                for one in step.turn_hypotheses
-            ),
-        )
-        for step, off, here in zip(steps, total.tolist(), turned.tolist(), strict=True)
+        changed(step, heading_rad=heading, turn_hypotheses=_turned_back(step.turn_hypotheses, here))
+        if step.turn_hypotheses
+        else changed(step, heading_rad=heading)
+        for step, heading, here in zip(steps, heading_rad, turned.tolist(), strict=True)
     ]
+
+
+def _turned_back(hypotheses: Sequence[TurnHypothesis], by_rad: float) -> tuple[TurnHypothesis, ...]:
+    """Take an angle off the heading changes of hypotheses."""
+    return tuple(changed(one, heading_change_rad=wrapped(one.heading_change_rad - by_rad)) for one in hypotheses)
 
 
 def _unseen_s(step: Step) -> float:

@@ -11,7 +11,8 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.whole_walk.dominant_directions import DominantParams, best_fit
-from pdr_est.front_end.heading.whole_walk.drift_passes import LEG_PRIOR, ForwardPass, backward_pass
+from pdr_est.front_end.heading.whole_walk.drift_model import LEG_PRIOR
+from pdr_est.front_end.heading.whole_walk.drift_passes import ForwardPass, backward_pass
 from pdr_est.front_end.heading.whole_walk.straight_legs import LegSections
 
 # Probability that the directions across a turn are twice as many: even where most corners have 90 degrees, some have
