@@ -58,8 +58,8 @@ class FlightWatch:
             self._untaught += motions
             return [] if len(self._untaught) < _TEACHING_STEPS else self._taught()
         final: list[float] = []
-        for motion, sharp_mps, early_mps in zip(motions, *self._changes.after(motions).tolist(), strict=True):
-            final += self._with(motion, sharp_mps, early_mps)
+        for motion, late_mps, early_mps in zip(motions, *self._changes.after(motions).tolist(), strict=True):
+            final += self._with(motion, late_mps, early_mps)
         return final
 
     def finish(self) -> list[float]:
