@@ -11,15 +11,17 @@ _LEAST = 0.25
 
 
 class WalkNoise:
-    """Variance of this walk's velocities over that of the parameters, from the errors of the last steps."""
+    """Noise of a walk, from the errors of the last steps.
+
+    Attributes
+    ----------
+    variance : float
+        Variance of this walk's errors over that of the parameters.
+    """
 
     def __init__(self) -> None:
         self._squares = self._weight = 0.0
-
-    @property
-    def variance(self) -> float:
-        """Return the variance over that of the parameters."""
-        return max((_PRIOR_STEPS + self._squares) / (_PRIOR_STEPS + self._weight), _LEAST)
+        self.variance = 1.0
 
     def learn(self, squared: float, share: float) -> None:
         """Take in the error of one step.
@@ -34,6 +36,7 @@ class WalkNoise:
         kept = 1.0 - (1.0 - _KEPT) * share
         self._squares = kept * self._squares + share * min(squared, _LARGEST_SQUARE) * self.variance
         self._weight = kept * self._weight + share
+        self.variance = max((_PRIOR_STEPS + self._squares) / (_PRIOR_STEPS + self._weight), _LEAST)
 
     def learn_of_hypotheses(self, squared: Array, log_weight: Array) -> None:
         """Take in the squared errors (n,) of one step, like `learn`, under hypotheses of these log weights (n,)."""
