@@ -14,10 +14,13 @@ from pdr_est.front_end.heading.step_yaw import StepYaw
 from pdr_est.front_end.signal.blocks import part
 from pdr_est.front_end.step_length import StairParams, StepLengthParams, stairs_stage, step_length_stage
 from pdr_est.front_end.step_length.stairs import StairLengths
+from pdr_est.front_end.step_length.stairs.flight_hypotheses import FlightHypotheses
 from pdr_est.online.saved_state import pack, unpack
 from pdr_est.parts import Parts
 from pdr_est.pipeline import analyse_recording
 from pdr_est.pipeline.front_end_chain import levelling, whole_walk_corrections
+from pdr_est.simulate import simulate_walk
+from pdr_est.simulate.people.population import CarryingName, PopulationParams, sample_population
 from pdr_est.types.measurements import StepOdometry
 from pdr_est.types.recording import Recording, Signal
 from pdr_est.types.steps import CarryingMode, Step, StepEvent
@@ -116,6 +119,76 @@ def test_two_flights_with_a_landing_between_them() -> None:
 def test_level_walking_is_left_exactly_as_it_is(seed: int) -> None:
     steps = walk([LEVEL] * 150, bias_mps2=0.05, seed=seed)
     assert all(out is step for out, step in zip(run(StairLengths(StairParams()), steps), steps, strict=True))
+
+
+def sway_mps(steps: int, seed: int = 0) -> Array:
+    """Vertical velocity of an unsteady hand at each sample: slow oscillations, 0.12 m/s (one standard deviation)."""
+    generator = np.random.default_rng(seed)
+    time_s = np.arange(steps * COUNT) / RATE_HZ
+    tones = zip(generator.uniform(0.35, 0.5, 8), generator.uniform(0.0, 2.0 * np.pi, 8), strict=True)
+    return 0.06 * sum(np.sin(2.0 * np.pi * hz * time_s + phase) for hz, phase in tones)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_an_unsteady_hand_is_no_flight_from_the_first_step_on(seed: int) -> None:
+    assert probabilities(walk([LEVEL] * 150, extra_mps=sway_mps(150, seed), seed=seed)).max() < 0.1
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_flight_is_found_with_an_unsteady_hand_too(seed: int) -> None:
+    climbs = [LEVEL] * 60 + [UP] * 14 + [LEVEL] * 40
+    p = probabilities(walk(climbs, extra_mps=sway_mps(len(climbs), seed), seed=seed))
+    assert p[62:72].min() > 0.8
+    assert max(p[:55].max(), p[80:].max()) < 0.05
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_flight_after_the_other_is_not_taken_for_the_noise_of_the_walk(seed: int) -> None:
+    landing = [LEVEL] * 7
+    p = probabilities(walk([LEVEL] * 30 + ([UP] * 9 + landing + [DOWN] * 9 + landing) * 6 + [LEVEL] * 20, seed=seed))
+    flights = p[30:222].reshape(12, 16)
+    assert flights[:, 1:8].mean() > 0.85
+    assert flights[:, 11:14].mean() < 0.05
+
+
+def test_putting_the_phone_away_and_taking_it_out_is_no_flight() -> None:
+    """In the pocket its vertical velocity is anything, and so is that at which it comes out."""
+    steps = walk([LEVEL] * 140, extra_mps=np.where(np.arange(140 * COUNT) < 90 * COUNT, 0.0, 0.6))
+    modes = [CarryingMode.HOLDING] * 50 + [CarryingMode.POCKET] * 40 + [CarryingMode.HOLDING] * 50
+    moved = [replace(step, event=replace(step.event, mode=mode)) for step, mode in zip(steps, modes, strict=True)]
+    assert probabilities(moved).max() < 0.05
+
+
+def test_a_carrying_mode_that_is_wrong_for_a_moment_does_not_hide_a_flight() -> None:
+    steps = walk(FLIGHT)
+    steps[25:28] = [replace(step, event=replace(step.event, mode=CarryingMode.POCKET)) for step in steps[25:28]]
+    assert probabilities(steps)[21:31].min() > 0.9
+
+
+@pytest.mark.parametrize("carrying", [("HOLDING",), ("SWING",), ("POCKET",), ("HOLDING", "SWING", "HOLDING")])
+def test_simulated_walks_on_one_floor_have_no_stairs_and_hardly_wake_the_hypotheses(
+    carrying: tuple[CarryingName, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    add = FlightHypotheses.add
+    monkeypatch.setattr(FlightHypotheses, "add", lambda self, motion: asked.append(motion) or add(self, motion))
+    population = PopulationParams(number=2, people=2, duration_s=90.0, carrying=(carrying,), rate_hz=50.0)
+    steps: list[Step] = []
+    for person in sample_population(population):
+        (device,) = analyse_recording(simulate_walk(person.scenario).recording, Config(), at_the_end=False)
+        steps += device.steps
+        assert probabilities(device.steps).max() < 0.1
+    assert len(asked) < 0.2 * len(steps)
+
+
+def test_wherever_the_steps_are_cut_the_probabilities_are_the_same_to_the_last_bit() -> None:
+    steps = [*walk(FLIGHT), *walk([LEVEL] * 40 + FLIGHT, extra_mps=sway_mps(40 + len(FLIGHT)))]
+    whole = probabilities(steps)
+    for cuts in ([1], [23, 24, 25], [7, 40, 41, 90], list(range(1, len(steps)))):
+        stage = StairLengths(StairParams())
+        pieces = zip([0, *cuts], [*cuts, len(steps)], strict=True)
+        found = [out for begin, end in pieces for out in stage.push_all(steps[begin:end])]
+        np.testing.assert_array_equal([step.stairs_probability for step in [*found, *stage.flush()]], whole)
 
 
 def test_raising_the_phone_is_no_flight() -> None:

@@ -3,7 +3,9 @@
 * `stair_params`: parameters.
 * `vertical_motion`: mean vertical velocity and height of each step.
 * `flight_hypotheses`: probability of every step to lie on a flight, by a bank of Kalman filters.
-* `flight_watch`: the steps for which these are compared.
+* `velocity_changes`: what the beginning and the end of a flight look like.
+* `walk_noise`: noise of the walk that these are judged against.
+* `flight_watch`: the steps for which the hypotheses are compared.
 * `stair_lengths`: the stage.
 """
 

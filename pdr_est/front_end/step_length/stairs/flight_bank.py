@@ -12,6 +12,7 @@ MOST_HYPOTHESES = 12  # that are kept
 _SAME_MPS = 0.08  # hypotheses are merged whose velocity errors lie in the same interval of this width
 _EACH = np.eye(MOST_HYPOTHESES)
 _FIRST = np.zeros(1, dtype=np.intp)
+_ROW, _COLUMN = np.divmod(np.arange(column.STATES**2), column.STATES)  # of the numbers of a covariance
 
 Places = NDArray[np.intp]
 
@@ -58,7 +59,8 @@ def measure(rows: Array, innovation: Array, shared: Array, spread: Array) -> Non
 
 def _products(a: Array, b: Array) -> Array:
     """Multiply each number of a row of a (n, 4) with each number of the row of b (n, 4); return (n, 16)."""
-    return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
+    products: Array = a.take(_ROW, axis=1) * b.take(_COLUMN, axis=1)
+    return products
 
 
 def merged_bank(mode: Places, weight: Array, filters: Array, on_stairs: Array, past: Array, parent: Places) -> Bank:
@@ -84,10 +86,10 @@ def merged_bank(mode: Places, weight: Array, filters: Array, on_stairs: Array, p
     totals = np.add.reduceat(weight.take(order), first)
     kept = (-totals).argsort(kind="stable")[:MOST_HYPOTHESES]
     totals = totals.take(kept)
-    belongs = (ordered.take(first.take(kept))[:, None] == cell).astype(np.float64)
+    belongs = ordered.take(first.take(kept))[:, None] == cell
     share = belongs * weight / totals[:, None]
     moments = share @ filters
-    difference = filters[:, column.MEAN] - belongs.T @ moments[:, column.MEAN]
+    difference = filters[:, column.MEAN] - moments[:, column.MEAN].take(belongs.argmax(axis=0), axis=0)
     moments[:, column.COVARIANCE] += share @ _products(difference, difference)
     longer = np.empty((len(kept), past.shape[1] + 1))
     np.matmul((share @ _EACH.take(parent, axis=0))[:, : len(past)], past, out=longer[:, :-1])

@@ -13,6 +13,7 @@ by one down some steps later is a flight, and neither of them alone is.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ from pdr_est.front_end.step_length.stairs.flight_bank import (
 from pdr_est.front_end.step_length.stairs.flight_tables import FlightTables
 from pdr_est.front_end.step_length.stairs.stair_params import StairParams
 from pdr_est.front_end.step_length.stairs.vertical_motion import VerticalMotion
+from pdr_est.front_end.step_length.stairs.walk_noise import WalkNoise
 
 _PHASES = 3  # of a flight
 _LEVEL = 0  # the mode of level walking; those of the phases of flights down and up follow
@@ -62,6 +64,11 @@ class FlightHypotheses:
     ----------
     parameters : StairParams
         Dimensions of stairs, and noise.
+
+    Attributes
+    ----------
+    noise : WalkNoise
+        What the walk shows of its own noise.
     """
 
     def __init__(self, parameters: StairParams) -> None:
@@ -69,7 +76,7 @@ class FlightHypotheses:
         self._successors, self._log_transitions = _successors(_transitions(parameters))
         self._tables = FlightTables(parameters, _DIRECTION)
         self._bias = (0.0, parameters.sigma_bias_mps2)  # mean and standard deviation
-        self._noise = _NoiseScale()
+        self.noise = WalkNoise()
         shares = (1.0 - parameters.share_disturbed - parameters.share_of_jumps, parameters.share_disturbed)
         self._log_share = np.log(np.maximum([*shares, parameters.share_of_jumps], _NEGLIGIBLE))[:, None]
         self._steps = self._known = 0
@@ -87,7 +94,7 @@ class FlightHypotheses:
         if motion.begins or self._bank is None:
             final = self.finish()
             self._bank, self._steps, self._known = self._start(), 0, 0
-        self._steps += 1
+        self._steps += 1  # of the stretch, as far as they matter
         known = self._steps > UNSETTLED_STEPS and math.isfinite(motion.velocity_mps)
         self._known += known
         bank = self._after_step(self._bank, motion, known)
@@ -96,6 +103,19 @@ class FlightHypotheses:
             bank = Bank(bank.mode, bank.log_weight, bank.filters, bank.past[:, 1:])
         self._bank = bank
         return final
+
+    def begin_level(self, motions: Sequence[VerticalMotion]) -> None:
+        """Begin in the middle of a stretch, after steps that were level; they tell the errors of the next ones."""
+        start = self._start()
+        filters = start.filters[:1]
+        for motion in motions:
+            move, of_mode, of_case = self._tables.at(motion.step_s, motion.pace_s, self.noise.variance)
+            rows = filters @ move + of_mode[_LEVEL] + of_case[0]
+            if math.isfinite(motion.velocity_mps):
+                self._update(rows, motion)
+            filters = rows[:, column.FILTER]
+        self._bank = Bank(np.array([_LEVEL]), np.zeros(1), filters, np.empty((1, 0)))
+        self._steps, self._known = 2 * UNSETTLED_STEPS, sum(math.isfinite(motion.velocity_mps) for motion in motions)
 
     def finish(self) -> list[float]:
         """Return the probabilities of the steps that are not final yet: nothing more can be learnt about them.
@@ -128,7 +148,7 @@ class FlightHypotheses:
 
     def _after_step(self, bank: Bank, motion: VerticalMotion, known: bool) -> Bank:
         """Move on by a step; only the filters of the most probable children are updated."""
-        move, of_mode, of_case = self._tables.at(motion.step_s, motion.pace_s, self._noise.variance)
+        move, of_mode, of_case = self._tables.at(motion.step_s, motion.pace_s, self.noise.variance)
         mode = self._successors.take(bank.mode, axis=0).ravel()
         parent = _PARENT[: len(mode)]
         rows = (bank.filters @ move).take(parent, axis=0)
@@ -138,7 +158,7 @@ class FlightHypotheses:
         if known:
             log_weight = self._weighed(children, of_case[:, column.SPREAD, None], motion)
         chosen, weight = most_probable(log_weight.ravel())
-        case, child = np.divmod(chosen, len(mode))
+        case, child = chosen // len(mode), chosen % len(mode)
         rows, mode = rows.take(child, axis=0), mode.take(child)
         if known:
             rows += of_case.take(case, axis=0)
@@ -168,7 +188,7 @@ class FlightHypotheses:
         squared = innovation * innovation / spread
         log_weight: Array = children.log_weight + self._log_share - 0.5 * (squared + np.log(spread))
         if self._steps > 2 * UNSETTLED_STEPS:
-            self._noise.learn(squared[0], log_weight[0])
+            self.noise.learn_of_hypotheses(squared[0], log_weight[0])
         if math.isfinite(motion.height_m):
             shared = rows[:, column.SHARED.start + column.HEIGHT]
             innovation = motion.height_m - rows[:, column.HEIGHT] - shared * innovation / spread
@@ -185,26 +205,6 @@ class FlightHypotheses:
             shared = rows[:, column.covariances(column.HEIGHT)].copy()
             spread = shared[:, column.HEIGHT] + self._parameters.sigma_height_m**2
             measure(rows, motion.height_m - rows[:, column.HEIGHT], shared, spread)
-
-
-class _NoiseScale:
-    """Variance of this walk's velocities over that of the parameters, from the innovations of the last steps."""
-
-    _PRIOR_STEPS, _KEPT, _LARGEST_SQUARE, _LEAST = 10.0, 0.97, 9.0, 0.25
-
-    def __init__(self) -> None:
-        self._squares = self._weight = 0.0
-
-    @property
-    def variance(self) -> float:
-        return max((self._PRIOR_STEPS + self._squares) / (self._PRIOR_STEPS + self._weight), self._LEAST)
-
-    def learn(self, squared: Array, log_weight: Array) -> None:
-        """Take in the squared normalised innovations (n,) of hypotheses with these weights (n,)."""
-        weight = np.exp(log_weight - log_weight.max())
-        square = float(np.minimum(squared, self._LARGEST_SQUARE) @ weight / weight.sum()) * self.variance
-        self._squares = self._KEPT * self._squares + square
-        self._weight = self._KEPT * self._weight + 1.0
 
 
 def _transitions(parameters: StairParams) -> Array:

@@ -1,6 +1,5 @@
 """The stage that gives steps on stairs their length at the end of the walk."""
 
-import math
 from collections import deque
 from collections.abc import Sequence
 
@@ -10,10 +9,9 @@ from pdr_est.front_end.step_length.stairs.stair_params import StairParams
 from pdr_est.front_end.step_length.stairs.vertical_motion import VerticalMotionMeter, step_duration_s
 from pdr_est.front_end.step_length.walk_run_model import share_of_running
 from pdr_est.records import changed
-from pdr_est.types.steps import CarryingMode, Step
+from pdr_est.types.steps import Step
 
 _AT_ONCE = 1024  # steps whose samples are looked at together, which bounds the memory
-_TRUSTED = (CarryingMode.HOLDING, CarryingMode.UNKNOWN)  # the vertical velocity is that of the body
 
 
 class StairLengths:
@@ -49,11 +47,8 @@ class StairLengths:
         final: list[Step] = []
         for begin in range(0, len(items), _AT_ONCE):
             steps = items[begin : begin + _AT_ONCE]
-            for step, motion in zip(steps, self._meter.motions(steps), strict=True):
-                if step.event.mode not in _TRUSTED:
-                    motion = changed(motion, velocity_mps=math.nan)
-                self._waiting.append(step)
-                final += [self._with_length(probability) for probability in self._flights.add(motion)]
+            self._waiting += steps
+            final += map(self._with_length, self._flights.add(self._meter.motions(steps)))
         return final
 
     def flush(self) -> list[Step]:

@@ -5,18 +5,22 @@ mean over a step is free of the rise and fall of the body within it. On stairs t
 down, for some steps; no movement of a phone in the hand can be that for longer than a second.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pdr_est.front_end.signal.step_samples import StepSamples, of_equal_count, rows_from
-from pdr_est.types.steps import Step, begins_walk
+from pdr_est.records import made
+from pdr_est.types.steps import CarryingMode, Step, begins_walk
 
 _LEAST_SAMPLES = 3
 _SCALE_HEIGHT_M = 8435.0  # R T / g of the standard atmosphere at sea level (288.15 K)
 _REFERENCE_PA = 101_325.0
 _LEAST_DURATION_S = 0.1
+_HELD = (CarryingMode.HOLDING, CarryingMode.UNKNOWN)  # the vertical velocity is that of the body
+_ELSEWHERE_STEPS = 8  # in a row with the phone not held, after which it is not where it was; fewer may be an error
 
 
 @dataclass(frozen=True)
@@ -26,9 +30,11 @@ class VerticalMotion:
     Attributes
     ----------
     begins : bool
-        True for the first step of a stretch of contiguous samples; the velocity counts from its start.
+        True for the first step of a stretch of contiguous samples, and where the phone has been put elsewhere; the
+        velocity counts from there.
     velocity_mps : float
-        Mean vertical velocity, up to the constant of the stretch; NaN for a step of hardly any samples.
+        Mean vertical velocity, up to the constant of the stretch; NaN for a step of hardly any samples, and for a
+        phone that is not held: it moves against the body.
     step_s : float
         Duration of the step.
     pace_s : float
@@ -49,6 +55,8 @@ class VerticalMotionMeter:
 
     def __init__(self) -> None:
         self._previous: Step | None = None
+        self._previous_s = 0.0  # its duration
+        self._elsewhere = 0  # latest steps with the phone not held
         self._velocity_mps = 0.0  # at the end of the previous step
 
     def motions(self, steps: Sequence[Step]) -> list[VerticalMotion]:
@@ -58,15 +66,23 @@ class VerticalMotionMeter:
     def _motion(self, step: Step, mean_mps: float, gain_mps: float) -> VerticalMotion:
         """Take in a step with its mean and final velocity less that at its start."""
         previous = self._previous
-        begins = begins_walk(step, previous) or not _follows(step, previous)
-        if begins:
-            previous, self._velocity_mps = None, 0.0
-        self._previous = step
+        is_held = step.event.mode in _HELD
+        is_elsewhere = self._elsewhere >= _ELSEWHERE_STEPS
+        self._elsewhere = 0 if is_held else self._elsewhere + 1
+        is_moved = is_elsewhere if is_held else self._elsewhere == _ELSEWHERE_STEPS
+        begins = is_moved or begins_walk(step, previous) or not _follows(step, previous)
+        before_mps = 0.0 if begins else self._velocity_mps
         step_s = step_duration_s(step)
-        pace_s = step_s if previous is None else 0.5 * (step_s + step_duration_s(previous))
-        velocity_mps = self._velocity_mps + mean_mps
-        self._velocity_mps += gain_mps
-        return VerticalMotion(begins, velocity_mps, step_s, pace_s, _height_m(step))
+        pace_s = step_s if begins else 0.5 * (step_s + self._previous_s)
+        self._previous, self._previous_s, self._velocity_mps = step, step_s, before_mps + gain_mps
+        return made(
+            VerticalMotion,
+            begins=begins,
+            velocity_mps=before_mps + mean_mps if is_held else math.nan,
+            step_s=step_s,
+            pace_s=pace_s,
+            height_m=_height_m(step),
+        )
 
 
 def _velocity_gains(steps: Sequence[Step]) -> list[tuple[float, float]]:
