@@ -217,6 +217,13 @@ def magnitude(vectors: Array) -> Array:
     return lengths
 
 
+def stride_over_step(walk: Walk) -> float:
+    """Compute the power of the vertical acceleration at half the cadence over that at the cadence."""
+    frequency, power = spectrum(walk.vertical_mps2)
+    stride, step = (power[np.abs(frequency - share * walk.cadence_hz) < 0.25].sum() for share in (0.5, 1.0))
+    return float(stride / step)
+
+
 def draw(axes: Array, mode: str, kinds: dict[str, list[Walk]]) -> None:
     """Draw one row: vertical acceleration, its spectrum, that of the rotation rate, tilt of gravity."""
     signal, vertical, rotation, tilt = axes
@@ -251,6 +258,7 @@ def table(kinds: dict[str, dict[str, list[Walk]]]) -> str:
         "cadence, Hz": lambda walk: walk.cadence_hz,
         "vertical, 1st percentile, m/s2": lambda walk: np.percentile(walk.vertical_mps2, 1),
         "vertical, 99th percentile, m/s2": lambda walk: np.percentile(walk.vertical_mps2, 99),
+        "vertical, power of the stride over the step's": stride_over_step,
         "rotation, rms, rad/s": lambda walk: np.sqrt((walk.rotation_radps**2).sum(axis=1).mean()),
         "rotation, 99th percentile, rad/s": lambda walk: np.percentile(
             np.linalg.norm(walk.rotation_radps, axis=1), 99

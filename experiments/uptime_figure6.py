@@ -18,12 +18,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from recorded import RESULTS, command_line, markdown_table, write, write_table
-from uptime_table3 import DETECTORS, PLACES
+from uptime_table3 import DETECTORS, PLACES, benchmark, measured
 
 from pdr_est.config import Config
-from pdr_est.experiment.suites import oxford_steps
+from pdr_est.evaluate.step_detection import count_error
 from pdr_est.front_end.gait import GaitParams
-from pdr_est.io import read
 from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import (
     DeviceParams,
@@ -61,7 +60,7 @@ def main() -> None:
     errors = {**real_errors(options.data), **simulated_errors(range(options.people))}
     draw(errors, RESULTS / "uptime_figure6.png")
     document = {
-        group: {name: None if np.isnan(number) else round(number, 2) for name, number in row.items()}
+        group: {name: None if np.isnan(number) else number for name, number in row.items()}
         for group, row in errors.items()
     }
     write("uptime_figure6", as_text(errors), document)
@@ -74,14 +73,15 @@ def paced(cadence_hz: float) -> PacedStretch:
 
 
 def real_errors(data: Path) -> Errors:
-    """Count the steps of the Oxford recordings, by place of the phone."""
-    files = oxford_steps.SUITE.find(data / oxford_steps.SUITE.folder)
-    walks = [(file.labels["position"], read(file.path)) for file in files]
-    found: Errors = {}
-    for place in PLACES[:2]:
-        own = [recording for position, recording in walks if position in place.positions]
-        found[f"real, {place.words}"] = {"step_m": float("nan"), **mean_errors(own)}
-    return found
+    """Take the errors of the Oxford recordings from Table III, by place of the phone."""
+    table = measured(benchmark(data))
+    return {
+        f"real, {place.words}": {
+            "step_m": float("nan"),
+            **{name: round(table[place.words][name], 2) for name in SHOWN},
+        }
+        for place in PLACES[:2]
+    }
 
 
 def simulated_errors(seeds: Sequence[int]) -> Errors:
@@ -92,7 +92,7 @@ def simulated_errors(seeds: Sequence[int]) -> Errors:
             walks = [simulated(seed, place, size) for seed in seeds]
             step_m = float(np.mean([walk.distance_m / walk.step_count for walk in walks]))
             errors = mean_errors([walk.recording for walk in walks])
-            found[f"simulated, {place}, {size}"] = {"step_m": step_m, **errors}
+            found[f"simulated, {place}, {size}"] = {"step_m": round(step_m, 2), **errors}
     return found
 
 
@@ -114,7 +114,8 @@ def simulated(seed: int, place: str, size: str) -> SimulatedWalk:
 def mean_errors(recordings: Sequence[Recording]) -> dict[str, float]:
     """Compute the mean error of the count in percent, by detector."""
     return {
-        name: float(np.mean([count_error_percent(recording, name) for recording in recordings])) for name in SHOWN
+        name: round(float(np.mean([count_error_percent(recording, name) for recording in recordings])), 2)
+        for name in SHOWN
     }
 
 
@@ -122,9 +123,7 @@ def count_error_percent(recording: Recording, detector: str) -> float:
     """Compute the error of the number of steps of one recording, percent."""
     config = replace(Config(), steps=DETECTORS[detector], gait=GaitParams(method="none"))
     (device,) = analyse_recording(recording, config)
-    steps = recording.truth.steps
-    true = recording.truth.step_count or (0 if steps is None else len(steps.time_s))
-    return 100.0 * abs(len(device.steps) - true) / true
+    return 100.0 * count_error(len(device.steps), recording.truth.step_count or 0)
 
 
 def as_text(errors: Errors) -> str:

@@ -77,11 +77,15 @@ PLACES = (
 def main() -> None:
     """Run the detectors on the recordings, and write results/uptime_table3.json and .txt and the README's table."""
     options = command_line(__doc__, {"--data": Path, "--jobs": 1})
-    variants = tuple(Variant(name, replace(Config(), steps=steps)) for name, steps in DETECTORS.items())
-    comparison = Comparison("detector", variants, variants[-1])
-    table = measured(run_benchmark("oxford-steps", options.data, comparison, options.jobs))
+    table = measured(benchmark(options.data, options.jobs))
     write("uptime_table3", as_text(table), as_document(table))
     write_table(MARK, as_markdown(table))
+
+
+def benchmark(data: Path, jobs: int = 1) -> BenchmarkResult:
+    """Run all detectors on the recordings."""
+    variants = tuple(Variant(name, replace(Config(), steps=steps)) for name, steps in DETECTORS.items())
+    return run_benchmark("oxford-steps", data, Comparison("detector", variants, variants[-1]), jobs)
 
 
 def measured(result: BenchmarkResult) -> Table:
