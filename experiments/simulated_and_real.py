@@ -6,6 +6,7 @@ DIR holds the data sets. Writes experiments/results/simulated_and_real.png and a
 """
 
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -132,10 +133,10 @@ def real_gaits(folder: Path, gait: str) -> list[Walk]:
     return [walk for walk in walks if walk is not None]
 
 
-def simulated_gaits(gait: str) -> list[Walk]:
+def simulated_gaits(gait: str, seeds: Sequence[int] = range(PEOPLE)) -> list[Walk]:
     """Simulate a run, or a long flight of stairs, of each of some random people."""
     walks = []
-    for seed in range(PEOPLE):
+    for seed in seeds:
         rng = np.random.default_rng([seed, 1])
         person = sample_person(rng)
         stretch: GaitStretch
