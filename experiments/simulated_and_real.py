@@ -6,10 +6,8 @@ DIR holds the data sets. Writes experiments/results/simulated_and_real.png and a
 """
 
 import io
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -20,17 +18,7 @@ from scipy.signal import welch
 from pdr_est import read
 from pdr_est.frames import Array
 from pdr_est.front_end.attitude import AttitudeParams, VqfAttitude
-from pdr_est.simulate import (
-    DeviceParams,
-    GaitStretch,
-    HeldPhone,
-    PathParams,
-    RunningStretch,
-    Scenario,
-    StairStretch,
-    sample_person,
-    simulate_walk,
-)
+from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import ImuBlock
 
@@ -46,29 +34,6 @@ MODES = {
         "sensor-logger/inpocket*",
     ),
 }
-GAITS = {
-    "jogging, pocket": ("motionsense/jog_9/sub_*.csv*",),
-    "slow jog, belt": ("sisfall/*/D03_*.txt*",),
-    "quick jog, belt": ("sisfall/*/D04_*.txt*",),
-    "stairs up, pocket": ("motionsense/ups_3/sub_*.csv*",),
-    "stairs down, pocket": ("motionsense/dws_1/sub_*.csv*",),
-}
-RUN_MPS = {  # nobody knows how fast they ran: ours
-    "jogging, pocket": (2.4, 3.6),
-    "slow jog, belt": (1.8, 2.6),
-    "quick jog, belt": (2.6, 4.0),
-}
-CADENCE_HZ = {gait: (2.0, 3.6) if gait in RUN_MPS else (1.2, 2.6) for gait in GAITS}
-BELT = HeldPhone(  # a box that a belt holds upright on the trunk, a little loose
-    tilt_rad=1.45,
-    forward_m=0.12,
-    up_m=0.0,
-    rock_pitch_rad=0.05,
-    rock_yaw_rad=0.12,
-    rock_roll_rad=0.06,
-    unrest_mps2=1.5,
-    unrest_radps=0.3,
-)
 COLOURS = {"real": "tab:gray", "simulated": "tab:red"}
 
 
@@ -94,8 +59,7 @@ def main() -> None:
     """Compare all modes."""
     folder = command_line(__doc__, {"--data": Path}).data
     kinds = {mode: {"real": real_walks(folder, mode), "simulated": simulated_walks(mode)} for mode in MODES}
-    kinds |= {gait: {"real": real_gaits(folder, gait), "simulated": simulated_gaits(gait)} for gait in GAITS}
-    figure, axes = plt.subplots(len(kinds), 4, figsize=(16, 3 * len(kinds)), layout="constrained")
+    figure, axes = plt.subplots(len(MODES), 4, figsize=(16, 9), layout="constrained")
     for row, (mode, walks) in zip(axes, kinds.items(), strict=True):
         draw(row, mode, walks)
     picture = io.BytesIO()
@@ -126,41 +90,8 @@ def simulated_walks(mode: str) -> list[Walk]:
     return walks
 
 
-def real_gaits(folder: Path, gait: str) -> list[Walk]:
-    """Read the real recordings of people who run or take stairs."""
-    paths = sorted(path for pattern in GAITS[gait] for path in folder.glob(pattern))
-    walks = [steady_walk(path.name, read(path).devices[0], CADENCE_HZ[gait]) for path in paths]
-    return [walk for walk in walks if walk is not None]
-
-
-def simulated_gaits(gait: str, seeds: Sequence[int] = range(PEOPLE)) -> list[Walk]:
-    """Simulate a run, or a long flight of stairs, of each of some random people."""
-    walks = []
-    for seed in seeds:
-        rng = np.random.default_rng([seed, 1])
-        person = sample_person(rng)
-        stretch: GaitStretch
-        if gait in RUN_MPS:
-            stretch = RunningStretch(kind="jogging", from_m=0.0, to_m=120.0, speed_mps=rng.uniform(*RUN_MPS[gait]))
-        else:
-            direction: Literal["up", "down"] = "up" if "up" in gait else "down"
-            stretch = StairStretch(from_m=0.0, to_m=15.0, direction=direction)
-        path = PathParams(vertices_m=((0.0, 0.0), (stretch.to_m, 0.0)))
-        device = DeviceParams(carry=BELT if "belt" in gait else person.pocket)
-        own = replace(person.gait, stretches=(stretch,))
-        scenario = Scenario(path=path, gait=own, body=person.body, devices=(device,), seed=seed)
-        recording = simulate_walk(scenario).recording
-        walk = steady_walk(f"person {seed}", recording.devices[0], CADENCE_HZ[gait])
-        if walk is not None:
-            walks.append(walk)
-    return walks
-
-
-def steady_walk(name: str, device: DeviceRecording, cadence_hz: tuple[float, float] = (1.2, 2.6)) -> Walk | None:
-    """Return the longest segment of walking of a recording without its ends; None below 10 s.
-
-    The cadence is looked for between the given steps per second.
-    """
+def steady_walk(name: str, device: DeviceRecording) -> Walk | None:
+    """Return the longest segment of walking of a recording without its ends; None below 10 s."""
     if device.specific_force is None or device.rotation_rate is None:
         return None
     force, rate = device.specific_force, device.rotation_rate
@@ -176,7 +107,7 @@ def steady_walk(name: str, device: DeviceRecording, cadence_hz: tuple[float, flo
     yaw = np.unwrap(level.yaw_rad[part])
     walker_radps = (yaw[-1] - yaw[0]) / (len(yaw) - 1) * RATE_HZ * (up @ mean_up).mean()
     frequency, power = spectrum(vertical)
-    band = (frequency > cadence_hz[0]) & (frequency < cadence_hz[1])
+    band = (frequency > 1.2) & (frequency < 2.6)
     return Walk(
         name=name,
         vertical_mps2=vertical,
@@ -218,13 +149,6 @@ def magnitude(vectors: Array) -> Array:
     return lengths
 
 
-def stride_over_step(walk: Walk) -> float:
-    """Compute the power of the vertical acceleration at half the cadence over that at the cadence."""
-    frequency, power = spectrum(walk.vertical_mps2)
-    stride, step = (power[np.abs(frequency - share * walk.cadence_hz) < 0.25].sum() for share in (0.5, 1.0))
-    return float(stride / step)
-
-
 def draw(axes: Array, mode: str, kinds: dict[str, list[Walk]]) -> None:
     """Draw one row: vertical acceleration, its spectrum, that of the rotation rate, tilt of gravity."""
     signal, vertical, rotation, tilt = axes
@@ -259,7 +183,6 @@ def table(kinds: dict[str, dict[str, list[Walk]]]) -> str:
         "cadence, Hz": lambda walk: walk.cadence_hz,
         "vertical, 1st percentile, m/s2": lambda walk: np.percentile(walk.vertical_mps2, 1),
         "vertical, 99th percentile, m/s2": lambda walk: np.percentile(walk.vertical_mps2, 99),
-        "vertical, power of the stride over the step's": stride_over_step,
         "rotation, rms, rad/s": lambda walk: np.sqrt((walk.rotation_radps**2).sum(axis=1).mean()),
         "rotation, 99th percentile, rad/s": lambda walk: np.percentile(
             np.linalg.norm(walk.rotation_radps, axis=1), 99

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[2] / "experiments" / "simulated_and_real.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "experiments" / "simulated_gaits.py"
 # 10th and 90th percentile of the real phones (MotionSense, pocket), widened by a tenth of the span on either side:
 # vertical acceleration, 99th percentile, m/s^2; rotation rate, rms, rad/s; tilt, 95th percentile, deg; cadence, Hz
 REAL = {
@@ -28,7 +28,7 @@ def test_the_medians_of_simulated_pockets_lie_among_the_real_ones(script, gait) 
     walks = script["simulated_gaits"](gait)
     measured = (
         [np.percentile(walk.vertical_mps2, 99) for walk in walks],
-        [np.sqrt((walk.rotation_radps**2).sum(axis=1).mean()) for walk in walks],
+        [np.sqrt((walk.rotation_radps**2).mean()) for walk in walks],
         [np.percentile(walk.tilt_deg, 95) for walk in walks],
         [walk.cadence_hz for walk in walks],
     )
@@ -41,3 +41,10 @@ def test_the_stride_hardly_shows_in_a_runner_at_the_belt(script) -> None:
     assert max(script["stride_over_step"](walk) for walk in walks) < 0.01  # real ones below 0.005
     for walk in walks:
         assert 10.0 < np.percentile(walk.vertical_mps2, 99) < 22.0
+
+
+def test_the_recorded_table_has_all_gaits_and_measures(script) -> None:
+    text = (SCRIPT.parent / "results/simulated_gaits.txt").read_text(encoding="utf-8")
+    for gait in script["GAITS"]:
+        assert f"{gait}: " in text
+    assert all(text.count(words) == len(script["GAITS"]) for words in script["MEASURES"])
