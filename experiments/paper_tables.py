@@ -40,8 +40,10 @@ OVERVIEW = """\
 | MMPDR Fig. 15, park | simulated | `python experiments/mmpdr_tables8_9.py`, `python experiments/mmpdr_table10.py` | steps 97.60 / {steps[park, all modes][mmpdr][ratio]:.2f} %; no error of the path in the paper / {t10[park, all modes][paper][heading_median_deg]:.2f}°, {t10[park, all modes][paper][position_m]:.2f} m | below, last rows |
 | UPTIME Table II, step length by gait | MotionSense, SisFall | `python experiments/uptime_table2.py --data DIR` | 0.74 / {walking_m:.2f} m walking in the pocket (`auto`) | [below](#uptime-table-ii): no length is known there |
 | UPTIME Table III, step detectors | Oxford steps | `python experiments/uptime_table3.py --data DIR` | `uptime-fsm` 5.72 / {fsm:.2f} % in hand and pocket | [below](#uptime-table-iii): other phones and people, fixed thresholds |
-| UPTIME Table IV, gaits | MotionSense, SisFall | `python experiments/uptime_table4.py --data DIR` | 97.74 / {gaits[gait_accuracy]:.2f} % of three gaits, 98.13 / {gaits[walking_accuracy]:.2f} % of walking against faster (`uptime`) | [below](#uptime-table-iv): people left out, labels that disagree |
-| UPTIME Fig. 7, error along a trip | simulated, known-distance, stride-length | `python experiments/uptime_figure7.py --data DIR` | a curve without numbers / at the end of the simulated trip {trip[auto][final_percent]:+.1f} % (`auto`), {trip[static][final_percent]:+.1f} % (`static`) | [below](#uptime-figure-7): nobody runs in our trips |
+| UPTIME Table IV, gaits | MotionSense; SisFall | `python experiments/uptime_table4.py --data DIR` | walking against faster 98.13 / {pocket[walking_accuracy]:.2f}; {belt[walking_accuracy]:.2f} %, three gaits 97.74 / –; {belt[gait_accuracy]:.2f} % (random split) | [below](#uptime-table-iv): SisFall's slow and quick jogging overlap |
+| UPTIME Fig. 6, step detectors by step size | Oxford steps, simulated | `python experiments/uptime_figure6.py --data DIR` | bars without numbers / [bars](results/uptime_figure6.png) | [below](#uptime-figure-6) |
+| UPTIME Fig. 7, error along a trip | simulated; known-distance, stride-length | `python experiments/uptime_figure7.py --data DIR` | a curve without numbers / at the end of the trip in three gaits {trip[gait-table][final_percent]:+.1f} % by gait, {trip[static][final_percent]:+.1f} % fixed | [below](#uptime-figure-7) |
+| UPTIME Figs 8 and 9, traces | simulated; known-distance, phyphox, phone-gps | `python experiments/uptime_figures8_9.py --data DIR` | outdoors 6.9 / {outdoors:.1f} % (phone-gps, held), indoors 5.9 / {indoors:.1f} % (hallway) | [below](#uptime-figures-8-and-9): one length for everybody |
 | PSP Table I, return errors | simulated | `python experiments/psp_table1.py` | `psp` with planar legs: trajectory I 0.96 / {psp[I]:.2f} %, II 1.33 / {psp[II]:.2f} % | [below](#psp-table-i) |
 | PSP Fig. 3, paths | simulated | `python experiments/psp_figure3.py` | pictures / [Fig. 3](results/psp_figure3.png) | [below](#psp-figure-3): where its circle lies is not in our text |
 | Robust DR Fig. 4, ten trials | simulated | `python experiments/robust_dr_figure4.py --trials 100` | a phone's error cut by up to 73.7 / {fusions[map-closed-form][greatest_reduction]:.1f} % (`map-closed-form`), {fusions[ekf][greatest_reduction]:.1f} % (`ekf`); both phones better in 5 / {fusions[map-closed-form][both_better]} of 10 trials | [below](#robust-dr-figures-4-to-8) |
@@ -74,7 +76,16 @@ def paper_tables() -> dict[str, str]:
 
 def overview() -> str:
     """Make the table with a row for every table and figure of the four papers."""
-    gaits = next(one for one in result("uptime_table4") if (one["who"], one["where"]) == ("uptime", "both"))
+    gaits = {
+        one["where"]: one["percent"]
+        for one in result("uptime_table4")
+        if (one["who"], one["split"]) == ("published", "random steps")
+    }
+    trips = result("uptime_figures8_9")["error_percent"]
+    outdoors, indoors = (
+        sum(abs(error) for error in trips[group]["uptime"]) / len(trips[group]["uptime"])
+        for group in ("phone-gps, held", "phyphox hallway loop, in hand")
+    )
     planar = {one["trajectory"]: one for one in result("psp_table1")["blocks"] if one["legs"] == "planar legs"}
     facts = {
         "t6": {mode: result("mmpdr_table6")["methods"]["mmpdr"]["changes"][mode][mode] for mode in MODES},
@@ -83,8 +94,11 @@ def overview() -> str:
         "t10": result("mmpdr_table10")["rows"],
         "walking_m": result("uptime_table2")[0]["models"]["auto"]["length_m"][0],
         "fsm": result("uptime_table3")["hand and pocket"]["measured_percent"]["uptime-fsm"],
-        "gaits": gaits["percent"],
-        "trip": result("uptime_figure7")["simulated"]["as_it_is"],
+        "pocket": gaits["motionsense"],
+        "belt": gaits["sisfall"],
+        "trip": result("uptime_figure7")["gaits"]["scaled"],
+        "outdoors": outdoors,
+        "indoors": indoors,
         "f11": result("mmpdr_figures")["chains"],
         "fusions": result("robust_dr_figure4")["headings"]["compass"]["fusions"],
         "psp": {name: 100.0 * one["methods"]["psp"]["mean_m"] / one["length_m"] for name, one in planar.items()},

@@ -20,16 +20,25 @@ from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, mmpdr_mode_walks, park_
 from pdr_est.simulate.presets.named_scenarios import PRESETS, preset
 from pdr_est.simulate.presets.psp import PSP_TESTS, PspTrajectory, psp_path, psp_walks
 from pdr_est.simulate.presets.robust_dr import ROBUST_DR_TRIALS, robust_dr_trials, waypoint_passes
+from pdr_est.simulate.presets.uptime import UptimeTrip, uptime_trip
 from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole, scatter_dipoles
-from pdr_est.simulate.sensors.sensor_errors import NO_SENSOR_ERRORS, PHONE_MAGNETOMETER, SensorErrors, SensorParams
+from pdr_est.simulate.sensors.sensor_errors import (
+    NO_SENSOR_ERRORS,
+    PHONE_BAROMETER,
+    PHONE_MAGNETOMETER,
+    SensorErrors,
+    SensorParams,
+)
 from pdr_est.simulate.walk import SimulatedDevice, SimulatedWalk, simulate_walk
+from pdr_est.simulate.walker.gait_stretches import GaitStretch, PacedStretch, RunningStretch, StairStretch
 from pdr_est.simulate.walker.step_schedule import Pause, StepSchedule, WalkerGaitParams
 from pdr_est.simulate.walker.walking_body import BodyParams, BodyTurn
 from pdr_est.simulate.walker.walking_path import PathParams, WalkingPath
 
 __all__ = [
     "NO_SENSOR_ERRORS",
+    "PHONE_BAROMETER",
     "PHONE_MAGNETOMETER",
     "PRESETS",
     "PSP_TESTS",
@@ -38,21 +47,26 @@ __all__ = [
     "BodyTurn",
     "DeviceParams",
     "EarthField",
+    "GaitStretch",
     "HeldPhone",
     "MagneticDipole",
     "ModeChange",
+    "PacedStretch",
     "PathParams",
     "Pause",
     "PocketPhone",
     "PspTrajectory",
+    "RunningStretch",
     "Scenario",
     "SensorErrors",
     "SensorParams",
     "SimulatedDevice",
     "SimulatedPerson",
     "SimulatedWalk",
+    "StairStretch",
     "StepSchedule",
     "SwingingPhone",
+    "UptimeTrip",
     "WalkerGaitParams",
     "WalkingPath",
     "mmpdr_indoor",
@@ -65,5 +79,6 @@ __all__ = [
     "sample_person",
     "scatter_dipoles",
     "simulate_walk",
+    "uptime_trip",
     "waypoint_passes",
 ]

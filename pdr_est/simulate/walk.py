@@ -14,6 +14,7 @@ from pdr_est.simulate.sensors.magnetic_field import magnetic_field_ut
 from pdr_est.simulate.sensors.sensor_errors import (
     RecordedSensor,
     SensorErrors,
+    air_pressure_pa,
     record_signal,
     record_without_errors,
     sampling_times,
@@ -38,6 +39,7 @@ class _Stream(IntEnum):
     ATTITUDE = 4
     FIXES = 5
     MAGNETOMETER = 6
+    BAROMETER = 7
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,8 @@ class SimulatedDevice:
         True carrying modes over time.
     accelerometer, gyroscope : RecordedSensor
         Recorded sensors with the errors that were drawn for them.
-    magnetometer : RecordedSensor or None
-        The same, or None for a device without magnetometer.
+    magnetometer, barometer : RecordedSensor or None
+        The same, or None for a device without it.
     """
 
     name: str
@@ -64,6 +66,7 @@ class SimulatedDevice:
     accelerometer: RecordedSensor
     gyroscope: RecordedSensor
     magnetometer: RecordedSensor | None
+    barometer: RecordedSensor | None = None
 
 
 @dataclass(frozen=True)
@@ -196,7 +199,9 @@ def _simulate_device(
     def recorded(ideal: Array, errors: SensorErrors, stream: _Stream) -> RecordedSensor:
         return record_signal(time_s, ideal, errors, sensors, _stream(seed, stream, number))
 
-    magnetometer = None
+    barometer = magnetometer = None
+    if sensors.barometer is not None:
+        barometer = recorded(air_pressure_pa(motion.up.value), sensors.barometer, _Stream.BAROMETER)
     if sensors.magnetometer is not None:
         field = motion.in_device(magnetic_field_ut(motion.position_m, scenario.earth, scenario.irons, path))
         magnetometer = recorded(field, sensors.magnetometer, _Stream.MAGNETOMETER)
@@ -207,6 +212,7 @@ def _simulate_device(
         accelerometer=recorded(motion.specific_force_mps2, sensors.accelerometer, _Stream.ACCELEROMETER),
         gyroscope=recorded(motion.rotation_rate_radps, sensors.gyroscope, _Stream.GYROSCOPE),
         magnetometer=magnetometer,
+        barometer=barometer,
     )
 
 
@@ -225,6 +231,7 @@ def _recorded(parameters: DeviceParams, device: SimulatedDevice, seed: int, numb
         rotation_rate=device.gyroscope.signal,
         magnetic_field=None if device.magnetometer is None else device.magnetometer.signal,
         attitude=attitude,
+        pressure=None if device.barometer is None else device.barometer.signal,
         decisions=("units and signs: exact, simulated",),
     )
 

@@ -80,14 +80,12 @@ def test_recorded(path: Path, tmp_path: Path, shared_data: Path) -> None:
 
 
 def shortened(walk: Walk) -> Walk:
-    """The walk on its first 26 m at most, with a true position every second."""
+    """The person on 26 m without stops and changes of gait, with a true position every second."""
     scenario = walk.source
     assert isinstance(scenario, Scenario)
-    return replace(
-        walk,
-        source=replace(scenario, path=PathParams(vertices_m=((0.0, 0.0), (16.0, 0.0), (16.0, 10.0)))),
-        truth_every_s=1.0,
-    )
+    path = PathParams(vertices_m=((0.0, 0.0), (16.0, 0.0), (16.0, 10.0)))
+    gait = replace(scenario.gait, pauses=(), stretches=())
+    return replace(walk, source=replace(scenario, path=path, gait=gait), truth_every_s=1.0)
 
 
 def check(experiment: Experiment, out: Path) -> None:

@@ -1,5 +1,6 @@
 """Figure 7 of UPTIME: errors along a trip, on made-up numbers with a known answer and on a short simulated trip."""
 
+import json
 import sys
 from importlib import util
 from pathlib import Path
@@ -53,3 +54,17 @@ def test_the_script_on_a_simulated_trip(figure7, tmp_path) -> None:
     figure7.draw(trips, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 5000
     assert len(figure7.as_text(trips).splitlines()) == 4 + 2 * len(figure7.MODELS)
+
+
+def test_the_trip_of_the_paper_is_cut_at_its_stops_and_fixed_lengths_lose_where_somebody_runs(figure7) -> None:
+    trip = figure7.gaits_trip(0)
+    assert [round(walk.true_m.sum() / 10.0) for walk in trip] == [8, 16, 18, 5]
+    fixed, by_gait = (figure7.errors(trip, model, True).numbers() for model in ("static", "gait-table"))
+    assert by_gait["mean_m"] < 0.5 * fixed["mean_m"]
+    assert fixed["final_percent"] < -8.0
+
+
+def test_the_recorded_table_is_that_of_the_recorded_numbers(figure7) -> None:
+    document = json.loads((SCRIPT.parent / "results/uptime_figure7.json").read_text(encoding="utf-8"))
+    assert list(document) == ["gaits", "simulated", "known-distance", "stride-length"]
+    assert figure7.as_markdown(document) in (SCRIPT.parent / "README.md").read_text(encoding="utf-8")

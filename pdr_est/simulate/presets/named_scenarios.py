@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 from pdr_est.errors import ConfigError
 from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, park_348
+from pdr_est.simulate.presets.uptime import uptime_trip
 from pdr_est.simulate.scenario import Scenario
 from pdr_est.simulate.walker.step_schedule import Pause, WalkerGaitParams
 from pdr_est.simulate.walker.walking_path import PathParams
@@ -33,6 +34,10 @@ PRESETS: Mapping[str, Callable[[], Scenario]] = MappingProxyType(
             name="mmpdr_indoor_multi",
         ),
         "park_348": park_348,
+        "uptime_gaits": lambda: uptime_trip("gaits"),
+        "uptime_compound": lambda: uptime_trip("compound"),
+        "uptime_building": lambda: uptime_trip("building"),
+        "uptime_stairs": lambda: uptime_trip("stairs"),
     }
 )
 """Functions that make the scenarios, by name; making one at the import would cost the validation of its records."""

@@ -43,6 +43,8 @@ class SensorParams:
     """
     magnetometer: SensorErrors | None = None
     """Errors of the magnetometer, uT, whose bias is the hard iron; None for a device without one."""
+    barometer: SensorErrors | None = None
+    """Errors of the barometer, Pa; None for a device without one."""
     time_jitter_s: NonNegative = 0.0005
     """Standard deviation of the time stamps about the true sampling times, s, cut at 0.45 of the sampling interval so
     that time never runs back.
@@ -61,6 +63,8 @@ class SensorParams:
 
 NO_SENSOR_ERRORS = SensorErrors()
 PHONE_MAGNETOMETER = SensorErrors(noise_std=0.6, bias_std=15.0, scale_std=0.01)
+PHONE_BAROMETER = SensorErrors(noise_std=1.5, bias_std=100.0, bias_walk=0.5)
+"""Noise and absolute error of phones' barometers by their data sheets; the walk, 4 cm per root second, is ours."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,7 @@ class RecordedSensor:
     signal : Signal
         Recorded time stamps and values.
     bias, scale : Array
-        Constant bias in the sensor's unit and scale factor of each axis, (3,).
+        Constant bias in the sensor's unit and scale factor of each axis, (k,).
     """
 
     signal: Signal
@@ -89,9 +93,10 @@ def sampling_times(end_s: float, rate_hz: float) -> Array:
 def record_signal(
     time_s: Array, ideal: Array, errors: SensorErrors, sensors: SensorParams, rng: np.random.Generator
 ) -> RecordedSensor:
-    """Record an ideal signal (n, 3) that was sampled at true times (n,), s, with errors."""
-    bias = errors.bias_std * rng.standard_normal(3)
-    scale = 1.0 + errors.scale_std * rng.standard_normal(3)
+    """Record an ideal signal (n, k) that was sampled at true times (n,), s, with errors."""
+    axes = ideal.shape[1:]
+    bias = errors.bias_std * rng.standard_normal(axes)
+    scale = 1.0 + errors.scale_std * rng.standard_normal(axes)
     noise = errors.noise_std * rng.standard_normal(ideal.shape)
     wander = np.cumsum(rng.standard_normal(ideal.shape), axis=0) * errors.bias_walk / np.sqrt(sensors.rate_hz)
     kept = _kept_samples(time_s, sensors, rng)
@@ -103,6 +108,12 @@ def record_without_errors(time_s: Array, ideal: Array, sensors: SensorParams, rn
     """Record a signal (n, k) with exact values; time stamps, lost samples and gaps are as usual."""
     kept = _kept_samples(time_s, sensors, rng)
     return Signal(_time_stamps(time_s, sensors, rng)[kept], ideal[kept])
+
+
+def air_pressure_pa(height_m: Array) -> Array:
+    """Compute the air pressure (n, 1), Pa, of the standard atmosphere (ISO 2533) at heights (n,), m."""
+    pressure: Array = 101325.0 * (1.0 - 2.25577e-5 * height_m[:, None]) ** 5.25588
+    return pressure
 
 
 def _time_stamps(time_s: Array, sensors: SensorParams, rng: np.random.Generator) -> Array:

@@ -1,4 +1,14 @@
-"""The moving trunk of a walker: forward along the path, up and down once a step, side to side once a stride."""
+"""The moving trunk of a walker: forward along the path, up and down once a step, side to side once a stride.
+
+Runners leave the ground in each step (`running_bounce`). On stairs the trunk rises or falls by a tread's height in
+each step, and swings about that: upwards with a vertical force of at most 1.3 body weights, downwards with a landing
+of 1.4 to 1.6 (Riener et al. 2002, Stacoff et al. 2005).
+
+References
+----------
+Novacheck 1998, Gait and Posture 7. Riener, Rabuffetti and Frigo 2002, Gait and Posture 15. Stacoff et al. 2005, Gait
+and Posture 21.
+"""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -10,13 +20,16 @@ from scipy.optimize import brentq
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.params import Fraction, NonNegative, Positive, params
-from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal, evaluate_curve, quintic_curve
-from pdr_est.simulate.walker.step_schedule import SETTLE_S, StepSchedule
+from pdr_est.simulate.motion.differentiable_signal import DifferentiableSignal, evaluate_curve
+from pdr_est.simulate.walker.running_bounce import RunningBounce
+from pdr_est.simulate.walker.step_curves import CurveNodes, amplitude_curve, cumulative_curve, step_count_curve
+from pdr_est.simulate.walker.step_schedule import StepSchedule
 from pdr_est.simulate.walker.walking_path import WalkingPath
 
 Side = Literal["left", "right"]
 
 _LEG_SHARE = 0.53  # leg length over body height
+_RUN_SWAY = 0.4  # sideways motion of runners over that of walkers: their feet follow a line, ours
 
 
 @params
@@ -56,6 +69,17 @@ class BodyParams:
     """Relative amplitude of the forward speed, which is highest at the heel strike."""
     sway_m: NonNegative = 0.018
     """Amplitude of the sideways motion towards the standing leg, m."""
+    run_activity: Positive = 1.0
+    """Ratio of the motion of arms, legs and hands in running to that in walking; it is quicker all the same, because
+    steps follow sooner. The hip moves through 60 degrees in running and 40 in walking (Novacheck 1998), but phones in
+    16 pockets of MotionSense tilt no further in jogging than this gives, and turn up and down once a stride by less.
+    """
+    stair_activity: tuple[Positive, Positive] = (1.35, 0.9)
+    """The same ratio on stairs, upwards and downwards, from the tilts of the phones in 4 pockets of MotionSense; the
+    hip bends far in climbing and little in descending (Riener et al. 2002).
+    """
+    stair_bounce: tuple[NonNegative, NonNegative] = (0.13, 0.18)
+    """Ratios of the amplitude of the trunk's swing on stairs to the height of a tread, upwards and downwards."""
     turns: tuple[BodyTurn, ...] = ()
     """Stretches of sideways or backward walking, in order of time."""
 
@@ -79,7 +103,7 @@ class BodyMotion:
     phase : DifferentiableSignal
         Count of steps, a whole number at each heel strike; without meaning while activity is 0.
     activity : DifferentiableSignal
-        0 while standing, 1 while walking.
+        0 while standing, 1 while walking, another in running and on stairs: the scale of the limbs' motion.
     left_foot_odd : bool
         True if the left foot strikes at the odd counts of phase.
     """
@@ -115,34 +139,35 @@ class WalkingBody:
         self._path = path
         self._parameters = parameters
         self._left_foot_odd = bool(steps.foot[0] == "L")
-        rise_m = parameters.bounce_share * steps.length_m**2 / (8.0 * _LEG_SHARE * height_m)
-        self._progress = _progress(steps)
-        self._phase = _phase(steps)
-        self._activity = _envelope(steps, np.ones(len(steps)))
-        self._bounce = _envelope(steps, _softer_at_ends(steps, 0.5 * rise_m, parameters.boundary_bounce))
+        running = steps.flight_s > 0.0
+        self._progress = cumulative_curve(steps, steps.length_m)
+        self._climb = cumulative_curve(steps, steps.rise_m)
+        self._phase = step_count_curve(steps)
+        self._activity = amplitude_curve(steps, _limb_activity(steps, parameters))
+        self._lean = amplitude_curve(steps, np.where(running, _RUN_SWAY, 1.0))
+        self._bounce = amplitude_curve(steps, _bounce_m(steps, height_m, parameters))
+        self._running = RunningBounce(steps, self._walking_rise)
         ripple_m = parameters.speed_ripple / (2.0 * np.pi) * steps.length_m
-        self._ripple = _envelope(steps, ripple_m, to_rest=True)
+        self._ripple = amplitude_curve(steps, ripple_m, to_rest=True)
         self._turned = _body_turns(parameters.turns, steps.end_s) if parameters.turns else None
 
     def at(self, time_s: Array) -> BodyMotion:
         """Compute the motion at times (n,), s; the body stands still before the first step and after the last."""
         phase = evaluate_curve(self._phase, time_s)
-        activity = evaluate_curve(self._activity, time_s)
-        angle = phase * (2.0 * np.pi)
         on_path = self._on_path(time_s)
         east, north, heading = self._path.follow(on_path)
         # over the left leg (positive) while it carries the body: between its heel strike and the next one
         towards_left = -1.0 if self._left_foot_odd else 1.0
-        sway = activity * (phase * np.pi).sin() * (towards_left * self._parameters.sway_m)
+        sway = evaluate_curve(self._lean, time_s) * (phase * np.pi).sin() * (towards_left * self._parameters.sway_m)
         return BodyMotion(
             time_s=time_s,
             on_path=on_path,
             east=east - sway * heading.sin(),
             north=north + sway * heading.cos(),
-            up=evaluate_curve(self._bounce, time_s) * self._rise(angle),
+            up=self._running.replace_in(self._walking_rise(time_s), time_s) + evaluate_curve(self._climb, time_s),
             heading=heading if self._turned is None else heading + evaluate_curve(self._turned, time_s),
             phase=phase,
-            activity=activity,
+            activity=evaluate_curve(self._activity, time_s),
             left_foot_odd=self._left_foot_odd,
         )
 
@@ -163,19 +188,41 @@ class WalkingBody:
         angle = evaluate_curve(self._phase, time_s) * (2.0 * np.pi)
         return evaluate_curve(self._progress, time_s) + evaluate_curve(self._ripple, time_s) * angle.sin()
 
-    def _rise(self, angle: DifferentiableSignal) -> DifferentiableSignal:
-        """Compute the height over its amplitude.
+    def _walking_rise(self, time_s: Array) -> DifferentiableSignal:
+        """Compute the height above that of standing in walking, without climbing.
 
         Harmonics are divided by their squared order to act on the acceleration.
         """
         second, third = self._parameters.impact
-        lowest = angle - 2.0 * np.pi * self._parameters.peak_phase
-        return -(lowest.cos() + (lowest * 2.0).cos() * (second / 4.0) + (lowest * 3.0).cos() * (third / 9.0))
+        lowest = evaluate_curve(self._phase, time_s) * (2.0 * np.pi) - 2.0 * np.pi * self._parameters.peak_phase
+        shape = -(lowest.cos() + (lowest * 2.0).cos() * (second / 4.0) + (lowest * 3.0).cos() * (third / 9.0))
+        return evaluate_curve(self._bounce, time_s) * shape
+
+
+def _limb_activity(steps: StepSchedule, parameters: BodyParams) -> Array:
+    """Compute the scale of the limbs' motion at each heel strike, (n,), 1 in walking."""
+    upwards, downwards = parameters.stair_activity
+    on_stairs = np.where(steps.rise_m > 0.0, upwards, downwards)
+    return np.where(steps.flight_s > 0.0, parameters.run_activity, np.where(steps.rise_m == 0.0, 1.0, on_stairs))
+
+
+def _bounce_m(steps: StepSchedule, height_m: float, parameters: BodyParams) -> Array:
+    """Compute the amplitude of the trunk's rise and fall at each heel strike, (n,), m."""
+    upwards, downwards = parameters.stair_bounce
+    level_m = 0.5 * parameters.bounce_share * steps.length_m**2 / (8.0 * _LEG_SHARE * height_m)
+    on_stairs_m = np.where(steps.rise_m > 0.0, upwards, -downwards) * steps.rise_m
+    walked_m = np.where(steps.rise_m == 0.0, level_m, on_stairs_m)
+    amplitude_m = np.where(steps.flight_s > 0.0, 0.0, walked_m)  # RunningBounce takes the place of running steps
+    for bout in steps.bouts:
+        if bout.stop - bout.start > 2:
+            ends, inner = [bout.start, bout.stop - 1], [bout.start + 1, bout.stop - 2]
+            amplitude_m[ends] = parameters.boundary_bounce * amplitude_m[inner]
+    return amplitude_m
 
 
 def _body_turns(turns: tuple[BodyTurn, ...], end_s: float) -> PPoly:
     """Compute the direction that the body faces less that of the path over time."""
-    nodes = _Nodes()
+    nodes = CurveNodes()
     last_s = -np.inf
     for turn in turns:
         if turn.start_s < last_s or turn.end_s < turn.start_s + turn.duration_s:
@@ -187,82 +234,3 @@ def _body_turns(turns: tuple[BodyTurn, ...], end_s: float) -> PPoly:
         edge_s = np.array([turn.start_s, turn.start_s + turn.duration_s, turn.end_s, last_s])
         nodes.add(edge_s, np.array([0.0, turn.angle_rad, turn.angle_rad, 0.0]), np.zeros(4))
     return nodes.curve(end_s)
-
-
-def _progress(steps: StepSchedule) -> PPoly:
-    """Compute the mean arc length over time: each step covers its length, with standstills between the bouts."""
-    nodes = _Nodes()
-    covered_m = 0.0
-    for bout in steps.bouts:
-        edge_s = _edges(steps, bout)
-        arc_m = covered_m + np.concatenate([[0.0], np.cumsum(steps.length_m[bout])])
-        speed = np.diff(arc_m) / np.diff(edge_s)
-        nodes.add(edge_s, arc_m, np.concatenate([[0.0], 0.5 * (speed[1:] + speed[:-1]), [0.0]]))
-        covered_m = float(arc_m[-1])
-    return nodes.curve(steps.end_s)
-
-
-def _phase(steps: StepSchedule) -> PPoly:
-    """Count steps over time; a bout begins in the middle of a step, where the trunk is highest, as in standing.
-
-    After a bout the count falls back while the walker stands, which no motion shows.
-    """
-    nodes = _Nodes()
-    for bout in steps.bouts:
-        edge_s = _edges(steps, bout)
-        count = np.arange(bout.start, bout.stop + 1, dtype=np.float64)
-        count[0] += 0.5
-        rate = 1.0 / np.diff(edge_s)
-        at_edge = np.concatenate([[0.0], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
-        nodes.add(edge_s, count, at_edge)
-        nodes.add(edge_s[-1:] + SETTLE_S, bout.stop + rate[-1:] * SETTLE_S, rate[-1:])
-    return nodes.curve(steps.end_s)
-
-
-def _envelope(steps: StepSchedule, amplitude: Array, to_rest: bool = False) -> PPoly:
-    """Compute an amplitude over time.
-
-    It rises in the first step of a bout, then passes through that of each step at its heel strike, and fades out
-    after the last one (`to_rest`: already with the last one).
-    """
-    nodes = _Nodes()
-    for bout in steps.bouts:
-        level = np.concatenate([[0.0], amplitude[bout], [0.0]])
-        if to_rest:
-            level[-2] = 0.0
-        edge_s = _edges(steps, bout)
-        nodes.add(np.append(edge_s, edge_s[-1] + SETTLE_S), level, np.zeros(len(level)))
-    return nodes.curve(steps.end_s)
-
-
-def _softer_at_ends(steps: StepSchedule, amplitude: Array, share: float) -> Array:
-    """Take the amplitudes of the first and last step of each bout from their inner neighbours, by a share."""
-    softened = amplitude.copy()
-    for bout in steps.bouts:
-        if bout.stop - bout.start > 2:
-            softened[[bout.start, bout.stop - 1]] = share * amplitude[[bout.start + 1, bout.stop - 2]]
-    return softened
-
-
-def _edges(steps: StepSchedule, bout: slice) -> Array:
-    """Return the beginning of a bout and the ends of its steps, (n + 1,)."""
-    return np.append(steps.start_s[bout.start], steps.time_s[bout])
-
-
-class _Nodes:
-    """Points that a curve of time passes through, standing still before and after them."""
-
-    def __init__(self) -> None:
-        self._columns: list[tuple[Array, Array, Array]] = []
-
-    def add(self, time_s: Array, value: Array, rate: Array) -> None:
-        self._columns.append((time_s, value, rate))
-
-    def curve(self, end_s: float) -> PPoly:
-        time_s, value, rate = (np.concatenate(parts) for parts in zip(*self._columns, strict=True))
-        before, after = min(0.0, time_s[0]) - 1.0, max(end_s, time_s[-1]) + 1.0
-        return quintic_curve(
-            np.concatenate([[before], time_s, [after]]),
-            np.concatenate([value[:1], value, value[-1:]]),
-            np.concatenate([[0.0], rate, [0.0]]),
-        )
