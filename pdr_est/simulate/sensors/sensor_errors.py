@@ -24,6 +24,8 @@ class SensorErrors:
     """Random walk of the bias, unit per square root of a second."""
     scale_std: NonNegative = 0.0
     """Relative standard deviation of the scale factor of each axis."""
+    bias: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Given bias of the axes, which the constant bias that is drawn comes on top of."""
 
 
 @params
@@ -90,7 +92,7 @@ def record_signal(
     time_s: Array, ideal: Array, errors: SensorErrors, sensors: SensorParams, rng: np.random.Generator
 ) -> RecordedSensor:
     """Record an ideal signal (n, 3) that was sampled at true times (n,), s, with errors."""
-    bias = errors.bias_std * rng.standard_normal(3)
+    bias = np.array(errors.bias) + errors.bias_std * rng.standard_normal(3)
     scale = 1.0 + errors.scale_std * rng.standard_normal(3)
     noise = errors.noise_std * rng.standard_normal(ideal.shape)
     wander = np.cumsum(rng.standard_normal(ideal.shape), axis=0) * errors.bias_walk / np.sqrt(sensors.rate_hz)
