@@ -6,8 +6,8 @@ Five simulated people carry a phone nearly straight in the left or right front p
 (204.0 m, straight parts only) and II (290.0 m, with a circle walked five times): 25 tests on each (`psp_walks`), and
 as many of other people for every further population. Steps and their lengths are those of the defaults; headings
 are those of each method, its compensation in the headings; the walk is dead reckoning. The gyroscope's bias is not
-learned at rest, as the paper does not: the attitude filter would take the swaying of one who stands for it. The return
-position error is the distance from the end of the track to its start, where the walker is again.
+learned at rest, as the paper does not: the attitude filter would take the swaying of one who stands for it. The
+return position error is the distance from the end of the track to its start, where the walker is again.
 
 Four set-ups, each differing from the first in one thing:
 

@@ -50,10 +50,10 @@ def psp_walks(
     its magnetometer.
 
     Legs "paper" are such that the bare gyroscope errs as the paper's own line says, 10.07 % of the way on trajectory
-    I and 7.62 % on II, in the mean over many tests; this was fitted with seeds 101 to 103. The phone swings by 0.23 rad
-    forward and back (10 % more or less from person to person), in a plane, and leans by 2 degrees (standard deviation
-    each way). Its y axis then shows 98 % of a turn; in three pockets of OxIOD it shows 97 to 98 %. The gyroscope's
-    bias is 0.21 degrees per second (standard deviation), four times that of `SensorParams`.
+    I and 7.62 % on II, in the mean over many tests; this was fitted with seeds 101 to 103. The phone swings by 0.23
+    rad forward and back (10 % more or less from person to person), in a plane, and leans by 2 degrees (standard
+    deviation each way). Its y axis then shows 98 % of a turn; in three pockets of OxIOD it shows 97 to 98 %. The
+    gyroscope's bias is 0.21 degrees per second (standard deviation), four times that of `SensorParams`.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def psp_path(trajectory: PspTrajectory, clockwise: bool) -> PathParams:
     """Make a closed path of 204.0 m (I) or 290.0 m (II), that begins to the east.
 
     Fig. 3 is not in the text that we have. I is a rectangle 12 m deep and about 90 m long, from a corner. II is one
-    of about 68 m by 25 m, from the middle of a side; in the middle of the side across from the start the walker goes
+    of about 58 m by 25 m, from the middle of a side; in the middle of the side across from the start the walker goes
     round a circle of 4 m radius five times, turning as the rectangle does. In a stride he turns by 20 degrees there,
     above the threshold of eq. 2, as he must for the paper's statement that HDE suspends its action on the circle. The
     gyroscope's bias that gives the paper's error on trajectory I is the smaller, the farther from its start the path

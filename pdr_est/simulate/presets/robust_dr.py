@@ -26,8 +26,9 @@ _CADENCE = 0.75  # of the usual one: the paper's 90 m take about 2 minutes
 _IRON_SPACING_M = 3.0  # "numerous desktop computers and metal cabinets": closer than in the corridors of PSP
 _HARD_IRON_UT = 3.0  # what the phone's own calibration leaves, as in the walks of PSP
 _CLOCK_S = 2.0  # most by which the right phone's clock may differ
-# Hard iron of trials with opposed compasses. Of the left phone, uT along each level axis of the body, a quarter of the
-# Earth's level field; the angle, rad, and the logarithm of the factor between it and the opposite of the other. Ours.
+# Hard iron of trials with opposed compasses. Of the left phone, uT along each level axis of the body, a quarter of
+# the Earth's level field; the angle, rad, and the logarithm of the factor between it and the opposite of the other.
+# Ours.
 _OPPOSED_UT, _OPPOSED_RAD, _OPPOSED_LOG_RATIO = 5.0, 0.5, 0.5
 
 
@@ -48,8 +49,8 @@ def robust_dr_trials(
     here. Iron that goes along in the left pocket disturbs that compass by a level field with a standard deviation of
     5 uT forward and to the left, in axes of the body. The field in the right pocket is the opposite one, turned by an
     angle of 0.5 rad (standard deviation) and multiplied by exp(0.5 n), where n is standard normal: the errors are
-    about equal in some trials and very different in others. Which way a phone errs changes with the walking direction, and
-    the other phone errs the other way. Everything else is as in the trials without.
+    about equal in some trials and very different in others. Which way a phone errs changes with the walking
+    direction, and the other phone errs the other way. Everything else is as in the trials without.
 
     Parameters
     ----------
