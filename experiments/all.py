@@ -19,7 +19,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from regeneration import Place, Task, read_record, regenerate, state_of
+from regeneration import Place, Task, read_record, regenerate, state_of, usual_minutes
 
 ROOT = Path(__file__).resolve().parents[1]
 SUITES: dict[str, tuple[tuple[str, ...], float]] = {  # what benchmark_tables.py compares, and minutes
@@ -151,7 +151,7 @@ def main() -> int:
     if options.list:
         record = read_record(place.record)
         for task in tasks:
-            print(f"{task.name:28}{task.minutes:6g} min  {state_of(task, place, record)}")
+            print(f"{task.name:28}{usual_minutes(task, record):6g} min  {state_of(task, place, record)}")
         return 0
     outcome = regenerate(tasks, place, options.jobs, options.force)
     print(f"\nrecorded anew: {', '.join(outcome.done) or 'nothing'}")

@@ -113,7 +113,8 @@ def regenerate(
                 elif state == "unchanged" and not force:
                     outcome.unchanged.append(task.name)
                 else:
-                    tell(f"{time.strftime('%H:%M:%S')} {task.name}: started, usually {task.minutes:g} min")
+                    usual = usual_minutes(task, known)
+                    tell(f"{time.strftime('%H:%M:%S')} {task.name}: started, usually {usual:g} min")
                     started = time.monotonic(), fingerprint(task, place)
                     running[pool.submit(_run, task, place)] = task, *started
             if running:
@@ -177,7 +178,8 @@ def _note(
         return
     outcome.done[task.name] = seconds
     record = read_record(place.record)
-    record[task.name] = {"fingerprint": code, "outputs": output_digest(task, place)}
+    digests = {"fingerprint": code, "outputs": output_digest(task, place)}
+    record[task.name] = {**digests, "seconds": f"{seconds:.0f}"}
     write_text(place.record, json.dumps(dict(sorted(record.items())), indent=2) + "\n")
     tell(f"{time.strftime('%H:%M:%S')} {task.name}: done in {seconds:.0f} s")
 
@@ -188,8 +190,14 @@ def state_of(task: Task, place: Place, record: Mapping[str, Mapping[str, str]]) 
         return "no data"
     if task.name not in record:
         return "never recorded"
-    same = record[task.name] == {"fingerprint": fingerprint(task, place), "outputs": output_digest(task, place)}
-    return "unchanged" if same else "changed"
+    now = {"fingerprint": fingerprint(task, place), "outputs": output_digest(task, place)}
+    return "unchanged" if now.items() <= record[task.name].items() else "changed"
+
+
+def usual_minutes(task: Task, record: Mapping[str, Mapping[str, str]]) -> float:
+    """Return how long a task took when it was recorded, or how long it usually takes, minutes."""
+    seconds = record.get(task.name, {}).get("seconds", "")
+    return round(int(seconds) / 60.0, 1) if seconds.isdigit() else task.minutes
 
 
 def read_record(path: Path) -> dict[str, dict[str, str]]:

@@ -65,6 +65,8 @@ def test_what_has_not_changed_is_not_run_again(place: Place) -> None:
     again = run(tasks, place)
     assert (again.unchanged, list(again.done)) == (["a"], ["b"])
     assert list(run(tasks, place, force=True).done) == ["a", "b"]
+    assert regeneration.usual_minutes(tasks[0], regeneration.read_record(place.record)) < 1.0
+    assert regeneration.usual_minutes(writes("never"), {}) == 1.0
     place.record.write_text("damaged")
     assert list(run(tasks, place).done) == ["a", "b"]
 
