@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from test_mmpdr_tables import experiment
 
-from pdr_est.simulate import robust_dr_trials
+from pdr_est.simulate import robust_dr_trials, simulate_walk
 
 RESULTS = Path(__file__).resolve().parents[2] / "experiments" / "results"
 REMEDY = "run experiments/all.py"
@@ -36,15 +36,15 @@ def test_psp_figure_3_of_one_walk() -> None:
         assert panel.return_error_percent(method) == pytest.approx(row[method], abs=0.02), REMEDY
 
 
-def test_robust_dr_figure_4_of_the_first_trial() -> None:
+@pytest.mark.parametrize(("words", "opposed"), [("trials", False), ("opposed compasses", True)])
+def test_robust_dr_figure_4_of_the_first_trial(words: str, opposed: bool) -> None:
     figure, document = experiment("robust_dr_figure4"), recorded("robust_dr_figure4")
-    for words, opposed in (("trials", False), ("opposed compasses", True)):
-        scenarios = robust_dr_trials(document["seed"], 1, opposed_compasses=opposed)
-        chains = tuple(document["sets"][words])
-        for chain, (trial,) in figure.measured(scenarios, chains).items():
-            first = document["sets"][words][chain]["trials"][0]
-            for name in ("dead-reckoning", "map-closed-form"):
-                np.testing.assert_allclose(trial.mean_m(name), first[name], atol=0.01, err_msg=REMEDY)
+    (scenario,) = robust_dr_trials(document["seed"], 1, opposed_compasses=opposed)
+    walk = simulate_walk(scenario)
+    for chain, of in document["sets"][words].items():
+        trial = figure.fused(walk, figure.settings(walk, chain), ("dead-reckoning", "map-closed-form"))
+        for name in trial.tracks:
+            np.testing.assert_allclose(trial.mean_m(name), of["trials"][0][name], atol=0.01, err_msg=REMEDY)
 
 
 def test_mmpdr_table_7_of_the_first_person() -> None:
