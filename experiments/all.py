@@ -67,9 +67,9 @@ def recorded(stem: str, data: tuple[str, ...], minutes: float, *endings: str) ->
 
 LENGTH_SETS = ("ipin2023", "known-distance", "stride-length", "oxiod", "phone-gps", "ilc20", "walks")
 TASKS: tuple[Task, ...] = (
-    simulated("mmpdr_table6", 5.0),
-    simulated("mmpdr_table7", 2.0),
-    simulated("mmpdr_tables8_9", 5.0),
+    simulated("mmpdr_table6", 1.0),
+    simulated("mmpdr_table7", 0.5),
+    simulated("mmpdr_tables8_9", 1.0),
     # the curves of the figures are compared with the table
     Task(
         "mmpdr_table10",
@@ -81,14 +81,14 @@ TASKS: tuple[Task, ...] = (
         ),
         minutes=30.0,
     ),
-    simulated("psp_table1", 25.0),
+    simulated("psp_table1", 12.0),
     simulated("psp_figure3", 1.0, ".png", reads=("results/psp_table1.json",)),
-    simulated("robust_dr_figure4", 60.0, ".png"),
+    simulated("robust_dr_figure4", 50.0, ".png"),
     simulated("turned_walkers", 30.0),
     recorded("uptime_table2", ("motionsense", "sisfall"), 5.0),
     recorded("uptime_table3", ("oxford-steps",), 3.0),
     recorded("uptime_table4", ("motionsense", "sisfall"), 10.0),
-    recorded("uptime_figure7", ("known-distance", "stride-length"), 3.0, ".png"),
+    recorded("uptime_figure7", ("known-distance", "stride-length"), 0.5, ".png"),
     recorded("step_length_fit", LENGTH_SETS, 20.0),
     Task(
         "gait_changes",
