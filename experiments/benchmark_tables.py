@@ -18,6 +18,7 @@ from pdr_est.config import Config
 from pdr_est.experiment import comparison_on_axis, print_benchmark, run_benchmark
 from pdr_est.experiment.suites import SUITES
 from pdr_est.experiment.variants.axes import axis_named
+from pdr_est.output.atomic_output import text_output, write_text
 
 PAGES = tuple(Path(__file__).parents[1] / page for page in ("README.md", "docs/accuracy.md"))
 MARK = "<!-- benchmark -->"
@@ -70,8 +71,8 @@ def record(suite: str, compared: str, data: Path, jobs: int, stem: str) -> None:
     axis = axis_named(compared)
     result = run_benchmark(suite, data, comparison_on_axis(Config(), axis.name, axis.values), jobs)
     summary = {key: value for key, value in result.to_dict().items() if key not in ("walks", "skipped")}
-    (RESULTS / f"{stem}.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-    with (RESULTS / f"{stem}.txt").open("w", encoding="utf-8") as stream:
+    write_text(RESULTS / f"{stem}.json", json.dumps(summary, indent=2) + "\n")
+    with text_output(RESULTS / f"{stem}.txt") as stream:
         print_benchmark(result, Console(file=stream, width=160))
 
 

@@ -44,9 +44,9 @@ OVERVIEW = """\
 | UPTIME Fig. 6, step detectors by step size | Oxford steps, simulated | `python experiments/uptime_figure6.py --data DIR` | bars without numbers / [bars](results/uptime_figure6.png) | [below](#uptime-figure-6) |
 | UPTIME Fig. 7, error along a trip | simulated; known-distance, stride-length | `python experiments/uptime_figure7.py --data DIR` | a curve without numbers / at the end of the trip in three gaits {trip[gait-table][final_percent]:+.1f} % by gait, {trip[static][final_percent]:+.1f} % fixed | [below](#uptime-figure-7) |
 | UPTIME Figs 8 and 9, traces | simulated; known-distance, phyphox, phone-gps | `python experiments/uptime_figures8_9.py --data DIR` | outdoors 6.9 / {outdoors:.1f} % (phone-gps, held), indoors 5.9 / {indoors:.1f} % (hallway) | [below](#uptime-figures-8-and-9): one length for everybody |
-| PSP Table I, return errors | simulated | `python experiments/psp_table1.py` | `psp` with planar legs: trajectory I 0.96 / {psp[I]:.2f} %, II 1.33 / {psp[II]:.2f} % | [below](#psp-table-i) |
+| PSP Table I, return errors | simulated | `python experiments/psp_table1.py` | `psp`, mean: trajectory I 0.96 / {psp[I][percent]:.2f} %, II 1.33 / {psp[II][percent]:.2f} %; median of II {psp[II][median_percent]:.2f} % | [below](#psp-table-i) |
 | PSP Fig. 3, paths | simulated | `python experiments/psp_figure3.py` | pictures / [Fig. 3](results/psp_figure3.png) | [below](#psp-figure-3): where its circle lies is not in our text |
-| Robust DR Fig. 4, ten trials | simulated | `python experiments/robust_dr_figure4.py --trials 100` | a phone's error cut by up to 73.7 / {fusions[map-closed-form][greatest_reduction]:.1f} % (`map-closed-form`), {fusions[ekf][greatest_reduction]:.1f} % (`ekf`); both phones better in 5 / {fusions[map-closed-form][both_better]} of 10 trials | [below](#robust-dr-figures-4-to-8) |
+| Robust DR Fig. 4, ten trials | simulated | `python experiments/robust_dr_figure4.py` | a phone's error cut by `map-closed-form` by up to 73.7 / {fusions[map-closed-form][greatest_reduction]:.1f} %, {opposed[map-closed-form][greatest_reduction]:.1f} % with opposed compasses; both phones better in 5 / {fusions[map-closed-form][both_better]}, {opposed[map-closed-form][both_better]} of 10 trials | [below](#robust-dr-figures-4-to-8) |
 | Robust DR Figs 5 to 8, errors and paths of trials 6 and 7 | simulated | the same | curves without numbers / [curves](results/robust_dr_figure4.png) of the trials with the greatest and the median reduction | [below](#robust-dr-figures-4-to-8): other trials, our path |"""
 
 
@@ -86,7 +86,8 @@ def overview() -> str:
         sum(abs(error) for error in trips[group]["uptime"]) / len(trips[group]["uptime"])
         for group in ("phone-gps, held", "phyphox hallway loop, in hand")
     )
-    planar = {one["trajectory"]: one for one in result("psp_table1")["blocks"] if one["legs"] == "planar legs"}
+    psp = {one["trajectory"]: one for one in result("psp_table1")["blocks"] if one["set_up"] == "paper"}
+    robust_dr = result("robust_dr_figure4")["sets"]
     facts = {
         "t6": {mode: result("mmpdr_table6")["methods"]["mmpdr"]["changes"][mode][mode] for mode in MODES},
         "t7": result("mmpdr_table7")["mmpdr"]["std"],
@@ -100,8 +101,9 @@ def overview() -> str:
         "outdoors": outdoors,
         "indoors": indoors,
         "f11": result("mmpdr_figures")["chains"],
-        "fusions": result("robust_dr_figure4")["headings"]["compass"]["fusions"],
-        "psp": {name: 100.0 * one["methods"]["psp"]["mean_m"] / one["length_m"] for name, one in planar.items()},
+        "fusions": robust_dr["trials"]["pointing"]["fusions"],
+        "opposed": robust_dr["opposed compasses"]["pointing"]["fusions"],
+        "psp": {name: one["methods"]["psp"] for name, one in psp.items()},
     }
     return OVERVIEW.format(**facts)
 
@@ -185,56 +187,46 @@ def mmpdr_offsets() -> str:
 
 
 def psp_table_1() -> str:
-    """Tabulate the return position errors in percent of the path."""
-    document = result("psp_table1")
-    methods = tuple(document["blocks"][0]["methods"])
+    """Tabulate the return position errors, mean and median, in percent of the path."""
+    blocks = result("psp_table1")["blocks"]
+    methods = tuple(blocks[0]["methods"])
     rows = []
-    for trajectory in dict.fromkeys(block["trajectory"] for block in document["blocks"]):
-        blocks = [block for block in document["blocks"] if block["trajectory"] == trajectory]
-        length_m = blocks[0]["length_m"]
-        papers_m = [blocks[0]["methods"][method]["paper_m"] for method in methods]
-        papers = ("–" if paper_m is None else f"{100.0 * paper_m / length_m:.2f}" for paper_m in papers_m)
-        rows.append((f"{trajectory}, paper", *papers))
-        rows += [
-            (
-                f"{trajectory}, {block['legs']}",
-                *(f"{100.0 * block['methods'][method]['mean_m'] / length_m:.2f}" for method in methods),
-            )
-            for block in blocks
-        ]
+    for trajectory in dict.fromkeys(block["trajectory"] for block in blocks):
+        own = [block for block in blocks if block["trajectory"] == trajectory]
+        papers_m = [own[0]["methods"][method]["paper_m"] for method in methods]
+        papers = ("–" if one is None else f"{100.0 * one / own[0]['length_m']:.2f}" for one in papers_m)
+        rows.append((f"{trajectory}, the paper's", *papers))
+        for block in own:
+            cells = (block["methods"][method] for method in methods)
+            numbers = (f"{cell['percent']:.2f} ({cell['median_percent']:.2f})" for cell in cells)
+            rows.append((f"{trajectory}, {block['set_up']}", *numbers))
     return markdown_table(("trajectory, % of the way", *(f"`{method}`" for method in methods)), rows)
 
 
 def psp_figure_3() -> str:
     """Tabulate the return position errors of the paths that are drawn, percent of the path."""
     walks = result("psp_figure3")["return_error_percent"]
-    methods = [key for key in walks[0] if key not in ("trajectory", "legs", "way")]
+    methods = [key for key in walks[0] if key not in ("trajectory", "set_up", "way")]
     rows = [
-        (f"{one['trajectory']}, {one['way']}, {one['legs']}", *(f"{one[method]:.2f}" for method in methods))
+        (f"{one['trajectory']}, {one['way']}, {one['set_up']}", *(f"{one[method]:.2f}" for method in methods))
         for one in walks
     ]
     return markdown_table(("left pocket, % of the way", *(f"`{method}`" for method in methods)), rows)
 
 
 def robust_dr_figure_4() -> str:
-    """Tabulate the errors of both phones after fusion, by kind of headings, over ten trials and over more."""
-    document = result("robust_dr_figure4")
-    blocks = {f"{chain}, 10 trials": block["fusions"] for chain, block in document["headings"].items()}
-    if document["further_trials"] is not None:
-        blocks |= {
-            f"{chain}, {next(iter(of.values()))['trials']} more": of
-            for chain, of in document["further_trials"].items()
-        }
-    names = tuple(next(iter(blocks.values())))
+    """Tabulate the errors of both phones after fusion, by set of trials and chain."""
     rows = []
-    for words, of in blocks.items():
-        cells = (
-            f"{of[name]['before_m']:.2f} → {of[name]['after_m']:.2f}; {of[name]['greatest_reduction']:.1f} %; "
-            f"{of[name]['both_better']}"
-            for name in names
-        )
-        rows.append((words, *cells))
-    return markdown_table(("headings", *(f"`{name}`" for name in names)), rows)
+    for words, table in result("robust_dr_figure4")["sets"].items():
+        for chain, of in table.items():
+            cells = (
+                f"{one['before_m']:.2f} → {one['after_m']:.2f}; {one['greatest_reduction']:.1f} %; {one['both_better']}"
+                for one in of["fusions"].values()
+            )
+            trials = next(iter(of["fusions"].values()))["trials"]
+            rows.append((f"{chain}, {trials} {words}", *cells))
+            names = tuple(of["fusions"])
+    return markdown_table(("chain", *(f"`{name}`" for name in names)), rows)
 
 
 def beside(paper: float | None, ours: float) -> str:

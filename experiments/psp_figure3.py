@@ -3,28 +3,31 @@
     python experiments/psp_figure3.py [--seed 0]
 
 The walks are those of psp_table1.py on trajectory I and II, either way round, with the phone in the left pocket,
-and reckoned by each of its headings, from the known start. The paper's paths (c) to (f) are those of one male user;
-its panels (a) and (b) are the trajectories alone, which are the true paths here. Figure 3 is not in the text that we
-have: where the circle of trajectory II lies is ours. Above with legs that swing in their plane, below with legs that
-circle as those of recordings do.
+and reckoned by each of its headings, from the known start, with the increments that its results have. The paper's
+paths (c) to (f) are those of one male user; its panels (a) and (b) are the trajectories alone, which are the true
+paths here. Figure 3 is not in the text that we have: where the circle of trajectory II lies is ours. Above with the
+set-up "paper", below with legs that circle.
+
+Reads experiments/results/psp_table1.json.
 
 Writes experiments/results/psp_figure3.png, .json and .txt.
 """
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from psp_table1 import DEFAULT, LEGS, METHODS, TRAJECTORIES, group_of, settings, with_legs
+from psp_table1 import TRAJECTORIES, Method, SetUp, group_of, settings, walks
 from recorded import RESULTS, command_line, write
 
-from pdr_est.front_end.heading import HeadingName
 from pdr_est.pipeline import smooth_recording
-from pdr_est.simulate import PspTrajectory, Scenario, SimulatedWalk, WalkingPath, psp_walks, simulate_walk
+from pdr_est.simulate import PspTrajectory, Scenario, SimulatedWalk, WalkingPath, simulate_walk
 from pdr_est.types.track import Track
 
-SHOWN: tuple[HeadingName, ...] = (*METHODS, DEFAULT)
+SHOWN: tuple[Method, ...] = ("psp", "hde", "gyro", "magnetometer", "auto")
+SHOWN_SET_UPS: tuple[SetUp, ...] = ("paper", "circling legs")
 WAYS = ("clockwise", "counter-clockwise")
 COLOURS = dict(zip(SHOWN, ("tab:red", "tab:blue", "tab:orange", "tab:green", "tab:purple"), strict=True))
 ENOUGH_TESTS = 25  # among which each person, pocket and way is found
@@ -32,15 +35,15 @@ ENOUGH_TESTS = 25  # among which each person, pocket and way is found
 
 @dataclass(frozen=True)
 class Panel:
-    """One walk: legs and direction as in psp_table1.py, and the track with each heading."""
+    """One walk: set-up and direction as in psp_table1.py, and the track with each heading."""
 
     trajectory: PspTrajectory
-    legs: str
+    set_up: SetUp
     way: str
     walk: SimulatedWalk
-    tracks: Mapping[HeadingName, Track]
+    tracks: Mapping[Method, Track]
 
-    def return_error_percent(self, method: HeadingName) -> float:
+    def return_error_percent(self, method: Method) -> float:
         """Compute the distance from the end of the track to its start, percent of the path."""
         position_m = self.tracks[method].position_m
         return (
@@ -54,27 +57,28 @@ def main() -> None:
     """Simulate, draw and write."""
     seed = command_line(__doc__, {"--seed": 0}).seed
     panels = [
-        panel(trajectory, legs, way, seed) for legs in reversed(LEGS) for trajectory in TRAJECTORIES for way in WAYS
+        panel(trajectory, set_up, way, seed)
+        for set_up in SHOWN_SET_UPS
+        for trajectory in TRAJECTORIES
+        for way in WAYS
     ]
     draw(panels).savefig(RESULTS / "psp_figure3.png", dpi=80, metadata={"Software": None})
     write("psp_figure3", as_text(panels), as_document(panels, seed))
 
 
-def panel(trajectory: PspTrajectory, legs: str, way: str, seed: int) -> Panel:
+def panel(trajectory: PspTrajectory, set_up: SetUp, way: str, seed: int) -> Panel:
     """Estimate the walk of the first man in that direction with each heading."""
-    walk = simulate_walk(with_legs(of_a_man(trajectory, way, seed), legs))
-    return Panel(
-        trajectory,
-        legs,
-        way,
-        walk,
-        {method: smooth_recording(walk.recording, settings(method)).track for method in SHOWN},
-    )
+    walk = simulate_walk(of_a_man(trajectory, set_up, way, seed))
+    chosen = json.loads((RESULTS / "psp_table1.json").read_text(encoding="utf-8"))["increment_radps"]
+    tracks = {
+        method: smooth_recording(walk.recording, settings(method, chosen.get(method, 0.0))).track for method in SHOWN
+    }
+    return Panel(trajectory, set_up, way, walk, tracks)
 
 
-def of_a_man(trajectory: PspTrajectory, way: str, seed: int) -> Scenario:
+def of_a_man(trajectory: PspTrajectory, set_up: SetUp, way: str, seed: int) -> Scenario:
     """Return the first test in that direction of the first man among the people, left pocket."""
-    tests = psp_walks(trajectory, ENOUGH_TESTS, seed)
+    tests = walks(trajectory, set_up, seed, ENOUGH_TESTS)
     height_m = next(test.gait.height_m for test in tests if test.gait.gender == "male")
     return next(test for test in tests if test.gait.height_m == height_m and group_of(test) == f"left, {way}")
 
@@ -86,7 +90,7 @@ def as_document(panels: Sequence[Panel], seed: int) -> dict[str, object]:
         "return_error_percent": [
             {
                 "trajectory": one.trajectory,
-                "legs": one.legs,
+                "set_up": one.set_up,
                 "way": one.way,
                 **{method: round(one.return_error_percent(method), 2) for method in SHOWN},
             }
@@ -100,13 +104,13 @@ def as_text(panels: Sequence[Panel]) -> str:
     head = "".join(f"{method:>14}" for method in SHOWN)
     lines = ["PSP Fig. 3: return position error of the paths, percent of the way", "", f"{'':46}{head}"]
     for one in panels:
-        label = f"{one.trajectory}, left pocket, {one.way}, {one.legs}"
+        label = f"{one.trajectory}, left pocket, {one.way}, {one.set_up}"
         lines.append(f"{label:46}" + "".join(f"{one.return_error_percent(method):14.2f}" for method in SHOWN))
     return "\n".join(lines) + "\n"
 
 
 def draw(panels: Sequence[Panel]) -> Figure:
-    """Draw a row of panels for each kind of legs."""
+    """Draw a row of panels for each set-up."""
     figure = Figure(figsize=(18.0, 9.0), layout="constrained")
     rows = figure.subplots(2, len(panels) // 2, squeeze=False)
     for axes, one in zip(rows.flat, panels, strict=True):
@@ -114,7 +118,7 @@ def draw(panels: Sequence[Panel]) -> Figure:
         for method, track in one.tracks.items():
             axes.plot(*track.position_m.T, color=COLOURS[method], linewidth=1.3, label=method)
         axes.set(
-            title=f"{one.trajectory}, left pocket, {one.way}\n{one.legs}",
+            title=f"{one.trajectory}, left pocket, {one.way}\n{one.set_up}",
             xlabel="east, m",
             ylabel="north, m",
         )

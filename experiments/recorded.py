@@ -7,6 +7,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from pdr_est.output.atomic_output import write_text
+from pdr_est.output.file_lock import locked
+
 RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parent / "README.md"
 
@@ -39,16 +42,17 @@ def command_line(description: str | None, options: Mapping[str, Any] = MappingPr
 
 
 def write(stem: str, text: str, document: Mapping[str, object] | Sequence[object]) -> None:
-    """Print the text, and write it and the numbers to results/STEM.txt and .json."""
-    (RESULTS / f"{stem}.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
-    (RESULTS / f"{stem}.txt").write_text(text, encoding="utf-8")
+    """Print the text, and write it and the numbers to results/STEM.txt and .json, each complete or not at all."""
+    write_text(RESULTS / f"{stem}.json", json.dumps(document, indent=2) + "\n")
+    write_text(RESULTS / f"{stem}.txt", text)
     print(text, end="")
 
 
 def write_table(mark: str, table: str, page: Path = README) -> None:
-    """Put a table between the two places of a page that have a mark."""
-    before, _, after = page.read_text(encoding="utf-8").split(mark)
-    page.write_text(f"{before}{mark}\n{table}\n{mark}{after}", encoding="utf-8")
+    """Put a table between the two places of a page that have a mark; other scripts may write others meanwhile."""
+    with locked(page):
+        before, _, after = page.read_text(encoding="utf-8").split(mark)
+        write_text(page, f"{before}{mark}\n{table}\n{mark}{after}")
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

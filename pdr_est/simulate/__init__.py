@@ -18,10 +18,18 @@ from pdr_est.simulate.carrying.swinging_phone import SwingingPhone
 from pdr_est.simulate.people.person import SimulatedPerson, sample_person
 from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, mmpdr_mode_walks, park_348
 from pdr_est.simulate.presets.named_scenarios import PRESETS, preset
-from pdr_est.simulate.presets.psp import PSP_TESTS, PspTrajectory, psp_path, psp_walks
+from pdr_est.simulate.presets.psp import (
+    PSP_GYROSCOPE_BIAS_RADPS,
+    PSP_TESTS,
+    PspLegs,
+    PspTrajectory,
+    psp_path,
+    psp_walks,
+)
 from pdr_est.simulate.presets.robust_dr import ROBUST_DR_TRIALS, robust_dr_trials, waypoint_passes
 from pdr_est.simulate.presets.uptime import UptimeTrip, uptime_trip
 from pdr_est.simulate.scenario import DeviceParams, Scenario
+from pdr_est.simulate.sensors.compass_orientation import with_compass_orientation
 from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole, scatter_dipoles
 from pdr_est.simulate.sensors.sensor_errors import (
     NO_SENSOR_ERRORS,
@@ -41,6 +49,7 @@ __all__ = [
     "PHONE_BAROMETER",
     "PHONE_MAGNETOMETER",
     "PRESETS",
+    "PSP_GYROSCOPE_BIAS_RADPS",
     "PSP_TESTS",
     "ROBUST_DR_TRIALS",
     "BodyParams",
@@ -55,6 +64,7 @@ __all__ = [
     "PathParams",
     "Pause",
     "PocketPhone",
+    "PspLegs",
     "PspTrajectory",
     "RunningStretch",
     "Scenario",
@@ -81,4 +91,5 @@ __all__ = [
     "simulate_walk",
     "uptime_trip",
     "waypoint_passes",
+    "with_compass_orientation",
 ]

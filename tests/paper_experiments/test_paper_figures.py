@@ -33,10 +33,10 @@ def test_mmpdr_figures_of_one_walker() -> None:
 
 def test_psp_figure_3_of_one_walk() -> None:
     figure = experiment("psp_figure3")
-    scenario = figure.of_a_man("I", "clockwise", 0)
+    scenario = figure.of_a_man("I", "paper", "clockwise", 0)
     assert scenario.gait.gender == "male"
     assert figure.group_of(scenario) == "left, clockwise"
-    one = figure.panel("I", "planar legs", "clockwise", 0)
+    one = figure.panel("I", "paper", "clockwise", 0)
     assert one.return_error_percent("auto") < one.return_error_percent("magnetometer")
     drawn = figure.draw([one, one])
     assert {line.get_label() for line in drawn.axes[0].lines} == {"true path", *figure.SHOWN}

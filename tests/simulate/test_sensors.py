@@ -86,3 +86,12 @@ def test_sampling_covers_the_walk(rate_hz: float) -> None:
     assert time_s[0] == 0.0
     assert 7.0 - 1.0 / rate_hz < time_s[-1] <= 7.0
     np.testing.assert_allclose(np.diff(time_s), 1.0 / rate_hz)
+
+
+def test_a_given_bias_comes_on_top_of_the_one_that_is_drawn() -> None:
+    drawn, given = (
+        record_signal(TIME_S[:50], ZERO[:50], SensorErrors(bias_std=0.2, bias=bias), CLEAN, rng())
+        for bias in ((0.0, 0.0, 0.0), (1.0, -2.0, 3.0))
+    )
+    np.testing.assert_allclose(given.bias - drawn.bias, [1.0, -2.0, 3.0])
+    np.testing.assert_allclose(given.signal.values - drawn.signal.values, np.tile([1.0, -2.0, 3.0], (50, 1)))

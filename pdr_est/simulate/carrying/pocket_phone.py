@@ -94,7 +94,7 @@ class PocketPhone:
             left=left + outward * self.hip_left_m + jerk[1],
             up=up - jolt + self.hip_up_m + jerk[2],
             limb=LimbPose(thigh.twist + rattle + wander[0] + turn[0], thigh.flexion, thigh.abduction),
-            mount=self._mount(),
+            mount=self.mount(),
             pitch=rattle + wander[1] + turn[1],
             roll=rattle + wander[2] + turn[2],
         )
@@ -123,7 +123,7 @@ class PocketPhone:
         own_leg, other_leg = (oscillation_burst(body.stride_of(side), *shape) for side in (self.side, other))
         return body.activity * (own_leg + other_leg * self.other_leg)
 
-    def _mount(self) -> Rotation:
+    def mount(self) -> Rotation:
         """Compute the phone's orientation on the hanging thigh."""
         left, up, ahead = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
         upright = Rotation.from_matrix(np.column_stack([left, up, ahead]))

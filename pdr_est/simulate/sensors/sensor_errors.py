@@ -24,6 +24,8 @@ class SensorErrors:
     """Random walk of the bias, unit per square root of a second."""
     scale_std: NonNegative = 0.0
     """Relative standard deviation of the scale factor of each axis."""
+    bias: tuple[float, ...] = ()
+    """Given bias of each axis, to which the drawn constant bias is added; none if empty."""
 
 
 @params
@@ -95,7 +97,7 @@ def record_signal(
 ) -> RecordedSensor:
     """Record an ideal signal (n, k) that was sampled at true times (n,), s, with errors."""
     axes = ideal.shape[1:]
-    bias = errors.bias_std * rng.standard_normal(axes)
+    bias = np.array(errors.bias or 0.0) + errors.bias_std * rng.standard_normal(axes)
     scale = 1.0 + errors.scale_std * rng.standard_normal(axes)
     noise = errors.noise_std * rng.standard_normal(ideal.shape)
     wander = np.cumsum(rng.standard_normal(ideal.shape), axis=0) * errors.bias_walk / np.sqrt(sensors.rate_hz)

@@ -107,6 +107,15 @@ def test_tie_adds_the_mean_magnitude_in_the_sense_of_the_turn() -> None:
     assert controller.update(-1, 0.7) == pytest.approx(-0.15)
 
 
+def test_tie_with_the_mean_of_the_corrections_leaves_out_what_eq_4_has_set_to_zero() -> None:
+    counting, sparing = (TieController(TieParams(average=average)) for average in ("magnitude", "corrections"))
+    for tie in (counting, sparing):
+        assert [tie.update(0, value) for value in (0.02, 0.0, -0.04, 0.0)] == [0.02, 0.0, -0.04, 0.0]
+    assert counting.update(1, 0.0) == pytest.approx(0.015)
+    assert sparing.update(1, 0.0) == pytest.approx(0.03)
+    assert TieController(TieParams(average="corrections")).update(-1, 0.1) == 0.0
+
+
 def test_tie_with_the_signed_mean() -> None:
     controller = TieController(TieParams(average="signed"))
     for value in (-0.1, 0.3, 0.0, -0.6):
