@@ -88,7 +88,16 @@ TASKS: tuple[Task, ...] = (
     recorded("uptime_table2", ("motionsense", "sisfall"), 5.0),
     recorded("uptime_table3", ("oxford-steps",), 3.0),
     recorded("uptime_table4", ("motionsense", "sisfall"), 10.0),
+    recorded("uptime_figure6", ("oxford-steps",), 1.0, ".png"),
     recorded("uptime_figure7", ("known-distance", "stride-length"), 0.5, ".png"),
+    recorded("uptime_figures8_9", ("known-distance", "phyphox", "phone-gps"), 3.0, ".png"),
+    Task(
+        "simulated_gaits",
+        (("simulated_gaits.py", "--data", "{data}"),),
+        ("results/simulated_gaits.png", "results/simulated_gaits.txt"),
+        data=("motionsense", "sisfall"),
+        minutes=0.5,
+    ),
     recorded("step_length_fit", LENGTH_SETS, 20.0),
     Task(
         "gait_changes",
