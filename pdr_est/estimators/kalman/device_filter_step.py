@@ -5,6 +5,9 @@ A state is never changed in place, so an earlier one can be kept and continued f
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pdr_est.estimators.common.initial_state import StartPrior, prior_after_lost_heading
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import Node
@@ -66,6 +69,12 @@ class DeviceFilterState:
 def loses_heading(node: Node) -> bool:
     """Tell whether a turn is too uncertain to leave any knowledge of the heading."""
     return bool(node.covariance[2, 2] > HEADING_RESET_VARIANCE_RAD2) and not node.turn_hypotheses
+
+
+def agrees(heading_variance: Array, hypotheses: int) -> NDArray[np.bool_]:
+    """Tell for which variances (n,) of the heading over so many hypotheses one Gaussian describes the state."""
+    largest = HEADING_RESET_VARIANCE_RAD2 if hypotheses == 1 else ALIGNED_SIGMA_RAD**2
+    return np.asarray(heading_variance < largest)
 
 
 def start_device(
@@ -142,7 +151,6 @@ def step_device(
 def _after_bank(bank: HypothesisBank, begin: int, heading_known: bool) -> DeviceFilterState:
     """Return the state after a node up to which there were hypotheses; they end where they agree."""
     state = bank.moments()
-    largest = HEADING_RESET_VARIANCE_RAD2 if len(bank) == 1 else ALIGNED_SIGMA_RAD**2
-    agree = bool(state.covariance[2, 2] < largest)
+    agree = bool(agrees(state.covariance[2, 2], len(bank)))
     found, decided = agree and not heading_known, bank.lineages[bank.likeliest]
     return DeviceFilterState(begin, state, None if agree else bank, heading_known or agree, found, decided=decided)

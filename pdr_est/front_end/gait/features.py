@@ -6,9 +6,10 @@ a stride were chosen by how well they classify people who were left out of the t
 
 from collections.abc import Sequence
 from math import log
-from typing import Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.step_samples import Places, StepSamples, of_equal_count, rows_from
@@ -117,13 +118,13 @@ class StrideFeatures:
         both = new if self._last is None else self._last.followed_by(new)
         self._previous, self._last = steps[-1], new.last()
         # A stride adds the step before; a step that begins a walk stands for itself.
-        own = np.arange(len(both.count) - len(steps), len(both.count))
+        own = np.arange(len(both.samples) - len(steps), len(both.samples))
         other = np.where(begins, own, own - 1)
 
-        def total(column: Array) -> Array:
+        def total(column: NDArray[Any]) -> NDArray[Any]:
             return np.asarray(column[own] + np.where(begins, 0, column[other]))
 
-        count, start = total(both.count), both.count.cumsum() - both.count
+        count, start = total(both.samples), both.samples.cumsum() - both.samples
         v_cos, v_sin, m_cos, m_sin = self._spectrum(both, start[other], count, np.where(begins, 1, 2))
         columns = [
             0.5 * _log(v_cos * v_cos + v_sin * v_sin, _LEAST_POWER),
@@ -157,7 +158,7 @@ class StrideFeatures:
 class _Movements(NamedTuple):
     """Movement during successive steps, (n,) in number."""
 
-    count: Places
+    samples: Places
     """Number of samples of each step (n,)."""
     vertical: Array
     """v at each sample (samples,)."""
@@ -174,13 +175,14 @@ class _Movements(NamedTuple):
 
     def last(self) -> "_Movements":
         """Return that of the last step."""
-        samples = slice(len(self.vertical) - int(self.count[-1]), None)
+        samples = slice(len(self.vertical) - int(self.samples[-1]), None)
         by_step = [column[-1:].copy() for column in (self.duration_s, self.horizontal, self.lowest, self.upwards)]
-        return _Movements(self.count[-1:], self.vertical[samples].copy(), self.excess[samples].copy(), *by_step)
+        return _Movements(self.samples[-1:], self.vertical[samples].copy(), self.excess[samples].copy(), *by_step)
 
     def followed_by(self, others: "_Movements") -> "_Movements":
         """Return that of these steps and others after them."""
-        return _Movements(*map(np.concatenate, zip(self, others, strict=True)))
+        columns: list[NDArray[Any]] = [np.concatenate(both) for both in zip(self, others, strict=True)]
+        return _Movements(*columns)
 
 
 def _movements_of(steps: Sequence[Step]) -> _Movements:
