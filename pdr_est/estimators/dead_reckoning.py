@@ -3,7 +3,7 @@
 from pdr_est.estimators.common.initial_state import StartPrior, start_prior
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.kalman.device_filter import filtered_states
+from pdr_est.estimators.kalman.device_filter_step import filtered_states
 from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.estimators.kalman.rts_smoother import smooth
 from pdr_est.estimators.reckoned_poses import reckon_poses

@@ -13,8 +13,7 @@ from pdr_est.estimators.alternatives.chosen_turns import (
 )
 from pdr_est.estimators.common.initial_state import start_prior
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_filter import filtered_states
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, loses_heading
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, filtered_states, loses_heading
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import StartPose

@@ -11,8 +11,7 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import SAME_S, Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_filter import filtered_states
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, filtered_states
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
 from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
 from pdr_est.estimators.kalman.predict_and_update import marginal_of

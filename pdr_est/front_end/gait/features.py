@@ -195,7 +195,7 @@ def _movements_of(steps: Sequence[Step]) -> _Movements:
         vertical,
         excess_magnitude(up, acceleration),
         np.array([step.event.time_s - step.start_s for step in steps]),
-        np.maximum(np.add.reduceat(horizontal, samples.start), 0.0),
+        np.maximum(samples.sums(horizontal[None])[0], 0.0),
         np.minimum.reduceat(vertical, samples.start),
         np.add.reduceat(vertical > 0.0, samples.start, dtype=np.intp),
     )
