@@ -11,7 +11,7 @@ plus this.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, exp, sin, sqrt
 
 import numpy as np
@@ -273,6 +273,12 @@ def linearise_in_turn(states: Array, nodes: Sequence[Node]) -> tuple[Array, Arra
 def _each(function: Callable[[float], float], values: Array) -> Array:
     """Apply a function of the standard library, whose rounding does not depend on the place in an array."""
     return np.array(list(map(function, values.tolist())))
+
+
+def advance(state: GaussianState, node: Node) -> GaussianState:
+    """Predict the state after the motion that leads to a node."""
+    jacobian, noise = linearise(state.mean, node)
+    return replace(state, mean=move(state.mean, node), covariance=jacobian @ state.covariance @ jacobian.T + noise)
 
 
 def regular_covariances(nodes: Sequence[Node]) -> Array:

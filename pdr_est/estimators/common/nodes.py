@@ -3,7 +3,7 @@
 from bisect import bisect_left, bisect_right
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf
 from operator import attrgetter
@@ -12,7 +12,6 @@ import numpy as np
 
 from pdr_est.estimators.common.measurement_checks import averaged_fixes
 from pdr_est.frames import Array
-from pdr_est.records import made
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry, TurnHypothesis
 from pdr_est.types.steps import CarryingMode
 
@@ -69,9 +68,6 @@ class Node:
     def observes_heading(self) -> bool:
         """Tell whether a measurement at this node helps to find the heading of the walk in the map frame."""
         return bool(self.fixes) or (bool(self.priors) and not all(prior.relative for prior in self.priors))
-
-
-_NODE_FIELDS = tuple(field.name for field in fields(Node))
 
 
 class NodeBuilder:
@@ -157,8 +153,7 @@ class NodeBuilder:
         splits = split_times_s[first : bisect_left(split_times_s, step.time_s, first)]
         if not inside and not splits:
             moved = step.length_m, step.heading_change_rad, step.covariance, True, step.length_m
-            values = (step.time_s, begin_s, *moved, step.mode, standing, priors, step.turn_hypotheses)
-            return [made(Node, **dict(zip(_NODE_FIELDS, values, strict=True)))]
+            return [Node(step.time_s, begin_s, *moved, step.mode, standing, priors, step.turn_hypotheses)]
         nodes = split_step(step, begin_s, inside, splits)
         if standing:
             nodes[-1] = replace(nodes[-1], fixes=standing)
