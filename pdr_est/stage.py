@@ -41,6 +41,18 @@ class BatchStage(Stage, Protocol):
         ...
 
 
+@runtime_checkable
+class TellingStage(BatchStage, Protocol):
+    """A stage that takes many items at once and tells which of its outputs came at which item.
+
+    `Parallel` needs that to emit the outputs of several stages item after item.
+    """
+
+    def push_each(self, items: Sequence[Any], /) -> list[list[Any]]:
+        """Take items in their order, and return for each the outputs that are certain with it, as `push` would."""
+        ...
+
+
 def push_all(stage: Stage, items: Sequence[Any]) -> list[Any]:
     """Give items in their order to a stage, at once where it can take them so, and return what it emits."""
     own = getattr(stage, "push_all", None)  # `isinstance` with a protocol takes longer than most stages for a sample
@@ -52,7 +64,7 @@ def push_all(stage: Stage, items: Sequence[Any]) -> list[Any]:
 def push_each(stage: Stage, items: Sequence[Any]) -> list[list[Any]]:
     """Give items in their order to a stage, and return what it emits at each of them.
 
-    A stage that can take many at once and tell their outputs apart has a method `push_each` that returns the same.
+    A `TellingStage` takes them at once, any other stage one by one.
     """
     own = getattr(stage, "push_each", None)
     return [stage.push(item) for item in items] if own is None else list(own(items))

@@ -20,12 +20,12 @@ ORDER: list[set[str]] = [
     {"types"},
     # The five wings, which never see each other. Inside a wing the same rule holds.
     {"io.text", "clock_sync", "front_end.signal", "estimators.common", "simulate"},
+    {"estimators.reckoned_poses"},
     {
         "io.conversion",
         "front_end.attitude",
         "estimators.kalman",
         "estimators.fix_checks",
-        "estimators.reckoned_poses",
         "estimators.pose_chains",
     },
     {"io.tables"},

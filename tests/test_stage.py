@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from pdr_est.stage import Chain, Parallel, Stage, push_all, run_through
+from pdr_est.stage import Chain, Parallel, Stage, TellingStage, push_all, push_each, run_through
 from pdr_est.testing import check_partition
 
 
@@ -107,11 +107,30 @@ class Halves:
 
     latency_s = 0.0
 
+    def __init__(self, late: bool = False) -> None:
+        self.late = late
+
     def push(self, item: int, /) -> list[int]:
-        return self.push_each([item])[0]
+        return [] if item % 2 else [item // 2]
+
+    def push_all(self, items: Sequence[int], /) -> list[int]:
+        return [output for outputs in self.push_each(items) for output in outputs]
 
     def push_each(self, items: Sequence[int], /) -> list[list[int]]:
-        return [[] if item % 2 else [item // 2] for item in items]
+        found = [self.push(item) for item in items]
+        return [*[[] for _ in found[1:]], [output for outputs in found for output in outputs]] if self.late else found
+
+    def flush(self) -> list[int]:
+        return []
+
+
+class HalvesOneByOne:
+    """Does the same one by one."""
+
+    latency_s = 0.0
+
+    def push(self, item: int, /) -> list[int]:
+        return Halves().push(item)
 
     def flush(self) -> list[int]:
         return []
@@ -122,3 +141,13 @@ def test_stages_side_by_side_emit_item_after_item_also_when_they_take_many_at_on
     assert Parallel([Halves(), Repeat()]).push_all(items) == [5, 10, 10, 11, 11, 10, 20, 20]
     check_partition(lambda: Parallel([Halves(), Pairs(), Repeat()]), items)
     assert Parallel([]).push_all(items) == []
+
+
+def test_a_stage_that_tells_outputs_apart_otherwise_than_single_items_is_refused() -> None:
+    items = list(range(40))
+    assert isinstance(Halves(), TellingStage)
+    assert not isinstance(SumOfTwo(), TellingStage)
+    assert push_each(Halves(), items[:4]) == push_each(HalvesOneByOne(), items[:4]) == [[0], [], [1], []]
+    check_partition(Halves, items, [items])
+    with pytest.raises(AssertionError, match="push_each gives items"):
+        check_partition(lambda: Halves(late=True), items, [items])

@@ -3,9 +3,8 @@
 from pdr_est.estimators.common.initial_state import StartPrior, start_prior
 from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.kalman.device_filter_step import start_device, step_device
+from pdr_est.estimators.kalman.device_filter_step import filtered_states
 from pdr_est.estimators.kalman.offline_filter import run_filter
-from pdr_est.estimators.kalman.predict_and_update import NodeFilter
 from pdr_est.estimators.kalman.rts_smoother import smooth
 from pdr_est.estimators.reckoned_poses import reckon_poses
 from pdr_est.frames import Array
@@ -65,17 +64,13 @@ def _until_known(timeline: Timeline, prior: StartPrior) -> tuple[int, list[Gauss
     list of GaussianState
         Filtered states from that node on; none if position or heading are never known.
     """
-    scratch, nodes = NodeFilter(1), timeline.nodes
-    observing = max((i for i, node in enumerate(nodes) if node.observes_heading), default=0)
-    state = start_device(nodes[0], 0, prior, scratch)
-    states, begin, fixed = [state.state], 0, bool(nodes[0].fixes)
-    for number, node in enumerate(nodes):
-        if number:
-            state = step_device(state, node, number, number <= observing, scratch)
-            if state.segment_begin != begin:
-                states, begin, fixed = [], state.segment_begin, False
-            states.append(state.state)
-            fixed = fixed or bool(node.fixes)
+    states: list[GaussianState] = []
+    begin, fixed = 0, False
+    for node, state in zip(timeline.nodes, filtered_states(timeline.nodes, prior), strict=True):
+        if state.segment_begin != begin:
+            states, begin, fixed = [], state.segment_begin, False
+        states.append(state.state)
+        fixed = fixed or bool(node.fixes)
         if state.heading_known and (fixed or not prior.position_open):
             return begin, states
     return 0, []

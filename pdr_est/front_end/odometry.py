@@ -2,21 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isnan
+from math import hypot, isnan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, wrap_angle
-from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.front_end.heading.placement_change.turn_density import mean_and_sigma
-from pdr_est.front_end.step_noise import course_covariance, course_covariances, step_covariance, step_covariances
+from pdr_est.front_end.step_noise import course_covariances, step_covariances
 from pdr_est.params import NonNegative, Positive, params
-from pdr_est.records import made
+from pdr_est.records import changed, made
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.steps import LONGEST_STEP_S, CarryingMode, Step
 
-_FEW_STEPS = 4  # below, arrays cost more than they save
 _LEAST_STEP_S = 0.2
 _SHORT_GAP_S = 5.0  # beyond, a walker may have stood meanwhile
 
@@ -84,25 +82,16 @@ class Odometry:
 
     def push(self, item: Step, /) -> list[StepOdometry | HeadingPrior]:
         """Turn a step into its measurements."""
-        previous, self._previous = self._previous, item
-        begins = previous is None or item.event.segment != previous.event.segment
-        if previous is None or begins:
-            change_rad, sigma_rad = 0.0, self._sigma_heading(item.event.time_s - item.start_s)
-        else:
-            change_rad = wrapped(item.heading_rad - previous.heading_rad)
-            elapsed_s = item.event.time_s - previous.event.time_s
-            sigma_rad = self._sigma_heading(elapsed_s, self._extra_sigma(previous, item))
-        odometry = self._step(item, change_rad, sigma_rad)
-        return self._measurements(previous, item, odometry, sigma_rad)
+        return self.push_each([item])[0]
 
     def push_all(self, items: Sequence[Step], /) -> list[StepOdometry | HeadingPrior]:
         """Turn steps into their measurements."""
         return [output for outputs in self.push_each(items) for output in outputs]
 
     def push_each(self, items: Sequence[Step], /) -> list[list[StepOdometry | HeadingPrior]]:
-        """Turn steps into the measurements of each, by the operations of `push` on arrays."""
-        if len(items) < _FEW_STEPS:
-            return [self.push(item) for item in items]
+        """Turn steps into the measurements of each."""
+        if not items:
+            return []
         first, self._previous = self._previous, items[-1]
         previous = [items[0] if first is None else first, *items[:-1]]
         begins = [item.event.segment != before.event.segment for before, item in zip(previous, items, strict=True)]
@@ -131,7 +120,7 @@ class Odometry:
         return found
 
     def _heading_prior(self, step: Step) -> HeadingPrior:
-        sigma = float(np.hypot(step.sigma_path_heading_rad, self._parameters.sigma_straight_rad))
+        sigma = hypot(step.sigma_path_heading_rad, self._parameters.sigma_straight_rad)
         return HeadingPrior(self._device, step.event.time_s, step.path_heading_rad, sigma, relative=True)
 
     def _turns(
@@ -162,37 +151,11 @@ class Odometry:
         extra_rad = np.where(begins, 0.0, np.hypot(of_mode, sigma_turn_rad[1:]))
         elapsed_s = time_s[1:] - np.where(begins, start_s[1:], time_s[:-1])
         change_rad = np.where(begins, 0.0, wrap_angle(np.diff(heading_rad)))
-        return change_rad, np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), extra_rad)
+        return change_rad, self._sigma_heading(elapsed_s, extra_rad)
 
-    def _extra_sigma(self, previous: Step, item: Step) -> float:
-        """Compute the extra heading-change sigma (rad) from mode changes and re-orientation."""
-        modes = {previous.event.mode, item.event.mode} - {CarryingMode.UNKNOWN}
-        changed = len(modes) > 1 or CarryingMode.TRANS in modes  # in TRANS the phone turns all the time
-        of_mode = self._parameters.sigma_mode_change_rad if changed and not item.placement_tracked else 0.0
-        return float(np.hypot(of_mode, item.sigma_turn_rad))
-
-    def _sigma_heading(self, elapsed_s: float, extra_sigma_rad: float = 0.0) -> float:
-        return float(np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), extra_sigma_rad))
-
-    def _step(self, step: Step, heading_change_rad: float, sigma_heading_rad: float) -> StepOdometry:
-        p = self._parameters
-        covariance = step_covariance(
-            length_m=step.length_m,
-            sigma_length_m=float(np.hypot(step.sigma_length_m, p.sigma_length_drift * step.length_m)),
-            sigma_direction_rad=p.sigma_direction_rad,
-            sigma_heading_rad=sigma_heading_rad,
-        )
-        if step.sigma_course_rad:
-            covariance += p.sideways_steps * course_covariance(step.length_m, step.sigma_course_rad)
-        return StepOdometry(
-            device=self._device,
-            time_s=step.event.time_s,
-            start_s=step.start_s,
-            length_m=step.length_m,
-            heading_change_rad=heading_change_rad,
-            covariance=covariance,
-            mode=step.event.mode,
-        )
+    def _sigma_heading(self, elapsed_s: Array | float, extra_sigma_rad: Array | float) -> Array:
+        """Compute the standard deviation of a heading change over a time, or of changes (n,) over times (n,), rad."""
+        return np.hypot(self._parameters.sigma_heading_rad_per_sqrt_s * np.sqrt(elapsed_s), extra_sigma_rad)
 
     def _steps(self, steps: Sequence[Step], change_rad: Array, sigma_heading_rad: Array) -> list[StepOdometry]:
         p = self._parameters
@@ -228,7 +191,8 @@ class Odometry:
             replace(one, sigma_rad=float(np.hypot(one.sigma_rad, sigma_heading_rad))) for one in step.turn_hypotheses
         )
         change_rad, sigma_rad = mean_and_sigma(hypotheses)
-        return replace(self._step(step, change_rad, sigma_rad), turn_hypotheses=hypotheses)
+        (undecided,) = self._steps([step], np.array([change_rad]), np.array([sigma_rad]))
+        return changed(undecided, turn_hypotheses=hypotheses)
 
     def _bridge(self, previous: Step, item: Step) -> StepOdometry:
         """Make the unobserved motion over the gaps between two steps.
@@ -248,7 +212,7 @@ class Odometry:
         turn_rad, sigma_turn_rad = 0.0, SIGMA_UNIFORM_RAD
         if item.holes:
             turn_rad = 0.0 if item.turn_hypotheses else float(wrap_angle(item.heading_rad - previous.heading_rad))
-            sigma_turn_rad = max(self._sigma_heading(end_s - start_s, item.sigma_turn_rad), 1e-3)
+            sigma_turn_rad = max(float(self._sigma_heading(end_s - start_s, item.sigma_turn_rad)), 1e-3)
         return StepOdometry(
             device=self._device,
             time_s=end_s,

@@ -1,12 +1,8 @@
-"""Covariances of the motion of a step, for one step or for many at once, to the last bit the same."""
-
-from typing import TypeVar
+"""Covariances of the motion of steps; that of one step is the same in whatever batch it comes."""
 
 import numpy as np
 
 from pdr_est.frames import Array
-
-Number = TypeVar("Number", float, Array)
 
 _LEAST_VARIANCE = 1e-3**2  # m^2, rad^2; keeps the matrices regular for steps of no length
 
@@ -27,8 +23,8 @@ def step_covariance(
     sigma_heading_rad : float
         Standard deviation of the heading change over the step.
     """
-    forward, left, shared, heading = _step_terms(length_m, sigma_length_m, sigma_direction_rad, sigma_heading_rad)
-    return np.array([[forward, 0.0, 0.0], [0.0, left, shared], [0.0, shared, heading]])
+    one = np.array([[length_m], [sigma_length_m], [sigma_heading_rad]])
+    return np.asarray(step_covariances(one[0], one[1], sigma_direction_rad, one[2])[0])
 
 
 def step_covariances(
@@ -36,9 +32,12 @@ def step_covariances(
 ) -> Array:
     """Compute the same covariances (n, 3, 3) for many steps, from arrays (n,)."""
     covariance = np.zeros((len(length_m), 3, 3))
-    forward, left, shared, heading = _step_terms(length_m, sigma_length_m, sigma_direction_rad, sigma_heading_rad)
-    covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 2, 2] = forward, left, heading
-    covariance[:, 1, 2] = covariance[:, 2, 1] = shared
+    turn = sigma_heading_rad * sigma_heading_rad
+    aside = length_m * length_m * (turn + sigma_direction_rad * sigma_direction_rad)
+    covariance[:, 0, 0] = sigma_length_m * sigma_length_m + _LEAST_VARIANCE
+    covariance[:, 1, 1] = aside + _LEAST_VARIANCE
+    covariance[:, 1, 2] = covariance[:, 2, 1] = length_m * turn
+    covariance[:, 2, 2] = turn + _LEAST_VARIANCE
     return covariance
 
 
@@ -66,12 +65,3 @@ def course_covariances(length_m: Array, sigma_course_rad: Array) -> Array:
     covariance[:, 0, 0] = square * (0.5 * (spread * spread))
     covariance[:, 1, 1] = square * (0.5 * (1.0 - np.exp(-2.0 * variance)))
     return covariance
-
-
-def _step_terms(
-    length_m: Number, sigma_length_m: Number, sigma_direction_rad: float, sigma_heading_rad: Number
-) -> tuple[Number, Number, Number, Number]:
-    """Compute the variances of forward and left, the covariance of left and heading, and the heading's variance."""
-    turn = sigma_heading_rad * sigma_heading_rad
-    left = length_m * length_m * (turn + sigma_direction_rad * sigma_direction_rad) + _LEAST_VARIANCE
-    return sigma_length_m * sigma_length_m + _LEAST_VARIANCE, left, length_m * turn, turn + _LEAST_VARIANCE

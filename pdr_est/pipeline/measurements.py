@@ -51,7 +51,7 @@ def without_partial_north(devices: Sequence[DeviceMeasurements]) -> list[DeviceM
 
     The others could not be placed beside them: how their headings differ is known only roughly.
     """
-    if all(any(_in_map(m) for m in one.measurements) for one in devices):
+    if len(devices) == 1 or all(any(_in_map(m) for m in one.measurements) for one in devices):
         return list(devices)
     return [replace(one, measurements=tuple(m for m in one.measurements if not _in_map(m))) for one in devices]
 

@@ -62,6 +62,8 @@ def with_turns_of_others(devices: Sequence[DeviceMeasurements]) -> list[DeviceMe
     devices
         Measurements of all devices of the walk.
     """
+    if len(devices) == 1:
+        return list(devices)
     headings = [_Headings.of(device) for device in devices]
     return [
         _weighed(device, headings[number], headings[:number] + headings[number + 1 :])

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pdr_est.stage import BatchStage
+from pdr_est.stage import BatchStage, TellingStage
 from pdr_est.testing.partitions import cut_finely, cut_randomly, exact_content, run_stage, slice_block
 from pdr_est.types.sensors import ImuBlock, LevelBlock, SensorBlock
 
@@ -117,6 +117,20 @@ def _check_batches(
     for begin, end in zip([0, *cuts], [*cuts, len(items)], strict=True):
         outputs += stage.push_all(items[begin:end])
     _refuse_difference(exact_content(outputs + stage.flush()), expected, f"{where}, by push_all")
+    _check_telling(factory, items, cuts, where)
+
+
+def _check_telling(factory: Callable[[], Any], items: Sequence[Any], cuts: Sequence[int], where: str) -> None:
+    """Check a stage that tells the outputs of many items apart: each item gets what `push` gives at it."""
+    telling, single = factory(), factory()
+    if not isinstance(telling, TellingStage):
+        return
+    for begin, end in zip([0, *cuts], [*cuts, len(items)], strict=True):
+        of_items = telling.push_each(items[begin:end])
+        expected = [single.push(item) for item in items[begin:end]]
+        assert list(map(exact_content, of_items)) == list(map(exact_content, expected)), (
+            f"{where}: push_each gives items {begin} to {end} other outputs than push"
+        )
 
 
 def _outputs_of(stage: Any, items: Sequence[Any], name: str) -> list[Any]:

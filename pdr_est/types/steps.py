@@ -1,5 +1,6 @@
 """Carrying modes, gaits, and the steps that the front end detects."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -204,3 +205,14 @@ class Step:
 def begins_walk(step: Step, previous: Step | None) -> bool:
     """Tell whether a step starts a new sequence: no step before it, a standstill before it, or a new segment."""
     return previous is None or step.frequency_hz == 0.0 or step.event.segment != previous.event.segment
+
+
+def walks_begun(steps: Sequence[Step], previous: Step | None) -> list[bool]:
+    """Tell for each of some successive steps what `begins_walk` tells; `previous` is the one before the first."""
+    if previous is None:
+        return [True, *walks_begun(steps[1:], steps[0])] if steps else []
+    segment, found = previous.event.segment, []
+    for step in steps:
+        before, segment = segment, step.event.segment
+        found.append(step.frequency_hz == 0.0 or segment != before)
+    return found

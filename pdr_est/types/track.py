@@ -99,7 +99,7 @@ class Track:
     @property
     def devices(self) -> tuple[str, ...]:
         """Names of the devices in order of first appearance."""
-        return tuple(dict.fromkeys(str(name) for name in self.device))
+        return tuple(dict.fromkeys(map(str, self.device.tolist())))
 
     @property
     def distance_m(self) -> float:

@@ -13,9 +13,8 @@ from pdr_est.estimators.alternatives.chosen_turns import (
 )
 from pdr_est.estimators.common.initial_state import start_prior
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, loses_heading, start_device, step_device
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, filtered_states, loses_heading
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
-from pdr_est.estimators.kalman.predict_and_update import NodeFilter
 from pdr_est.frames import wrap_angle
 from pdr_est.types.measurements import StartPose
 
@@ -80,15 +79,13 @@ def _heading_at_start(timeline: Timeline, turns: Turns, heading_rad: float, numb
 
 def _last_open(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> tuple[DeviceFilterState, int]:
     """Return the state of the filter of a device where nothing is open any more, or at the end, and its node."""
-    scratch, nodes = NodeFilter(1), timeline.nodes
-    observing = max((i for i, node in enumerate(nodes) if node.observes_heading), default=0)
+    nodes = timeline.nodes
     opening = max((i for i, node in enumerate(nodes) if node.turn_hypotheses or loses_heading(node)), default=0)
-    state = start_device(nodes[0], 0, start_prior(timeline, start, sigma_length_scale), scratch)
-    for number, node in enumerate(nodes[1:], 1):
-        if number > opening and state.bank is None:
-            return state, number - 1
-        state = step_device(state, node, number, number <= observing, scratch)
-    return state, len(nodes) - 1
+    for number, state in enumerate(filtered_states(nodes, start_prior(timeline, start, sigma_length_scale))):
+        last = state, number
+        if number >= opening and state.bank is None:
+            break
+    return last
 
 
 def _modes(bank: HypothesisBank) -> list[tuple[int, float]]:

@@ -10,7 +10,7 @@ north, divided by its standard deviation, and the correction of its clock, s: a 
 plus this.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import cos, exp, sin, sqrt
 
@@ -213,8 +213,8 @@ def linearise_motions(
     count, size = states.shape
     moved = states.copy()
     moved[:, 2] += turn_rad
-    c, s = np.cos(moved[:, 2]), np.sin(moved[:, 2])
-    scaled_m = np.exp(states[:, LOG_SCALE]) * length_m
+    c, s, scale = _each(cos, moved[:, 2]), _each(sin, moved[:, 2]), _each(exp, states[:, LOG_SCALE])
+    scaled_m = scale * length_m
     moved[:, 0] += scaled_m * c
     moved[:, 1] += scaled_m * s
     jacobian = np.zeros((count, size, size))
@@ -228,42 +228,57 @@ def linearise_motions(
     return moved, jacobian, noise
 
 
+def linearise_in_turn(states: Array, nodes: Sequence[Node]) -> tuple[Array, Array, Array]:
+    """Apply `move` and `linearise` to the motions to successive nodes, one after the other, for many states.
+
+    The numbers are those of single motions, to the last bit.
+
+    Parameters
+    ----------
+    states
+        States (k, s) before the first motion.
+    nodes
+        Nodes (n) that the motions lead to.
+
+    Returns
+    -------
+    Array
+        States (n, k, s) after each of the motions.
+    Array
+        Jacobians (n, k, s, s).
+    Array
+        Process noise covariances (n, k, s, s) in the map frame.
+    """
+    count, (many, size) = len(nodes), states.shape
+    turn_rad, length_m = np.array([(node.heading_change_rad, node.length_m) for node in nodes]).T
+    moved = np.tile(states, (count + 1, 1, 1))
+    moved[1:, :, 2] = turn_rad[:, None]
+    moved[:, :, 2] = np.cumsum(moved[:, :, 2], axis=0)
+    before = moved[:-1].copy()
+    heading = moved[1:, :, 2].reshape(-1)
+    scaled_m = _each(exp, states[:, LOG_SCALE]) * length_m[:, None]
+    for axis, function in enumerate((cos, sin)):
+        moved[1:, :, axis] = scaled_m * _each(function, heading).reshape(count, many)
+        moved[:, :, axis] = np.cumsum(moved[:, :, axis], axis=0)
+    _, jacobian, noise = linearise_motions(
+        before.reshape(-1, size),
+        np.repeat(turn_rad, many),
+        np.repeat(length_m, many),
+        np.repeat(np.array([node.covariance for node in nodes]), many, axis=0),
+    )
+    shape = (count, many, size, size)
+    return moved[1:], jacobian.reshape(shape), noise.reshape(shape)
+
+
+def _each(function: Callable[[float], float], values: Array) -> Array:
+    """Apply a function of the standard library, whose rounding does not depend on the place in an array."""
+    return np.array(list(map(function, values.tolist())))
+
+
 def advance(state: GaussianState, node: Node) -> GaussianState:
     """Predict the state after the motion that leads to a node."""
     jacobian, noise = linearise(state.mean, node)
     return replace(state, mean=move(state.mean, node), covariance=jacobian @ state.covariance @ jacobian.T + noise)
-
-
-def retreat(state: GaussianState, node: Node) -> GaussianState:
-    """Predict the state before the motion that led to a node: `advance` backwards in time."""
-    mean = state.mean.copy()
-    length = exp(mean[LOG_SCALE]) * node.length_m
-    mean[0] -= length * cos(mean[2])
-    mean[1] -= length * sin(mean[2])
-    mean[2] -= node.heading_change_rad
-    jacobian, noise = linearise(mean, node)
-    jacobian[:2, 2:4] *= -1.0  # its inverse
-    return replace(state, mean=mean, covariance=jacobian @ (state.covariance + noise) @ jacobian.T)
-
-
-def reckon(nodes: tuple[Node, ...], anchor: int, state: GaussianState) -> list[GaussianState]:
-    """Compute the states at all nodes by dead reckoning from the state at one of them.
-
-    Parameters
-    ----------
-    nodes
-        Nodes in order of time.
-    anchor
-        Index of the node whose state is given.
-    state
-        State at that node.
-    """
-    earlier, later = [state], [state]
-    for node in reversed(nodes[1 : anchor + 1]):
-        earlier.append(retreat(earlier[-1], node))
-    for node in nodes[anchor + 1 :]:
-        later.append(advance(later[-1], node))
-    return earlier[:0:-1] + later
 
 
 def regular_covariances(nodes: Sequence[Node]) -> Array:

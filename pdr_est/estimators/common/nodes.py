@@ -145,8 +145,7 @@ class NodeBuilder:
         standing = self.standing_fixes(number, fixes, known_until_s) if fixes else ()
         priors = tuple(self._priors.get(number, ()))
         if number == 0:
-            begin_s = self.step_end_s(0)
-            mode = self._steps[0].mode if self._steps else CarryingMode.UNKNOWN
+            begin_s, mode = self.step_end_s(0), self._steps[0].mode if self._steps else CarryingMode.UNKNOWN
             return [Node(begin_s, begin_s, 0.0, 0.0, np.zeros((3, 3)), True, 0.0, mode, standing, priors)]
         step, begin_s = self._steps[number - self._first], self.motion_begin_s(number)
         inside = averaged_fixes(_between(fixes, begin_s, step.time_s)) if fixes else ()

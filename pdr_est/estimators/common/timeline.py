@@ -5,6 +5,7 @@ All estimators work on the same timeline, so that their results can be compared 
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -43,17 +44,17 @@ class Timeline:
     nodes: tuple[Node, ...] = field(repr=False)
     closure_sigma_m: float | None = None
 
-    @property
+    @cached_property
     def fixes(self) -> tuple[PositionFix, ...]:
         """List the position fixes of all nodes."""
         return tuple(fix for node in self.nodes for fix in node.fixes)
 
-    @property
+    @cached_property
     def priors(self) -> tuple[HeadingPrior, ...]:
         """List the heading priors of all nodes."""
         return tuple(prior for node in self.nodes for prior in node.priors)
 
-    @property
+    @cached_property
     def observes_heading(self) -> bool:
         """Tell whether any node helps to find the heading of the walk in the map frame."""
         return any(node.observes_heading for node in self.nodes)
@@ -129,6 +130,8 @@ def timelines_of(
 
 def _shared(measurements: Sequence[Measurement], devices: int) -> list[Measurement]:
     """Return measurements with the share of one device in each position fix."""
+    if devices == 1:
+        return list(measurements)
     return [
         replace(m, covariance_m2=m.covariance_m2 * devices) if isinstance(m, PositionFix) else m for m in measurements
     ]
@@ -162,16 +165,19 @@ def track_from_nodes(
     """
     rows = np.array([node.is_step for node in timeline.nodes])
     nodes = [node for node in timeline.nodes if node.is_step]
+    time_s, moving_from_s, step_length_m = np.array(
+        [(node.time_s, node.moving_from_s, node.step_length_m) for node in nodes]
+    ).T.copy()
     return Track(
-        time_s=np.array([node.time_s for node in nodes]),
-        moving_from_s=np.array([node.moving_from_s for node in nodes]),
+        time_s=time_s,
+        moving_from_s=moving_from_s,
         device=np.array([timeline.device] * len(nodes)),
         position_m=position_m[rows],
         heading_rad=wrap_angle(heading_rad[rows]),
         covariance_m2=covariance[rows][:, :2, :2],
         sigma_heading_rad=np.sqrt(covariance[rows][:, 2, 2]),
         mode=np.array([node.mode for node in nodes], dtype=np.int8),
-        step_length_m=np.array([node.step_length_m for node in nodes]) * length_scale[0],
+        step_length_m=step_length_m * length_scale[0],
         kind=kind,
         estimator=estimator,
         length_scale=length_scale[0],

@@ -23,16 +23,12 @@ from pdr_est.estimators.factor_graph.tether_factors import add_rows
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes
 from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
-from pdr_est.estimators.pose_chains.newton_on_arrays import (
-    ARMIJO,
-    MAX_HALVINGS,
-    MAX_STEPS,
-)
+from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough
 from pdr_est.estimators.pose_chains.tether_constraints import LinearTethers, TetherConstraints
 from pdr_est.frames import Array
 
 # Predicted decrease of the error, half a chi square, of the last step. With tethers the last digits converge slowly.
-EXACTLY, EXACTLY_TETHERED, ROUGHLY = 1e-6, 1e-4, 1e-3
+EXACTLY_TETHERED, ROUGHLY = 1e-4, 1e-3
 SOFTLY = 1.0  # while the standard deviations of tethers are enlarged
 CONTINUATION_FACTORS = (64.0, 8.0, 1.0)  # of the tethers' standard deviations, one after the other
 
@@ -257,6 +253,6 @@ def line_search(
         change = step.change.scale(share) if halving else step.change
         reached = [(there, error(there)) for there in variables.retracted(values, change)]
         there, error_there = min(reached, key=lambda one: one[1])
-        if error_there <= here - 2.0 * ARMIJO * share * step.predicted_decrease:
+        if decreases_enough(error_there, here, share, step.predicted_decrease):
             return there, error_there
     return None

@@ -24,8 +24,9 @@ from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.factor_graph.initial_values import initial_states, with_headings
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances
-from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY, EXACTLY_TETHERED, ROUGHLY, SOFTLY
+from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY_TETHERED, ROUGHLY, SOFTLY
 from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem, as_values
+from pdr_est.estimators.pose_chains.line_search import EXACTLY
 from pdr_est.estimators.pose_chains.linear_rows import to_map
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, PositionFix, StartPose

@@ -81,9 +81,11 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
     """
     unchanged = CheckedWalk(tuple(devices), start, sigma_length_scale)
     given = [m for m in devices[0].measurements if isinstance(m, PositionFix)] if devices else []
+    if not devices or len(given) + (start.position_m is not None) < 2:
+        return unchanged
     steps_of = {one.device: _steps(one) for one in devices}
-    main = max(devices, key=lambda one: len(steps_of[one.device]), default=None)
-    if main is None or not steps_of[main.device] or len(given) + (start.position_m is not None) < 2:
+    main = max(devices, key=lambda one: len(steps_of[one.device]))
+    if not steps_of[main.device]:
         return unchanged
     with _blas_of_one_thread().limit(limits=1, user_api="blas"):
         path = DeadReckonedPath(main.start_s, steps_of[main.device])

@@ -14,13 +14,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from pdr_est.estimators.common.initial_state import starts_of
-from pdr_est.estimators.common.motion_model import reckon
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.fixed_lag.window import LagWindow
 from pdr_est.estimators.fixed_lag.window_entries import FilteredNode, LaggedPose
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, FilteredWalk, filter_walk
+from pdr_est.estimators.reckoned_poses import reckon
 from pdr_est.frames import Array
 from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate

@@ -6,17 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.huber import CAUCHY
 from pdr_est.estimators.common.initial_state import VAGUE_SIGMA_RAD
 from pdr_est.estimators.common.motion_model import MIN_SIGMA
 from pdr_est.estimators.common.nodes import Node
+from pdr_est.estimators.pose_chains.line_search import EXACTLY, MAX_HALVINGS, MAX_STEPS, decreases_enough
 from pdr_est.frames import Array, wrap_angle
 
-# The rules by which `factor_graph.newton` ends, so that both find the same optimum.
-_LEAST_DECREASE = 1e-6  # predicted, of the error, half a chi square, below which a step is the last one
-_MAX_STEPS = 200
-_MAX_HALVINGS = 20
-_ARMIJO = 1e-4  # share of the decrease that the slope predicts
 _LONG = 1000  # nodes; to load LAPACK takes longer than to do without it in a walk of fewer (ours)
 
 
@@ -84,25 +81,34 @@ class HeadingChain:
         """Return the most probable headings (n,) and reference direction, near initial ones.
 
         The method is iteratively reweighted least squares with Cauchy's kernel for robust priors, the same as
-        Gauss-Newton on the factor graph, with steps that are halved until the error decreases enough (Armijo's rule).
+        Gauss-Newton on the factor graph, with steps that are halved until the error decreases enough. It ends by the
+        rule of `pose_chains.line_search`, as `factor_graph.newton` does, so that both find the same optimum.
+
+        Raises
+        ------
+        EstimationError
+            If it does not end.
         """
         heading, reference = heading_rad, reference_rad
         here = self._error(heading, reference)
-        for _ in range(_MAX_STEPS):
+        for _ in range(MAX_STEPS):
             change, turned, decrease = self._step(heading, reference)
-            if decrease < _LEAST_DECREASE:
+            if decrease < EXACTLY:
                 there = heading + change, reference + turned
                 return there if self._error(*there) <= here else (heading, reference)
-            for halving in range(_MAX_HALVINGS):
+            for halving in range(MAX_HALVINGS):
                 share = 0.5**halving
                 there = heading + share * change, reference + share * turned
                 error = self._error(*there)
-                if error <= here - 2.0 * _ARMIJO * share * decrease:
+                if decreases_enough(error, here, share, decrease):
                     break
             else:  # no decrease beyond rounding
                 return heading, reference
             (heading, reference), here = there, error
-        return heading, reference
+        raise EstimationError(
+            f"the headings of {len(heading)} poses do not settle: step {MAX_STEPS} towards them would still decrease "
+            f"the error by {decrease:.2g}: leave out heading priors that contradict each other, or use ekf"
+        )
 
     def weights(self, heading_rad: Array, reference_rad: float) -> Array:
         """Return the information (m,) of each prior at some headings, 1/rad²."""

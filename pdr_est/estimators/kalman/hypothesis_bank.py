@@ -23,7 +23,6 @@ from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.kalman.fix_mixture import updated_by_fix
 from pdr_est.estimators.kalman.similarity_update import similarity_update, squared_distance
 from pdr_est.estimators.kalman.source_clock import with_node
-from pdr_est.estimators.kalman.source_trust import mixture_of
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
@@ -38,6 +37,7 @@ _MOST_AT_ONCE = (
 )  # after a split; of an open heading with many turns the least probable are dropped
 _SIGMA_OVER_SPACING = 0.8  # of hypotheses round the circle, whose sum is then uniform within 0.1 %
 _LEAST_WEIGHT = 1e-4  # of a hypothesis that is kept
+_ANGLES = (2, 4)  # rows of the state: heading and reference direction
 _MERGING_COST = 0.02  # nats by which a merger may change the distribution of the two
 
 Lineage = tuple[tuple[int, int], ...]
@@ -97,8 +97,26 @@ class HypothesisBank:
 
     def moments(self) -> GaussianState:
         """Return mean and covariance of the mixture; headings are averaged on the circle."""
-        mean, covariance = mixture_of(self.weights, self._near_mean_heading(), self.covariances)
-        return self._state(mean, 0.5 * (covariance + covariance.T))
+        mean, covariance = self.moments_of(self.means[None], self.covariances[None])
+        return self._state(mean[0], 0.5 * (covariance[0] + covariance[0].T))
+
+    def moments_of(self, means: Array, covariances: Array) -> tuple[Array, Array]:
+        """Return means (m, n) and covariances (m, n, n) of mixtures of the hypotheses in m states of theirs.
+
+        Parameters
+        ----------
+        means, covariances
+            Means (m, k, n) and covariances (m, k, n, n) of the hypotheses; headings are averaged on the circle.
+        """
+        near = means.copy()
+        for angle in _ANGLES:
+            vector = (self.weights * np.exp(1j * means[:, :, angle])).sum(axis=1)
+            centre = np.where(np.abs(vector) > 1e-9, np.angle(vector), means[:, self.likeliest, angle])[:, None]
+            near[:, :, angle] = centre + wrap_angle(means[:, :, angle] - centre)
+        mean = self.weights @ near
+        apart = near - mean[:, None]
+        within = (self.weights[:, None, None] * covariances).sum(axis=1)
+        return mean, within + (self.weights[:, None] * apart).transpose(0, 2, 1) @ apart
 
     @property
     def likeliest(self) -> int:
@@ -147,15 +165,6 @@ class HypothesisBank:
 
     def _state(self, mean: Array, covariance: Array) -> GaussianState:
         return GaussianState(mean, covariance, self.sources, self.trusts, (self.trail,), self.taken)
-
-    def _near_mean_heading(self) -> Array:
-        """Return the means (k, n) with headings and reference directions less than half a turn from their mean."""
-        means = self.means.copy()
-        for angle in (2, 4):
-            vector = self.weights @ np.exp(1j * means[:, angle])
-            centre = float(np.angle(vector)) if abs(vector) > 1e-9 else float(means[np.argmax(self.weights), angle])
-            means[:, angle] = centre + wrap_angle(means[:, angle] - centre)
-        return means
 
     def _moved(self, turn_rad: Array, length_m: float, covariance: Array) -> "HypothesisBank":
         moved, jacobian, noise = linearise_motions(self.means, turn_rad, np.full(len(self), length_m), covariance)

@@ -11,7 +11,7 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.nodes import SAME_S, Node
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState
+from pdr_est.estimators.kalman.device_filter_step import DeviceFilterState, filtered_states
 from pdr_est.estimators.kalman.hypothesis_bank import HypothesisBank
 from pdr_est.estimators.kalman.joint_filter_step import WalkFilterState, WalkStepper
 from pdr_est.estimators.kalman.predict_and_update import marginal_of
@@ -118,8 +118,10 @@ class FilteredWalk:
 
 
 def run_filter(timeline: Timeline, start: StartPose, sigma_length_scale: float) -> list[FilteredSegment]:
-    """Filter the nodes of one device; see `filter_walk`."""
-    return filter_walk([timeline], (), [start], sigma_length_scale, joint=False).segments[0]
+    """Filter the nodes of one device by its own measurements."""
+    prior = start_prior(timeline, start, sigma_length_scale)
+    nodes = _closed(timeline, prior)
+    return _segments(nodes, list(filtered_states(nodes, prior)))
 
 
 def filter_walk(
@@ -127,7 +129,6 @@ def filter_walk(
     node_tethers: Sequence[NodeTether],
     starts: Sequence[StartPose],
     sigma_length_scale: float,
-    joint: bool = True,
 ) -> FilteredWalk:
     """Filter the nodes of all devices in order of time, then of device.
 
@@ -146,13 +147,11 @@ def filter_walk(
         Start pose of each device.
     sigma_length_scale
         Standard deviation of the walker's length scale around 1.
-    joint
-        If False, each device is filtered only by itself and there are no posteriors.
     """
     priors = [start_prior(one, start, sigma_length_scale) for one, start in zip(timelines, starts, strict=True)]
     own_nodes = [_closed(timeline, prior) for timeline, prior in zip(timelines, priors, strict=True)]
     last_observing = [max((i for i, n in enumerate(nodes) if n.observes_heading), default=0) for nodes in own_nodes]
-    fold = _Fold(WalkStepper(len(timelines)), joint, node_tethers)
+    fold = _Fold(WalkStepper(len(timelines)), node_tethers)
     order = [(node.time_s, device, i) for device, one in enumerate(timelines) for i, node in enumerate(one.nodes)]
     for time_s, device, i in sorted(order):
         fold.tether(time_s)
@@ -174,9 +173,9 @@ def filter_walk(
 class _Fold:
     """State of the fold over the nodes, with the results so far."""
 
-    def __init__(self, stepper: WalkStepper, joint: bool, node_tethers: Sequence[NodeTether]) -> None:
+    def __init__(self, stepper: WalkStepper, node_tethers: Sequence[NodeTether]) -> None:
         self.stepper = stepper
-        self.state: WalkFilterState = stepper.initial(joint)
+        self.state: WalkFilterState = stepper.initial(joint=True)
         self.own_states: list[list[DeviceFilterState]] = [[] for _ in self.state.devices]
         self.posteriors: list[JointPosterior] = []
         self._due = deque(node_tethers)

@@ -14,7 +14,6 @@ from pdr_est.estimators.common.motion_model import (
     linearise,
     linearise_each,
     move,
-    reckon,
 )
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import NodeTether
@@ -22,6 +21,7 @@ from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.kalman.fix_sources import source_prior
 from pdr_est.estimators.kalman.offline_filter import FilteredSegment, JointPosterior, filter_walk
 from pdr_est.estimators.kalman.predict_and_update import rows_of
+from pdr_est.estimators.reckoned_poses import reckon
 from pdr_est.frames import Array
 from pdr_est.types.measurements import StartPose
 

@@ -11,17 +11,13 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
+from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough
 from pdr_est.estimators.pose_chains.linear_rows import LinearRows
 from pdr_est.estimators.pose_chains.normal_equations import Elimination
 from pdr_est.estimators.pose_chains.pose_chains import cost_of, linearised_rows
 from pdr_est.estimators.pose_chains.residuals import Residuals, moved_by
 from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 from pdr_est.frames import Array
-
-MAX_STEPS = 200
-MAX_HALVINGS = 20
-ARMIJO = 1e-4
-"""Share of the decrease that the slope predicts."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +117,6 @@ def _line_search(
         share = 0.5**halving
         reached = [(there, problem.cost(there)) for there in problem.moved(pose, share * step.change)]
         there, cost_there = min(reached, key=lambda one: one[1])
-        if cost_there <= here - 2.0 * ARMIJO * share * step.predicted_decrease:
+        if decreases_enough(cost_there, here, share, step.predicted_decrease):
             return there, cost_there
     return None

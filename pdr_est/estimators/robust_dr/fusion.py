@@ -29,8 +29,9 @@ from numpy.typing import NDArray
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import dead_reckoning
 from pdr_est.estimators.common.initial_state import start_prior
-from pdr_est.estimators.common.motion_model import STATES, GaussianState, reckon
+from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.reckoned_poses import reckon
 from pdr_est.estimators.robust_dr.constrained_map import closed_form, general_many
 from pdr_est.estimators.robust_dr.device_group import DeviceGroup, group_devices
 from pdr_est.estimators.robust_dr.params import MapFusionParams

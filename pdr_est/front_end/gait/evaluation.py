@@ -29,8 +29,7 @@ def gait_probabilities(model: GaitModel, pooled: Array) -> Array:
     -------
     ndarray, shape (n, 3)
     """
-    scorer = GaitScorer(model)
-    return np.array([scorer.probabilities((faster, running)) for faster, running in pooled.tolist()]).reshape(-1, 3)
+    return GaitScorer(model).probabilities(pooled.T)
 
 
 def gait_metrics(table: StepTable, probability: Array) -> GaitMetrics:

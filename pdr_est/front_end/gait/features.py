@@ -5,16 +5,16 @@ a stride were chosen by how well they classify people who were left out of the t
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 from math import log
-from typing import Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.frames import STANDARD_GRAVITY_MPS2, Array
+from pdr_est.frames import Array
 from pdr_est.front_end.signal.step_samples import Places, StepSamples, of_equal_count, rows_from
-from pdr_est.types.steps import Step, begins_walk
+from pdr_est.front_end.signal.vectors import dot, excess_magnitude
+from pdr_est.types.steps import Step, walks_begun
 
 FeatureSet = Literal["auto", "uptime"]
 
@@ -32,7 +32,7 @@ STRIDE_NAMES = (
 _LEAST_POWER = 0.05**2  # (m/s^2)^2
 _LEAST_HORIZONTAL_POWER = 1e-3  # (m/s^2)^2
 _LEAST_PERIOD_S = 0.1
-_ONES = np.ones(3)
+_MOST_PERIODS = 2  # of steps in a stride
 
 
 class StepFeatures(Protocol):
@@ -74,7 +74,7 @@ class UptimeFeatures:
     def push(self, step: Step, /) -> Array:
         """Compute the features (6,) of a step."""
         samples = step.samples
-        m = _excess_magnitude(samples.up, samples.acceleration_mps2)
+        m = excess_magnitude(samples.up, samples.acceleration_mps2)
         duration_s = step.event.time_s - step.start_s
         mean = float(m.sum()) / len(m)
         deviation = m - mean
@@ -102,74 +102,47 @@ class StrideFeatures:
 
     def __init__(self) -> None:
         self._previous: Step | None = None
-        self._last: _Movement | None = None  # of the previous step; None where it is not known yet
+        self._last: _Movements | None = None  # of the previous step
         self._waves: dict[
             tuple[int, int], Array
         ] = {}  # cached: strides have few lengths, and a wave costs more than the rest
 
     def push(self, step: Step, /) -> Array:
         """Compute the features (6,) of the stride that ends with a step."""
-        previous, own = self._previous, _movement_of(step)
-        count, rows, sums = own.rows.shape[1], own.rows, own.sums
-        if previous is None or begins_walk(step, previous):
-            spectrum = np.matmul(rows, self._wave(count, 1))
-            period_s, horizontal, lowest, upwards = sums
-        else:
-            last = self._last or _movement_of(previous)
-            rows, old = np.concatenate((last.rows, rows), axis=1), last.sums
-            count = rows.shape[1]
-            spectrum = np.matmul(rows, self._wave(count, 2))
-            period_s = 0.5 * (sums[0] + old[0])
-            horizontal, lowest, upwards = sums[1] + old[1], min(sums[2], old[2]), sums[3] + old[3]
-        self._previous, self._last = step, own
-        (v_cos, v_sin), (m_cos, m_sin) = spectrum.tolist()
-        return np.array(
-            (
-                0.5 * log(max(v_cos * v_cos + v_sin * v_sin, _LEAST_POWER)),
-                0.5 * log(max(m_cos * m_cos + m_sin * m_sin, _LEAST_POWER)),
-                log(max(period_s, _LEAST_PERIOD_S)),
-                0.5 * log(max(horizontal / count, _LEAST_HORIZONTAL_POWER)),
-                lowest,
-                upwards / count,
-            )
-        )
+        found: Array = self.push_all([step])[0]
+        return found
 
     def push_all(self, steps: Sequence[Step], /) -> Array:
         """Compute the features (n, 6) of the strides that end with each of some steps."""
-        if len(steps) == 1:
-            return self.push(steps[0])[None]
-        before = self._previous or steps[0]
-        is_stride = np.array([not begins_walk(step, previous) for previous, step in pairwise([before, *steps])])
-        is_stride[0] &= self._previous is not None
-        self._previous, self._last = steps[-1], None
-        both = _Movements([before, *steps])
+        begins, new = np.array(walks_begun(steps, self._previous)), _movements_of(steps)
+        both = new if self._last is None else self._last.followed_by(new)
+        self._previous, self._last = steps[-1], new.last()
         # A stride adds the step before; a step that begins a walk stands for itself.
-        own = np.arange(1, len(steps) + 1)
-        other = np.where(is_stride, own - 1, own)
-        count = both.samples.count[own] + np.where(is_stride, both.samples.count[other], 0)
-        v_cos, v_sin, m_cos, m_sin = self._spectrum(both, both.samples.start[other], count, is_stride)
-        horizontal = both.horizontal[own] + np.where(is_stride, both.horizontal[other], 0.0)
-        upwards = both.upwards[own] + np.where(is_stride, both.upwards[other], 0.0)
+        own = np.arange(len(both.samples) - len(steps), len(both.samples))
+        other = np.where(begins, own, own - 1)
+
+        def total(column: NDArray[Any]) -> NDArray[Any]:
+            return np.asarray(column[own] + np.where(begins, 0, column[other]))
+
+        count, start = total(both.samples), both.samples.cumsum() - both.samples
+        v_cos, v_sin, m_cos, m_sin = self._spectrum(both, start[other], count, np.where(begins, 1, 2))
         columns = [
             0.5 * _log(v_cos * v_cos + v_sin * v_sin, _LEAST_POWER),
             0.5 * _log(m_cos * m_cos + m_sin * m_sin, _LEAST_POWER),
             _log(0.5 * (both.duration_s[own] + both.duration_s[other]), _LEAST_PERIOD_S),
-            0.5 * _log(horizontal / count, _LEAST_HORIZONTAL_POWER),
+            0.5 * _log(total(both.horizontal) / count, _LEAST_HORIZONTAL_POWER),
             np.minimum(both.lowest[own], both.lowest[other]),
-            upwards / count,
+            total(both.upwards) / count,
         ]
         return np.stack(columns, axis=1)
 
-    def _spectrum(self, movements: "_Movements", start: Places, count: Places, is_stride: NDArray[np.bool_]) -> Array:
+    def _spectrum(self, movements: "_Movements", start: Places, count: Places, periods: Places) -> Array:
         """Compute cosine and sine part of v, then of m, at the step frequency of strides or single steps (4, n)."""
         spectrum = np.empty((len(count), 2, 2))
-        for periods, chosen in ((1, ~is_stride), (2, is_stride)):
-            if not chosen.any():
-                continue
-            for length, places in of_equal_count(count[chosen]):
-                where = np.flatnonzero(chosen)[places]
-                rows = [rows_from(column, start[where], length) for column in (movements.vertical, movements.excess)]
-                spectrum[where] = np.matmul(np.stack(rows, axis=1), self._wave(length, periods))
+        for both, places in of_equal_count(count * _MOST_PERIODS + periods - 1):
+            length, number = both // _MOST_PERIODS, both % _MOST_PERIODS + 1
+            rows = [rows_from(column, start[places], length) for column in (movements.vertical, movements.excess)]
+            spectrum[places] = np.matmul(np.stack(rows, axis=1), self._wave(length, number))
         return spectrum.reshape(-1, 4).T
 
     def _wave(self, count: int, periods: int) -> Array:
@@ -182,79 +155,53 @@ class StrideFeatures:
         return wave
 
 
-class _Movement(NamedTuple):
-    """Movement during a step: rows (2, n) of v and m; duration, horizontal power, least v, samples with v > 0."""
+class _Movements(NamedTuple):
+    """Movement during successive steps, (n,) in number."""
 
-    rows: Array
-    sums: tuple[float, float, float, int]
+    samples: Places
+    """Number of samples of each step (n,)."""
+    vertical: Array
+    """v at each sample (samples,)."""
+    excess: Array
+    """m at each sample (samples,)."""
+    duration_s: Array
+    """Duration of each step (n,)."""
+    horizontal: Array
+    """Sum of the squared horizontal acceleration of each step (n,)."""
+    lowest: Array
+    """Least v of each step (n,)."""
+    upwards: Array
+    """Number of samples of each step with v > 0 (n,)."""
 
+    def last(self) -> "_Movements":
+        """Return that of the last step."""
+        samples = slice(len(self.vertical) - int(self.samples[-1]), None)
+        by_step = [column[-1:].copy() for column in (self.duration_s, self.horizontal, self.lowest, self.upwards)]
+        return _Movements(self.samples[-1:], self.vertical[samples].copy(), self.excess[samples].copy(), *by_step)
 
-def _movement_of(step: Step) -> _Movement:
-    """Compute v, m and their sums of one step."""
-    samples = step.samples
-    vertical = samples.vertical_mps2
-    rows = np.empty((2, len(vertical)))
-    rows[0] = vertical
-    rows[1] = _excess_magnitude(samples.up, samples.acceleration_mps2)
-    acceleration = samples.acceleration_mps2.reshape(1, -1)  # in order of rows, however it lies in memory
-    power = np.matmul(acceleration, acceleration.T) - np.matmul(rows[:1], rows[:1].T)
-    values = vertical.tolist()  # a list of plain numbers is quicker for so few
-    duration_s = step.event.time_s - step.start_s
-    return _Movement(rows, (duration_s, max(power.item(), 0.0), min(values), sum([value > 0.0 for value in values])))
-
-
-class _Movements:
-    """The same of many steps at once; each product is that of one step, so that the rounding is the same.
-
-    Parameters
-    ----------
-    steps : Sequence[Step]
-        The n steps.
-
-    Attributes
-    ----------
-    samples : StepSamples
-        Their samples.
-    vertical, excess : ndarray, shape (samples,)
-        v and m at each sample.
-    duration_s, horizontal, lowest, upwards : ndarray, shape (n,)
-        Duration of each step, sum of the squared horizontal acceleration, least v, number of samples with v > 0.
-    """
-
-    def __init__(self, steps: Sequence[Step]) -> None:
-        self.samples = samples = StepSamples(steps)
-        self.vertical = vertical = samples.column("vertical_mps2")
-        self.excess: Array = np.empty(len(vertical))
-        self.duration_s = np.array([step.event.time_s - step.start_s for step in steps])
-        self.horizontal, self.lowest, self.upwards = np.empty((3, len(steps)))
-        acceleration, up = samples.column("acceleration_mps2"), samples.column("up")
-        for count, places in of_equal_count(samples.count):
-            start = samples.start[places]
-            rows, vectors = rows_from(vertical, start, count), rows_from(acceleration, start, count)
-            self.excess[start[:, None] + np.arange(count)] = _excess_magnitude(rows_from(up, start, count), vectors)
-            power = _own_products(vectors.reshape(len(places), -1)) - _own_products(rows)
-            self.horizontal[places] = np.maximum(power, 0.0)
-            self.lowest[places] = rows.min(axis=1)
-            self.upwards[places] = np.count_nonzero(rows > 0.0, axis=1)
+    def followed_by(self, others: "_Movements") -> "_Movements":
+        """Return that of these steps and others after them."""
+        columns: list[NDArray[Any]] = [np.concatenate(both) for both in zip(self, others, strict=True)]
+        return _Movements(*columns)
 
 
-def _own_products(rows: Array) -> Array:
-    """Compute the scalar product of each row (n, k) with itself."""
-    products: Array = np.matmul(rows[:, None, :], rows[:, :, None])[:, 0, 0]
-    return products
+def _movements_of(steps: Sequence[Step]) -> _Movements:
+    """Compute the movement of some steps; each product is that of one step, so that no step depends on the others."""
+    samples = StepSamples(steps)
+    vertical, acceleration, up = (samples.column(name) for name in ("vertical_mps2", "acceleration_mps2", "up"))
+    horizontal = dot(acceleration, acceleration) - vertical * vertical
+    return _Movements(
+        samples.count,
+        vertical,
+        excess_magnitude(up, acceleration),
+        np.array([step.event.time_s - step.start_s for step in steps]),
+        np.maximum(samples.sums(horizontal[None])[0], 0.0),
+        np.minimum.reduceat(vertical, samples.start),
+        np.add.reduceat(vertical > 0.0, samples.start, dtype=np.intp),
+    )
 
 
 def _log(values: Array, least: float) -> Array:
     """Compute the logarithm of values (n,) of at least `least`."""
-    return np.array([log(max(value, least)) for value in values.tolist()])
-
-
-def _excess_magnitude(up: Array, acceleration_mps2: Array) -> Array:
-    """Compute `signal.vectors.excess_magnitude` of steps (..., n, 3) in half the time, as no step is cut."""
-    force = STANDARD_GRAVITY_MPS2 * up
-    force += acceleration_mps2
-    np.square(force, out=force)
-    magnitude: Array = np.matmul(force, _ONES)
-    np.sqrt(magnitude, out=magnitude)
-    magnitude -= STANDARD_GRAVITY_MPS2
-    return magnitude
+    # That of the standard library: the rounding of NumPy's may depend on where in the array a number is.
+    return np.array(list(map(log, np.maximum(values, least).tolist())))

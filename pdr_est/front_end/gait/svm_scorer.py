@@ -1,9 +1,9 @@
-"""Arithmetic of a gait model on the features of one step, or of many steps with the same result."""
+"""Arithmetic of a gait model on the features of steps; each has the same scores in whatever batch it comes."""
 
-from collections.abc import Sequence
 from math import tanh
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.gait.model import GaitModel, SupportVectorMachine
@@ -30,12 +30,8 @@ class LinearScorer:
         self._intercept = machine.intercept - float(slope @ np.array(machine.mean))
         self._terms = tuple(zip(machine.columns, slope.tolist(), strict=True))
 
-    def __call__(self, features: Sequence[float]) -> float:
-        """Compute the score of one step's features (all of the set): above zero for the faster side."""
-        return sum([slope * features[column] for column, slope in self._terms], self._intercept)
-
-    def of_many(self, features: Array) -> Array:
-        """Compute the scores (n,) of steps with features (n, k)."""
+    def __call__(self, features: Array) -> Array:
+        """Compute the scores (n,) of steps with features (n, k), all of the set: above zero for the faster side."""
         score = np.full(len(features), self._intercept)
         for column, slope in self._terms:
             score += slope * features[:, column]
@@ -53,16 +49,8 @@ class RbfScorer:
         squares = (support * support).sum(axis=1)
         self._weights = -machine.gamma * np.column_stack([-2.0 * support, squares, np.ones_like(squares)])
 
-    def __call__(self, features: Sequence[float]) -> float:
-        """Compute the score of one step's features (all of the set): above zero for the faster side."""
-        # Plain numbers, because an array operation costs more for so few.
-        z = [(features[c] - m) / s for c, m, s in zip(self._columns, self._mean, self._scale, strict=True)]
-        square = sum([number * number for number in z])
-        kernel = np.exp(self._weights @ np.array((*z, 1.0, square)))
-        return float(self._dual @ kernel) + self._intercept
-
-    def of_many(self, features: Array) -> Array:
-        """Compute the scores (n,) of steps with features (n, k)."""
+    def __call__(self, features: Array) -> Array:
+        """Compute the scores (n,) of steps with features (n, k), all of the set: above zero for the faster side."""
         z = (features[:, list(self._columns)] - np.array(self._mean)) / np.array(self._scale)
         terms = np.ones((len(z), z.shape[1] + 2))
         terms[:, :-2] = z
@@ -91,26 +79,22 @@ class GaitScorer:
         self._faster, self._running = scorer(model.faster), scorer(model.running)
         self._sigmoids = model.faster.sigmoid, model.running.sigmoid
 
-    def scores(self, features: Array) -> list[tuple[float, float]]:
-        """Compute the scores of both levels of steps with features (n, k), clipped at `SCORE_LIMIT`."""
-        if len(features) == 1:
-            (numbers,) = features.tolist()
-            return [(_clip(self._faster(numbers)), _clip(self._running(numbers)))]
-        both = [map(_clip, level.of_many(features).tolist()) for level in (self._faster, self._running)]
-        return list(zip(*both, strict=True))
+    def scores(self, features: Array) -> Array:
+        """Compute the scores (2, n) of both levels of steps with features (n, k), clipped at `SCORE_LIMIT`."""
+        both = np.stack([self._faster(features), self._running(features)])
+        return np.asarray(np.minimum(np.maximum(both, -SCORE_LIMIT), SCORE_LIMIT))
 
-    def probabilities(self, scores: tuple[float, float]) -> Probabilities:
-        """Compute the probabilities of walking, jogging and running from pooled scores."""
+    def probabilities(self, scores: Array) -> Array:
+        """Compute the probabilities (n, 3) of walking, jogging and running from pooled scores (2, n)."""
         faster, running = (
-            _platt_probability(scores[0], self._sigmoids[0]),
-            _platt_probability(scores[1], self._sigmoids[1]),
+            _platt_probability(level, sigmoid) for level, sigmoid in zip(scores, self._sigmoids, strict=True)
         )
-        return 1.0 - faster, faster * (1.0 - running), faster * running
+        return np.stack([1.0 - faster, faster * (1.0 - running), faster * running], axis=1)
 
 
-def is_gait_change(score: float, before: float) -> bool:
-    """Return True if the first level's score of a step clearly contradicts that of the step before."""
-    return score * before < 0.0 and abs(score) > CLEAR_SCORE
+def gait_changes(score: Array, before: Array) -> NDArray[np.bool_]:
+    """Tell where the first level's scores (n,) clearly contradict those of the steps before (n,)."""
+    return np.asarray((score * before < 0.0) & (np.abs(score) > CLEAR_SCORE))
 
 
 def decide_gait(probabilities: Probabilities) -> Gait:
@@ -121,10 +105,8 @@ def decide_gait(probabilities: Probabilities) -> Gait:
     return Gait.RUNNING if running > jogging else Gait.JOGGING
 
 
-def _clip(score: float) -> float:
-    return min(max(score, -SCORE_LIMIT), SCORE_LIMIT)
-
-
-def _platt_probability(score: float, sigmoid: tuple[float, float]) -> float:
-    # The logistic function as a hyperbolic tangent, which cannot overflow.
-    return 0.5 + 0.5 * tanh(0.5 * (sigmoid[0] * score + sigmoid[1]))
+def _platt_probability(score: Array, sigmoid: tuple[float, float]) -> Array:
+    # The logistic function as a hyperbolic tangent, which cannot overflow; that of the standard library, because the
+    # rounding of NumPy's may depend on where in the array a number is.
+    logits = 0.5 * (sigmoid[0] * score + sigmoid[1])
+    return 0.5 + 0.5 * np.array(list(map(tanh, logits.tolist())))

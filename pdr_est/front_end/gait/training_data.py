@@ -10,8 +10,8 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.front_end.gait.features import FeatureSet, step_features
 from pdr_est.front_end.gait.model import TrainingDataSet
-from pdr_est.front_end.gait.svm_scorer import SCORE_LIMIT, is_gait_change
-from pdr_est.types.steps import Gait, Step, begins_walk
+from pdr_est.front_end.gait.svm_scorer import SCORE_LIMIT, gait_changes
+from pdr_est.types.steps import Gait, Step, walks_begun
 
 KNOWN_GAITS = (Gait.WALKING, Gait.JOGGING, Gait.RUNNING)
 
@@ -82,8 +82,7 @@ class StepTable:
         """Clip scores (n, 2) at the limit and average them with those of the step before, as the classifier does."""
         cut = np.clip(scores, -SCORE_LIMIT, SCORE_LIMIT)
         before = np.concatenate([cut[:1], cut[:-1]])
-        level = zip(cut[:, 0].tolist(), before[:, 0].tolist(), strict=True)
-        alone = self.begins | np.array([is_gait_change(score, earlier) for score, earlier in level], dtype=bool)
+        alone = self.begins | gait_changes(cut[:, 0], before[:, 0])
         return np.where(alone[:, None], cut, 0.5 * (cut + before))
 
 
@@ -97,17 +96,11 @@ def labelled_steps(
     ConfigError
         If there is no step.
     """
-    extractor = step_features(features)
-    rows, begins = [], []
-    previous: Step | None = None
-    for step in steps:
-        rows.append(extractor.push(step))
-        begins.append(begins_walk(step, previous))
-        previous = step
-    if not rows:
+    given = tuple(steps)
+    if not given:
         raise ConfigError(f"{person}, {gait.name.lower()}: a recording without a step: take it out")
-    rounded: Array = np.stack(rows).round(_DECIMALS)
-    return LabelledSteps(person, data_set, gait, rounded, np.array(begins))
+    rounded: Array = step_features(features).push_all(given).round(_DECIMALS)
+    return LabelledSteps(person, data_set, gait, rounded, np.array(walks_begun(given, None)))
 
 
 def step_table(walks: Sequence[LabelledSteps]) -> StepTable:

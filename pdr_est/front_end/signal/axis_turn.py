@@ -31,10 +31,14 @@ class AxisTurn:
 
 def _multiplied(matrix: Array, rows: Array) -> Array:
     """Multiply each of some rows (n, k) with a matrix (k, k); the rounding does not depend on their number."""
-    product = np.multiply.outer(rows[:, 0], matrix[:, 0])
-    for k in range(1, matrix.shape[1]):
-        product += np.multiply.outer(rows[:, k], matrix[:, k])
-    return product
+    columns = rows.T.copy()  # each in one piece of memory
+    product = np.empty_like(columns)
+    term = np.empty(len(rows))
+    for own, factors in zip(product, matrix, strict=True):
+        np.multiply(columns[0], factors[0], out=own)
+        for column, factor in zip(columns[1:], factors[1:], strict=True):
+            own += np.multiply(column, factor, out=term)
+    return np.ascontiguousarray(product.T)
 
 
 def _quaternion(matrix: Array) -> list[float]:

@@ -5,15 +5,20 @@ are therefore computed together, as the rows of an array. Sums along a row, and 
 depend on the other rows, so that a step has the same numbers to the last bit in whatever batch it comes.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
+from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import Step
 
 Places = NDArray[np.intp]
+Result = TypeVar("Result")
+
+_AT_ONCE = 128  # steps: their samples fit into the cache of a processor
 
 
 class StepSamples:
@@ -31,14 +36,52 @@ class StepSamples:
     """
 
     def __init__(self, steps: Sequence[Step]) -> None:
-        self._blocks = [step.samples for step in steps]
-        self.count: Places = np.array([len(block.time_s) for block in self._blocks])
+        self._set([step.samples for step in steps])
+
+    @classmethod
+    def of_blocks(cls, blocks: Sequence[LevelBlock]) -> "StepSamples":
+        """Join the samples of steps that are given without the steps, at least one."""
+        found = object.__new__(cls)
+        found._set(blocks)
+        return found
+
+    def _set(self, blocks: Sequence[LevelBlock]) -> None:
+        self._blocks = blocks
+        self.count: Places = np.array([len(block.time_s) for block in blocks])
         self.start: Places = self.count.cumsum() - self.count
 
     def column(self, name: str) -> Array:
         """Join a column of `LevelBlock`, which every step must have."""
         columns = [getattr(block, name) for block in self._blocks]
         return columns[0] if len(columns) == 1 else np.concatenate(columns)
+
+    def sums(self, terms: Array) -> Array:
+        """Return the sums (k, steps) over each step, of at least one sample, of terms (k, samples)."""
+        return np.asarray(np.add.reduceat(terms, self.start, axis=1))
+
+
+def for_each_step(
+    blocks: Sequence[LevelBlock], compute: Callable[[StepSamples], Sequence[Result]], without: Result
+) -> list[Result]:
+    """Compute something of each of many steps from its samples, for some steps at once.
+
+    Parameters
+    ----------
+    blocks : Sequence[LevelBlock]
+        Samples of each step.
+    compute : callable
+        Function of the samples of some steps, at least one sample each, that returns the result of each step.
+    without
+        Result of a step without samples.
+    """
+    found = [without] * len(blocks)
+    usable = [number for number, block in enumerate(blocks) if len(block.time_s)]
+    for begin in range(0, len(usable), _AT_ONCE):
+        part = usable[begin : begin + _AT_ONCE]
+        samples = StepSamples.of_blocks([blocks[number] for number in part])
+        for number, result in zip(part, compute(samples), strict=True):
+            found[number] = result
+    return found
 
 
 def of_equal_count(count: Places) -> Iterator[tuple[int, Places]]:

@@ -1,20 +1,19 @@
 """Measure the pace of a walk at a step: cadence and intensity over the last three steps."""
 
 from collections import deque
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from pdr_est.types.steps import Step, begins_walk
+from pdr_est.types.steps import Step, walks_begun
 
 _WINDOW_STEPS = 3
 _LEAST_RANGE_MPS2 = 0.05  # keeps the logarithm of a step without movement finite
 _LEAST_INTERVAL_S = 0.1
 
 
-@dataclass(frozen=True)
-class Pace:
+class Pace(NamedTuple):
     """Cadence and intensity of the last steps.
 
     Attributes
@@ -47,15 +46,22 @@ class PaceMeter:
 
     def at(self, step: Step) -> Pace:
         """Take in the next step and return the pace at it."""
-        interval_s = max(step.event.time_s - step.start_s, _LEAST_INTERVAL_S)
-        if begins_walk(step, self._last[-1] if self._last else None):
-            self._interval_s.clear()
-            self._last.clear()
-        else:
-            self._interval_s.append(interval_s)
-            interval_s = _median(self._interval_s)
-        self._last.append(step)
-        return Pace(1.0 / interval_s, tuple(self._last))
+        return self.at_each([step])[0]
+
+    def at_each(self, steps: Sequence[Step]) -> list[Pace]:
+        """Take in the next steps and return the pace at each."""
+        intervals_s, last, found = self._interval_s, self._last, []
+        for step, begins in zip(steps, walks_begun(steps, last[-1] if last else None), strict=True):
+            interval_s = max(step.event.time_s - step.start_s, _LEAST_INTERVAL_S)
+            if begins:
+                intervals_s.clear()
+                last.clear()
+            else:
+                intervals_s.append(interval_s)
+                interval_s = _median(intervals_s)
+            last.append(step)
+            found.append(Pace(1.0 / interval_s, tuple(last)))
+        return found
 
 
 def _median(values: Iterable[float]) -> float:

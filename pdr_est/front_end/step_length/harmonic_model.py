@@ -20,7 +20,7 @@ better than the step by itself, and worse for a phone in a swinging arm. Runners
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from annotated_types import Ge, Gt, Le
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.step_samples import StepSamples, of_equal_count, rows_from
 from pdr_est.params import Positive, params
-from pdr_est.types.steps import Step, begins_walk
+from pdr_est.types.steps import Step, walks_begun
 
 LEAST_SAMPLES = 6  # of a step whose shape shows
 
@@ -64,34 +64,35 @@ class HarmonicParams:
     """
 
 
-class StepShape(NamedTuple):
-    """Numbers that the samples of a step tell of its length.
+class StepShapes(NamedTuple):
+    """Numbers that the samples of n steps tell of their lengths.
 
     Attributes
     ----------
-    harmonic_mps2, upper_mps2 : float
+    harmonic_mps2, upper_mps2 : ndarray, shape (n,)
         First harmonic and upper values of the vertical acceleration.
-    turn_rate_radps : float
+    turn_rate_radps : ndarray, shape (n,)
         Mean rotation rate about the vertical; NaN for a device without gyroscope.
     """
 
-    harmonic_mps2: float
-    upper_mps2: float
-    turn_rate_radps: float
+    harmonic_mps2: Array
+    upper_mps2: Array
+    turn_rate_radps: Array
 
 
-def step_shapes(steps: Sequence[Step]) -> list[StepShape]:
+def step_shapes(steps: Sequence[Step]) -> StepShapes:
     """Measure the shape of each of some steps, at least one; it is NaN for a step without samples."""
     samples = StepSamples(steps)
     vertical, turn_rate = samples.column("vertical_mps2"), samples.column("turn_rate_radps")
-    shapes = np.full((len(steps), 3), np.nan)
+    shapes = StepShapes(*np.full((3, len(steps)), np.nan))
     for count, places in of_equal_count(samples.count):
         if count:
             rows = rows_from(vertical, samples.start[places], count)
-            shapes[places, 0] = first_harmonic_mps2(rows)
-            shapes[places, 1] = upper_values_mps2(rows)
-            shapes[places, 2] = rows_from(turn_rate, samples.start[places], count).sum(axis=1) / count
-    return [StepShape(*shape) for shape in shapes.tolist()]
+            shapes.harmonic_mps2[places] = first_harmonic_mps2(rows)
+            shapes.upper_mps2[places] = upper_values_mps2(rows)
+            turned = rows_from(turn_rate, samples.start[places], count).sum(axis=1)
+            shapes.turn_rate_radps[places] = turned / count
+    return shapes
 
 
 def harmonic_length_m(
@@ -112,13 +113,12 @@ def harmonic_length_m(
     vertical_mps2 : ndarray
         Vertical acceleration (n,) during the step, m/s^2.
     """
-    return length_of_features_m(parameters, height_m, turn_rad, log_features(duration_s, vertical_mps2))
+    features = log_features(duration_s, vertical_mps2)
+    return float(lengths_of_features_m(parameters, height_m, np.array([turn_rad]), np.array([features]).T)[0])
 
 
-def length_of_features_m(
-    parameters: HarmonicParams, height_m: float, turn_rad: float, features: tuple[float, float, float]
-) -> float:
-    """Compute the length of a step from its `shape_features` or `log_features`; see `harmonic_length_m`."""
+def lengths_of_features_m(parameters: HarmonicParams, height_m: float, turn_rad: Array, features: Array) -> Array:
+    """Compute the lengths (n,) of steps from turns (n,) and `shape_features` (3, n); see `harmonic_length_m`."""
     p = parameters
     harmonic, upper, duration = features
     exponent = (
@@ -127,7 +127,7 @@ def length_of_features_m(
         + p.duration_exponent * duration
         - p.turn_per_rad * turn_rad
     )
-    return p.length_m * height_m / _HEIGHT_M * math.exp(exponent)
+    return p.length_m * height_m / _HEIGHT_M * _each(math.exp, exponent)
 
 
 def walked_part(parameters: HarmonicParams, duration_s: float) -> float:
@@ -142,15 +142,23 @@ def walked_part(parameters: HarmonicParams, duration_s: float) -> float:
 
 def log_features(duration_s: float, vertical_mps2: Array) -> tuple[float, float, float]:
     """Compute the logarithms of first harmonic, upper values and duration of a step, within bounds."""
-    harmonic_mps2, upper_mps2 = first_harmonic_mps2(vertical_mps2), upper_values_mps2(vertical_mps2)
-    return shape_features(duration_s, StepShape(float(harmonic_mps2), float(upper_mps2), 0.0))
+    rows = vertical_mps2[None]
+    shape = StepShapes(first_harmonic_mps2(rows), upper_values_mps2(rows), np.zeros(1))
+    harmonic, upper, duration = shape_features(np.array([duration_s]), shape)[:, 0].tolist()
+    return harmonic, upper, duration
 
 
-def shape_features(duration_s: float, shape: StepShape) -> tuple[float, float, float]:
-    """Compute `log_features` of a step whose shape is known."""
-    harmonic_mps2 = max(shape.harmonic_mps2, _LEAST_AMPLITUDE_MPS2)
-    upper_mps2 = max(shape.upper_mps2, harmonic_mps2 / _MOST_QUOTIENT)
-    return math.log(harmonic_mps2), math.log(upper_mps2), math.log(max(duration_s, _LEAST_DURATION_S))
+def shape_features(duration_s: Array, shapes: StepShapes) -> Array:
+    """Compute the `log_features` (3, n) of steps with durations (n,) whose shapes are known."""
+    harmonic_mps2 = np.maximum(shapes.harmonic_mps2, _LEAST_AMPLITUDE_MPS2)
+    upper_mps2 = np.maximum(shapes.upper_mps2, harmonic_mps2 / _MOST_QUOTIENT)
+    bounded = (harmonic_mps2, upper_mps2, np.maximum(duration_s, _LEAST_DURATION_S))
+    return np.stack([_each(math.log, values) for values in bounded])
+
+
+def _each(function: Callable[[float], float], values: Array) -> Array:
+    """Apply a function of the standard library, as the rounding of NumPy's may depend on the place in an array."""
+    return np.array(list(map(function, values.tolist())))
 
 
 def first_harmonic_mps2(vertical_mps2: Array) -> Array:
@@ -186,13 +194,16 @@ class TurnMeter:
 
     def at(self, step: Step) -> float:
         """Take in the next step and return the heading change per step, rad, not negative."""
-        return self.after(step, float(step.samples.turn_rate_radps.mean()))
+        return self.after_each([step], [float(step.samples.turn_rate_radps.mean())])[0]
 
-    def after(self, step: Step, turn_rate_radps: float) -> float:
-        """Take in the next step with its mean rotation rate about the vertical; return the same as `at`."""
-        if begins_walk(step, self._previous):
-            self._changes_rad.clear()
-        self._previous = step
-        change_rad = turn_rate_radps * (step.event.time_s - step.start_s)
-        self._changes_rad.append(change_rad if math.isfinite(change_rad) else 0.0)
-        return min(abs(math.fsum(self._changes_rad)) / len(self._changes_rad), _MOST_TURN_RAD)
+    def after_each(self, steps: Sequence[Step], turn_rate_radps: Sequence[float]) -> list[float]:
+        """Take in the next steps with their mean rotation rates about the vertical; return what `at` does."""
+        changes, found = self._changes_rad, []
+        for step, begins, rate in zip(steps, walks_begun(steps, self._previous), turn_rate_radps, strict=True):
+            if begins:
+                changes.clear()
+            change_rad = rate * (step.event.time_s - step.start_s)
+            changes.append(change_rad if math.isfinite(change_rad) else 0.0)
+            found.append(min(abs(math.fsum(changes)) / len(changes), _MOST_TURN_RAD))
+        self._previous = steps[-1] if steps else self._previous
+        return found

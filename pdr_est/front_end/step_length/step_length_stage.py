@@ -14,9 +14,8 @@ from pdr_est.front_end.step_length.cadence import Pace, PaceMeter
 from pdr_est.front_end.step_length.harmonic_model import (
     LEAST_SAMPLES,
     HarmonicParams,
-    StepShape,
     TurnMeter,
-    length_of_features_m,
+    lengths_of_features_m,
     shape_features,
     step_shapes,
     walked_part,
@@ -32,7 +31,7 @@ from pdr_est.front_end.step_length.walk_run_model import (
 from pdr_est.front_end.step_length.walker import WalkerParams
 from pdr_est.params import Positive, params
 from pdr_est.parts import PartName
-from pdr_est.records import changed
+from pdr_est.records import changed_each
 from pdr_est.types.steps import Step
 
 LengthModel = Literal[
@@ -127,48 +126,54 @@ class StepLength:
         """Give steps their length."""
         found: list[Step] = []
         for begin in range(0, len(items), _AT_ONCE):
-            steps = items[begin : begin + _AT_ONCE]
-            found += [self._with_length(step, shape) for step, shape in zip(steps, step_shapes(steps), strict=True)]
+            found += self._with_lengths(items[begin : begin + _AT_ONCE])
         return found
 
-    def _with_length(self, step: Step, shape: StepShape) -> Step:
-        pace = self._pace.at(step)
-        turn_rad = self._turn.after(step, shape.turn_rate_radps)
-        walking_m, running_m = self._lengths_m(step, pace, turn_rad, shape)
-        mean_m, sigma_m = mixture_mean_and_sigma(
-            share_of_running(step, pace.cadence_hz),
-            (walking_m, self._parameters.sigma_walking * walking_m),
-            (running_m, self._parameters.sigma_running * running_m),
+    def _with_lengths(self, steps: Sequence[Step]) -> list[Step]:
+        p, factor = self._parameters, self._walker.personal_factor
+        paces = self._pace.at_each(steps)
+        lengths_m = (
+            self._harmonic_lengths_m(steps) if self._law == "harmonic" else self._other_lengths_m(steps, paces)
         )
-        factor = self._walker.personal_factor(pace.cadence_hz)
-        length_m = factor * mean_m * step.recorded_share
-        return changed(step, length_m=length_m, sigma_length_m=factor * sigma_m)
+        found_m, sigmas_m = [], []
+        for step, pace, (walking_m, running_m) in zip(steps, paces, lengths_m, strict=True):
+            share = share_of_running(step, pace.cadence_hz)
+            walking, running = (walking_m, p.sigma_walking * walking_m), (running_m, p.sigma_running * running_m)
+            mean_m, sigma_m = mixture_mean_and_sigma(share, walking, running)
+            personal = factor(pace.cadence_hz)
+            found_m.append(personal * mean_m * step.recorded_share)
+            sigmas_m.append(personal * sigma_m)
+        return changed_each(steps, length_m=found_m, sigma_length_m=sigmas_m)
 
     def flush(self) -> list[Step]:
         """Return nothing: no step is held back."""
         return []
 
-    def _lengths_m(self, step: Step, pace: Pace, turn_rad: float, shape: StepShape) -> tuple[float, float]:
-        """Compute the lengths of this step if it is a walking one and if it is a running one."""
-        p, height_m = self._parameters, self._walker.height_m
-        if self._law == "harmonic":
-            length_m = self._harmonic_length_m(step, turn_rad, shape)
-            return walked_part(p.harmonic, step.event.time_s - step.start_s) * length_m, length_m
-        if self._law != "walk-run":
-            length_m = self._published_length_m(step)
-            return length_m, length_m
-        walking_m = self._length_from_acceleration(
-            step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
-        )
-        # Doubt about the gait must not shorten a gentle walk: a running step is never shorter than a walking one.
-        return walking_m, max(walking_m, running_length_m(p.running, height_m, pace))
+    def _harmonic_lengths_m(self, steps: Sequence[Step]) -> list[tuple[float, float]]:
+        """Apply our law to each step as a walking and a running one; one too short to show its shape takes eq. 2."""
+        p, shapes = self._parameters.harmonic, step_shapes(steps)
+        durations_s = [step.event.time_s - step.start_s for step in steps]
+        turn_rad = self._turn.after_each(steps, shapes.turn_rate_radps.tolist())
+        features = shape_features(np.array(durations_s), shapes)
+        running_m = lengths_of_features_m(p, self._walker.height_m, np.array(turn_rad), features)
+        short = [len(step.samples.time_s) < LEAST_SAMPLES for step in steps]
+        running_m[short] = self._static_length_m()
+        pairs = zip(durations_s, running_m.tolist(), strict=True)
+        return [(walked_part(p, duration_s) * length_m, length_m) for duration_s, length_m in pairs]
 
-    def _harmonic_length_m(self, step: Step, turn_rad: float, shape: StepShape) -> float:
-        """Apply our law; a step too short to show its shape takes eq. 2."""
-        if len(step.samples.time_s) < LEAST_SAMPLES:
-            return self._static_length_m()
-        features = shape_features(step.event.time_s - step.start_s, shape)
-        return length_of_features_m(self._parameters.harmonic, self._walker.height_m, turn_rad, features)
+    def _other_lengths_m(self, steps: Sequence[Step], paces: Sequence[Pace]) -> list[tuple[float, float]]:
+        """Compute the lengths of each step by another model, if it is a walking one and if it is a running one."""
+        p, height_m = self._parameters, self._walker.height_m
+        if self._law != "walk-run":
+            return [(length_m, length_m) for length_m in map(self._published_length_m, steps)]
+        found = []
+        for step, pace in zip(steps, paces, strict=True):
+            walking_m = self._length_from_acceleration(
+                step, lambda vertical: walking_length_m(p.range_power_k, p.range_power_exponent, height_m, vertical)
+            )
+            # Doubt about the gait must not shorten a gentle walk: a running step is never shorter than a walking one.
+            found.append((walking_m, max(walking_m, running_length_m(p.running, height_m, pace))))
+        return found
 
     def _published_length_m(self, step: Step) -> float:
         p, walker = self._parameters, self._walker

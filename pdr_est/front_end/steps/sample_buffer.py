@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.frames import Array
+from pdr_est.records import made
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode, StepEvent
 
@@ -79,11 +80,13 @@ class SampleBuffer:
 
     def event(self, i: int, confidence: float = 1.0) -> StepEvent:
         """Make the step event at position i of the window."""
-        return StepEvent(
+        return made(
+            StepEvent,
             index=self._first_index + i - self._delay,
-            time_s=self.time_s(i),
+            time_s=self._time_s.item(i) - self._delay_s,
             segment=self.segment or 0,
             mode=_MODES[self.mode.item(i)],
             confidence=confidence,
             mode_probability=self._mode_probability.item(i),
+            compensated=False,
         )

@@ -5,6 +5,7 @@ III-D).
 """
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
@@ -12,9 +13,13 @@ from pdr_est.frames import SIGMA_UNIFORM_RAD
 from pdr_est.front_end.signal.blocks import join, part, parts
 from pdr_est.front_end.steps.mode_transition import StepFrequency
 from pdr_est.params import Positive, params
+from pdr_est.records import made
 from pdr_est.stage import Stage
 from pdr_est.types.sensors import Hole, LevelBlock
 from pdr_est.types.steps import LONGEST_STEP_S, Step, StepEvent
+
+_FOUND = ("event", "start_s", "frequency_hz", "samples", "holes", "sigma_turn_rad", "recorded_share")
+_NOT_YET_KNOWN = {field.name: field.default for field in fields(Step) if field.name not in _FOUND}
 
 
 @params
@@ -115,7 +120,9 @@ class StepSegmentation:
         same = event.segment == self._segment or self._segment is None
         if event.time_s > self._begin_s:
             self._holes, self._last_s, self._segment = (), event.time_s, event.segment
-        return Step(
+        return made(
+            Step,
+            **_NOT_YET_KNOWN,
             event=event,
             start_s=start_s,
             frequency_hz=self._frequency_at(event),

@@ -5,10 +5,11 @@ import pytest
 from estimator_walks import DEVICE, simulate, winding
 from scipy.stats import multivariate_normal
 
-from pdr_est.estimators.common.motion_model import STATES, GaussianState, reckon
+from pdr_est.estimators.common.motion_model import STATES, GaussianState
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.fix_checks.dead_reckoned_path import DeadReckonedPath, ReckonedPoints
 from pdr_est.estimators.fix_checks.position_regression import UNKNOWN_POSITION_M, PlacementPrior, Regression, regress
+from pdr_est.estimators.reckoned_poses import reckon
 from pdr_est.frames import Array
 
 WALK = simulate(np.random.default_rng(3), winding(120, np.random.default_rng(4)) * 3.0, fix_every=9)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from estimator_walks import DEVICE, SIGMA_SCALE, heading_prior, simulate, winding
 
+from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.factor_graph import smoother
@@ -52,6 +53,12 @@ def test_the_estimator_uses_it() -> None:
     track = estimate_walk("factor-graph", [DeviceMeasurements(DEVICE, 0.0, measurements)], KNOWN, SIGMA_SCALE)
     own = chain_smoother.estimate([build_timeline(DEVICE, 0.0, measurements)], KNOWN, SIGMA_SCALE)
     assert np.array_equal(track.position_m, own.position_m)
+
+
+def test_headings_that_do_not_settle_are_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pdr_est.estimators.heading_chain.chain.MAX_STEPS", 1)
+    with pytest.raises(EstimationError, match=r"headings of 61 poses do not settle: step 1 .* or use ekf"):
+        chain_smoother.estimate([build_timeline(DEVICE, 0.0, walk("absolute"))], KNOWN, SIGMA_SCALE)
 
 
 def test_what_measures_positions_needs_the_graph() -> None:

@@ -4,19 +4,11 @@ import numpy as np
 import pytest
 from estimator_walks import DEVICE, fix, heading_prior, simulate, winding
 
-from pdr_est.estimators.common.motion_model import (
-    SOURCE_STATES,
-    STATES,
-    GaussianState,
-    advance,
-    linearise,
-    move,
-    reckon,
-    retreat,
-)
+from pdr_est.estimators.common.motion_model import SOURCE_STATES, STATES, GaussianState, linearise, move
 from pdr_est.estimators.common.timeline import Timeline, build_timeline
 from pdr_est.estimators.kalman import ekf, rts_smoother
 from pdr_est.estimators.kalman.offline_filter import run_filter
+from pdr_est.estimators.reckoned_poses import reckon
 from pdr_est.types.measurements import StartPose
 
 
@@ -65,13 +57,12 @@ def test_jacobian_is_the_derivative_of_the_motion() -> None:
     assert jacobian == pytest.approx(np.array(numeric).T, abs=1e-8)
 
 
-def test_retreat_undoes_advance_but_for_the_noise() -> None:
-    node = timeline().nodes[7]
+def test_reckoning_back_undoes_reckoning_but_for_the_noise() -> None:
+    nodes = timeline().nodes[6:8]
     before = GaussianState(np.array([3.0, 4.0, 2.0, 1.1, 0.2]), np.diag([0.1, 0.2, 0.03, 0.01, 0.3]))
-    after = advance(before, node)
-    again = retreat(after, node)
+    again = reckon(nodes, 1, reckon(nodes, 0, before)[1])[0]
     assert again.mean == pytest.approx(before.mean, abs=1e-12)
-    jacobian, noise = linearise(before.mean, node)
+    jacobian, noise = linearise(before.mean, nodes[1])
     back = np.linalg.inv(jacobian)
     assert again.covariance == pytest.approx(before.covariance + 2.0 * back @ noise @ back.T, abs=1e-12)
 

@@ -75,9 +75,9 @@ def test_the_mean_of_two_steps_decides() -> None:
     """Worked out from the scores of each step."""
     model, steps = shipped_model("auto"), steps_of((SLOW, 1), (FAST, 1))
     features, scorer = step_features("auto"), GaitScorer(model)
-    first, second = scorer.scores(features.push_all(steps))
-    expected = scorer.probabilities((0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1])))
-    assert run(GaitClassifier(model), steps)[1].gait_probability == expected
+    scores = scorer.scores(features.push_all(steps))
+    (expected,) = scorer.probabilities(scores.mean(axis=1, keepdims=True)).tolist()
+    assert run(GaitClassifier(model), steps)[1].gait_probability == tuple(expected)
 
 
 def test_without_a_method_the_gait_stays_unknown() -> None:

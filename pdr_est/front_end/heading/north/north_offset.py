@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.heading.level_frame import turn_upright
-from pdr_est.front_end.heading.step_motion import first_samples, for_each_step
+from pdr_est.front_end.signal.step_samples import Places, StepSamples, for_each_step
 from pdr_est.types.sensors import LevelBlock
 
 _EARTH_UT = (20.0, 70.0)  # the field is 22 to 67 uT everywhere on the surface
@@ -35,33 +35,27 @@ def magnetic_north_offsets(samples: Sequence[LevelBlock]) -> list[float]:
     return [nan if block.magnetic_field_ut is None else next(found) for block in samples]
 
 
-def _by_attitude(samples: Sequence[LevelBlock]) -> list[float]:
-    yaw_rad = _joined([block.yaw_rad for block in samples])
-    angle_rad = _joined([block.recorded_yaw_rad for block in samples]) - yaw_rad
+def _by_attitude(samples: StepSamples) -> list[float]:
+    angle_rad = samples.column("recorded_yaw_rad") - samples.column("yaw_rad")
     known = np.isfinite(angle_rad)
-    return _mean_angles(np.cos(angle_rad), np.sin(angle_rad), known, np.ones_like(known), first_samples(samples))
+    return _mean_angles(np.cos(angle_rad), np.sin(angle_rad), known, np.ones_like(known), samples.start)
 
 
-def _by_field(samples: Sequence[LevelBlock]) -> list[float]:
-    field = _joined([block.magnetic_field_ut for block in samples]).T.copy()
-    up, yaw_rad = (_joined([getattr(block, name) for block in samples]) for name in ("up", "yaw_rad"))
+def _by_field(samples: StepSamples) -> list[float]:
+    field, yaw_rad = samples.column("magnetic_field_ut").T.copy(), samples.column("yaw_rad")
     x, y, z = field
     strength_ut = np.sqrt(x * x + y * y + z * z)
     possible = (strength_ut >= _EARTH_UT[0]) & (strength_ut <= _EARTH_UT[1])
-    east, north = turn_upright(field, up.T.copy().T)
+    east, north = turn_upright(field, samples.column("up").T.copy().T)
     level_ut = np.sqrt(east * east + north * north)
     known = possible & (level_ut > 0.0)
     level_ut = np.where(known, level_ut, 1.0)
     cos, sin = np.cos(yaw_rad) / level_ut, np.sin(yaw_rad) / level_ut
-    return _mean_angles(north * cos + east * sin, east * cos - north * sin, known, possible, first_samples(samples))
-
-
-def _joined(parts: Sequence[Array | None]) -> Array:
-    return np.concatenate([part for part in parts if part is not None])
+    return _mean_angles(north * cos + east * sin, east * cos - north * sin, known, possible, samples.start)
 
 
 def _mean_angles(
-    cos: Array, sin: Array, known: NDArray[np.bool_], possible: NDArray[np.bool_], first: NDArray[np.int64]
+    cos: Array, sin: Array, known: NDArray[np.bool_], possible: NDArray[np.bool_], first: Places
 ) -> list[float]:
     """Compute the mean angle of each step over those of its samples whose angles are known.
 

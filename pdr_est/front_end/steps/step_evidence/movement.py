@@ -70,8 +70,8 @@ class MovementSums:
         np.multiply(up[0], up, out=rows[_FIRST_PRODUCTS, 1:])
         np.multiply(up[1], up[1:], out=rows[_SECOND_PRODUCTS, 1:])
         # The carry is the first term of the sum, so that the order of the additions does not depend on the cuts.
-        sums: Array = np.cumsum(rows, axis=1)
-        self._last = sums[:, -1:]
+        sums: Array = np.cumsum(rows, axis=1, out=rows)
+        self._last = sums[:, -1:].copy()
         return sums[:, 1:].T
 
     def _smoothed(self, acceleration: Array) -> Array:

@@ -6,7 +6,7 @@ separates them, but the odds do. They are those of a logistic regression on the 
 weights for early and for late peaks.
 """
 
-import math
+from math import exp, log
 from typing import NamedTuple
 
 # Fitted to the 30,000 peaks of the walks with annotated steps (oxford-steps, weallwalk) and of further walks of the
@@ -16,9 +16,9 @@ _CONSTANT = 3.04
 _RISE, _RISE_RATIO, _STRENGTH_RATIO = 2.02, 1.94, 0.97
 _EARLY, _LATE = 4.11, -1.56
 # Peaks beyond these limits tell no more than those at the limits.
-_RISE_LIMITS = math.exp(-3.0), math.exp(1.5)
-_RISE_RATIO_LIMITS = math.exp(-3.0), math.exp(0.5)
-_STRENGTH_RATIO_LIMITS = math.exp(-2.0), math.exp(0.3)
+_RISE_LIMITS = exp(-3.0), exp(1.5)
+_RISE_RATIO_LIMITS = exp(-3.0), exp(0.5)
+_STRENGTH_RATIO_LIMITS = exp(-2.0), exp(0.3)
 _INTERVAL_RATIO_LIMITS = 0.2, 4.0
 
 
@@ -34,12 +34,8 @@ class PeakShape(NamedTuple):
 
     def blended(self, other: "PeakShape", weight: float) -> "PeakShape":
         """Return the mean of this shape, with a weight from 0 to 1, and of another one."""
-        rest = 1.0 - weight
-        return PeakShape(
-            weight * self.height + rest * other.height,
-            weight * self.rise + rest * other.rise,
-            weight * self.strength + rest * other.strength,
-        )
+        (a, b, c), (x, y, z), rest = self, other, 1.0 - weight
+        return PeakShape(weight * a + rest * x, weight * b + rest * y, weight * c + rest * z)
 
 
 def peak_log_odds(peak: PeakShape, usual: PeakShape, interval_ratio: float) -> float:
@@ -57,20 +53,19 @@ def peak_log_odds(peak: PeakShape, usual: PeakShape, interval_ratio: float) -> f
     float
         Above 0 for a peak that is rather a step than not.
     """
-    timing = _log_within(interval_ratio, _INTERVAL_RATIO_LIMITS)
+    timing = log(min(max(interval_ratio, _INTERVAL_RATIO_LIMITS[0]), _INTERVAL_RATIO_LIMITS[1]))
+    _, rise, strength = peak
+    _, usual_rise, usual_strength = usual
     return (
         _CONSTANT
-        + _RISE * _log_within(peak.rise, _RISE_LIMITS)
-        + _RISE_RATIO * _log_within(peak.rise / usual.rise, _RISE_RATIO_LIMITS)
-        + _STRENGTH_RATIO * _log_within(peak.strength / usual.strength, _STRENGTH_RATIO_LIMITS)
+        + _RISE * log(min(max(rise, _RISE_LIMITS[0]), _RISE_LIMITS[1]))
+        + _RISE_RATIO * log(min(max(rise / usual_rise, _RISE_RATIO_LIMITS[0]), _RISE_RATIO_LIMITS[1]))
+        + _STRENGTH_RATIO
+        * log(min(max(strength / usual_strength, _STRENGTH_RATIO_LIMITS[0]), _STRENGTH_RATIO_LIMITS[1]))
         + (_EARLY if timing < 0.0 else _LATE) * timing
     )
 
 
-def _log_within(value: float, limits: tuple[float, float]) -> float:
-    return math.log(min(max(value, limits[0]), limits[1]))
-
-
 def probability(log_odds: float) -> float:
     """Return the probability that belongs to the logarithm of odds."""
-    return 1.0 / (1.0 + math.exp(-log_odds))
+    return 1.0 / (1.0 + exp(-log_odds))

@@ -90,13 +90,14 @@ def walking_evidence(movement: Movement, rhythm: PeakRhythm) -> float:
         Times and rise of the peak.
     """
     evidence = _CONSTANT + _CHANGE * rhythm.change
-    if movement.acceleration_mps2 < _WEAK_MPS2:
-        evidence += _WEAKNESS * math.log(max(movement.acceleration_mps2, _LEAST_MPS2) / _WEAK_MPS2)
-    if movement.vertical_share < _USUAL_SHARE:
-        evidence += _SHARE * math.log(max(movement.vertical_share, _LEAST_SHARE) / _USUAL_SHARE)
+    strength, vertical_share, tilt_rad = movement
+    if strength < _WEAK_MPS2:
+        evidence += _WEAKNESS * math.log(max(strength, _LEAST_MPS2) / _WEAK_MPS2)
+    if vertical_share < _USUAL_SHARE:
+        evidence += _SHARE * math.log(max(vertical_share, _LEAST_SHARE) / _USUAL_SHARE)
     if rhythm.interval_s > _USUAL_INTERVAL_S:
         evidence += _SLOWNESS * math.log(min(rhythm.interval_s, _LONG_INTERVAL_S) / _USUAL_INTERVAL_S)
-    reach = rhythm.bounce_m * movement.sideways_tilt_rad
+    reach = rhythm.bounce_m * tilt_rad
     if reach > _USUAL_REACH_M_RAD:
         evidence += _REACH * math.log(reach / _USUAL_REACH_M_RAD)
     return min(max(evidence, -_MOST_EVIDENCE), _MOST_EVIDENCE)

@@ -1,0 +1,27 @@
+"""When Newton's method ends: one rule for headings alone, poses on arrays and the factor graph."""
+
+EXACTLY = 1e-6
+"""Predicted decrease of the error, half a chi square, below which a step is the last one."""
+
+MAX_STEPS = 200
+"""Number of steps after which the method has failed."""
+
+MAX_HALVINGS = 20
+"""Number of halvings of a step after which no decrease beyond rounding is to be had along it."""
+
+_ARMIJO = 1e-4  # share of the decrease that the slope predicts
+
+
+def decreases_enough(there: float, here: float, share: float, predicted_decrease: float) -> bool:
+    """Tell whether a shortened step decreases the error enough (Armijo's condition).
+
+    Parameters
+    ----------
+    there, here
+        Error after and before it.
+    share
+        Share of the whole step.
+    predicted_decrease
+        Decrease of the error that the whole step would give if the problem were linear.
+    """
+    return there <= here - 2.0 * _ARMIJO * share * predicted_decrease
