@@ -8,6 +8,7 @@ time, so the truth does not depend on the sampling rate.
   pocket.
 * `sensors`: errors of the sensors and the magnetic field. `motion`: differentiable signals that all motion is made
   of.
+* `riding`: vehicles and lifts that carry the walker during pauses of the walk.
 * `people`: randomly drawn walkers and populations. `presets`: named scenarios and the walks of the papers.
 """
 
@@ -19,7 +20,10 @@ from pdr_est.simulate.people.person import SimulatedPerson, sample_person
 from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, mmpdr_mode_walks, park_348
 from pdr_est.simulate.presets.named_scenarios import PRESETS, preset
 from pdr_est.simulate.presets.psp import PSP_TESTS, PspTrajectory, psp_path, psp_walks
+from pdr_est.simulate.presets.riding import riding_walk
 from pdr_est.simulate.presets.robust_dr import ROBUST_DR_TRIALS, robust_dr_trials, waypoint_passes
+from pdr_est.simulate.riding.riding_body import Ride
+from pdr_est.simulate.riding.vehicles import VEHICLES, VehicleParams
 from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole, scatter_dipoles
 from pdr_est.simulate.sensors.sensor_errors import NO_SENSOR_ERRORS, PHONE_MAGNETOMETER, SensorErrors, SensorParams
@@ -34,6 +38,7 @@ __all__ = [
     "PRESETS",
     "PSP_TESTS",
     "ROBUST_DR_TRIALS",
+    "VEHICLES",
     "BodyParams",
     "BodyTurn",
     "DeviceParams",
@@ -45,6 +50,7 @@ __all__ = [
     "Pause",
     "PocketPhone",
     "PspTrajectory",
+    "Ride",
     "Scenario",
     "SensorErrors",
     "SensorParams",
@@ -53,6 +59,7 @@ __all__ = [
     "SimulatedWalk",
     "StepSchedule",
     "SwingingPhone",
+    "VehicleParams",
     "WalkerGaitParams",
     "WalkingPath",
     "mmpdr_indoor",
@@ -62,6 +69,7 @@ __all__ = [
     "psp_path",
     "psp_walks",
     "robust_dr_trials",
+    "riding_walk",
     "sample_person",
     "scatter_dipoles",
     "simulate_walk",
