@@ -48,7 +48,7 @@ def riding_walk(
     gait = WalkerGaitParams(pauses=(Pause(at_m=walk_m, duration_s=ride_s),))
     arrival_s = gait.lead_in_s + walk_m / mean_speed_mps(gait) + 3.0  # a second or two into the standstill
     carry: CarriedPhone = PocketPhone() if place == "pocket" else HeldPhone()
-    changes = ()
+    changes: tuple[ModeChange, ...] = ()
     if place == "seat":
         put_down_s = arrival_s + _PUT_DOWN_S
         changes = (

@@ -136,9 +136,7 @@ class _RideMotion:
             lean=(pitch + shaken.pitch, roll + shaken.roll),
         )
 
-    def _shaken(
-        self, time_s: Array, speed_share: DifferentiableSignal, aboard: DifferentiableSignal
-    ) -> Vibration:
+    def _shaken(self, time_s: Array, speed_share: DifferentiableSignal, aboard: DifferentiableSignal) -> Vibration:
         """Compute the vibration, which is zero before and after the ride: many tones need not be summed up there."""
         first, last = np.searchsorted(time_s, [self._aboard.x[1], self._aboard.x[-2]])
         part = slice(int(first), int(last))
@@ -173,7 +171,10 @@ def _span_s(ride: Ride, steps: StepSchedule) -> tuple[float, float]:
     bouts = steps.bouts
     if ride.pause + 1 >= len(bouts):
         raise ConfigError(f"ride {ride.vehicle.name} in pause {ride.pause}: the walk has {len(bouts) - 1} pauses")
-    start_s, end_s = float(steps.time_s[bouts[ride.pause].stop - 1]), float(steps.start_s[bouts[ride.pause + 1].start])
+    start_s, end_s = (
+        float(steps.time_s[bouts[ride.pause].stop - 1]),
+        float(steps.start_s[bouts[ride.pause + 1].start]),
+    )
     if end_s - start_s < LEAST_RIDE_S:
         raise ConfigError(
             f"ride {ride.vehicle.name} in pause {ride.pause}: the pause lasts {end_s - start_s:g} s, a ride needs "

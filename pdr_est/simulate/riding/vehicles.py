@@ -106,7 +106,7 @@ def bus(roughness_m3: float = _ROAD_BC_M3) -> VehicleParams:
 
 
 def car(roughness_m3: float = _ROAD_B_M3) -> VehicleParams:
-    """Return a car in the town: the "golden car" on a good road, with few stops; speeds and accelerations are ours."""
+    """Return a car in a town: the "golden car" on a good road; its speed, stops and accelerations are ours."""
     return VehicleParams(
         name="car",
         speed_mps=14.0,

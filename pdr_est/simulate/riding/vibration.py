@@ -23,9 +23,9 @@ _SMOOTH_HZ = (2.0, 20.0)  # guides, chains and motors: no body on springs
 _TONES = 120
 _SWAY_DAMPING = 0.25
 
-# Frequency, Hz, and damping of the trunk on seat or legs: vertically after Griffin (Handbook of Human Vibration, 1990)
-# and ISO 5982, which have the main resonance at 4 to 5.5 Hz with a gain of 1.5 to 2; horizontally the seat or the legs
-# pass what is slower than 1.5 to 2 Hz.
+# Frequency, Hz, and damping of the trunk on seat or legs. Vertically after Griffin (Handbook of Human Vibration,
+# 1990) and ISO 5982, which have the main resonance at 4 to 5.5 Hz with a gain of 1.5 to 2. Horizontally the seat or
+# the legs pass what is slower than 1.5 to 2 Hz.
 _TRUNK_VERTICAL = {"sitting": (4.5, 0.35), "standing": (5.5, 0.35)}
 _TRUNK_HORIZONTAL = {"sitting": (2.0, 0.5), "standing": (1.5, 0.5)}
 
@@ -49,7 +49,9 @@ class Vibration:
     roll: DifferentiableSignal
 
 
-def road_vibration_density(suspension: SuspensionParams, roughness_m3: float, speed_mps: float, at_hz: Array) -> Array:
+def road_vibration_density(
+    suspension: SuspensionParams, roughness_m3: float, speed_mps: float, at_hz: Array
+) -> Array:
     """Compute the spectral density of the vertical acceleration of a vehicle's body on a road.
 
     Parameters
@@ -158,7 +160,7 @@ def _scaled(density: Array, at_hz: Array, rms: float) -> Array:
 
 
 def _amplitudes(density: Array, at_hz: Array, trunk: tuple[float, float] | None) -> Array:
-    """Compute amplitudes of tones, (n,), m/s^2, from their density, behind the resonance of a trunk if there is one."""
+    """Compute amplitudes of tones, (n,), m/s^2, from their density, behind a trunk's resonance if there is one."""
     gain = 1.0 if trunk is None else _resonance(at_hz, *trunk)
     amplitudes: Array = gain * np.sqrt(2.0 * density * _widths_hz(at_hz))
     return amplitudes
