@@ -13,11 +13,7 @@ from pdr_est.front_end.steps.step_evidence.movement import (
     strength_between,
     strengths_between,
 )
-from pdr_est.front_end.steps.step_evidence.stride_likeness import (
-    HorizontalPattern,
-    horizontal_patterns,
-    pattern_samples,
-)
+from pdr_est.front_end.steps.step_evidence.stride_likeness import horizontal_patterns, pattern_samples
 
 _IMPACT_S = 0.4  # length of the movement before a peak that tells whether the phone still moves
 _FEW = 4  # peaks that are quicker measured one by one
@@ -34,14 +30,14 @@ class MeasuredPeak(NamedTuple):
         Standard deviation of the acceleration just before.
     movement : Movement
         Movement in the time before.
-    pattern : HorizontalPattern or None
-        Horizontal acceleration before, where the movement is not strong.
+    pattern : ndarray or None
+        Pattern of the horizontal acceleration before (see `horizontal_patterns`), where the movement is not strong.
     """
 
     place: int
     strength_mps2: float
     movement: Movement
-    pattern: HorizontalPattern | None
+    pattern: Array | None
 
 
 class PeakMeasurements:

@@ -6,10 +6,7 @@ vehicle shakes up and down at the frequencies of walking, and peaks of that are 
 sideways and lengthways comes from other resonances, and is not bound to those peaks.
 """
 
-import math
 from collections.abc import Sequence
-from operator import mul
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,26 +20,6 @@ _NOISE_MPS2 = 0.1  # horizontal acceleration that is too weak to compare; ours
 _STRIDES = 4  # how many strides the comparison goes back; all ours
 
 
-class HorizontalPattern(NamedTuple):
-    """Horizontal acceleration before a peak: means over tenths of a second, less their own mean.
-
-    Attributes
-    ----------
-    means_mps2 : list of float
-        The means, three components each, in device axes.
-    square : float
-        Sum of their squares with that of the noise, (m/s^2)^2.
-    """
-
-    means_mps2: list[float]
-    square: float
-
-    def likeness(self, other: "HorizontalPattern") -> float:
-        """Compute the correlation with another pattern, -1 to 1."""
-        product: float = sum(map(mul, self.means_mps2, other.means_mps2))
-        return product / math.sqrt(self.square * other.square)
-
-
 def pattern_samples(rate_hz: float) -> int:
     """Return the number of samples that a pattern covers."""
     return _MEANS * _samples_of_mean(rate_hz)
@@ -50,8 +27,11 @@ def pattern_samples(rate_hz: float) -> int:
 
 def horizontal_patterns(
     sums: Array, places: NDArray[np.intp], movements: Sequence[Movement], rate_hz: float
-) -> list[HorizontalPattern | None]:
+) -> list[Array | None]:
     """Compute the patterns of the horizontal acceleration before peaks; None where only a walker moves so strongly.
+
+    A pattern has the mean accelerations over tenths of a second, three components each in device axes, less their own
+    mean and over their root sum of squares, so that the product of two patterns is their correlation.
 
     Parameters
     ----------
@@ -64,7 +44,7 @@ def horizontal_patterns(
     rate_hz : float
         Sampling rate.
     """
-    found: list[HorizontalPattern | None] = [None] * len(movements)
+    found: list[Array | None] = [None] * len(movements)
     weak = [k for k, movement in enumerate(movements) if movement.acceleration_mps2 < STRONG_MPS2]
     if weak:
         for k, pattern in zip(weak, _patterns(sums, places[weak], _samples_of_mean(rate_hz)), strict=True):
@@ -72,7 +52,7 @@ def horizontal_patterns(
     return found
 
 
-def _patterns(sums: Array, places: NDArray[np.intp], samples: int) -> list[HorizontalPattern]:
+def _patterns(sums: Array, places: NDArray[np.intp], samples: int) -> Array:
     edges = np.maximum(places[:, None] - samples * np.arange(_MEANS, -1, -1), 0)
     at_edges = sums[edges]
     share = 1.0 / samples
@@ -83,9 +63,10 @@ def _patterns(sums: Array, places: NDArray[np.intp], samples: int) -> list[Horiz
     # Written out, so that the order of the additions does not depend on the number of peaks.
     vertical = means[..., 0] * upwards[..., 0] + means[..., 1] * upwards[..., 1] + means[..., 2] * upwards[..., 2]
     means -= vertical[..., None] * upwards
-    patterns: list[list[float]] = means.reshape(len(places), -1).tolist()
-    noise = _MEANS * _NOISE_MPS2**2
-    return [HorizontalPattern(pattern, sum(map(mul, pattern, pattern)) + noise) for pattern in patterns]
+    flat = means.reshape(len(places), -1)
+    squares = (flat * flat).sum(axis=1) + _MEANS * _NOISE_MPS2**2
+    patterns: Array = flat / np.sqrt(squares)[:, None]
+    return patterns
 
 
 def _samples_of_mean(rate_hz: float) -> int:
@@ -96,13 +77,13 @@ class StrideLikeness:
     """Patterns of the recent peaks, each compared with those of the same foot before it."""
 
     def __init__(self) -> None:
-        self._recent: list[HorizontalPattern | None] = []
+        self._recent: list[Array | None] = []
 
     def clear(self) -> None:
         """Forget all patterns: the walk begins anew."""
         self._recent.clear()
 
-    def add(self, pattern: HorizontalPattern | None) -> float | None:
+    def add(self, pattern: Array | None) -> float | None:
         """Add the pattern of a peak, None where it is not known, and return the mean likeness.
 
         Returns
@@ -116,5 +97,10 @@ class StrideLikeness:
         if pattern is None:
             return None
         # Every other peak is that of the same foot.
-        found = [pattern.likeness(other) for other in recent[-3::-2] if other is not None]
-        return sum(found) / len(found) if found else None
+        earlier = [other for other in recent[-3::-2] if other is not None]
+        if not earlier:
+            return None
+        total = earlier[0]
+        for other in earlier[1:]:
+            total = total + other
+        return float((pattern * total).sum()) / len(earlier)

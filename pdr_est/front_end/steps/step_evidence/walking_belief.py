@@ -41,9 +41,9 @@ _AT_FIRST = -1.0  # logarithm of the odds at the first peak after a standstill
 # What the likeness of strides tells is fitted to the same walkers, and to simulated passengers of buses, cars and
 # trains (`pdr_est.simulate.riding`, on their usual roads and on twice as rough ones). The logistic regression has
 # 13.6 for the likeness times the logarithm of how much weaker than STRONG_MPS2 the movement is, and 13.3 to 13.9 with
-# any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap, and the
-# likeness that tells nothing is lower than fitted (0.6), in favour of walkers. A likeness above that counts no more:
-# what repeats itself exactly is rather a machine.
+# any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap, and
+# the likeness that tells nothing is lower than fitted (0.6), in favour of walkers. A likeness above 0.6 counts no
+# more: what repeats itself exactly is rather a machine.
 STRONG_MPS2 = 2.0  # acceleration above which nobody rides: the likeness does not count
 _DOUBT = 7.0
 _USUAL_LIKENESS, _MOST_LIKENESS = 0.45, 0.6
