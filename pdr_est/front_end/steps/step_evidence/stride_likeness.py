@@ -6,6 +6,7 @@ vehicle shakes up and down at the frequencies of walking, and peaks of that are 
 sideways and lengthways comes from other resonances, and is not bound to those peaks.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.steps.step_evidence.movement import ACCELERATION_COLUMNS, UP_COLUMNS, Movement
-from pdr_est.front_end.steps.step_evidence.walking_belief import STRONG_MPS2
+from pdr_est.front_end.steps.step_evidence.walking_belief import STRONG_MPS2, USUAL_LIKENESS
 
 _MEAN_S, _MEANS = 0.1, 10  # duration of the means of which a pattern consists, and their number: about a stride
-_NOISE_MPS2 = 0.1  # horizontal acceleration that is too weak to compare; ours
+_NOISE = _MEANS * 0.1**2  # sum of the squares, (m/s^2)^2, of a pattern that is too weak to compare; ours
 _STRIDES = 4  # how many strides the comparison goes back; all ours
 
 
@@ -31,7 +32,8 @@ def horizontal_patterns(
     """Compute the patterns of the horizontal acceleration before peaks; None where only a walker moves so strongly.
 
     A pattern has the mean accelerations over tenths of a second, three components each in device axes, less their own
-    mean and over their root sum of squares, so that the product of two patterns is their correlation.
+    mean and over their root sum of squares, so that the product of two patterns is their correlation. A last
+    component draws the product of weak patterns to the likeness that tells nothing.
 
     Parameters
     ----------
@@ -63,9 +65,11 @@ def _patterns(sums: Array, places: NDArray[np.intp], samples: int) -> Array:
     # Written out, so that the order of the additions does not depend on the number of peaks.
     vertical = means[..., 0] * upwards[..., 0] + means[..., 1] * upwards[..., 1] + means[..., 2] * upwards[..., 2]
     means -= vertical[..., None] * upwards
-    flat = means.reshape(len(places), -1)
-    squares = (flat * flat).sum(axis=1) + _MEANS * _NOISE_MPS2**2
-    patterns: Array = flat / np.sqrt(squares)[:, None]
+    patterns = np.empty((len(places), 3 * _MEANS + 1))
+    patterns[:, :-1] = means.reshape(len(places), -1)
+    squares = (patterns[:, :-1] * patterns[:, :-1]).sum(axis=1) + _NOISE
+    patterns[:, -1] = math.sqrt(USUAL_LIKENESS * _NOISE)
+    patterns /= np.sqrt(squares)[:, None]
     return patterns
 
 

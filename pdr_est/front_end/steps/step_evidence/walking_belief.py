@@ -34,7 +34,7 @@ _USUAL_REACH_M_RAD = 0.045 * 0.07  # bounce times sideways tilt that some walker
 # shaken phones with a gyroscope, so that the weight of the reach rests on that one.
 _CONSTANT, _WEAKNESS, _SHARE, _CHANGE, _SLOWNESS, _REACH = 2.7, 6.0, 1.2, -3.5, -0.9, -1.9
 _MOST_EVIDENCE = 2.0  # of one peak: the windows of neighbouring peaks overlap
-_START, _STOP = 0.002, 0.01  # probabilities that walking starts and stops from one peak to the next
+_START, _STOP = 0.001, 0.01  # probabilities that walking starts and stops from one peak to the next
 _AT_FIRST = -1.0  # logarithm of the odds at the first peak after a standstill
 
 
@@ -42,11 +42,14 @@ _AT_FIRST = -1.0  # logarithm of the odds at the first peak after a standstill
 # trains (`pdr_est.simulate.riding`, on their usual roads and on twice as rough ones). The logistic regression has
 # 13.6 for the likeness times the logarithm of how much weaker than STRONG_MPS2 the movement is, and 13.3 to 13.9 with
 # any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap, and
-# the likeness that tells nothing is lower than fitted (0.6), in favour of walkers. A likeness above 0.6 counts no
-# more: what repeats itself exactly is rather a machine.
-STRONG_MPS2 = 2.0  # acceleration above which nobody rides: the likeness does not count
+# the likeness that tells nothing is lower than fitted (0.6), in favour of walkers. A higher likeness counts for
+# little more: what repeats itself exactly is rather a machine.
+STRONG_MPS2 = 2.0
+"""Acceleration, m/s^2, above which nobody rides: the likeness of strides does not count."""
 _DOUBT = 7.0
-_USUAL_LIKENESS, _MOST_LIKENESS = 0.45, 0.6
+USUAL_LIKENESS = 0.45
+"""Likeness of strides that tells nothing."""
+_MOST_LIKENESS = 0.5
 
 
 class PeakRhythm(NamedTuple):
@@ -113,7 +116,7 @@ def walking_evidence(movement: Movement, rhythm: PeakRhythm, likeness: float | N
         evidence += _SLOWNESS * math.log(min(rhythm.interval_s, _LONG_INTERVAL_S) / _USUAL_INTERVAL_S)
     if likeness is not None and movement.acceleration_mps2 < STRONG_MPS2:
         doubt = _DOUBT * math.log(STRONG_MPS2 / max(movement.acceleration_mps2, _WEAK_MPS2))
-        evidence += doubt * (min(likeness, _MOST_LIKENESS) - _USUAL_LIKENESS)
+        evidence += doubt * (min(likeness, _MOST_LIKENESS) - USUAL_LIKENESS)
     reach = rhythm.bounce_m * movement.sideways_tilt_rad
     if reach > _USUAL_REACH_M_RAD:
         evidence += _REACH * math.log(reach / _USUAL_REACH_M_RAD)
