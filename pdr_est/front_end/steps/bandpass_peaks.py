@@ -75,7 +75,9 @@ class AutoStepParams:
     patience_s: NonNegative = 2.0
     """Longest time, s, that a step waits until it is certain enough that somebody walks."""
     weak_patience_s: NonNegative = 3.5
-    """The same for a phone that moves so weakly that its carrier may ride, s, at least patience_s."""
+    """The same, s, where the phone moves so weakly that its carrier may ride, or where he surely rode before; at
+    least patience_s.
+    """
     strike_lead_s: NonNegative = 0.08
     """Time, s, from the foot's strike on the ground to the peak of the trunk's acceleration; a step's time is that of
     the strike.
@@ -186,8 +188,8 @@ class BandpassPeakDetector:
             return []
         self._walking.add(walking_evidence(peak.movement, self._rhythm, self._alike))
         waiting = self._waiting + [step for event in accepted for step in self._with_hidden_step(event, peak.place)]
-        is_weak = peak.movement.acceleration_mps2 < STRONG_MPS2
-        patience_s = self._parameters.weak_patience_s if is_weak else self._parameters.patience_s
+        may_ride = self._walking.rode or peak.movement.acceleration_mps2 < STRONG_MPS2
+        patience_s = self._parameters.weak_patience_s if may_ride else self._parameters.patience_s
         latest_s = accepted[-1].time_s
         waiting = [event for event in waiting if has_elapsed(patience_s, latest_s - event.time_s)]
         is_walk = self._walking.log_odds > 0.0

@@ -123,12 +123,15 @@ def test_belief_needs_more_to_change_than_to_begin() -> None:
         belief.add(walking_evidence(RIDING, STEADY))
     ridden = belief.log_odds
     assert ridden < -4.0
+    assert not belief.rode
     belief.stand()
+    assert belief.rode
     assert ridden < belief.log_odds < -2.0
     for _ in range(4):
         belief.add(walking_evidence(WALKING, STEADY))
     assert belief.log_odds > 0.0
     belief.stand()
+    assert not belief.rode
     assert belief.log_odds == WalkingBelief().log_odds
 
 

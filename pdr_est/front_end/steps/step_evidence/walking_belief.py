@@ -36,16 +36,17 @@ _CONSTANT, _WEAKNESS, _SHARE, _CHANGE, _SLOWNESS, _REACH = 2.7, 6.0, 1.2, -3.5, 
 _MOST_EVIDENCE = 2.0  # of one peak: the windows of neighbouring peaks overlap
 _START, _STOP = 0.001, 0.01  # probabilities that walking starts and stops from one peak to the next
 _AT_FIRST = -1.0  # logarithm of the odds at the first peak after a standstill
+_SURE_RIDE = -4.0  # logarithm of the odds of walking below which somebody surely rides
 
 
 # What the likeness of strides tells is fitted to the same walkers, and to simulated passengers of buses, cars and
 # trains (`pdr_est.simulate.riding`, on their usual roads and on twice as rough ones). The logistic regression has
 # 13.6 for the likeness times the logarithm of how much weaker than STRONG_MPS2 the movement is, and 13.3 to 13.9 with
-# any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap, and
-# the likeness that tells nothing is lower than fitted (0.6), in favour of walkers. A higher likeness counts for
-# little more: what repeats itself exactly is rather a machine.
+# any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap. The
+# likeness that tells as much as an unknown one is fitted, too (0.44, and 0.44 to 0.51 with one set left out). A higher
+# one counts for little more: what repeats itself exactly is rather a machine.
 STRONG_MPS2 = 2.0
-"""Acceleration, m/s^2, above which nobody rides: the likeness of strides does not count."""
+"""Acceleration, m/s^2, above which nobody rides (ours): the likeness of strides does not count."""
 _DOUBT = 7.0
 USUAL_LIKENESS = 0.45
 """Likeness of strides that tells nothing."""
@@ -130,6 +131,8 @@ class WalkingBelief:
     ----------
     log_odds : float
         Above 0 while it is more probable that somebody walks.
+    rode : bool
+        True after a standstill before which somebody surely rode.
     """
 
     def __init__(self) -> None:
@@ -137,10 +140,11 @@ class WalkingBelief:
 
     def reset(self) -> None:
         """Forget the past, for a new segment."""
-        self.log_odds = _AT_FIRST
+        self.log_odds, self.rode = _AT_FIRST, False
 
     def stand(self) -> None:
         """Take it that a standstill came before the next peak: half of what spoke against walking is forgotten."""
+        self.rode = self.log_odds < _SURE_RIDE
         self.log_odds = _AT_FIRST + 0.5 * min(self.log_odds - _AT_FIRST, 0.0)
 
     def add(self, evidence: float) -> None:
