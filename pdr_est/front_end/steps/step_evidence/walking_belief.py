@@ -43,8 +43,8 @@ _SURE_RIDE = -4.0  # logarithm of the odds of walking below which somebody surel
 # trains (`pdr_est.simulate.riding`, on their usual roads and on twice as rough ones). The logistic regression has
 # 13.6 for the likeness times the logarithm of how much weaker than STRONG_MPS2 the movement is, and 13.3 to 13.9 with
 # any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap. The
-# likeness that tells as much as an unknown one is fitted, too (0.44, and 0.44 to 0.51 with one set left out). A higher
-# one counts for little more: what repeats itself exactly is rather a machine.
+# likeness that tells as much as an unknown one is fitted, too (0.44, and 0.44 to 0.51 with one set left out). A
+# higher one counts for little more: what repeats itself exactly is rather a machine.
 STRONG_MPS2 = 2.0
 """Acceleration, m/s^2, above which nobody rides (ours): the likeness of strides does not count."""
 _DOUBT = 7.0
