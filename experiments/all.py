@@ -85,6 +85,7 @@ TASKS: tuple[Task, ...] = (
     simulated("psp_figure3", 1.0, ".png", reads=("results/psp_table1.json",)),
     simulated("robust_dr_figure4", 50.0, ".png"),
     simulated("turned_walkers", 30.0),
+    recorded("passengers", ("walks",), 3.0),
     recorded("uptime_table2", ("motionsense", "sisfall"), 5.0),
     recorded("uptime_table3", ("oxford-steps",), 3.0),
     recorded("uptime_table4", ("motionsense", "sisfall"), 10.0),

@@ -8,6 +8,7 @@ time, so the truth does not depend on the sampling rate.
   pocket.
 * `sensors`: errors of the sensors and the magnetic field. `motion`: differentiable signals that all motion is made
   of.
+* `riding`: vehicles and lifts that carry the walker during pauses of the walk.
 * `people`: randomly drawn walkers and populations. `presets`: named scenarios and the walks of the papers.
 """
 
@@ -26,8 +27,11 @@ from pdr_est.simulate.presets.psp import (
     psp_path,
     psp_walks,
 )
+from pdr_est.simulate.presets.riding import riding_walk
 from pdr_est.simulate.presets.robust_dr import ROBUST_DR_TRIALS, robust_dr_trials, waypoint_passes
 from pdr_est.simulate.presets.uptime import UptimeTrip, uptime_trip
+from pdr_est.simulate.riding.riding_body import Ride
+from pdr_est.simulate.riding.vehicles import VEHICLES, VehicleParams
 from pdr_est.simulate.scenario import DeviceParams, Scenario
 from pdr_est.simulate.sensors.compass_orientation import with_compass_orientation
 from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole, scatter_dipoles
@@ -52,6 +56,7 @@ __all__ = [
     "PSP_GYROSCOPE_BIAS_RADPS",
     "PSP_TESTS",
     "ROBUST_DR_TRIALS",
+    "VEHICLES",
     "BodyParams",
     "BodyTurn",
     "DeviceParams",
@@ -66,6 +71,7 @@ __all__ = [
     "PocketPhone",
     "PspLegs",
     "PspTrajectory",
+    "Ride",
     "RunningStretch",
     "Scenario",
     "SensorErrors",
@@ -77,6 +83,7 @@ __all__ = [
     "StepSchedule",
     "SwingingPhone",
     "UptimeTrip",
+    "VehicleParams",
     "WalkerGaitParams",
     "WalkingPath",
     "mmpdr_indoor",
@@ -85,6 +92,7 @@ __all__ = [
     "preset",
     "psp_path",
     "psp_walks",
+    "riding_walk",
     "robust_dr_trials",
     "sample_person",
     "scatter_dipoles",

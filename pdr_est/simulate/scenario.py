@@ -1,6 +1,7 @@
 """Scenario of a simulated walk: a path, a walker, and the devices that the walker carries."""
 
 from dataclasses import asdict
+from itertools import pairwise
 from typing import Annotated
 
 from annotated_types import Ge
@@ -10,6 +11,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.params import params
 from pdr_est.simulate.carrying.held_phone import HeldPhone
 from pdr_est.simulate.carrying.mode_changes import CarriedPhone, ModeChange, check_mode_changes
+from pdr_est.simulate.riding.riding_body import Ride
 from pdr_est.simulate.sensors.magnetic_field import EarthField, MagneticDipole
 from pdr_est.simulate.sensors.sensor_errors import SensorParams
 from pdr_est.simulate.walker.step_schedule import WalkerGaitParams
@@ -45,6 +47,8 @@ class Scenario:
     """Motion of the walker's trunk."""
     devices: tuple[DeviceParams, ...] = (DeviceParams(),)
     """Devices that are carried, each with a name of its own."""
+    rides: tuple[Ride, ...] = ()
+    """Rides during pauses of the walk, in order of the pauses."""
     earth: EarthField = EarthField()
     """Magnetic field of the Earth, for devices that have a magnetometer."""
     irons: tuple[MagneticDipole, ...] = ()
@@ -67,6 +71,9 @@ def check_scenario(scenario: Scenario) -> None:
     names = [device.name for device in scenario.devices]
     if not names or len(set(names)) < len(names):
         raise ConfigError(f"scenario devices {names}: at least one, each with a name of its own")
+    pauses = [ride.pause for ride in scenario.rides]
+    if any(later <= earlier for earlier, later in pairwise(pauses)):
+        raise ConfigError(f"scenario rides: pauses {pauses} must rise: one ride a pause, in their order")
     for device in scenario.devices:
         check_mode_changes(device.name, device.changes)
         for start_s, end_s in device.sensors.gaps_s:

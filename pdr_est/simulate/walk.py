@@ -9,6 +9,7 @@ from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
 from pdr_est.simulate.carrying.mode_changes import carried_motion, true_modes
 from pdr_est.simulate.motion.rigid_body import RigidMotion
+from pdr_est.simulate.riding.riding_body import RidingBody
 from pdr_est.simulate.scenario import DeviceParams, Scenario, check_scenario
 from pdr_est.simulate.sensors.magnetic_field import magnetic_field_ut
 from pdr_est.simulate.sensors.sensor_errors import (
@@ -39,7 +40,8 @@ class _Stream(IntEnum):
     ATTITUDE = 4
     FIXES = 5
     MAGNETOMETER = 6
-    BAROMETER = 7
+    RIDES = 7
+    BAROMETER = 8
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class SimulatedWalk:
     truth_heading_rad : Array
         Walking direction, (n,), rad, continuous.
     distance_m : float
-        Length of the path, m.
+        Length of the path that is walked, m; rides are not part of it.
     devices : tuple of SimulatedDevice
         Devices in the order of the recording.
     body : WalkingBody
@@ -158,7 +160,7 @@ def simulate_walk(scenario: Scenario) -> SimulatedWalk:
     check_scenario(scenario)
     path = WalkingPath(scenario.path)
     steps = plan_steps(scenario.gait, path.length_m, _stream(scenario.seed, _Stream.STEPS))
-    body = WalkingBody(path, steps, scenario.gait.height_m, scenario.body)
+    body = _body(scenario, path, steps)
     devices = tuple(
         _simulate_device(scenario, number, path, body, steps.end_s) for number in range(len(scenario.devices))
     )
@@ -183,6 +185,15 @@ def simulate_walk(scenario: Scenario) -> SimulatedWalk:
         notes=(f"simulated, seed {scenario.seed}",),
     )
     return SimulatedWalk(scenario, recording, steps, time_s, position_m, heading_rad, path.length_m, devices, body)
+
+
+def _body(scenario: Scenario, path: WalkingPath, steps: StepSchedule) -> WalkingBody:
+    """Make the walker's trunk, which rides where the scenario has rides."""
+    common = path, steps, scenario.gait.height_m, scenario.body
+    if not scenario.rides:
+        return WalkingBody(*common)
+    rngs = [_stream(scenario.seed, _Stream.RIDES, number) for number in range(len(scenario.rides))]
+    return RidingBody(*common, scenario.rides, rngs)
 
 
 def _simulate_device(

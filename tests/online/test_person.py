@@ -128,7 +128,7 @@ def test_each_pose_comes_soon_after_that_of_the_device() -> None:
     waited_s = [came_s - of_device[time_s] for time_s, came_s in first.items()]
     assert len(waited_s) > 60
     assert min(waited_s) > -0.3  # time stamps of two devices
-    assert max(waited_s) < 3.5
+    assert max(waited_s) < 5.0
     assert np.median(waited_s) < 0.7
 
 

@@ -5,8 +5,9 @@ shape of the raw signal (`StepSignal`), so that counting peaks needs no shape ru
 
 1. Is the peak a step, if somebody walks? A high peak is one, and so is a low one that comes when the rhythm of the
    steps before it lets one expect it (`peak_log_odds`).
-2. Does somebody walk? The movement of the phone since a little before and the rhythm of the peaks tell it
-   (`WalkingBelief`). Until it is more probable than not, steps wait; those that have waited for too long are none.
+2. Does somebody walk? The movement of the phone since a little before, the rhythm of the peaks and the likeness of
+   the strides tell it (`WalkingBelief`). Until it is more probable than not, steps wait; those that have waited for
+   too long are none.
 3. Did a step not show? A pause of two intervals within a walk is filled if the phone went on moving
    (`StepIntervals`): phones that are sampled at 10 to 15 Hz miss the short shock of a foot in a pocket.
 
@@ -16,7 +17,6 @@ the signal shows are refused, unless they are much higher, as a runner's.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,19 +24,18 @@ from numpy.typing import NDArray
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.event_detection import has_elapsed, local_maxima
 from pdr_est.front_end.steps.sample_buffer import SampleBuffer
-from pdr_est.front_end.steps.step_evidence.movement import (
-    MOVEMENT_COLUMNS,
-    Movement,
-    MovementSums,
-    movement_between,
-    movements_between,
-    strength_between,
-    strengths_between,
-)
+from pdr_est.front_end.steps.step_evidence.movement import MOVEMENT_COLUMNS, MovementSums, strength_between
+from pdr_est.front_end.steps.step_evidence.peak_measurements import MeasuredPeak, PeakMeasurements
 from pdr_est.front_end.steps.step_evidence.step_intervals import StepIntervals
 from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
 from pdr_est.front_end.steps.step_evidence.step_signal import StepSignal
-from pdr_est.front_end.steps.step_evidence.walking_belief import PeakRhythm, WalkingBelief, walking_evidence
+from pdr_est.front_end.steps.step_evidence.stride_likeness import StrideLikeness
+from pdr_est.front_end.steps.step_evidence.walking_belief import (
+    STRONG_MPS2,
+    PeakRhythm,
+    WalkingBelief,
+    walking_evidence,
+)
 from pdr_est.front_end.steps.stride_period import StridePeriod, StridePeriodParams
 from pdr_est.params import Fraction, NonNegative, Positive, params
 from pdr_est.types.sensors import LevelBlock
@@ -75,6 +74,10 @@ class AutoStepParams:
     """Length of the movement before a peak, s, that tells whether somebody walks."""
     patience_s: NonNegative = 2.0
     """Longest time, s, that a step waits until it is certain enough that somebody walks."""
+    weak_patience_s: NonNegative = 3.5
+    """The same, s, where the phone moves so weakly that its carrier may ride, or where he surely rode before; at
+    least patience_s.
+    """
     strike_lead_s: NonNegative = 0.08
     """Time, s, from the foot's strike on the ground to the peak of the trunk's acceleration; a step's time is that of
     the strike.
@@ -90,21 +93,9 @@ class AutoStepParams:
 
 
 _SIGNAL, _SUMS = 0, slice(1, 1 + MOVEMENT_COLUMNS)  # columns of the buffered samples
-_IMPACT_S = 0.4  # length of the movement before a peak that tells whether the phone still moves
 _ON_TIME = 0.9  # times the recent interval: too late for a peak between two steps
 _NO_RHYTHM = PeakRhythm(math.inf, math.inf, math.inf, 0.0)
 _HIGH_RATIO = 2.0  # times the recent peaks' height: too high for a peak between two steps
-_FEW = 4  # peaks that are quicker measured one by one
-
-
-class _Peak(NamedTuple):
-    """Peak of the buffered signal, and what is known of it before anything is decided."""
-
-    place: int  # position in the signal
-    time_s: float  # of the movement
-    strength_mps2: float  # standard deviation of the acceleration just before
-    movement: Movement  # in the time before
-    signal: list[float]  # that is buffered
 
 
 class BandpassPeakDetector:
@@ -128,13 +119,13 @@ class BandpassPeakDetector:
         self._samples = SampleBuffer(rate_hz, delay_s, columns=1 + MOVEMENT_COLUMNS)
         self._stride = StridePeriod(rate_hz, p.stride)
         self._rate_hz = rate_hz
-        self._impact = max(round(_IMPACT_S * rate_hz), 1)
-        self._half_window = max(round(0.5 * p.walking_window_s * rate_hz), 1)
-        self._kept = max(2 * self._half_window, self._impact, math.ceil(p.standstill_s * rate_hz)) + 1
+        self._measurements = PeakMeasurements(rate_hz, p.walking_window_s)
+        self._kept = max(self._measurements.samples, math.ceil(p.standstill_s * rate_hz)) + 1
         self._walking = WalkingBelief()
+        self._likeness = StrideLikeness()
         self._begin_segment()
         # The first step of a walk waits for the second one, a hidden step for the next one.
-        held_s = max(p.first_interval_s, 0.5 * p.standstill_s, p.patience_s)
+        held_s = max(p.first_interval_s, 0.5 * p.standstill_s, p.patience_s, p.weak_patience_s)
         self.latency_s = delay_s + held_s + 1.0 / rate_hz
 
     def push(self, item: LevelBlock, /) -> list[StepEvent]:
@@ -158,6 +149,8 @@ class BandpassPeakDetector:
         self._sums.reset()
         self._stride.clear()
         self._walking.reset()
+        self._likeness.clear()
+        self._alike: float | None = None
         self._rhythm = _NO_RHYTHM
         self._decided = 0  # position of the first buffered sample that is not decided about
         self._last_peak_s = -np.inf
@@ -172,57 +165,41 @@ class BandpassPeakDetector:
         recent = self._samples.signal[start:, _SIGNAL]
         if len(recent) < 3:
             return []
-        peaks = np.flatnonzero(local_maxima(recent) & (recent > self._parameters.least_height_mps2))
-        events = [event for peak in self._described(start + peaks) for event in self._confirmed(peak)]
+        peaks = start + np.flatnonzero(local_maxima(recent) & (recent > self._parameters.least_height_mps2))
+        events = self._steps_at(peaks) if len(peaks) else []
         excess = max(len(self._samples.signal) - 1 - self._kept, 0)
         self._decided = len(self._samples.signal) - 1 - excess
         self._samples.drop(excess)
         return events
 
-    def _described(self, places: NDArray[np.intp]) -> list[_Peak]:
-        """Measure what is known of peaks (n,) before anything is decided."""
-        if not len(places):
-            return []
+    def _steps_at(self, places: NDArray[np.intp]) -> list[StepEvent]:
+        """Return the steps that the peaks at positions (n,) make certain."""
         buffered = self._samples.signal
         signal: list[float] = buffered[:, _SIGNAL].tolist()
-        sums: Array = buffered[:, _SUMS]
-        peaks: list[int] = places.tolist()
-        if len(peaks) < _FEW:
-            strengths = [self._strength_before(sums, i) for i in peaks]
-            movements = [self._movement_before(sums, i) for i in peaks]
-        else:
-            impact, half = np.minimum(self._impact, places), np.minimum(self._half_window, places // 2)
-            ends = sums[places]
-            strengths = strengths_between(sums[places - impact], ends, np.maximum(impact, 1))
-            movements = movements_between(sums[places - 2 * half], sums[places - half], ends, np.maximum(2 * half, 1))
-        times = self._samples.times_s(places)
-        return [_Peak(*peak, signal) for peak in zip(peaks, times, strengths, movements, strict=True)]
+        measured = zip(
+            self._measurements.measure(buffered[:, _SUMS], places), self._samples.times_s(places), strict=True
+        )
+        return [event for peak, time_s in measured for event in self._confirmed(peak, time_s, signal)]
 
-    def _strength_before(self, sums: Array, i: int) -> float:
-        samples = min(self._impact, i)
-        return strength_between(sums[i - samples], sums[i], max(samples, 1))
-
-    def _movement_before(self, sums: Array, i: int) -> Movement:
-        half = min(self._half_window, i // 2)
-        return movement_between(sums[i - 2 * half], sums[i - half], sums[i], max(2 * half, 1))
-
-    def _confirmed(self, peak: _Peak) -> list[StepEvent]:
+    def _confirmed(self, peak: MeasuredPeak, time_s: float, signal: list[float]) -> list[StepEvent]:
         """Return the steps that a peak makes certain."""
-        accepted = self._accept_peak(peak)
+        accepted = self._accept_peak(peak, time_s, signal)
         if not accepted:
             return []
-        self._walking.add(walking_evidence(peak.movement, self._rhythm))
+        self._walking.add(walking_evidence(peak.movement, self._rhythm, self._alike))
         waiting = self._waiting + [step for event in accepted for step in self._with_hidden_step(event, peak.place)]
-        latest_s, patience_s = accepted[-1].time_s, self._parameters.patience_s
+        may_ride = self._walking.rode or peak.movement.acceleration_mps2 < STRONG_MPS2
+        patience_s = self._parameters.weak_patience_s if may_ride else self._parameters.patience_s
+        latest_s = accepted[-1].time_s
         waiting = [event for event in waiting if has_elapsed(patience_s, latest_s - event.time_s)]
         is_walk = self._walking.log_odds > 0.0
         self._waiting = [] if is_walk else waiting
         return waiting if is_walk else []
 
-    def _accept_peak(self, found: _Peak) -> list[StepEvent]:
+    def _accept_peak(self, found: MeasuredPeak, time_s: float, signal: list[float]) -> list[StepEvent]:
         """Return the steps if somebody walks: that of the peak, and with the second peak of a walk also the first."""
-        p, i, height = self._parameters, found.place, found.signal[found.place]
-        elapsed = found.time_s - self._last_peak_s
+        p, i, height = self._parameters, found.place, signal[found.place]
+        elapsed = time_s - self._last_peak_s
         if not has_elapsed(elapsed, self._min_interval_s()):
             return []
         if elapsed > p.standstill_s:
@@ -232,12 +209,13 @@ class BandpassPeakDetector:
             return []
         # The rise is that since the last step, or in the time of a standstill.
         count = int(min(elapsed, p.standstill_s) * self._rate_hz)
-        peak = PeakShape(height, height - min(found.signal[max(i - count, 0) : i + 1]), found.strength_mps2)
+        peak = PeakShape(height, height - min(signal[max(i - count, 0) : i + 1]), found.strength_mps2)
         log_odds = peak_log_odds(peak, usual or peak, self._interval_ratio(elapsed) if usual else 1.0)
         if log_odds < 0.0 or self._is_intermediate_peak(i, elapsed, height):
             return []
-        self._last_peak_s = found.time_s
+        self._last_peak_s = time_s
         self._rhythm = self._rhythm.followed_by(elapsed if elapsed <= p.standstill_s else math.inf, peak.rise)
+        self._alike = self._likeness.add(found.pattern)
         event = self._samples.event(i, confidence=probability(log_odds))
         if usual is None:
             return self._begin_walk(event, peak)
@@ -250,6 +228,7 @@ class BandpassPeakDetector:
             self._walking.stand()
         self._usual = self._first = None
         self._waiting = []
+        self._likeness.clear()
 
     def _begin_walk(self, event: StepEvent, peak: PeakShape) -> list[StepEvent]:
         """Return the steps of the first two peaks of a walk at the second one."""

@@ -115,7 +115,12 @@ class CarryingModel(Protocol):
 def device_motion(body: BodyMotion, pose: DevicePose, transition: "MountTransition | None" = None) -> RigidMotion:
     """Compute the motion of a device on a body; a `transition` replaces the constant mount by one that changes."""
     cosine, sine = body.heading.cos(), body.heading.sin()
-    limb = level_attitude(body.heading + pose.limb.twist)
+    if body.lean is None:
+        limb = level_attitude(body.heading + pose.limb.twist)
+    else:
+        pitch, roll = body.lean
+        leaning = level_attitude(body.heading).rotate_about_y(pitch).rotate_about_x(roll)
+        limb = leaning.rotate_about_z(pose.limb.twist)
     limb = limb.rotate_about_y(-pose.limb.flexion).rotate_about_x(pose.limb.abduction)
     attitude = limb.rotate_by(pose.mount)
     if transition is not None:

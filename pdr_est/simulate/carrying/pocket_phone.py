@@ -18,6 +18,7 @@ from pdr_est.simulate.walker.walking_body import BodyMotion, Side
 _THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
 # Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle.
 _GIVE, _SHOCK = (0.5, 1.3, -np.pi / 2.0), (0.25, 2.0, 0.0)
+_SITTING_RAD = 1.4  # flexion of the thigh of somebody who sits
 _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
 
@@ -109,10 +110,13 @@ class PocketPhone:
             curve = curve + harmonic
         active = body.activity * swell
         late = (angle - 2.0 * np.pi * self.lag).cos()
+        flexion = active * curve * self.amplitude_rad + jolt
+        if body.seated is not None:
+            flexion = flexion + body.seated * _SITTING_RAD
         return LimbPose(
             # the leg turns in as it comes forward, and out under the load
             twist=active * late * (-outward * self.twist_rad) + jolt * outward,
-            flexion=active * curve * self.amplitude_rad + jolt,
+            flexion=flexion,
             abduction=active * (angle + _THIGH[0][1] + self.circling_rad).cos() * (outward * self.spread_rad)
             + jolt * (0.5 * outward),
         )

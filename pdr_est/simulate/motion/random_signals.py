@@ -63,6 +63,29 @@ class BroadbandNoise:
         return _sum_of_tones(self._omega, self._phase, self._amplitude, time_s)
 
 
+class SpectralNoise:
+    """Motion whose acceleration is a sum of tones with given frequencies and amplitudes, and random phases.
+
+    Parameters
+    ----------
+    at_hz : Array
+        Frequencies of the tones, (n,), Hz.
+    amplitudes : Array
+        Amplitudes of their accelerations, (n,), m/s^2.
+    rng : numpy.random.Generator
+        Source of the phases.
+    """
+
+    def __init__(self, at_hz: Array, amplitudes: Array, rng: np.random.Generator) -> None:
+        self._omega = 2.0 * np.pi * at_hz
+        self._phase = rng.uniform(0.0, 2.0 * np.pi, len(at_hz))
+        self._amplitude = amplitudes / self._omega**2
+
+    def at(self, time_s: Array) -> DifferentiableSignal:
+        """Evaluate the position, m, at times (n,), s."""
+        return _sum_of_tones(self._omega, self._phase, self._amplitude, time_s)
+
+
 def _sum_of_tones(omega: Array, phase: Array, amplitude: Array, time_s: Array) -> DifferentiableSignal:
     value, rate, acceleration = (np.zeros(len(time_s)) for _ in range(3))
     for tone_omega, tone_phase, tone in zip(

@@ -7,7 +7,9 @@ from types import MappingProxyType
 
 from pdr_est.errors import ConfigError
 from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, park_348
+from pdr_est.simulate.presets.riding import commute, riding_walk
 from pdr_est.simulate.presets.uptime import uptime_trip
+from pdr_est.simulate.riding.vehicles import bus, car, escalator, lift, train
 from pdr_est.simulate.scenario import Scenario
 from pdr_est.simulate.walker.step_schedule import Pause, WalkerGaitParams
 from pdr_est.simulate.walker.walking_path import PathParams
@@ -38,6 +40,12 @@ PRESETS: Mapping[str, Callable[[], Scenario]] = MappingProxyType(
         "uptime_compound": lambda: uptime_trip("compound"),
         "uptime_building": lambda: uptime_trip("building"),
         "uptime_stairs": lambda: uptime_trip("stairs"),
+        "ride_bus": lambda: riding_walk(bus()),
+        "ride_car": lambda: riding_walk(car(), posture="sitting", place="pocket"),
+        "ride_train": lambda: riding_walk(train(), posture="sitting"),
+        "ride_lift": lambda: riding_walk(lift()),
+        "ride_escalator": lambda: riding_walk(escalator(), ride_s=40.0),
+        "commute": commute,
     }
 )
 """Functions that make the scenarios, by name; making one at the import would cost the validation of its records."""

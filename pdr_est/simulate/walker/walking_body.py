@@ -106,6 +106,10 @@ class BodyMotion:
         0 while standing, 1 while walking, another in running and on stairs: the scale of the limbs' motion.
     left_foot_odd : bool
         True if the left foot strikes at the odd counts of phase.
+    seated : DifferentiableSignal, optional
+        0 while the walker stands or walks, 1 while sitting, where the walker ever sits.
+    lean : tuple of DifferentiableSignal, optional
+        Rotations of the whole body about its left and its forward axis, rad, where something rocks it.
     """
 
     time_s: Array
@@ -117,6 +121,8 @@ class BodyMotion:
     phase: DifferentiableSignal
     activity: DifferentiableSignal
     left_foot_odd: bool
+    seated: DifferentiableSignal | None = None
+    lean: tuple[DifferentiableSignal, DifferentiableSignal] | None = None
 
     def stride_of(self, side: Side) -> DifferentiableSignal:
         """Count the strides (two steps) of one leg: a whole number at each heel strike of that leg."""
@@ -126,7 +132,9 @@ class BodyMotion:
     def select(self, part: slice) -> "BodyMotion":
         """Select the motion at a range of the sampled times."""
         signals = {name: getattr(self, name)[part] for name in _SIGNALS}
-        return BodyMotion(left_foot_odd=self.left_foot_odd, **signals)
+        seated = None if self.seated is None else self.seated[part]
+        lean = None if self.lean is None else (self.lean[0][part], self.lean[1][part])
+        return BodyMotion(left_foot_odd=self.left_foot_odd, seated=seated, lean=lean, **signals)
 
 
 _SIGNALS = ("time_s", "on_path", "east", "north", "up", "heading", "phase", "activity")

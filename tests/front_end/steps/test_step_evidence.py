@@ -9,11 +9,18 @@ from signals import RATE_HZ, level
 
 from pdr_est.frames import Array
 from pdr_est.front_end.signal.blocks import part
-from pdr_est.front_end.steps.step_evidence.movement import Movement
+from pdr_est.front_end.steps.step_evidence.movement import Movement, MovementSums
 from pdr_est.front_end.steps.step_evidence.step_intervals import hidden_step_log_odds
 from pdr_est.front_end.steps.step_evidence.step_probability import PeakShape, peak_log_odds, probability
 from pdr_est.front_end.steps.step_evidence.step_signal import StepSignal
-from pdr_est.front_end.steps.step_evidence.walking_belief import PeakRhythm, WalkingBelief, walking_evidence
+from pdr_est.front_end.steps.step_evidence.stride_likeness import StrideLikeness, horizontal_patterns
+from pdr_est.front_end.steps.step_evidence.walking_belief import (
+    STRONG_MPS2,
+    USUAL_LIKENESS,
+    PeakRhythm,
+    WalkingBelief,
+    walking_evidence,
+)
 from pdr_est.types.sensors import LevelBlock
 from pdr_est.types.steps import CarryingMode
 
@@ -116,13 +123,69 @@ def test_belief_needs_more_to_change_than_to_begin() -> None:
         belief.add(walking_evidence(RIDING, STEADY))
     ridden = belief.log_odds
     assert ridden < -4.0
+    assert not belief.rode
     belief.stand()
+    assert belief.rode
     assert ridden < belief.log_odds < -2.0
     for _ in range(4):
         belief.add(walking_evidence(WALKING, STEADY))
     assert belief.log_odds > 0.0
     belief.stand()
+    assert not belief.rode
     assert belief.log_odds == WalkingBelief().log_odds
+
+
+def pattern_of(horizontal_mps2: Array, at_s: Array) -> list[Array | None]:
+    """Patterns before times of a phone that lies flat and is accelerated along x."""
+    block = level(np.zeros(len(horizontal_mps2)))
+    acceleration = np.stack([horizontal_mps2, np.zeros(len(block)), np.zeros(len(block))], axis=1)
+    sums = MovementSums(RATE_HZ).push(replace(block, acceleration_mps2=acceleration))
+    places = np.round(at_s * RATE_HZ).astype(np.intp)
+    return horizontal_patterns(sums, places, [RIDING] * len(places), RATE_HZ)
+
+
+def test_strides_that_repeat_themselves_are_alike() -> None:
+    t = times(12.0)
+    steps_s = np.arange(4.0, 11.0, 0.55)
+    stride, other = np.sin(2.0 * np.pi * t / 1.1), np.random.default_rng(0).normal(size=len(t))
+    found = []
+    for signal in (stride, other, 0.01 * other):
+        likeness = StrideLikeness()
+        found.append([likeness.add(pattern) for pattern in pattern_of(2.0 * signal, steps_s)])
+        assert found[-1][:2] == [None, None]  # nothing to compare with
+    alike, unlike, weak = (np.array(row[4:], dtype=np.float64) for row in found)
+    assert alike.min() > 0.95
+    assert np.abs(unlike).mean() < 0.25
+    np.testing.assert_allclose(weak, USUAL_LIKENESS, atol=0.05)  # what is too weak tells nothing
+
+
+def test_feet_are_compared_with_themselves() -> None:
+    """Steps of one foot are the opposite of the other's, as a swaying trunk has them."""
+    t = times(12.0)
+    patterns = pattern_of(2.0 * np.sin(2.0 * np.pi * t / 1.1), np.arange(4.0, 11.0, 0.55))
+    one, other = patterns[5], patterns[6]
+    assert one is not None
+    assert other is not None
+    assert float(one @ other) < -0.9
+
+
+def test_likeness_does_not_count_for_a_strong_movement() -> None:
+    likeness = StrideLikeness()
+    assert likeness.add(None) is None
+    strong = [WALKING._replace(acceleration_mps2=STRONG_MPS2)]
+    sums = MovementSums(RATE_HZ).push(level(np.ones(100)))
+    assert horizontal_patterns(sums, np.array([90]), strong, RATE_HZ) == [None]
+    assert walking_evidence(strong[0], STEADY, -1.0) == walking_evidence(strong[0], STEADY)
+
+
+def test_evidence_of_likeness_by_hand() -> None:
+    gentle = WALKING._replace(acceleration_mps2=0.9)
+    doubt = 7.0 * np.log(2.0 / 0.9)
+    assert walking_evidence(gentle, STEADY, 0.1) == pytest.approx(SURE + doubt * (0.1 - 0.45))
+    assert walking_evidence(gentle, STEADY, USUAL_LIKENESS) == walking_evidence(gentle, STEADY)
+    weak, weaker = (gentle._replace(acceleration_mps2=strength) for strength in (0.75, 0.7))
+    assert walking_evidence(weak, STEADY, 0.5) == walking_evidence(weak, STEADY, 1.0)
+    assert walking_evidence(weaker, STEADY, 0.4) < walking_evidence(weak, STEADY, 0.4)
 
 
 REGULAR = {"ratio": 2.0, "last_ratio": 1.0, "same_foot_ratio": 2.0, "strength_ratio": 1.0}

@@ -11,7 +11,8 @@ from pdr_est.frames import Array
 from pdr_est.types.sensors import LevelBlock
 
 MOVEMENT_COLUMNS = 14
-_ACCELERATION, _VERTICAL, _SQUARE, _VERTICAL_SQUARE, _UP = slice(0, 3), 3, 4, 5, slice(6, 9)
+ACCELERATION_COLUMNS, UP_COLUMNS = slice(0, 3), slice(6, 9)
+_VERTICAL, _SQUARE, _VERTICAL_SQUARE = 3, 4, 5
 _FIRST_PRODUCTS, _SECOND_PRODUCTS = slice(9, 12), slice(12, 14)  # of the upward components: xx, xy, xz; yy, yz
 _HALVED_COLUMNS, _WHOLE_COLUMNS = range(4), range(4, MOVEMENT_COLUMNS)  # columns by halves of a span, and as a whole
 _LEAST_STRENGTH_MPS2 = 0.02  # below the noise of phones
@@ -59,7 +60,7 @@ class MovementSums:
         """Return the sums (n, MOVEMENT_COLUMNS) up to and with each sample of a block."""
         rows = np.empty((MOVEMENT_COLUMNS, len(block) + 1))
         rows[:, :1] = self._last
-        acceleration, up = rows[_ACCELERATION, 1:], rows[_UP, 1:]
+        acceleration, up = rows[ACCELERATION_COLUMNS, 1:], rows[UP_COLUMNS, 1:]
         acceleration[...] = self._smoothed(block.acceleration_mps2)
         up[...] = block.up.T
         np.einsum("ij,ij->j", acceleration, acceleration, out=rows[_SQUARE, 1:])

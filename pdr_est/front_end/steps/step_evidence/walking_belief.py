@@ -1,10 +1,11 @@
 """Tell from the movement of a phone and from its peaks how probable it is that its carrier walks.
 
 Peaks at the rhythm of steps are also felt in a bus, in a train, and while a phone is handled. A walker differs from a
-passenger by how strongly the phone is accelerated in all directions. From somebody who handles a phone he differs by
-the vertical share of the acceleration, by the rhythm, and by how far the phone goes: a trunk rises and falls by a few
-centimetres, and a limb swings in one plane, while a hand that turns a phone over moves it up and down and in all
-directions. Each peak adds its evidence to the logarithm of the odds, which forgets slowly, because people start and
+passenger by how strongly the phone is accelerated in all directions and, where a rough road and a gentle walker do it
+equally, by strides that are alike (`stride_likeness`). From somebody who handles a phone he differs by the vertical
+share of the acceleration, by the rhythm, and by how far the phone goes: a trunk rises and falls by a few centimetres,
+and a limb swings in one plane, while a hand that turns a phone over moves it up and down and in all directions. Each
+peak adds its evidence to the logarithm of the odds, which forgets slowly, because people start and
 stop.
 """
 
@@ -33,8 +34,23 @@ _USUAL_REACH_M_RAD = 0.045 * 0.07  # bounce times sideways tilt that some walker
 # shaken phones with a gyroscope, so that the weight of the reach rests on that one.
 _CONSTANT, _WEAKNESS, _SHARE, _CHANGE, _SLOWNESS, _REACH = 2.7, 6.0, 1.2, -3.5, -0.9, -1.9
 _MOST_EVIDENCE = 2.0  # of one peak: the windows of neighbouring peaks overlap
-_START, _STOP = 0.002, 0.01  # probabilities that walking starts and stops from one peak to the next
+_START, _STOP = 0.001, 0.01  # probabilities that walking starts and stops from one peak to the next
 _AT_FIRST = -1.0  # logarithm of the odds at the first peak after a standstill
+_SURE_RIDE = -4.0  # logarithm of the odds of walking below which somebody surely rides
+
+
+# What the likeness of strides tells is fitted to the same walkers, and to simulated passengers of buses, cars and
+# trains (`pdr_est.simulate.riding`, on their usual roads and on twice as rough ones). The logistic regression has
+# 13.6 for the likeness times the logarithm of how much weaker than STRONG_MPS2 the movement is, and 13.3 to 13.9 with
+# any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap. The
+# likeness that tells as much as an unknown one is fitted, too (0.44, and 0.44 to 0.51 with one set left out). A
+# higher one counts for little more: what repeats itself exactly is rather a machine.
+STRONG_MPS2 = 2.0
+"""Acceleration, m/s^2, above which nobody rides (ours): the likeness of strides does not count."""
+_DOUBT = 7.0
+USUAL_LIKENESS = 0.45
+"""Likeness of strides that tells nothing."""
+_MOST_LIKENESS = 0.5
 
 
 class PeakRhythm(NamedTuple):
@@ -79,7 +95,7 @@ class PeakRhythm(NamedTuple):
         return min(self.rise_mps2 * (period_s / (2.0 * math.pi)) ** 2, _MOST_BOUNCE_M)
 
 
-def walking_evidence(movement: Movement, rhythm: PeakRhythm) -> float:
+def walking_evidence(movement: Movement, rhythm: PeakRhythm, likeness: float | None = None) -> float:
     """Compute the logarithm of the odds of walking that a peak adds.
 
     Parameters
@@ -88,6 +104,9 @@ def walking_evidence(movement: Movement, rhythm: PeakRhythm) -> float:
         Movement before the peak.
     rhythm : PeakRhythm
         Times and rise of the peak.
+    likeness : float, optional
+        How alike the horizontal acceleration is from stride to stride (see `StrideLikeness`), -1 to 1; None where it
+        is not known.
     """
     evidence = _CONSTANT + _CHANGE * rhythm.change
     strength, vertical_share, tilt_rad = movement
@@ -97,6 +116,9 @@ def walking_evidence(movement: Movement, rhythm: PeakRhythm) -> float:
         evidence += _SHARE * math.log(max(vertical_share, _LEAST_SHARE) / _USUAL_SHARE)
     if rhythm.interval_s > _USUAL_INTERVAL_S:
         evidence += _SLOWNESS * math.log(min(rhythm.interval_s, _LONG_INTERVAL_S) / _USUAL_INTERVAL_S)
+    if likeness is not None and strength < STRONG_MPS2:
+        doubt = _DOUBT * math.log(STRONG_MPS2 / max(strength, _WEAK_MPS2))
+        evidence += doubt * (min(likeness, _MOST_LIKENESS) - USUAL_LIKENESS)
     reach = rhythm.bounce_m * tilt_rad
     if reach > _USUAL_REACH_M_RAD:
         evidence += _REACH * math.log(reach / _USUAL_REACH_M_RAD)
@@ -110,6 +132,8 @@ class WalkingBelief:
     ----------
     log_odds : float
         Above 0 while it is more probable that somebody walks.
+    rode : bool
+        True after a standstill before which somebody surely rode.
     """
 
     def __init__(self) -> None:
@@ -117,10 +141,11 @@ class WalkingBelief:
 
     def reset(self) -> None:
         """Forget the past, for a new segment."""
-        self.log_odds = _AT_FIRST
+        self.log_odds, self.rode = _AT_FIRST, False
 
     def stand(self) -> None:
         """Take it that a standstill came before the next peak: half of what spoke against walking is forgotten."""
+        self.rode = self.log_odds < _SURE_RIDE
         self.log_odds = _AT_FIRST + 0.5 * min(self.log_odds - _AT_FIRST, 0.0)
 
     def add(self, evidence: float) -> None:
