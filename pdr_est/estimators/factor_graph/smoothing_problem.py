@@ -242,7 +242,8 @@ class _Chains:
         if keys.fix_errors or any(one.closure_sigma_m is not None for one in timelines):
             return None
         chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
-        return cls(chains, Elimination(variables.order, len(keys.present_references)), variables)
+        relative = not any(one.fixes for one in timelines)
+        return cls(chains, Elimination(variables.order, len(keys.present_references), relative), variables)
 
     def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
         """Return the optimal poses and references (n, 3), beginning with some."""

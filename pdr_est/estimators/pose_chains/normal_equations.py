@@ -2,7 +2,8 @@
 
 In order of time all rows but those of the reference directions connect poses that are near each other. The normal
 equations are then a band with a border, and their cost is linear in the length of a walk. They square the condition
-number of the problem; the solution is therefore refined by what it leaves over, until that is nothing.
+number of the problem: positions are therefore unknowns relative to each other where nothing measures them
+(`relative_positions`), and the solution is refined by what it leaves over, until that is nothing.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,6 +15,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.linalg.lapack import dpbtrf, dpbtrs
 
 from pdr_est.estimators.pose_chains.linear_rows import LinearRows
+from pdr_est.estimators.pose_chains.relative_positions import RelativePositions
 from pdr_est.frames import Array
 
 _MOST_DIAGONALS = 200  # beyond them a band is no cheaper than an elimination without one; ours
@@ -46,6 +48,8 @@ class NormalEquations:
     ----------
     rows
         The rows.
+    heading_rad
+        Headings (n,) of the poses that they are linearised at.
     band
         Diagonals below the main one, and that (d, n), one after the other.
     border
@@ -55,6 +59,7 @@ class NormalEquations:
     """
 
     rows: tuple[LinearRows, ...]
+    heading_rad: Array
     band: Array
     border: Array
     corner: Array
@@ -64,9 +69,8 @@ class NormalEquations:
         wide, narrow = sorted((self.band, other.band), key=len, reverse=True)
         band = wide.copy()
         band[: len(narrow)] += narrow
-        return NormalEquations(
-            (*self.rows, *other.rows), band, self.border + other.border, self.corner + other.corner
-        )
+        rows = (*self.rows, *other.rows)
+        return NormalEquations(rows, self.heading_rad, band, self.border + other.border, self.corner + other.corner)
 
 
 class Elimination:
@@ -78,24 +82,40 @@ class Elimination:
         Numbers of all poses in the order of elimination. Those of the border come last.
     border
         Number of poses in the border, which may be connected to any other.
+    relative
+        Whether nothing measures positions but priors at the start, so that only their differences matter.
     """
 
-    def __init__(self, order: Sequence[int], border: int) -> None:
+    def __init__(self, order: Sequence[int], border: int, relative: bool = False) -> None:
         rank = np.empty(len(order), dtype=np.int64)
         rank[np.asarray(order)] = np.arange(len(order))
         self._unknowns = 3 * rank[:, None] + np.arange(3)  # by pose
         self._inner, self._outer = 3 * (len(order) - border), 3 * border
         self._known: dict[int, tuple[NDArray[np.int64], _Places]] = {}
+        most_poses = _MOST_DIAGONALS // 3
+        self._relative = RelativePositions(order[: len(order) - border], most_poses) if relative else None
 
-    def equations(self, rows: Sequence[LinearRows], keep_places: bool = False) -> NormalEquations:
-        """Sum up rows; `keep_places` for rows of the same poses again and again, which are the same array.
+    def equations(
+        self, given: Sequence[LinearRows], heading_rad: Array, keep_places: bool = False
+    ) -> NormalEquations:
+        """Sum up rows.
+
+        Parameters
+        ----------
+        given
+            Rows.
+        heading_rad
+            Headings (n,) of the poses that they are linearised at.
+        keep_places
+            Whether rows concern the same poses again and again, which are the same array.
 
         Raises
         ------
         NotBandedError
             If rows connect poses that are far from each other.
         """
-        parts = [(one, self._places(one.pose, keep_places)) for one in rows if len(one.pose)]
+        rows = [each for one in given if len(one.pose) for each in self._of_unknowns(one, heading_rad, keep_places)]
+        parts = [(one, self._places(one.pose, keep_places)) for one in rows]
         inner, outer = self._inner, self._outer
         products = [(one.jacobian.transpose(0, 2, 1) @ one.jacobian).ravel() for one, _ in parts]
         tops = [int(places.band[1].max(initial=-1)) for _, places in parts]
@@ -108,9 +128,12 @@ class Elimination:
             for total, (chosen, place) in ((border, places.border), (corner, places.corner)):
                 if len(chosen):
                     total += np.bincount(place, product[chosen], len(total))
-        given = tuple(one for one, _ in parts)
         return NormalEquations(
-            given, band.reshape(-1, inner), border.reshape(inner, outer), corner.reshape(outer, outer)
+            tuple(rows),
+            heading_rad,
+            band.reshape(-1, inner),
+            border.reshape(inner, outer),
+            corner.reshape(outer, outer),
         )
 
     def solution(self, equations: NormalEquations) -> Array:
@@ -140,7 +163,15 @@ class Elimination:
                 found[:inner] -= across @ found[inner:]
             return found
 
-        return np.asarray(self._refined(equations.rows, solved)[self._unknowns])
+        change = np.asarray(self._refined(equations.rows, solved)[self._unknowns])
+        return change if self._relative is None else self._relative.absolute(change, equations.heading_rad)
+
+    def _of_unknowns(self, given: LinearRows, heading_rad: Array, keep: bool) -> list[LinearRows]:
+        """Return rows in the unknowns of the normal equations."""
+        rows = [given] if self._relative is None else self._relative.rows(given, heading_rad, keep)
+        if rows is None:
+            raise NotBandedError("rows over too many poses")
+        return rows
 
     def _refined(self, rows: Sequence[LinearRows], solved: Callable[[Array], Array]) -> Array:
         """Solve the least squares of rows by conjugate gradients; `solved` solves their normal equations roughly."""
