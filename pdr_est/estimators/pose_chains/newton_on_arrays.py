@@ -100,8 +100,8 @@ def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) 
     near = tethers.linearised(pose)
 
     def solve(tight: NDArray[np.bool_], expected_violation_m: Array) -> tuple[Array, Array, float]:
-        held = problem.elimination.equations(near.rows(tight, expected_violation_m), pose[:, 2])
-        change = problem.elimination.solution(fixed + held)
+        held = near.rows(tight, expected_violation_m)
+        change = problem.elimination.solution(fixed + problem.elimination.equations(held, pose[:, 2]))
         return change, change, _square(rows, change)
 
     here = start + tethers.error(pose)  # not the residuals' own cost: a kernel is linearised with its weight

@@ -19,6 +19,7 @@ from pdr_est.estimators.pose_chains.relative_positions import RelativePositions
 from pdr_est.frames import Array
 
 _MOST_DIAGONALS = 200  # beyond them a band is no cheaper than an elimination without one; ours
+_ROWS_AT_ONCE = 8192  # whose products are summed up together, which bounds the memory
 _MOST_REFINEMENTS = 30
 _REFINED = 1e-6  # last correction as a share of the change; what is left is about its square
 _GOOD_ENOUGH = 1e-3  # likewise after the last refinement; Newton's next step makes up for the rest
@@ -32,12 +33,14 @@ class NotBandedError(ArithmeticError):
 class _Places:
     """Places of the products of rows in the normal equations, those below the main diagonal left out.
 
-    For band, border and corner: numbers of the products, and where they go.
+    For band, border and corner: numbers of the products, and where they go; in the band that is the column and the
+    distance from the main diagonal. `depth` is the largest such distance.
     """
 
-    band: tuple[NDArray[np.int64], NDArray[np.int64]]
+    band: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]
     border: tuple[NDArray[np.int64], NDArray[np.int64]]
     corner: tuple[NDArray[np.int64], NDArray[np.int64]]
+    depth: int
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ class NormalEquations:
     heading_rad
         Headings (n,) of the poses that they are linearised at.
     band
-        Diagonals below the main one, and that (d, n), one after the other.
+        For each column (n, d) what is on and below the main diagonal.
     border
         Rows (n, e) that the unknowns of the border have in common with the others.
     corner
@@ -66,9 +69,9 @@ class NormalEquations:
 
     def __add__(self, other: "NormalEquations") -> "NormalEquations":
         """Return the equations of the rows of both."""
-        wide, narrow = sorted((self.band, other.band), key=len, reverse=True)
+        narrow, wide = sorted((self.band, other.band), key=lambda one: one.shape[1])
         band = wide.copy()
-        band[: len(narrow)] += narrow
+        band[:, : narrow.shape[1]] += narrow
         rows = (*self.rows, *other.rows)
         return NormalEquations(rows, self.heading_rad, band, self.border + other.border, self.corner + other.corner)
 
@@ -91,7 +94,7 @@ class Elimination:
         rank[np.asarray(order)] = np.arange(len(order))
         self._unknowns = 3 * rank[:, None] + np.arange(3)  # by pose
         self._inner, self._outer = 3 * (len(order) - border), 3 * border
-        self._known: dict[int, tuple[NDArray[np.int64], _Places]] = {}
+        self._known: dict[int, tuple[NDArray[np.int64], list[_Places]]] = {}
         most_poses = _MOST_DIAGONALS // 3
         self._relative = RelativePositions(order[: len(order) - border], most_poses) if relative else None
 
@@ -114,24 +117,27 @@ class Elimination:
         NotBandedError
             If rows connect poses that are far from each other.
         """
-        rows = [each for one in given if len(one.pose) for each in self._of_unknowns(one, heading_rad, keep_places)]
-        parts = [(one, self._places(one.pose, keep_places)) for one in rows]
         inner, outer = self._inner, self._outer
-        products = [(one.jacobian.transpose(0, 2, 1) @ one.jacobian).ravel() for one, _ in parts]
-        tops = [int(places.band[1].max(initial=-1)) for _, places in parts]
-        band = np.zeros((max(tops, default=-1) // inner + 1) * inner)
-        for product, top, (_, places) in zip(products, tops, parts, strict=True):
-            chosen, place = places.band
-            band[: top + 1] += np.bincount(place, product[chosen], top + 1)
-        border, corner = np.zeros(inner * outer), np.zeros(outer * outer)
-        for product, (_, places) in zip(products, parts, strict=True):
-            for total, (chosen, place) in ((border, places.border), (corner, places.corner)):
-                if len(chosen):
-                    total += np.bincount(place, product[chosen], len(total))
+        unknown = [
+            each for one in given if len(one.pose) for each in self._of_unknowns(one, heading_rad, keep_places)
+        ]
+        parts = [part for one in unknown for part in self._parts(one, keep_places)]
+        depth = max((places.depth for _, places in parts), default=0) + 1
+        band, border, corner = np.zeros(inner * depth), np.zeros(inner * outer), np.zeros(outer * outer)
+        for one, places in parts:
+            product = (one.jacobian.transpose(0, 2, 1) @ one.jacobian).ravel()
+            chosen, column, apart = places.band
+            if len(chosen):
+                begin = int(column.min())
+                found = np.bincount((column - begin) * depth + apart, product[chosen])
+                band[begin * depth : begin * depth + len(found)] += found
+            for total, (numbers, place) in ((border, places.border), (corner, places.corner)):
+                if len(numbers):
+                    total += np.bincount(place, product[numbers], len(total))
         return NormalEquations(
-            tuple(rows),
+            tuple(one for one, _ in parts),
             heading_rad,
-            band.reshape(-1, inner),
+            band.reshape(inner, depth),
             border.reshape(inner, outer),
             corner.reshape(outer, outer),
         )
@@ -144,7 +150,7 @@ class Elimination:
         NotBandedError
             If the refinement does not converge: the problem has no unique solution within rounding.
         """
-        factor, info = dpbtrf(equations.band, lower=1)
+        factor, info = dpbtrf(equations.band.T, lower=1)
         if info:
             raise NotBandedError("the band has no Cholesky factor")
         inner = self._inner
@@ -205,24 +211,32 @@ class Elimination:
             pull += np.bincount(self._unknowns[one.pose].ravel(), products, len(pull))
         return pull
 
-    def _places(self, pose: NDArray[np.int64], keep: bool) -> _Places:
-        known = self._known.get(id(pose))
-        if known is not None:
-            return known[1]
+    def _parts(self, rows: LinearRows, keep: bool) -> list[tuple[LinearRows, _Places]]:
+        """Divide rows into parts whose products fit into little memory, and find the places of these."""
+        known = self._known.get(id(rows.pose))
+        begins = range(0, len(rows.pose), _ROWS_AT_ONCE)
+        own = [slice(begin, begin + _ROWS_AT_ONCE) for begin in begins]
+        places = [self._places(rows.pose[one]) for one in own] if known is None else known[1]
+        if keep:
+            self._known[id(rows.pose)] = rows.pose, places  # the array is kept, so that its id stays its own
+        parts = [LinearRows(rows.pose[one], rows.jacobian[one], rows.right[one]) for one in own]
+        return list(zip(parts, places, strict=True))
+
+    def _places(self, pose: NDArray[np.int64]) -> _Places:
+        """Find the places of the products of rows in the changes of poses (m, k)."""
         inner, outer = self._inner, self._outer
         unknown = self._unknowns[pose].reshape(len(pose), -1)
         row, column = np.broadcast_arrays(unknown[:, :, None], unknown[:, None, :])
         i, j = row.ravel(), column.ravel()
         in_band = np.flatnonzero((i >= j) & (i < inner))
         apart = i[in_band] - j[in_band]
-        if len(apart) and apart.max() > _MOST_DIAGONALS:
-            raise NotBandedError(f"{apart.max()} diagonals")
+        depth = int(apart.max(initial=0))
+        if depth > _MOST_DIAGONALS:
+            raise NotBandedError(f"{depth} diagonals")
         in_border, in_corner = np.flatnonzero((i >= inner) & (j < inner)), np.flatnonzero((i >= j) & (j >= inner))
-        places = _Places(
-            (in_band, apart * inner + j[in_band]),
+        return _Places(
+            (in_band.astype(np.int32), j[in_band].astype(np.int32), apart.astype(np.int32)),
             (in_border, j[in_border] * outer + i[in_border] - inner),
             (in_corner, (i[in_corner] - inner) * outer + j[in_corner] - inner),
+            depth,
         )
-        if keep:
-            self._known[id(pose)] = pose, places  # the array is kept, so that its id stays its own
-        return places
