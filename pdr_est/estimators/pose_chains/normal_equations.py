@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.linalg.lapack import dpbtrf, dpbtrs
 
+from pdr_est.estimators.pose_chains.band_marginals import covariances_in_time
 from pdr_est.estimators.pose_chains.linear_rows import LinearRows
 from pdr_est.estimators.pose_chains.relative_positions import RelativePositions
 from pdr_est.frames import Array
@@ -150,9 +151,7 @@ class Elimination:
         NotBandedError
             If the refinement does not converge: the problem has no unique solution within rounding.
         """
-        factor, info = dpbtrf(equations.band.T, lower=1)
-        if info:
-            raise NotBandedError("the band has no Cholesky factor")
+        factor = self._factor(equations)
         inner = self._inner
         across = dpbtrs(factor, equations.border, lower=1)[0] if self._outer else equations.border
         corner = equations.corner - np.tril(equations.border.T @ across)
@@ -171,6 +170,25 @@ class Elimination:
 
         change = np.asarray(self._refined(equations.rows, solved)[self._unknowns])
         return change if self._relative is None else self._relative.absolute(change, equations.heading_rad)
+
+    def covariances(self, equations: NormalEquations) -> Array | None:
+        """Return the covariances (n, 3, 3) of east m, north m, heading rad; None with a border or absolute positions.
+
+        Raises
+        ------
+        NotBandedError
+            If the problem has no unique solution within rounding.
+        """
+        if self._relative is None or self._outer:
+            return None
+        return self._relative.by_number(covariances_in_time(self._factor(equations)))
+
+    def _factor(self, equations: NormalEquations) -> Array:
+        """Return the Cholesky factor of the band."""
+        factor, info = dpbtrf(equations.band.T, lower=1)
+        if info:
+            raise NotBandedError("the band has no Cholesky factor")
+        return np.asarray(factor)
 
     def _of_unknowns(self, given: LinearRows, heading_rad: Array, keep: bool) -> list[LinearRows]:
         """Return rows in the unknowns of the normal equations."""

@@ -78,6 +78,12 @@ class RelativePositions:
         change[: len(moved), 1] = c * moved[:, 1] - s * moved[:, 0]
         return change
 
+    def by_number(self, in_time: Array) -> Array:
+        """Return values (n, …) of the poses by their numbers, from those in order of time."""
+        numbered = np.empty_like(in_time)
+        numbered[self._in_time] = in_time
+        return numbered
+
     def _of_span(self, span: _Span, given: LinearRows, jacobian: Array, heading_rad: Array) -> LinearRows:
         own, width = jacobian[span.chosen], span.pose.shape[1]
         if span.free < 0:  # references alone
