@@ -35,13 +35,24 @@ class _Places:
     """Places of the products of rows in the normal equations, those below the main diagonal left out.
 
     For band, border and corner: numbers of the products, and where they go; in the band that is the column and the
-    distance from the main diagonal. `depth` is the largest such distance.
+    distance from the main diagonal. `depth` is the largest such distance. Where the unknowns of all blocks follow the
+    same pattern, `first` (m,) has the first one of each block, and `band` is that of one block, relative to it.
     """
 
     band: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]
     border: tuple[NDArray[np.int64], NDArray[np.int64]]
     corner: tuple[NDArray[np.int64], NDArray[np.int64]]
     depth: int
+    first: NDArray[np.int32] | None = None
+
+    def in_band(self, product: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.int32]]:
+        """Return the products in the band, their columns, and their distances from the main diagonal."""
+        chosen, column, apart = self.band
+        if self.first is None:
+            return product[chosen], column.astype(np.int64), apart
+        columns = self.first[:, None].astype(np.int64) + column
+        own = product.reshape(len(self.first), -1)[:, chosen]
+        return own.ravel(), columns.ravel(), np.broadcast_to(apart, columns.shape).ravel()
 
 
 @dataclass(frozen=True)
@@ -127,10 +138,10 @@ class Elimination:
         band, border, corner = np.zeros(inner * depth), np.zeros(inner * outer), np.zeros(outer * outer)
         for one, places in parts:
             product = (one.jacobian.transpose(0, 2, 1) @ one.jacobian).ravel()
-            chosen, column, apart = places.band
-            if len(chosen):
+            own, column, apart = places.in_band(product)
+            if len(own):
                 begin = int(column.min())
-                found = np.bincount((column - begin) * depth + apart, product[chosen])
+                found = np.bincount((column - begin) * depth + apart, own)
                 band[begin * depth : begin * depth + len(found)] += found
             for total, (numbers, place) in ((border, places.border), (corner, places.corner)):
                 if len(numbers):
@@ -242,8 +253,17 @@ class Elimination:
 
     def _places(self, pose: NDArray[np.int64]) -> _Places:
         """Find the places of the products of rows in the changes of poses (m, k)."""
-        inner, outer = self._inner, self._outer
+        inner = self._inner
         unknown = self._unknowns[pose].reshape(len(pose), -1)
+        first, alike = unknown[:, :1], unknown[:1] - unknown[0, 0]
+        if unknown.max() < inner and (unknown - first == alike).all():
+            one, none = self._places_of(alike - alike.min()), (np.zeros(0, dtype=np.int64),) * 2
+            return _Places(one.band, none, none, one.depth, (first[:, 0] + alike.min()).astype(np.int32))
+        return self._places_of(unknown)
+
+    def _places_of(self, unknown: NDArray[np.int64]) -> _Places:
+        """Find the places of the products of rows in unknowns (m, 3 k)."""
+        inner, outer = self._inner, self._outer
         row, column = np.broadcast_arrays(unknown[:, :, None], unknown[:, None, :])
         i, j = row.ravel(), column.ravel()
         in_band = np.flatnonzero((i >= j) & (i < inner))
