@@ -29,6 +29,8 @@ from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import PositionFix, StartPose
 
+_MOST_ABSOLUTE = 10_000  # poses of a walk with reference directions up to which absolute positions are cheaper; ours
+
 Point = gtsam.Values | Array
 """Values of all variables, or poses and references (n, 3) of a walk that has no other ones."""
 
@@ -276,8 +278,9 @@ class _Chains:
         if keys.fix_errors or any(one.closure_sigma_m is not None for one in timelines):
             return None
         chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
-        relative = not any(one.fixes for one in timelines)
-        return cls(chains, Elimination(variables.order, len(keys.present_references), relative), variables)
+        border = len(keys.present_references)
+        relative = not any(one.fixes for one in timelines) and (not border or keys.poses > _MOST_ABSOLUTE)
+        return cls(chains, Elimination(variables.order, border, relative), variables)
 
     def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
         """Return the optimal poses and references (n, 3), beginning with some."""
