@@ -56,7 +56,7 @@ WINGS = ("io", "clock_sync", "front_end", "estimators", "simulate")
 FACADE_HIDES = {"cli", "__main__"}  # what pdr_est/__init__.py must not import
 # Heavy or replaceable libraries, and the only places that know them.
 LIBRARIES = {
-    "gtsam": ("estimators.factor_graph", "estimators.fixed_lag", "performance.smoothing"),
+    "gtsam": ("estimators.factor_graph", "performance.smoothing"),
     "filterpy": ("estimators.kalman",),
     "sklearn": ("front_end.gait",),
     "vqf": ("front_end.attitude", "performance.yardsticks"),

@@ -179,7 +179,7 @@ _TABLE: tuple[tuple[EstimatorSpec, Callable[[_Walk], Track]], ...] = (
         EstimatorSpec("factor-graph", smooths=True, uses_closure=True, uses_tethers=True, needs_gtsam=True),
         _factor_graph,
     ),
-    (EstimatorSpec("fixed-lag", online=True, delayed=True, uses_tethers=True, needs_gtsam=True), _fixed_lag),
+    (EstimatorSpec("fixed-lag", online=True, delayed=True, uses_tethers=True), _fixed_lag),
 )
 
 SPECS: Mapping[str, EstimatorSpec] = MappingProxyType({spec.name: spec for spec, _ in _TABLE})

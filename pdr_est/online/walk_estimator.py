@@ -255,6 +255,6 @@ class WalkEstimator:
 def _delayed_estimates(config: Config) -> "DelayedEstimates | None":
     if not config.estimator.make().spec.delayed:
         return None
-    from pdr_est.online import delayed_estimates  # loads gtsam, which is slow
+    from pdr_est.online import delayed_estimates  # loads the smoother, which is slow
 
     return delayed_estimates.DelayedEstimates(config.estimator.fixed_lag)

@@ -21,7 +21,7 @@ from pdr_est.estimators.factor_graph.smoother import (
     solve,
     track_from_solution,
 )
-from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem
+from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem, as_values
 from pdr_est.frames import Array
 from pdr_est.types.measurements import (
     DeviceMeasurements,
@@ -198,7 +198,8 @@ def build_graph(
     initial = initial_states(timelines, node_tethers, starts, sigma_length_scale)
     problem = SmoothingProblem(timelines, node_tethers, starts, initial)
     if optimised:
-        scales, values = run_gtsam(lambda: solve(problem, initial, sigma_length_scale), problem.keys.poses)
+        scales, at = run_gtsam(lambda: solve(problem, initial, sigma_length_scale), problem.keys.poses)
+        values = as_values(at)
     else:
         expected = [states[-1].length_scale[0] if problem.scale_is_observable else 1.0 for states in initial]
         scales = LengthScales.known(np.array(expected), problem.keys)

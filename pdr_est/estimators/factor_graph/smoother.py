@@ -25,7 +25,7 @@ from pdr_est.estimators.factor_graph.initial_values import initial_states, with_
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY_TETHERED, ROUGHLY, SOFTLY
-from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem, as_values
+from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, Point, SmoothingProblem, as_values
 from pdr_est.estimators.pose_chains.line_search import EXACTLY
 from pdr_est.estimators.pose_chains.linear_rows import to_map
 from pdr_est.frames import Array
@@ -83,10 +83,13 @@ def estimate(
     problem = SmoothingProblem(timelines, node_tethers, starts, initial)
 
     def work() -> tuple[LengthScales, Array, Array]:
-        scales, values = solve(problem, initial, sigma_length_scale)
-        linear = problem.linear(values, scales.value, with_stiffness=False)
-        pose, covariance = marginals_of(problem, linear.factors, values)
-        return scales, pose, covariance
+        scales, at = solve(problem, initial, sigma_length_scale)
+        found = problem.banded_marginals(at, scales.value)
+        if found is None:
+            values = as_values(at)
+            linear = problem.linear(values, scales.value, with_stiffness=False)
+            found = marginals_of(problem, linear.factors, values)
+        return scales, *found
 
     scales, pose, covariance = run_gtsam(work, problem.keys.poses)
     return track_from_solution(problem, pose, covariance + scales.pose_covariance, scales)
@@ -94,7 +97,7 @@ def estimate(
 
 def solve(
     problem: SmoothingProblem, initial: Sequence[Sequence[GaussianState]], sigma_length_scale: float
-) -> tuple[LengthScales, gtsam.Values]:
+) -> tuple[LengthScales, Point]:
     """Find the optimal length scales and values of poses and references, from initial states of each device."""
     expected = [states[-1].length_scale[0] if problem.scale_is_observable else 1.0 for states in initial]
     scales = LengthScales.known(np.array(expected), problem.keys)
@@ -108,10 +111,10 @@ def solve(
         scales, at = optimise_with_scales(problem, at, scales, sigma_length_scale, ROUGHLY, _SCALE_ROUNDS)
         if not problem.add_violated_tethers(at):
             break
-    values = as_values(problem.optimised(at, scales.value, EXACTLY_TETHERED if tethered else EXACTLY))
+    at = problem.optimised(at, scales.value, EXACTLY_TETHERED if tethered else EXACTLY)
     if sigma_length_scale > 0.0 and not problem.scale_is_observable:
-        scales = problem.prior_scales(values, scales.value, sigma_length_scale)
-    return scales, values
+        scales = problem.prior_scales(at, scales.value, sigma_length_scale)
+    return scales, at
 
 
 def pose_marginals(

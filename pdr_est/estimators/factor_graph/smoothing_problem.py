@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import gtsam
 import numpy as np
@@ -10,17 +11,25 @@ from pdr_est.estimators.common.motion_model import GaussianState
 from pdr_est.estimators.common.tethers import NodeTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.factor_graph.cutting_planes import BetweenStepConstraints
-from pdr_est.estimators.factor_graph.factors import add_anchors, add_motion, initial_reference, motion_noise
+from pdr_est.estimators.factor_graph.factors import (
+    MotionNoise,
+    add_anchors,
+    add_motion,
+    initial_reference,
+    motion_noise,
+)
 from pdr_est.estimators.factor_graph.keys import GraphKeys, is_auxiliary, pose_array, values_of_poses
 from pdr_est.estimators.factor_graph.newton import LinearSystem, Variables, linear_system, minimised
 from pdr_est.estimators.factor_graph.tether_factors import tether_factors
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes, zero_errors
 from pdr_est.estimators.pose_chains.newton_on_arrays import ChainProblem, minimised_poses
 from pdr_est.estimators.pose_chains.normal_equations import Elimination, NotBandedError
-from pdr_est.estimators.pose_chains.pose_chains import PoseChains
+from pdr_est.estimators.pose_chains.pose_chains import PoseChains, linearised_rows
 from pdr_est.estimators.pose_chains.tether_constraints import TetherConstraints
-from pdr_est.frames import Array
+from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import PositionFix, StartPose
+
+_MOST_ABSOLUTE = 10_000  # poses of a walk with reference directions up to which absolute positions are cheaper; ours
 
 Point = gtsam.Values | Array
 """Values of all variables, or poses and references (n, 3) of a walk that has no other ones."""
@@ -82,11 +91,8 @@ class SmoothingProblem:
     ) -> None:
         self.timelines = tuple(timelines)
         self.keys = GraphKeys.of_timelines(timelines)
-        self._anchors = gtsam.NonlinearFactorGraph()
-        add_anchors(self._anchors, timelines, self.keys, starts, initial)
+        self._starts, self._initial = starts, initial
         self.wandering = WanderingFixes.of_timelines(timelines, self.keys)
-        self._anchors.push_back(self.wandering.chains())
-        self._noises = [motion_noise(timeline.nodes) for timeline in timelines]
         self._at: tuple[Array, WalkFactors] | None = None
         self.tethers, self.softening = TetherConstraints.between_nodes(node_tethers, self.keys.first), 1.0
         self._candidates = BetweenStepConstraints.of_timelines(timelines, node_tethers, self.keys)
@@ -94,6 +100,18 @@ class SmoothingProblem:
         self._chains = _Chains.of_walk(self.timelines, self.keys, self.variables, starts, initial)
         # Tethers alone would only shrink the walk: tracks that disagree are closer to each other when all is smaller.
         self.scale_is_observable = any(one.fixes or one.closure_sigma_m is not None for one in timelines)
+
+    @cached_property
+    def _anchors(self) -> gtsam.NonlinearFactorGraph:
+        """Factors of everything but motions, fixes with wandering errors and tethers."""
+        graph = gtsam.NonlinearFactorGraph()
+        add_anchors(graph, self.timelines, self.keys, self._starts, self._initial)
+        graph.push_back(self.wandering.chains())
+        return graph
+
+    @cached_property
+    def _noises(self) -> list[MotionNoise]:
+        return [motion_noise(timeline.nodes) for timeline in self.timelines]
 
     def without_tethers(self, length_scale: Array) -> WalkFactors:
         """Return all factors but the tethers, at length scales (d,)."""
@@ -173,6 +191,24 @@ class SmoothingProblem:
                 self._chains = None
         return minimised(self.without_tethers(length_scale), tethers, as_values(at), self.variables, tolerance)
 
+    def banded_marginals(self, at: Point, length_scale: Array) -> tuple[Array, Array] | None:
+        """Return the poses (n, 3) and their marginal covariances (n, 3, 3), in the map frame, without GTSAM.
+
+        None for a walk that `optimised` leaves to GTSAM, or in which positions or reference directions are measured.
+        """
+        if self._chains is None:
+            return None
+        pose, tethers = self._all_poses(at), self.tethers.softened(self.softening)
+        try:
+            covariance = self._chains.covariances(pose, tethers, length_scale)
+        except NotBandedError:
+            return None
+        if covariance is None:
+            return None
+        found = self.poses(at).copy()
+        found[:, 2] = wrap_angle(found[:, 2])
+        return found, covariance
+
     def linear(self, values: gtsam.Values, length_scale: Array, with_stiffness: bool = True) -> LinearSystem:
         """Return the linear system of Newton's method at some values (`newton.linear_system`)."""
         tethers = self.tethers.softened(self.softening)
@@ -208,9 +244,9 @@ class SmoothingProblem:
         """Return poses and references."""
         return at if isinstance(at, np.ndarray) else pose_array(at, len(self.variables.order))
 
-    def prior_scales(self, values: gtsam.Values, length_scale: Array, sigma: float) -> LengthScales:
+    def prior_scales(self, at: Point, length_scale: Array, sigma: float) -> LengthScales:
         """Return the scales of a walk without position measurements: sigma is that of the logarithm in the prior."""
-        heading = self.poses(values)[:, 2]
+        heading = self.poses(at)[:, 2]
         moved = np.zeros((self.keys.poses, 3, len(length_scale)))
         for d, (timeline, first) in enumerate(zip(self.timelines, self.keys.first, strict=True)):
             length_m, turn_rad = np.array([[node.length_m, node.heading_change_rad] for node in timeline.nodes]).T
@@ -242,10 +278,20 @@ class _Chains:
         if keys.fix_errors or any(one.closure_sigma_m is not None for one in timelines):
             return None
         chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
-        return cls(chains, Elimination(variables.order, len(keys.present_references)), variables)
+        border = len(keys.present_references)
+        relative = not any(one.fixes for one in timelines) and (not border or keys.poses > _MOST_ABSOLUTE)
+        return cls(chains, Elimination(variables.order, border, relative), variables)
 
     def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
         """Return the optimal poses and references (n, 3), beginning with some."""
         residuals = self.chains.at_scales(length_scale)
         problem = ChainProblem(residuals, tethers, self.elimination, self.variables.retraction)
         return minimised_poses(problem, pose, tolerance)
+
+    def covariances(self, pose: Array, tethers: TetherConstraints, length_scale: Array) -> Array | None:
+        """Return the covariances (n, 3, 3) of the poses, linearised at some (n, 3); None where references are."""
+        rows = linearised_rows(self.chains.at_scales(length_scale), pose)
+        if len(tethers):
+            near = tethers.linearised(pose)
+            rows += near.rows(near.violation_m > 0.0, 0.0 * near.violation_m)
+        return self.elimination.covariances(self.elimination.equations(rows, pose[:, 2]))

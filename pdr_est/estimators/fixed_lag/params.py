@@ -1,4 +1,4 @@
-"""Define the settings of the fixed-lag smoother, in a module of their own because gtsam is slow to load."""
+"""Define the settings of the fixed-lag smoother, in a module of their own because the smoother is slow to load."""
 
 from typing import Annotated
 

@@ -88,7 +88,7 @@ def minimised_poses(problem: ChainProblem, pose: Array, tolerance: float) -> Arr
 def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) -> NewtonStep[Array]:
     """Find the step of least cost whose active set is the one that it was computed with."""
     rows = linearised_rows(problem.residuals, pose)
-    fixed = problem.elimination.equations(rows, keep_places=True)
+    fixed = problem.elimination.equations(rows, pose[:, 2], keep_places=True)
     start, tethers = _square(rows, np.zeros_like(pose)), problem.tethers
     if not len(tethers):
         change = problem.elimination.solution(fixed)
@@ -96,8 +96,8 @@ def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) 
     near = tethers.linearised(pose)
 
     def solve(tight: NDArray[np.bool_], expected_violation_m: Array) -> tuple[Array, Array, float]:
-        held = problem.elimination.equations(near.rows(tight, expected_violation_m))
-        change = problem.elimination.solution(fixed + held)
+        held = near.rows(tight, expected_violation_m)
+        change = problem.elimination.solution(fixed + problem.elimination.equations(held, pose[:, 2]))
         return change, change, _square(rows, change)
 
     here = start + tethers.error(pose)  # not the residuals' own cost: a kernel is linearised with its weight

@@ -7,7 +7,13 @@ import pytest
 from estimator_walks import DEVICE, fix, heading_prior, simulate, smooth_as_given, winding
 
 from pdr_est.estimators import estimate_walk
-from pdr_est.estimators.common.tethers import TetherParams, tethers_between
+from pdr_est.estimators.common.initial_state import starts_of
+from pdr_est.estimators.common.tethers import TetherParams, node_tethers_between, tethers_between
+from pdr_est.estimators.common.timeline import timelines_of
+from pdr_est.estimators.factor_graph.initial_values import initial_states
+from pdr_est.estimators.factor_graph.newton import minimised
+from pdr_est.estimators.factor_graph.smoother import marginals_of
+from pdr_est.estimators.factor_graph.smoothing_problem import SmoothingProblem
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.types.measurements import DeviceMeasurements, HeadingPrior, Measurement, StartPose
 from pdr_est.types.track import Track
@@ -82,10 +88,10 @@ def test_between_the_filter_and_the_batch_graph() -> None:
     assert spreads[2] < 0.75 * spreads[0]
 
 
-def two_devices(lag_s: float) -> tuple[Track, Track]:
-    """Two phones of one walker whose headings drift apart, tied and alone."""
+def drifting_devices(steps: int) -> list[DeviceMeasurements]:
+    """Two phones of one walker whose headings drift apart."""
     rng = np.random.default_rng(8)
-    turns = winding(200, rng)
+    turns = winding(steps, rng)
     devices = []
     for name, drift in (("a", 0.006), ("b", -0.006)):
         walk = simulate(rng, turns)
@@ -93,6 +99,12 @@ def two_devices(lag_s: float) -> tuple[Track, Track]:
             replace(step, device=name, heading_change_rad=step.heading_change_rad + drift) for step in walk.odometry
         ]
         devices.append(DeviceMeasurements(name, 0.0, tuple(odometry)))
+    return devices
+
+
+def two_devices(lag_s: float) -> tuple[Track, Track]:
+    """The track of two phones of one walker, tied and alone."""
+    devices = drifting_devices(200)
     tethers = tethers_between({"a": (0.0, 100.0), "b": (0.0, 100.0)}, TetherParams())
     parameters = FixedLagParams(lag_s=lag_s)
     tied = estimate_walk("fixed-lag", devices, ORIGIN, 0.05, tethers, fixed_lag=parameters)
@@ -106,3 +118,23 @@ def test_devices_of_one_body_stay_together() -> None:
     at_tethers = apart[0][::4]  # every two seconds
     assert at_tethers.max() < 0.5 * 1.05 + 0.1
     assert apart[0].max() < 1.5
+
+
+def test_tethers_within_the_lag_are_as_solved_by_gtsam() -> None:
+    """By Newton's method on the same measurements; the window has linearised early nodes at earlier estimates."""
+    devices = drifting_devices(40)
+    tethers = tethers_between({"a": (0.0, 20.0), "b": (0.0, 20.0)}, TetherParams())
+    late = estimate_walk("fixed-lag", devices, ORIGIN, 0.0, tethers, fixed_lag=FixedLagParams(lag_s=60.0))
+    timelines = timelines_of(devices, tethers)
+    node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, ORIGIN)
+    initial = initial_states(timelines, node_tethers, starts, 0.0)
+    problem, scale = SmoothingProblem(timelines, node_tethers, starts, initial), np.ones(2)
+    values = problem.initial_values(initial)
+    values = minimised(problem.without_tethers(scale), problem.tethers, values, problem.variables, 1e-9)
+    assert problem.tethers.linearised(problem.poses(values)).violation_m.max() > 1e-4
+    pose, covariance = marginals_of(problem, problem.linear(values, scale).factors, values)
+    steps = [[node.is_step for node in timeline.nodes] for timeline in timelines]
+    kept = np.concatenate(steps)
+    assert late.position_m == pytest.approx(pose[kept, :2], abs=5e-3)
+    assert late.heading_rad == pytest.approx(pose[kept, 2], abs=1e-3)
+    assert late.covariance_m2 == pytest.approx(covariance[kept, :2, :2], rel=0.05, abs=1e-4)

@@ -60,7 +60,7 @@ def test_border_and_band_give_the_least_squares() -> None:
         for pose in ([[0]], [[k, k + 1] for k in range(5)], [[6, k] for k in range(6)])
     ]
     elimination = Elimination([5, 4, 3, 2, 1, 0, 6], 1)
-    found = elimination.solution(elimination.equations(rows))
+    found = elimination.solution(elimination.equations(rows, np.zeros(7)))
     matrix, right = [], []
     for one in rows:
         for pose, jacobian, wanted in zip(one.pose, one.jacobian, one.right, strict=True):
@@ -72,4 +72,4 @@ def test_border_and_band_give_the_least_squares() -> None:
     expected = np.linalg.lstsq(np.concatenate(matrix), np.concatenate(right), rcond=None)[0]
     assert found == pytest.approx(expected.reshape(7, 3), rel=1e-6, abs=1e-9)
     with pytest.raises(NotBandedError, match="no Cholesky factor"):
-        elimination.solution(elimination.equations(rows[:1]))
+        elimination.solution(elimination.equations(rows[:1], np.zeros(7)))
