@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from cli_runs import PROGRAM, refused
 from experiment_files import experiment_file
+from gait_people import three_people
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 CALLS = {
@@ -29,6 +30,11 @@ CALLS = {
 
 def contents(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir())
+
+
+@pytest.fixture(scope="module")
+def gait_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return three_people(tmp_path_factory.mktemp("gaits"))
 
 
 @pytest.fixture
@@ -86,6 +92,15 @@ def test_results_of_experiments_alike(call: str, tmp_path: Path, request: pytest
     line = refused("compare", out) if call == "compare" else refused("experiment", config, "-o", out, "-q")
     assert "the disk is full" in line
     assert contents(tmp_path) == before
+
+
+@pytest.mark.usefixtures("full_disk")
+def test_a_model_that_finds_no_place_leaves_nothing(tmp_path: Path, gait_data: Path) -> None:
+    out = tmp_path / "model"
+    line = refused("train-gait", "--data", gait_data, "-o", out, "-q")
+    assert f"{out}" in line
+    assert "the disk is full: free some space or choose another place" in line
+    assert contents(tmp_path) == []
 
 
 def refused_at_last(*words: str) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli_runs import refused, run
+from gait_people import DURATION_S, GAITS, RATE_HZ, three_people
 
 from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.gait.folds import load_folds
@@ -13,30 +14,13 @@ from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.training.gait_files import labelled_files, recordings_digest
 from pdr_est.types.recording import DeviceRecording, Recording, Signal
 
-RATE_HZ, DURATION_S = 50.0, 20.0
-GAITS = {"walking": (1.8, 3.0), "jogging": (2.5, 9.0), "running": (2.8, 13.0)}  # steps a second, m/s^2
 FILES = {"gait-auto.json", "gait-auto-folds.json", "gait-auto.md", ".pdr_est-files.json"}
-
-
-def bouncing(rate_hz: float, height_mps2: float, seed: int) -> Recording:
-    """An accelerometer that goes up and down, for twenty seconds."""
-    rng = np.random.default_rng(seed)
-    time_s = np.arange(0.0, DURATION_S, 1.0 / RATE_HZ)
-    force = 0.5 * rng.standard_normal((len(time_s), 3))
-    force[:, 2] += STANDARD_GRAVITY_MPS2 + height_mps2 * np.sin(2.0 * np.pi * rate_hz * time_s)
-    return Recording("made up", "plain", (DeviceRecording(specific_force=Signal(time_s, force)),))
 
 
 @pytest.fixture(scope="module")
 def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three people who walk, jog and run, each a little differently."""
-    folder = tmp_path_factory.mktemp("data")
-    for number, person in enumerate(("anna", "ben", "chris")):
-        for gait, (rate_hz, height_mps2) in GAITS.items():
-            (folder / gait / person).mkdir(parents=True)
-            recording = bouncing(rate_hz + 0.05 * number, height_mps2 + 0.2 * number, number)
-            write_plain_csv(recording, folder / gait / person / "around the block.csv")
-    return folder
+    return three_people(tmp_path_factory.mktemp("data"))
 
 
 def test_own_recordings_give_a_model_with_its_card_the_same_every_time(data: Path, tmp_path: Path) -> None:

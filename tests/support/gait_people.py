@@ -1,9 +1,20 @@
-"""Made-up people for the gait model: features of steps around a point of each gait, a little elsewhere for each."""
+"""Made-up people for the gait model: features of steps around a point of each gait, and whole recordings.
+
+Each person walks, jogs and runs a little differently.
+"""
+
+from pathlib import Path
 
 import numpy as np
 
+from pdr_est.frames import STANDARD_GRAVITY_MPS2
 from pdr_est.front_end.gait.training_data import LabelledSteps
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
 from pdr_est.types.steps import Gait
+
+RATE_HZ, DURATION_S = 50.0, 20.0
+GAITS = {"walking": (1.8, 3.0), "jogging": (2.5, 9.0), "running": (2.8, 13.0)}  # steps a second, m/s^2
 
 CENTRES = {
     Gait.WALKING: (1.2, 1.3, -0.6, 1.2, -7.0, 0.48),
@@ -26,3 +37,22 @@ def walks_of(people: int, steps: int = 60, joggers_only: int = 0, seed: int = 0)
             data_set = "both" if number < people else "jogging"
             walks.append(LabelledSteps(f"{data_set}/{number}", data_set, gait, features, begins))
     return walks
+
+
+def bouncing(rate_hz: float, height_mps2: float, seed: int) -> Recording:
+    """An accelerometer that goes up and down, for twenty seconds."""
+    rng = np.random.default_rng(seed)
+    time_s = np.arange(0.0, DURATION_S, 1.0 / RATE_HZ)
+    force = 0.5 * rng.standard_normal((len(time_s), 3))
+    force[:, 2] += STANDARD_GRAVITY_MPS2 + height_mps2 * np.sin(2.0 * np.pi * rate_hz * time_s)
+    return Recording("made up", "plain", (DeviceRecording(specific_force=Signal(time_s, force)),))
+
+
+def three_people(folder: Path) -> Path:
+    """Write recordings of three people into a folder as `pdr-est train-gait` reads it."""
+    for number, person in enumerate(("anna", "ben", "chris")):
+        for gait, (rate_hz, height_mps2) in GAITS.items():
+            (folder / gait / person).mkdir(parents=True)
+            recording = bouncing(rate_hz + 0.05 * number, height_mps2 + 0.2 * number, number)
+            write_plain_csv(recording, folder / gait / person / "around the block.csv")
+    return folder

@@ -15,7 +15,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.signs import gravity_cosine
-from pdr_est.io.text.archives.inflating import refuse_large
+from pdr_est.io.text.archives.binary_sizes import refuse_large_hdf5
 from pdr_est.io.text.container import UNPACKED_LIMIT_BYTES, Source
 from pdr_est.io.text.finite_values import discard_huge_values, finite_signal, finite_signal_or_none
 from pdr_est.io.text.members import find_members, require_single_walk
@@ -101,8 +101,7 @@ def _arrays(data: bytes, place: str) -> dict[str, Array]:
                 )
             stated = {name: file[_GRID][name] for name in file[_GRID]}
             stated |= {"poses": file[_POSES]} if _POSES in file else {}
-            size = sum(dataset.nbytes for dataset in stated.values())
-            refuse_large(len(data), size, UNPACKED_LIMIT_BYTES, place)
+            refuse_large_hdf5(stated.values(), len(data), UNPACKED_LIMIT_BYTES, place)
             arrays = {name: _numbers(dataset) for name, dataset in stated.items()}
     except RecordingError:
         raise

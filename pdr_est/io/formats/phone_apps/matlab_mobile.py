@@ -4,6 +4,7 @@ Timetables are objects that only MATLAB and the package mat-io can read. Units a
 platform, rad/s and uT. `Orientation` holds angles and is not used. Exports as CSV are read as one file a sensor.
 """
 
+import io
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,16 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.gnss import GnssFixes, drop_fixes_outside, gnss_fixes
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
-from pdr_est.io.text.container import Source
+from pdr_est.io.text.archives.binary_sizes import datasets_of, refuse_large_hdf5, refuse_large_mat
+from pdr_est.io.text.container import UNPACKED_LIMIT_BYTES, Source
 from pdr_est.io.text.finite_values import discard_huge_values, finite_signal
 from pdr_est.io.text.members import find_members, member_stem, require_single_walk
 from pdr_est.types.recording import Recording, Signal
 
 NAME = "MATLAB Mobile (MAT file)"
 
-_MAGICS = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
+_HDF5 = b"MATLAB 7.3 MAT-file"
+_MAGICS = (b"MATLAB 5.0 MAT-file", _HDF5)
 _SENSORS = {
     "Acceleration": RawSensor.FORCE,
     "AngularVelocity": RawSensor.RATE,
@@ -84,6 +87,7 @@ def _timetables(data: bytes, place: str) -> dict[str, Any]:
         raise RecordingError(
             f"{place}: a MAT file, whose timetables need mat-io: `pip install pdr-est[mat]`, {_ADVICE}"
         ) from error
+    _refuse_large(data, place)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "recording.mat"
         path.write_bytes(data)
@@ -92,6 +96,24 @@ def _timetables(data: bytes, place: str) -> dict[str, Any]:
         except Exception as error:  # the package raises whatever went wrong inside
             raise RecordingError(f"{place}: damaged MAT file ({error}); copy it again, {_ADVICE}") from error
     return {name: value for name, value in variables.items() if hasattr(value, "index") and hasattr(value, "columns")}
+
+
+def _refuse_large(data: bytes, place: str) -> None:
+    """Raise RecordingError for a file that unpacks to too much: the package would take memory for all of it."""
+    if not data.startswith(_HDF5):
+        refuse_large_mat(data, UNPACKED_LIMIT_BYTES, place)
+        return
+    try:
+        import h5py
+    except ImportError:
+        return  # without it the package cannot read such files either
+    try:
+        with h5py.File(io.BytesIO(data), "r") as file:
+            refuse_large_hdf5(datasets_of(file), len(data), UNPACKED_LIMIT_BYTES, place)
+    except RecordingError:
+        raise
+    except Exception as error:  # the package raises whatever went wrong inside
+        raise RecordingError(f"{place}: damaged MAT file ({error}); copy it again, {_ADVICE}") from error
 
 
 def _stamps(table: Any) -> Any:
