@@ -158,11 +158,12 @@ def turned_by(rate_radps: Array, period_s: float) -> Array:
         Rotations from the axes at the middle of each interval to those at the beginning of the window.
     """
     whole, half = _rotations(rate_radps * period_s), _rotations(rate_radps * (0.5 * period_s))
-    turned = np.empty((*rate_radps.shape, 3))
+    before = np.empty((*rate_radps.shape, 3))
     sofar = np.broadcast_to(np.eye(3), (len(rate_radps), 3, 3))
     for j in range(rate_radps.shape[1]):
-        turned[:, j] = sofar @ half[:, j]
+        before[:, j] = sofar
         sofar = sofar @ whole[:, j]
+    turned: Array = before @ half
     return turned
 
 
@@ -171,8 +172,9 @@ def _rotations(vector: Array) -> Array:
     angle = np.sqrt(np.square(vector).sum(axis=-1))
     safe = np.maximum(angle, 1e-9)
     first, second = np.sin(safe) / safe, 2.0 * np.square(np.sin(0.5 * safe) / safe)
-    cross = cross_matrices(vector)
-    rotation: Array = np.eye(3) + first[..., None, None] * cross + second[..., None, None] * (cross @ cross)
+    rotation = cross_matrices(first[..., None] * vector)
+    rotation += (second[..., None] * vector)[..., :, None] * vector[..., None, :]
+    rotation[..., range(3), range(3)] += (1.0 - second * np.square(vector).sum(axis=-1))[..., None]
     return rotation
 
 

@@ -23,6 +23,7 @@ _BIAS_SIGMA_RADPS = 0.05  # raw gyroscopes of belts have up to 0.1 rad/s
 _GAIN_SIGMA = 0.02
 _FREE_GAIN_SIGMA = 0.5
 _STEPS = 4
+_LEAST_GAIN = 1e-3  # expected of a step in the logarithm of the posterior; less changes no probability that is told
 _COMPONENTS = 9.0  # degrees of freedom of four means of three components about their common mean
 
 
@@ -97,6 +98,8 @@ def fit_gyroscope(rate_radps: Array, windows: GravityWindows, free_axis: int | N
     best = _linearise(np.zeros(6), rate_radps, windows, prior)
     step = best.step
     for _ in range(_STEPS):
+        if 0.5 * float(step @ best.information @ step) < _LEAST_GAIN:
+            break
         tried = _linearise(best.errors + step, rate_radps, windows, prior)
         if tried.log_posterior < best.log_posterior:
             step = 0.5 * step
