@@ -158,6 +158,23 @@ def test_dotted_keys_that_are_wrong_are_refused(changes: dict[str, Any], message
         Config().replace(changes)
 
 
+def test_changed_sections_are_validated_as_in_the_whole_configuration() -> None:
+    changes = {
+        "walker": {"height_m": "1.7"},
+        "heading": {"dominant": {"direction_rad": 1}},
+        "start": {"closed": True},
+    }
+    changed = Config().replace(changes)
+    assert changed == config_from_dict(changes, "here")
+    assert type(changed.walker.height_m) is float
+    assert changed.replace({"walker.gender": "female"}).walker.height_m == 1.7
+    message = "start.closed: .* makes no use of a walk that ends where it began"
+    with pytest.raises(ConfigError, match=message):
+        changed.replace({"estimator.name": "dead-reckoning"})
+    with pytest.raises(ConfigError, match=message):
+        replace(changed, estimator=replace(changed.estimator, name="dead-reckoning"))
+
+
 def test_dotted_keys_in_a_file(tmp_path: Path) -> None:
     path = tmp_path / "dotted.yaml"
     path.write_text("steps.detector: mmpdr\nresample: {rate_hz: 40}\nheading.use: increments\n", encoding="utf-8")

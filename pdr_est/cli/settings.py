@@ -1,12 +1,14 @@
 """The configuration of a command: the defaults, the profile, the file and the options, in this order."""
 
+import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from pdr_est.calibration.profile import Profile, apply_profile, check_profile_matches
 from pdr_est.cli.call_paths import note_input
 from pdr_est.config import Config, config_with, external_files, load_config
+
+if TYPE_CHECKING:
+    from pdr_est.calibration.profile import Profile
 
 
 def resolve_config(
@@ -23,7 +25,7 @@ def resolve_config(
     corridors_deg: float | None = None,
     heading_method: str | None = None,
     attitude: str | None = None,
-    profile: Profile | None = None,
+    profile: "Profile | None" = None,
 ) -> Config:
     """Build the configuration of a command: defaults, then the walker's profile, then the file, then the options.
 
@@ -32,7 +34,11 @@ def resolve_config(
     ConfigError
         If a value is wrong or contradicts the profile; the message names the file or the option.
     """
-    config = Config() if profile is None else apply_profile(Config(), profile)
+    config = Config()
+    if profile is not None:
+        from pdr_est.calibration.profile import apply_profile  # not for the commands that know no profile
+
+        config = apply_profile(config, profile)
     if config_file is not None:
         config = load_config(config_file, base=config)
         for path in external_files(config):
@@ -40,8 +46,8 @@ def resolve_config(
         if config.gait.model is not None:
             note_input(Path(config.gait.model).expanduser())
     x_m, y_m = (None, None) if start is None else start
-    heading_rad = None if heading_deg is None else float(np.deg2rad(heading_deg))
-    corridors = None if corridors_deg is None else {"direction_rad": float(np.deg2rad(corridors_deg))}
+    heading_rad = None if heading_deg is None else math.radians(heading_deg)
+    corridors = None if corridors_deg is None else {"direction_rad": math.radians(corridors_deg)}
     for option, section, values in (
         ("--estimator", "estimator", {"name": estimator}),
         ("--detector", "steps", {"detector": detector}),
@@ -59,5 +65,7 @@ def resolve_config(
         if given:
             config = config_with(config, {section: given}, option)
     if profile is not None:
+        from pdr_est.calibration.profile import check_profile_matches
+
         check_profile_matches(config, profile, "--profile")
     return config

@@ -6,6 +6,7 @@ under it, which `pdr_est.params.field_docstrings` reads for the JSON schema and 
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
 from functools import cache, wraps
 from inspect import get_annotations
@@ -19,6 +20,8 @@ from pdr_est.errors import ConfigError
 from pdr_est.params.validation_messages import BOOLEAN, explain, kinds_of
 
 T = TypeVar("T")
+
+_RECORDS: set[type] = set()  # all that `params` made
 
 _SMALLEST, _LARGEST = 1e-9, 1e6  # beyond lie mistakes, and numbers whose square overflows
 
@@ -65,12 +68,14 @@ def params(cls: type[T]) -> type[T]:
     cls.__pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)  # type: ignore[attr-defined]
     made = dataclass(frozen=True, kw_only=True)(cls)
     made.__init__ = _validating(made, made.__init__)  # type: ignore[method-assign]
+    _RECORDS.add(made)
     return made
 
 
 def _validating(record: Any, set_fields: Callable[..., None]) -> Callable[..., None]:
-    """Make the constructor of a record that validates its arguments; defaults need no validation."""
+    """Make the constructor of a record that validates its arguments; defaults and records of the kind need none."""
     names = [entry.name for entry in fields(record)]
+    kinds = get_annotations(record)
     complete = all(entry.default is not MISSING or entry.default_factory is not MISSING for entry in fields(record))
 
     @wraps(set_fields)
@@ -78,6 +83,10 @@ def _validating(record: Any, set_fields: Callable[..., None]) -> Callable[..., N
         if complete and not values:
             set_fields(self)
             return
+        if complete and all(type(value) is kinds.get(name) in _RECORDS for name, value in values.items()):
+            with suppress(ValueError):  # a contradiction between them, which the validation explains
+                set_fields(self, **values)
+                return
         try:
             kind: Any = type(self)
             valid = _validator_of(kind).validate_python(values)

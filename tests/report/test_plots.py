@@ -1,6 +1,8 @@
 """The plots show what they should, and stay readable and small."""
 
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from xml.etree import ElementTree
 
@@ -180,3 +182,21 @@ def test_doubtful_findings_with_a_time_are_marked_where_they_are(make_walk) -> N
     drawn = [line for line in plot_track(track).axes[0].lines if svg.DOUBT in (line.get_color(), line.get_mec())]
     assert len(drawn) == 3
     assert not any(line.get_color() == svg.DOUBT for line in plot_track(walk.track).axes[0].lines)
+
+
+def test_matplotlib_loads_without_composed_docstrings_and_then_has_them_again() -> None:
+    code = """
+from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
+
+with loading_matplotlib():
+    from matplotlib.lines import Line2D
+assert "markersize" not in Line2D.set.__doc__
+from matplotlib.artist import kwdoc
+assert "markersize" in kwdoc(Line2D)
+with loading_matplotlib():
+    assert "markersize" in kwdoc(Line2D)
+line = Line2D([0, 1], [0, 1])
+line.set(linewidth=3.0)
+assert line.get_linewidth() == 3.0
+"""
+    subprocess.run((sys.executable, "-c", code), check=True)

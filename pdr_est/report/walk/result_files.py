@@ -14,6 +14,7 @@ from pdr_est.io.writers.track_files import write_geojson, write_steps_csv, write
 from pdr_est.module_loading import loading_modules
 from pdr_est.output.atomic_output import write_text
 from pdr_est.pipeline import SmoothedWalk
+from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.types.recording import Recording
 
@@ -80,7 +81,7 @@ def write_results(
 
 
 def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json) -> None:
-    with loading_modules():
+    with loading_modules(), loading_matplotlib():
         from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
 
     write_text(path, render_report(walk, recording, summary))
