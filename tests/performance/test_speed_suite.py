@@ -50,6 +50,10 @@ def test_every_part_is_measured() -> None:
     words = io.StringIO()
     print_speed(result, Console(file=words, width=160))
     assert "fixed-lag" in words.getvalue().split("online, ms")[1]
+    (resampler,) = [line for line in words.getvalue().splitlines() if "Resampler" in line]
+    seconds = next(row["seconds_per_minute"] for row in document["chains"][::-1] if row["chain"] == TEXTBOOK_CHAIN)
+    told = float(resampler.split("│")[2])
+    assert told == pytest.approx(document["stage_seconds_per_minute"]["Resampler"] / seconds, abs=0.006)
 
 
 def test_the_textbook_chain_walks_the_way_that_it_is_timed_for() -> None:
