@@ -57,6 +57,7 @@ def completed(words: str) -> tuple[list[str], str]:
 import atexit, sys
 atexit.register(lambda: print(*sorted({SLOW!r} & set(sys.modules)), file=sys.stderr))
 from pdr_est.cli import main
+from pdr_est.report.walk.track_formats import TRACK_FORMATS
 main(prog_name="pdr-est")
 """
     environment = {
@@ -92,6 +93,7 @@ def test_the_words_that_options_offer_are_those_of_the_package() -> None:
         "--heading-method": tuple(HEADINGS),
         "--clock": get_args(ClockMethod),
         "convert --format": tuple(FORMATS),
+        "smooth --format": tuple(TRACK_FORMATS),
         "benchmark SUITE": tuple(sorted([NAME, *(suite.name for suite in SUITES)])),
         "benchmark --turn-device": TURN_NAMES,
         "benchmark, every value": EVERY,
@@ -102,6 +104,7 @@ def test_the_words_that_options_offer_are_those_of_the_package() -> None:
         "--heading-method": choices.HEADING_METHODS,
         "--clock": choices.CLOCK_METHODS,
         "convert --format": choices.RECORDING_FORMATS,
+        "smooth --format": choices.TRACK_FORMATS,
         "benchmark SUITE": choices.SUITE_NAMES,
         "benchmark --turn-device": choices.DEVICE_TURNS,
         "benchmark, every value": choices.EVERY_VALUE,

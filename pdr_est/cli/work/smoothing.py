@@ -47,6 +47,8 @@ class SmoothRequest:
         Files and folders that are read and never overwritten.
     report : bool
         True to write the page with the pictures, which takes longer than all the rest.
+    formats : tuple of str or None
+        Formats of the track for other programs; None for the default.
     """
 
     config: Config
@@ -57,6 +59,7 @@ class SmoothRequest:
     overwrite: bool = False
     inputs: tuple[Path, ...] = ()
     report: bool = True
+    formats: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,14 @@ class SmoothedFolder:
     summary: dict[str, Any]
     learnt: LearntWalk | NotLearnt | None
     words: tuple[str, ...]
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Lines about formats that were left out although the recording has positions on the Earth."""
+        reasons: dict[str, str] = self.summary["formats"]["left_out"]
+        if not reasons or self.summary["recording"]["origin"] is None:
+            return ()
+        return (f"not written: {', '.join(reasons)}; {next(iter(reasons.values()))}",)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -130,6 +141,7 @@ def _smooth_into(
 ) -> tuple[dict[str, Any], LearntWalk | NotLearnt | None]:
     """Read, smooth and write a walk into an existing folder; return the summary, and what a profile learns."""
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
+    from pdr_est.report.walk.track_formats import require_possible_formats
 
     part, own, config = request.part, request.own, request.config
     whole = apply_clock_messages(part.read(paths), request.messages)
@@ -139,12 +151,16 @@ def _smooth_into(
     bar.start_part("smoothing")
     with prefix_errors(", ".join(map(str, paths))):
         recorded = without_used_truth(part.cut(whole), request.fixes)
+        require_possible_formats(request.formats, recorded)
         known = known if part.is_all else fixes_within(known, recorded)
         walk = pipeline.smooth_recording(recorded, config, known)
         learnt = own.learnt_from(whole, recorded, walk.devices, config, known)
     bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
-    return write_results(folder, walk, recorded, config, digests, prior, with_report=request.report), learnt
+    summary = write_results(
+        folder, walk, recorded, config, digests, prior, with_report=request.report, formats=request.formats
+    )
+    return summary, learnt
 
 
 def _digests(path: Path, several: bool) -> dict[str, str]:
