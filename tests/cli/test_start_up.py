@@ -20,6 +20,7 @@ from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
 from pdr_est.performance import NAME
 from pdr_est.preprocessing.turned_device import TURN_NAMES
+from pdr_est.report.walk.track_formats import TRACK_FORMATS
 
 PICTURES = {"matplotlib", "jinja2"}
 ESTIMATION = {"gtsam", "filterpy"}
@@ -57,7 +58,6 @@ def completed(words: str) -> tuple[list[str], str]:
 import atexit, sys
 atexit.register(lambda: print(*sorted({SLOW!r} & set(sys.modules)), file=sys.stderr))
 from pdr_est.cli import main
-from pdr_est.report.walk.track_formats import TRACK_FORMATS
 main(prog_name="pdr-est")
 """
     environment = {

@@ -64,28 +64,30 @@ def write_results(
     RecordingError
         If a format that was chosen needs a place on the Earth and there is none.
     """
-    start, gaits = config.start.pose(), gait_model(config.gait)
     summary = summarise(
         walk,
         recording,
         config_to_dict(config),
         inputs,
         package_versions(),
-        start=start,
+        start=config.start.pose(),
         errors=truth_errors(walk, recording),
         profile=profile,
-        gait_model_sha256=None if gaits is None else model_digest(gaits),
+        gait_model_sha256=_gait_digest(config),
     )
-    summary |= _write_formats(folder, walk, recording, config, summary["frame"], formats)
-    walk.track.to_csv(folder / "track.csv")
-    write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
+    summary |= _write_tracks(folder, walk, recording, config, summary["frame"], formats)
     write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     if with_report:
         _write_report(folder / "report.html", walk, recording, summary)
     return summary
 
 
-def _write_formats(
+def _gait_digest(config: Config) -> str | None:
+    gaits = gait_model(config.gait)
+    return None if gaits is None else model_digest(gaits)
+
+
+def _write_tracks(
     folder: Path,
     walk: SmoothedWalk,
     recording: Recording,
@@ -93,7 +95,9 @@ def _write_formats(
     frame: str,
     formats: Sequence[str] | None,
 ) -> Json:
-    """Write the track for other programs; return what the summary says of it."""
+    """Write the tables of track and steps, and the track for other programs; return what the summary says of it."""
+    walk.track.to_csv(folder / "track.csv")
+    write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
     earth = place_on_earth(walk.track, frame, recording, config.fixes)
     found = write_track_formats(WrittenTrack(walk.track, earth, recording, walk.fixes), folder, formats=formats)
     return {"on_earth": {"placed": earth.origin is not None, "meaning": earth.meaning}, "formats": found}
