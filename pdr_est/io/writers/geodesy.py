@@ -13,7 +13,7 @@ DEGREE_DIGITS = 8
 """Decimals of a longitude or latitude in a file; the last one is about 1 mm."""
 
 _CHI_SQUARED_95 = -2.0 * math.log(0.05)  # 95 % quantile with two degrees of freedom
-_CORNERS = 24  # of a polygon for an ellipse, which covers 98.9 % of its area
+_CORNERS = 16  # of a polygon for an ellipse, which covers 97.4 % of its area
 _LEAST_AXIS_M, _MOST_AXIS_M = 0.01, 1e5
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -71,7 +71,7 @@ def ellipses95(position_m: Array, covariance_m2: Array) -> list[Array | None]:
     Returns
     -------
     list of Array or None
-        Corners (25, 2) in counter-clockwise order, m, the last one equal to the first. None for an ellipse that
+        Corners (17, 2) in counter-clockwise order, m, the last one equal to the first. None for an ellipse that
         cannot be drawn: its covariance is not finite, or a semi-axis is below 1 cm or above 100 km.
     """
     angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS + 1)

@@ -88,11 +88,11 @@ def _crs_note(origin: GeoOrigin | None) -> str:
     )
 
 
-def _coordinates(position_m: Array, origin: GeoOrigin | None) -> list[list[float]]:
-    """Convert positions (n, 2) to GeoJSON coordinates, to 0.1 mm in metres or about 1 mm in degrees."""
+def _coordinates(position_m: Array, origin: GeoOrigin | None, coarser: int = 0) -> list[list[float]]:
+    """Convert positions (n, 2) to GeoJSON coordinates, to 0.1 mm or about 1 mm, with `coarser` decimals less."""
     local = origin is None
     values = position_m if origin is None else longitude_latitude(position_m, origin)
-    rounded: list[list[float]] = np.round(values, 4 if local else DEGREE_DIGITS).tolist()
+    rounded: list[list[float]] = np.round(values, (4 if local else DEGREE_DIGITS) - coarser).tolist()
     return rounded
 
 
@@ -169,7 +169,8 @@ def _ellipse_features(track: Track, origin: GeoOrigin | None, epoch_s: float | N
     drawn = [(i, ring) for i, ring in enumerate(rings) if ring is not None]
     if not drawn:
         return
-    corners = _coordinates(np.concatenate([ring for _, ring in drawn]), origin)  # at once, as it is slow one by one
+    # All at once, as one by one is slow, and to about 1 cm: ellipses make most of the file.
+    corners = _coordinates(np.concatenate([ring for _, ring in drawn]), origin, coarser=1)
     size = len(drawn[0][1])
     for number, (i, _) in enumerate(drawn):
         properties: Json = {

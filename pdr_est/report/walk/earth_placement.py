@@ -1,7 +1,7 @@
 """Place a finished track on the Earth, where position and north are known."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,13 +39,15 @@ def place_on_earth(track: Track, frame: str, recording: Recording, noise: FixNoi
     """Place a track on the Earth.
 
     A track in the map frame lies about the origin of the recording. A north-up track, which begins at the origin of
-    a frame of its own, is shifted so that it passes through one GPS position of the recording: that for which the
-    shift is known best. The covariances of the shift and of the pose are added up, as if they were independent.
+    a frame of its own, is shifted to the GPS positions of the recording, its shape unchanged: by the median, in each
+    coordinate, of the shifts to all of them, weighted by their inverse variances. A single position may be stale by
+    the length of a street, and the median is not moved by it. As the errors of GPS positions are alike, the shift
+    counts as no better known than by the best of them alone, and its covariance is added to that of each pose.
 
     Parameters
     ----------
     track
-        Track of one or more devices; the person, who is shifted to the GPS position, comes last.
+        Track of one or more devices; the person, who is shifted to the GPS positions, comes last.
     frame
         "map", "north-up" or "own", as the summary has it.
     recording
@@ -65,23 +67,30 @@ def place_on_earth(track: Track, frame: str, recording: Recording, noise: FixNoi
     if not gps:
         words = "the recording holds no GPS position in its time: give --start"
         return EarthPlacement(track, None, words)
-    return _through_fix(track, recording.origin, fixes_with_noise(gps, noise))
+    return _shifted(track, recording.origin, fixes_with_noise(gps, noise))
 
 
-def _through_fix(track: Track, origin: GeoOrigin, fixes: Iterable[PositionFix]) -> EarthPlacement:
-    """Shift a track through the fix that leaves the shift least uncertain; the first one of equals."""
-    person = track.of_device(track.devices[-1])
-
-    def covariance_of_shift(fix: PositionFix) -> Array:
-        (of_pose,) = person.at(fix.time_s)[1]
-        total: Array = of_pose + fix.covariance_m2 + fix.sigma_wander_m**2 * np.eye(2)
-        return total
-
-    best, covariance = min(
-        ((fix, covariance_of_shift(fix)) for fix in fixes), key=lambda pair: float(np.trace(pair[1]))
+def _shifted(track: Track, origin: GeoOrigin, fixes: Sequence[PositionFix]) -> EarthPlacement:
+    """Shift a track to GPS positions."""
+    position_m, of_poses = track.of_device(track.devices[-1]).at(np.array([fix.time_s for fix in fixes]))
+    shifts_m = np.array([fix.position_m for fix in fixes]) - position_m
+    errors = np.array([fix.covariance_m2 + fix.sigma_wander_m**2 * np.eye(2) for fix in fixes])
+    covariance_m2 = of_poses + errors
+    variance_m2 = np.trace(covariance_m2, axis1=1, axis2=2) / 2.0
+    shift_m = [_weighted_median(shifts_m[:, axis], 1.0 / variance_m2) for axis in (0, 1)]
+    best = int(np.argmin(variance_m2))
+    placed = replace(
+        track,
+        position_m=track.position_m + np.array(shift_m),
+        covariance_m2=track.covariance_m2 + covariance_m2[best],
     )
-    shift_m = best.position_m - person.at(best.time_s)[0][0]
-    placed = replace(track, position_m=track.position_m + shift_m, covariance_m2=track.covariance_m2 + covariance)
-    sigma_m = math.sqrt(float(np.trace(covariance)) / 2.0)
-    words = f"north-up through the {best.source} position at {best.time_s:.1f} s (standard deviation {sigma_m:.1f} m)"
+    sigma_m = math.sqrt(float(variance_m2[best]))
+    words = f"north-up, at the median of {len(fixes)} GPS positions (standard deviation {sigma_m:.1f} m)"
     return EarthPlacement(placed, origin, words)
+
+
+def _weighted_median(values: Array, weights: Array) -> float:
+    """Return the value below and above which lies at most half of the weight."""
+    order = np.argsort(values, kind="stable")
+    reached = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(reached, reached[-1] / 2.0)])

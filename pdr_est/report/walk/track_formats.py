@@ -78,7 +78,8 @@ def _write_tum(one: WrittenTrack, path: Path) -> None:
     write_tum(one.track, path, one.recording.epoch_s)
     truth = one.recording.truth.positions
     if truth is not None and len(truth.time_s):
-        write_tum_truth(truth, path.with_name("truth.tum"), one.recording.epoch_s)
+        name = "truth.tum" if path.stem == "track" else f"{path.stem}-truth.tum"
+        write_tum_truth(truth, path.with_name(name), one.recording.epoch_s)
 
 
 def _write_geojson(one: WrittenTrack, path: Path) -> None:

@@ -107,7 +107,7 @@ def test_ellipses_are_closed_counter_clockwise_and_hold_95_percent(tmp_path: Pat
         assert 0.97 * whole_m2 < area_m2 < whole_m2  # positive: counter-clockwise
         away = ring - place
         squared = np.einsum("ni,ij,nj->n", away, np.linalg.inv(covariance), away)
-        np.testing.assert_allclose(squared, 5.991, rtol=1e-3)
+        np.testing.assert_allclose(squared, 5.991, rtol=3e-3)
 
 
 @pytest.mark.parametrize("covariance", [np.zeros((2, 2)), np.full((2, 2), np.nan), 1e11 * np.eye(2)])
