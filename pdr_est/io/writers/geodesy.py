@@ -1,6 +1,7 @@
 """Convert positions and times of a track to what maps of the Earth use: longitude, latitude and dates in UTC."""
 
 import math
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 
@@ -15,6 +16,7 @@ DEGREE_DIGITS = 8
 _CHI_SQUARED_95 = -2.0 * math.log(0.05)  # 95 % quantile with two degrees of freedom
 _CORNERS = 16  # of a polygon for an ellipse, which covers 97.4 % of its area
 _LEAST_AXIS_M, _MOST_AXIS_M = 0.01, 1e5
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -107,11 +109,7 @@ def compass_deg(heading_rad: Array) -> Array:
 
 def xml_text(text: str) -> str:
     """Replace characters that XML cannot hold, such as control characters, by the replacement character."""
-    return "".join(one if _is_xml_character(ord(one)) else "\N{REPLACEMENT CHARACTER}" for one in text)
-
-
-def _is_xml_character(code: int) -> bool:
-    return code in (0x9, 0xA, 0xD) or 0x20 <= code <= 0xD7FF or 0xE000 <= code <= 0xFFFD or code >= 0x10000
+    return _NO_XML.sub("\N{REPLACEMENT CHARACTER}", text)
 
 
 def degree_texts(coordinates_deg: Array) -> Sequence[tuple[str, str]]:

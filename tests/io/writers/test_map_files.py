@@ -1,5 +1,6 @@
-"""KML and GPX hold the same places and times as the track, whatever the names of walk and devices are."""
+"""KML, GPX and GeoJSON hold the same places and times as the track, whatever the names of walk and devices are."""
 
+import json
 import math
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from pdr_est.errors import OutputError
 from pdr_est.io.writers.geodesy import utc_texts
+from pdr_est.io.writers.geojson import write_geojson
 from pdr_est.io.writers.gpx import write_gpx
 from pdr_est.io.writers.kml import write_kml
 from pdr_est.types.measurements import PositionFix
@@ -134,16 +136,23 @@ def test_without_a_date_there_are_no_times_and_the_file_says_so(count: int, tmp_
     epoch_s=st.floats(0.0, 4e9),
     name=st.text(),
 )
-def test_any_walk_comes_back_from_both_files(latitude_deg, longitude_deg, far_m, epoch_s, name) -> None:
+def test_any_walk_comes_back_from_every_file(latitude_deg, longitude_deg, far_m, epoch_s, name) -> None:
     origin, walked = GeoOrigin(latitude_deg, longitude_deg), make_track()
     track = Track(**{**walked.__dict__, "position_m": walked.position_m + np.array(far_m)})
     with TemporaryDirectory() as folder:
-        kml, gpx = Path(folder) / "t.kml", Path(folder) / "t.gpx"
+        kml, gpx, geojson = (Path(folder) / f"t.{suffix}" for suffix in ("kml", "gpx", "geojson"))
+        write_geojson(track, geojson, origin, epoch_s=epoch_s, with_steps=True)
+        features = json.loads(geojson.read_text(encoding="utf-8"))["features"]
         write_kml(track, kml, origin, epoch_s=epoch_s, name=name)
         write_gpx(track, gpx, origin, epoch_s=epoch_s, name=name)
         place = parse(kml).getroot().find(f"{KML}Document/{KML}Placemark")
         segment = parse(gpx).getroot().find(f"{GPX}trk/{GPX}trkseg")
+    poses = [one for one in features if one["properties"]["feature"] == "pose"]
     for times, places in (
+        (
+            [seconds(one["properties"]["time"], epoch_s) for one in poses],
+            np.array([metres(*one["geometry"]["coordinates"], origin) for one in poses]),
+        ),
         kml_track(place, origin, epoch_s),
         gpx_points(segment, "trkpt", origin, epoch_s),
     ):
