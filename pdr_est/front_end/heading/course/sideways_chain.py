@@ -124,6 +124,8 @@ def _shifted(values: Array, by_rad: float) -> Array:
     places = by_rad / _SPACING_RAD
     whole = floor(places)
     share = places - whole
+    shifted: Array
+    farther: Array
     shifted, farther = (values.take(_TURNED[by % ANGLES], axis=1) for by in (whole, whole + 1))
     shifted *= 1.0 - share
     farther *= share
