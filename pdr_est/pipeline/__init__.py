@@ -10,7 +10,6 @@ from pdr_est.estimators.common.unknown_direction import with_unknown_direction
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.estimation import chosen_estimator, run_estimator, with_findings, with_person
 from pdr_est.pipeline.front_end_chain import analyse_device, north_of
-from pdr_est.pipeline.garbage_collection import collection_paused
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.measurements import (
     measurements_of,
@@ -65,7 +64,6 @@ def smooth_recording(
     )
 
 
-@collection_paused()
 def analyse_recording(
     recording: Recording, config: Config, parts: Parts = NO_PARTS, at_the_end: bool = True
 ) -> tuple[DeviceWalk, ...]:
@@ -87,7 +85,6 @@ def analyse_recording(
     return tuple(walks)
 
 
-@collection_paused()
 def estimate_tracks(
     walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = (), parts: Parts = NO_PARTS
 ) -> Track:
