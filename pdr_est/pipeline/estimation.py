@@ -11,6 +11,7 @@ from pdr_est.config.contradictions import unused_closure
 from pdr_est.errors import ConfigError, EstimationError
 from pdr_est.estimators import Estimator
 from pdr_est.parts import ESTIMATOR, Parts, given_part
+from pdr_est.pipeline.garbage_collection import collection_paused
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceTether
 from pdr_est.types.track import Track, concatenate
@@ -30,6 +31,7 @@ def chosen_estimator(config: Config, parts: Parts) -> Estimator:
     return estimator
 
 
+@collection_paused()
 def run_estimator(
     devices: Sequence[DeviceMeasurements], tethers: Sequence[DeviceTether], estimator: Estimator, config: Config
 ) -> Track:

@@ -22,6 +22,7 @@ from pdr_est.front_end.step_length.stairs import StairLengths
 from pdr_est.front_end.steps import step_detector
 from pdr_est.front_end.steps.segmentation import StepSegmentation
 from pdr_est.parts import NO_PARTS, STAGE, Parts, StagePart, given_part
+from pdr_est.pipeline.garbage_collection import collection_paused
 from pdr_est.preprocessing.quality.clock_requirements import explain_empty_grid
 from pdr_est.preprocessing.quality.requirements import (
     has_gyroscope,
@@ -38,6 +39,7 @@ from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import Channel
 
 
+@collection_paused()
 def analyse_device(
     device: DeviceRecording,
     place: str,

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,4 +52,21 @@ def out_of_range(channel: Channel, values: Array) -> NDArray[np.bool_]:
     limit = SENSOR_RANGES.get(channel)
     if limit is None:
         return np.zeros(len(values), dtype=np.bool_)
-    return np.asarray((np.abs(values) > limit.largest).any(axis=1))
+    return ~whole_rows(~(np.abs(values) > limit.largest))
+
+
+def usable_samples(channel: Channel, values: Array) -> NDArray[np.bool_]:
+    """Find the samples (n,), of values (n, k), that are finite and not `out_of_range`."""
+    limit = SENSOR_RANGES.get(channel)
+    return whole_rows(np.isfinite(values) if limit is None else np.abs(values) <= limit.largest)
+
+
+def whole_rows(holds: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Find the rows (n,) in which all of (n, k) are true, several times as fast as `all` does it along short rows."""
+    found: NDArray[np.bool_] = reduce(np.logical_and, holds.T)
+    return found
+
+
+def rows_kept(values: Array, kept: NDArray[np.bool_]) -> Array:
+    """Return the rows (m, k) to be kept of values (n, k), without copying values that are kept as a whole."""
+    return values if kept.all() else values[kept]

@@ -285,6 +285,5 @@ def _with_moments(
 
 def _trail(trail: tuple[Node, ...], nodes: Sequence[Node]) -> tuple[Node, ...]:
     """Return the last nodes of a device after some more."""
-    for node in nodes:
-        trail = with_node(trail, node)
-    return trail
+    *before, last = (*trail, *nodes)
+    return with_node(tuple(before), last)

@@ -21,9 +21,10 @@ from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.motion_model import STATES, GaussianState, SourceState, SourceTrust, linearise_motions
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.kalman.fix_mixture import updated_by_fix
-from pdr_est.estimators.kalman.similarity_update import similarity_update, squared_distance
+from pdr_est.estimators.kalman.similarity_update import similarity_update
 from pdr_est.estimators.kalman.source_clock import with_node
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.records import changed
 from pdr_est.types.measurements import HeadingPrior, PositionFix
 
 UNKNOWN_HEADINGS = 36
@@ -133,7 +134,7 @@ class HypothesisBank:
         if not node.turn_hypotheses:
             turn_rad = np.full(len(self), node.heading_change_rad)
             moved = self._moved(turn_rad, node.length_m, np.tile(node.covariance, (len(self), 1, 1)))
-            return replace(moved, trail=trail, taken=())
+            return changed(moved, trail=trail, taken=())
         turns = node.turn_hypotheses
         prior = np.array([turn.probability for turn in turns])
         likeliest = np.argsort(-np.outer(self.weights, prior).ravel(), kind="stable")[:_MOST_AT_ONCE]
@@ -168,9 +169,8 @@ class HypothesisBank:
 
     def _moved(self, turn_rad: Array, length_m: float, covariance: Array) -> "HypothesisBank":
         moved, jacobian, noise = linearise_motions(self.means, turn_rad, np.full(len(self), length_m), covariance)
-        return replace(
-            self, means=moved, covariances=jacobian @ self.covariances @ jacobian.transpose(0, 2, 1) + noise
-        )
+        covariances = jacobian @ self.covariances @ jacobian.transpose(0, 2, 1) + noise
+        return changed(self, means=moved, covariances=covariances)
 
     def _with_fix(self, fix: PositionFix) -> "HypothesisBank":
         """Update with a position fix, for each hypothesis by the mixture of hypotheses about the fix."""
@@ -187,38 +187,31 @@ class HypothesisBank:
         )
 
     def _with_heading(self, prior: HeadingPrior) -> "HypothesisBank":
-        """Update with a heading prior."""
-        jacobian = np.zeros((1, self.means.shape[1]))
-        jacobian[0, 2] = 1.0
+        """Update each hypothesis with a heading prior, and its weight by the likelihood."""
+        expected, across = self.means[:, 2], self.covariances[:, :, 2]
+        variance = across[:, 2]
         if prior.relative:
-            jacobian[0, STATES - 1] = -1.0
-        residual = wrap_angle(prior.heading_rad - self.means @ jacobian.T)
-        return self._corrected(jacobian, residual, np.array([[prior.sigma_rad**2]]), prior.robust)
-
-    def _corrected(self, jacobian: Array, residual: Array, noise: Array, robust: bool) -> "HypothesisBank":
-        """Update each hypothesis with a measurement of residuals (k, m), and its weight by the likelihood."""
-        across = self.covariances @ jacobian.T
-        innovation = jacobian @ across + noise
-        if robust:
-            distance = np.sqrt(squared_distance(innovation, residual))
-            innovation = innovation + (np.maximum(distance / HUBER, 1.0) - 1.0)[:, None, None] * noise
-        gain = np.linalg.solve(innovation, across.transpose(0, 2, 1)).transpose(0, 2, 1)
-        means = self.means + np.einsum("kij,kj->ki", gain, residual)
-        covariances = self.covariances - gain @ across.transpose(0, 2, 1)
-        log_weight = np.log(np.maximum(self.weights, 1e-300)) - 0.5 * (
-            squared_distance(innovation, residual) + np.linalg.slogdet(innovation)[1]
-        )
+            expected, across = expected - self.means[:, STATES - 1], across - self.covariances[:, :, STATES - 1]
+            variance = across[:, 2] - across[:, STATES - 1]
+        residual, noise = wrap_angle(prior.heading_rad - expected), prior.sigma_rad**2
+        innovation = variance + noise
+        if prior.robust:
+            innovation = innovation + (np.maximum(np.abs(residual) / np.sqrt(innovation) / HUBER, 1.0) - 1.0) * noise
+        gain = across / innovation[:, None]
+        covariances = self.covariances - gain[:, :, None] * across[:, None, :]
+        log_weight = np.log(np.maximum(self.weights, 1e-300)) - 0.5 * (residual**2 / innovation + np.log(innovation))
         weights = np.exp(log_weight - log_weight.max())
-        return replace(
+        return changed(
             self,
             weights=weights / weights.sum(),
-            means=means,
+            means=self.means + gain * residual[:, None],
             covariances=0.5 * (covariances + covariances.transpose(0, 2, 1)),
         )
 
     def _reduced(self) -> "HypothesisBank":
         """Drop improbable hypotheses, merge those that are alike, and keep no more than the largest number."""
-        bank = self._selected(np.flatnonzero(self.weights >= _LEAST_WEIGHT * self.weights.max()))
+        probable = self.weights >= _LEAST_WEIGHT * self.weights.max()
+        bank = self if probable.all() else self._selected(np.flatnonzero(probable))
         costs, pairs = np.full((len(bank), len(bank)), np.inf), np.triu_indices(len(bank), 1)
         costs[pairs] = bank._merging_costs(*pairs)
         while len(bank) > 1:

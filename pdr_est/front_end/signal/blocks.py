@@ -71,8 +71,10 @@ def parts(block: LevelBlock, spans: Iterable[tuple[int, int]]) -> list[LevelBloc
     columns = [(name, block.__dict__[name]) for name in _COLUMNS if name not in same]
     found = []
     for start, stop in spans:
-        one = object.__new__(LevelBlock)
-        one.__dict__.update(same, first_index=block.first_index + start, hole=block.hole if start == 0 else None)
-        one.__dict__.update([(name, column[start:stop]) for name, column in columns])
+        one, values = object.__new__(LevelBlock), same.copy()
+        values["first_index"], values["hole"] = block.first_index + start, block.hole if start == 0 else None
+        for name, column in columns:
+            values[name] = column[start:stop]
+        object.__setattr__(one, "__dict__", values)
         found.append(one)
     return found

@@ -7,7 +7,7 @@ from pdr_est.io.conversion.rotation_unit import rotation_unit_warnings
 from pdr_est.preprocessing.quality.accelerometer_check import find_accelerometer_fault
 from pdr_est.preprocessing.quality.gyroscope_check import SURE_FAULT, gyroscope_warnings
 from pdr_est.preprocessing.quality.sensor_checks import stuck_intervals
-from pdr_est.preprocessing.sensor_ranges import out_of_range
+from pdr_est.preprocessing.sensor_ranges import usable_samples
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
@@ -61,7 +61,7 @@ def _usable(channel: Channel, signal: Signal | None) -> Signal | None:
     """Leave out the samples that no phone can measure; None when nothing is left."""
     if signal is None or not len(signal):
         return None
-    damaged = out_of_range(channel, signal.values) | ~np.isfinite(signal.values).all(axis=1)
+    damaged = ~usable_samples(channel, signal.values)
     if not damaged.any():
         return signal
     return None if damaged.all() else Signal(signal.time_s[~damaged], signal.values[~damaged])

@@ -12,7 +12,7 @@ from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
 from pdr_est.preprocessing.quality.capabilities import suggest_unused_columns
 from pdr_est.preprocessing.quality.clock_requirements import format_time, require_clock
 from pdr_est.preprocessing.quality.sampling_rate import refuse_slow_sampling
-from pdr_est.preprocessing.sensor_ranges import out_of_range
+from pdr_est.preprocessing.sensor_ranges import rows_kept, usable_samples
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
@@ -219,10 +219,10 @@ def _check_unit(channel: Channel, signal: Signal, label: str) -> None:
     if channel not in _UNITS:
         return
     detect, assumed_unit, title = _UNITS[channel]
-    usable = np.isfinite(signal.values).all(axis=1) & ~out_of_range(channel, signal.values)
-    if usable.sum() < _MANY_SAMPLES:
+    values = rows_kept(signal.values, usable_samples(channel, signal.values))
+    if len(values) < _MANY_SAMPLES:
         return
-    conversion = detect(signal.values[usable])
+    conversion = detect(values)
     if conversion.factor != 1.0:
         raise RecordingError(
             f"{label}: the {_SENSOR_NAMES[channel]} was read as {assumed_unit}, but {conversion.decision}: "

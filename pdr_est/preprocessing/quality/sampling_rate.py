@@ -11,6 +11,7 @@ import numpy as np
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.preprocessing.quality.sensor_checks import LONGEST_PERIOD_S
+from pdr_est.preprocessing.sensor_ranges import rows_kept, whole_rows
 from pdr_est.types.recording import Signal
 
 SLOWEST_STEPS_HZ = 8.0
@@ -25,7 +26,7 @@ _FEWEST_SAMPLES = 5
 _WINDOW_S = 4.0  # ours: some steps, so that the slowest rate is still known to 6 %
 _ACTIVE = 0.5  # ours: share of the strongest motion from which on a window counts
 _STRONGEST_PERCENTILE = 95
-_INNER_PERCENTILES = (10, 90)
+_LOW, _HIGH, _LARGEST = 0.1, 0.9, 0.99  # ranks in a window: a damaged number is no motion
 _ROUNDING = 3.0  # last digits by which rounded numbers leave a straight line: at most 2
 _COARSE = 1e-3  # share of the usual bend above which a last digit hides whether lines are straight
 _EXACT = 1e-6
@@ -95,10 +96,10 @@ def sampling_rate(signal: Signal) -> SamplingRate:
     """
     samples_hz = mean_rate_hz(signal.time_s)
     size = round(samples_hz * _WINDOW_S)
-    finite = np.isfinite(signal.values).all(axis=1)
+    finite = whole_rows(np.isfinite(signal.values))
     if size < _FEWEST_SAMPLES or finite.sum() < _FEWEST_SAMPLES:
         return SamplingRate(samples_hz, samples_hz)
-    new, repeated = _shares(_active_windows(signal.values[finite], size))
+    new, repeated = _shares(_active_windows(rows_kept(signal.values, finite), size))
     if not 0.0 < new < _MOSTLY_NEW:
         return SamplingRate(samples_hz, samples_hz * (new or 1.0))
     hidden_by = "repeated" if repeated > 1.0 - new - repeated else "interpolated"
@@ -157,22 +158,28 @@ def _active_windows(values: Array, size: int) -> Array:
 
     Returns
     -------
-    windows : (m, size + 2, k)
+    windows : (k, m, size + 2)
         Each begins with the two samples before it, of which the first one tells whether it is new.
     """
     count = (len(values) - 2) // size
     if count < 2:
-        return values[None]
+        return values.T[:, None]
     starts = 2 + size * np.arange(count)[:: 1 + (count - 1) // _MOST_WINDOWS]
-    windows: Array = values[starts[:, None] + np.arange(-2, size)]
-    low, high = np.percentile(windows, _INNER_PERCENTILES, axis=1)  # a damaged number is no motion
-    spread = (high - low).sum(axis=1)
-    moving: Array = windows[spread >= _ACTIVE * float(np.percentile(spread, _STRONGEST_PERCENTILE))]
+    windows = values.T.take(starts[:, None] + np.arange(-2, size), axis=1)
+    ordered = np.sort(windows)
+    spread = (_at_rank(ordered, _HIGH) - _at_rank(ordered, _LOW)).sum(axis=0)
+    moving: Array = windows[:, spread >= _ACTIVE * float(np.percentile(spread, _STRONGEST_PERCENTILE))]
     return moving
 
 
+def _at_rank(ordered: Array, share: float) -> Array:
+    """Return the number (...) that the share of ordered ones (..., n) lies below, without interpolation."""
+    found: Array = ordered[..., round(share * (ordered.shape[-1] - 1))]
+    return found
+
+
 def _shares(windows: Array) -> tuple[float, float]:
-    """Compute usual shares of samples of windows (m, n, k).
+    """Compute usual shares of samples of windows (k, m, n).
 
     Returns
     -------
@@ -181,12 +188,12 @@ def _shares(windows: Array) -> tuple[float, float]:
     repeated : float
         Share of those that repeat.
     """
-    step = np.diff(windows, axis=1)
-    bends = np.abs(np.diff(step, axis=1))
-    bend = bends.max(axis=2)
-    usual = np.percentile(bend, 99, axis=1, keepdims=True)
-    digit = bends.min(axis=(1, 2), initial=np.inf, where=bends > _ROUNDED_NUMBER * usual[..., None])[:, None]
+    step = np.diff(windows)
+    bends = np.abs(np.diff(step))
+    bend = bends.max(axis=0)
+    usual = _at_rank(np.sort(bend), _LARGEST)[:, None]
+    digit = bends.min(axis=(0, 2), initial=np.inf, where=bends > _ROUNDED_NUMBER * usual)[:, None]
     straight = np.where(_ROUNDING * digit < _COARSE * usual, _ROUNDING * digit, _EXACT * usual)
-    changed = (step[:, 1:] != 0.0).any(axis=2)
+    changed = (step[..., 1:] != 0.0).any(axis=0)
     new = changed & (bend > straight)
     return float(np.median(new.mean(axis=1))), float(np.median(1.0 - changed.mean(axis=1)))

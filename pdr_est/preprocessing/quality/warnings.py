@@ -8,7 +8,7 @@ from pdr_est.preprocessing.gravity_stand_in import needs_stand_in
 from pdr_est.preprocessing.quality.consistency import consistency_warnings
 from pdr_est.preprocessing.quality.sampling_rate import sampling_rate_warnings, slow_gyroscope_warnings
 from pdr_est.preprocessing.quality.sensor_checks import check_clock, clipped_axes, constant_axes, stuck_intervals
-from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range
+from pdr_est.preprocessing.sensor_ranges import SENSOR_RANGES, out_of_range, rows_kept, usable_samples
 from pdr_est.types.recording import DeviceRecording, Signal
 from pdr_est.types.sensors import Channel
 
@@ -70,8 +70,7 @@ def _stuck_warnings(sensor: str, signal: Signal, other: Signal | None, effect: s
 
 def _axis_warnings(sensor: str, channel: Channel, signal: Signal, doubtful: str) -> Iterator[str]:
     """Tell axes that never change, and those that stay at the end of their range."""
-    usable = np.isfinite(signal.values).all(axis=1) & ~out_of_range(channel, signal.values)
-    values = signal.values[usable]
+    values = rows_kept(signal.values, usable_samples(channel, signal.values))
     for axis in constant_axes(values):
         yield (
             f"the {_AXES[axis]} axis of the {sensor} is always {values[0, axis]:.3g} while the others change: "

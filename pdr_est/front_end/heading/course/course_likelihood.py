@@ -39,9 +39,16 @@ class AheadMoments:
 
 def robust_moments(acceleration: NDArray[np.complex128]) -> AheadMoments:
     """Compute mean and variance, the same for each rate, from medians: most steps lead ahead."""
-    mean = complex(np.median(acceleration.real), np.median(acceleration.imag))
-    variance = max(float(np.median(np.abs(acceleration - mean) ** 2)) / (2.0 * np.log(2.0)), LEAST_VARIANCE)
+    mean = complex(_median(acceleration.real), _median(acceleration.imag))
+    variance = max(_median(np.abs(acceleration - mean) ** 2) / (2.0 * np.log(2.0)), LEAST_VARIANCE)
     return AheadMoments(np.full(len(RATES), mean), np.full(len(RATES), variance))
+
+
+def _median(values: Array) -> float:
+    """Return the median of some finite values (n,), at a fraction of the cost of `np.median` for a few of them."""
+    ordered = np.sort(values)
+    middle = len(ordered) // 2
+    return 0.5 * (ordered.item(middle) + ordered.item(-middle - 1))
 
 
 def course_log_likelihood(distance2: Array, variance: Array | float, parameters: CourseParams) -> Array:

@@ -68,7 +68,7 @@ class OnlineChain:
         state = moved_on(self._state, turn_rad, RATES)
         if likelihood is not None:
             state *= likelihood
-        sums = (state[0] + state[1]) @ _SUMS
+        sums = (state[0] + state[1]).dot(_SUMS)
         state /= sums[:, :1]
         self._state, self._sums = state, sums.tolist()
         self.log_evidence = [known + log(one[0]) for known, one in zip(self.log_evidence, self._sums, strict=True)]

@@ -26,6 +26,7 @@ _TURN_ENDS = 0.3  # probability per step that a turn of the body alone ends
 _STAYS = 1.0 - _TURNS_BACK - _WALKS_AHEAD  # probability per step in a stretch that the angle stays
 _STEP = np.array([[_STAYS, _TURN_ENDS], [_TURNS_BACK, 1.0 - _TURN_ENDS]])  # to the rows
 _TO_AHEAD = np.full(ANGLES, _WALKS_AHEAD)
+_TURNED = (np.arange(ANGLES) - np.arange(ANGLES)[:, None]) % ANGLES  # places before a turn by so many angles
 
 
 @dataclass(frozen=True)
@@ -99,9 +100,9 @@ def moved_on(state: Array, turn_rad: float, rates: Array) -> Array:
 
     The first ones are those of a walker who turns with the body, the second ones those of a body that turns alone.
     """
-    moved = (_STEP @ state.reshape(2, -1)).reshape(state.shape)
+    moved: Array = _STEP.dot(state.reshape(2, -1)).reshape(state.shape)
     less_begins = (_TURNS_BACK - rates) * state[0, :, 0]  # from ahead, where it is rarer than in a stretch
-    moved[0, :, 0] += less_begins + state[0] @ _TO_AHEAD
+    moved[0, :, 0] += less_begins + state[0].dot(_TO_AHEAD)
     moved[1, :, 0] -= less_begins
     moved[1] = _shifted(moved[1], -turn_rad)
     return moved
@@ -120,10 +121,13 @@ def _before(later: Array, turn_rad: float, rates: Array) -> Array:
 
 def _shifted(values: Array, by_rad: float) -> Array:
     """Turn values (r, 72) on the circle by an angle; between two angles by linear interpolation."""
-    whole = floor(by_rad / _SPACING_RAD)
-    share = by_rad / _SPACING_RAD - whole
-    start = ANGLES - whole % ANGLES
-    twice = np.concatenate([values, values, values[:, :1]], axis=1)
-    nearer, farther = twice[:, start : start + ANGLES], twice[:, start - 1 : start - 1 + ANGLES]
-    shifted: Array = (1.0 - share) * nearer + share * farther
+    places = by_rad / _SPACING_RAD
+    whole = floor(places)
+    share = places - whole
+    shifted: Array
+    farther: Array
+    shifted, farther = (values.take(_TURNED[by % ANGLES], axis=1) for by in (whole, whole + 1))
+    shifted *= 1.0 - share
+    farther *= share
+    shifted += farther
     return shifted
