@@ -28,9 +28,10 @@ from pdr_est.front_end.heading.course.course_likelihood import (
 )
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
-from pdr_est.front_end.heading.course.running import MOSTLY, runner_density, running_probabilities
+from pdr_est.front_end.heading.course.running import MOSTLY, pace_of, runner_density, running_probabilities
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
 from pdr_est.front_end.heading.phone_posture import wrapped
+from pdr_est.front_end.heading.step_motion import motions_of
 from pdr_est.front_end.heading.stride_pairing import stride_averages
 from pdr_est.records import changed
 from pdr_est.types.steps import Step
@@ -93,13 +94,14 @@ def with_courses(
         return done
     heading = np.unwrap([step.heading_rad for step in steps])
     acceleration = leading_acceleration(steps) * np.exp(-1j * heading)
-    running = running_probabilities(steps)
+    paces = [pace_of(*one) for one in zip(steps, motions_of(steps), strict=True)]
     counts = np.array([shows_course(step) for step in steps])
     if ahead is None:
         ahead = np.ones(len(steps), dtype=bool)
     for first, last in _places(steps):
         part = slice(first, last)
-        averages = stride_averages(acceleration[part]), stride_averages(running[part])
+        running = running_probabilities(paces[part], parameters.correlated_steps)
+        averages = stride_averages(acceleration[part]), stride_averages(running)
         run = _Run(*averages, heading[part], counts[part], ahead[part], last == len(steps))
         mean_rad, sigma_rad = _offsets(run, parameters)
         for k in np.flatnonzero(np.hypot(mean_rad, sigma_rad) > _LEAST_RAD).tolist():
