@@ -24,7 +24,7 @@ from pdr_est.front_end.heading.course.course_likelihood import (
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import shows_course
 from pdr_est.front_end.heading.course.online_chain import OnlineChain
-from pdr_est.front_end.heading.course.running import MOSTLY, Pace, RunningBelief, pace_of
+from pdr_est.front_end.heading.course.running import MOSTLY, RunningBelief, StepPace, pace_of
 from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.front_end.heading.step_motion import motions_of
 from pdr_est.front_end.heading.stride_pairing import stride_averages
@@ -48,7 +48,7 @@ class _Seen(NamedTuple):
         Its heading, continuous.
     acceleration : complex
         Its leading acceleration, m/s^2, turned back by the heading.
-    pace : Pace
+    pace : StepPace
         Its bounce and cadence.
     counts : bool
         True if that shows the direction of motion.
@@ -58,7 +58,7 @@ class _Seen(NamedTuple):
 
     heading_rad: float
     acceleration: complex
-    pace: Pace
+    pace: StepPace
     counts: bool
     turns: bool
 

@@ -40,7 +40,7 @@ _CHANGES = 0.01  # probability per step that a walker begins to run or stops run
 _RUNNER_MPS2 = 1.1
 
 
-class Pace(NamedTuple):
+class StepPace(NamedTuple):
     """Logarithms of bounce and cadence of a step; `known` is False where they tell nothing."""
 
     log_bounce: float
@@ -48,15 +48,15 @@ class Pace(NamedTuple):
     known: bool
 
 
-_UNKNOWN = Pace(0.0, 0.0, False)
+_UNKNOWN = StepPace(0.0, 0.0, False)
 
 
-def pace_of(step: Step, motion: StepMotion) -> Pace:
+def pace_of(step: Step, motion: StepMotion) -> StepPace:
     """Return bounce and cadence of a step."""
     if step.frequency_hz == 0.0 or step.event.compensated:
         return _UNKNOWN
     cadence_hz = min(max(step.frequency_hz, _SLOWEST_AT_ALL_HZ), _QUICKEST_AT_ALL_HZ)
-    return Pace(log(max(motion.bounce_mps2, _LEAST_BOUNCE_MPS2)), log(cadence_hz), True)
+    return StepPace(log(max(motion.bounce_mps2, _LEAST_BOUNCE_MPS2)), log(cadence_hz), True)
 
 
 class RunningBelief:
@@ -64,30 +64,30 @@ class RunningBelief:
 
     Parameters
     ----------
-    before : sequence of Pace
+    before : sequence of StepPace
         Steps that tell what is usual of this walker.
     correlated_steps : float
         Number of neighbouring steps that count as one observation.
     """
 
-    def __init__(self, before: Sequence[Pace], correlated_steps: float) -> None:
+    def __init__(self, before: Sequence[StepPace], correlated_steps: float) -> None:
         self._correlated_steps = correlated_steps
         self._usual = _usual(before)
         self._running = MOSTLY
 
-    def push(self, pace: Pace) -> float:
+    def push(self, pace: StepPace) -> float:
         """Take the next step and return the probability that it is one of a runner, by the steps so far."""
         prior = _changed(self._running)
         ratio = exp(self.log_odds(pace))
         self._running = prior * ratio / (prior * ratio + 1.0 - prior)
         return self._running
 
-    def log_odds(self, pace: Pace) -> float:
+    def log_odds(self, pace: StepPace) -> float:
         """Compute the logarithm of the odds that a step is one of a runner, by itself."""
         return _log_odds(pace, self._usual) / self._correlated_steps
 
 
-def running_probabilities(paces: Sequence[Pace], correlated_steps: float) -> Array:
+def running_probabilities(paces: Sequence[StepPace], correlated_steps: float) -> Array:
     """Compute the probability that each of some steps (n,) is one of a runner, by all of them."""
     belief = RunningBelief(paces, correlated_steps)
     ahead = [belief.push(pace) for pace in paces]
@@ -110,7 +110,7 @@ def _changed(running: float) -> float:
     return running * (1.0 - _CHANGES) + (1.0 - running) * _CHANGES
 
 
-def _usual(paces: Iterable[Pace]) -> tuple[float, float] | None:
+def _usual(paces: Iterable[StepPace]) -> tuple[float, float] | None:
     """Compute the usual logarithms of bounce and cadence of a walker; None if too few steps tell them."""
     walked = [pace[:2] for pace in paces if pace.known and _log_odds(pace, None) < 0.0]
     if len(walked) < _LEAST_WALKED:
@@ -119,7 +119,7 @@ def _usual(paces: Iterable[Pace]) -> tuple[float, float] | None:
     return bounce, cadence
 
 
-def _log_odds(pace: Pace, usual: tuple[float, float] | None) -> float:
+def _log_odds(pace: StepPace, usual: tuple[float, float] | None) -> float:
     bounce, cadence, known = pace
     if not known:
         return 0.0
