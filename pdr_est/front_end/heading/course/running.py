@@ -35,7 +35,7 @@ _SLOWEST_HZ, _QUICKEST_HZ = 1.9, 3.0
 _SLOWEST_AT_ALL_HZ, _QUICKEST_AT_ALL_HZ = 1.2, 3.6
 _LEAST_BOUNCE_MPS2 = 0.05
 _LEAST_WALKED = 10  # steps of a walker that tell what is usual
-_CHANGES = 0.01  # probability per step that a walker begins to run or stops running; ours
+_CHANGES = 0.002  # probability per step that a walker begins to run or stops running; ours
 # Standard deviation in one direction of the leading acceleration of a runner who moves anywhere, in both sets.
 _RUNNER_MPS2 = 1.1
 
