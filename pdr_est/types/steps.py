@@ -108,12 +108,15 @@ class StepMotion:
     leading_mps2
         East and north component of the acceleration that is ahead of the vertical one by a quarter of a step, m/s²; 0
         for a step with too few samples.
+    bounce_mps2
+        Root mean square of the vertical acceleration without gravity, m/s²; 0 without samples.
     """
 
     up: tuple[float, float, float]
     east: tuple[float, float, float]
     north: tuple[float, float, float]
     leading_mps2: tuple[float, float]
+    bounce_mps2: float
 
 
 @dataclass(frozen=True)

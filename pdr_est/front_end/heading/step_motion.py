@@ -21,12 +21,13 @@ from pdr_est.types.steps import Step, StepMotion
 LEAST_HARMONIC_SAMPLES = 4
 """Least number of samples for a first harmonic."""
 
-# Rows of what is summed: up; east and north of the device axes and of the acceleration; real and imaginary parts.
-_UP, _EAST, _NORTH, _HARMONICS, _ROWS = slice(0, 3), slice(3, 7), slice(7, 11), slice(11, 17), 17
+# Rows of what is summed: up; east and north of the device axes and of the acceleration; real and imaginary parts; the
+# square of the vertical acceleration.
+_UP, _EAST, _NORTH, _HARMONICS, _SQUARE, _ROWS = slice(0, 3), slice(3, 7), slice(7, 11), slice(11, 17), 17, 18
 _EAST_AXES, _NORTH_AXES, _ACCELERATION = slice(3, 6), slice(7, 10), 3
 _LEAST_LENGTH = 1e-9
 _LEAST_VERTICAL = 1e-9  # m/s^2
-_NO_MOTION = StepMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0))
+_NO_MOTION = StepMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0), 0.0)
 
 
 def motion_of(step: Step) -> StepMotion:
@@ -62,17 +63,19 @@ def _motions(samples: StepSamples) -> list[StepMotion]:
     up /= np.maximum(np.sqrt((up * up).sum(axis=0)), _LEAST_LENGTH)
     ups, easts, norths = (zip(*of_step[rows].tolist(), strict=True) for rows in (_UP, _EAST_AXES, _NORTH_AXES))
     leading = zip(*_leading(of_step[_HARMONICS].reshape(3, 2, -1), samples.count).tolist(), strict=True)
+    bounces = np.sqrt(of_step[_SQUARE] / samples.count).tolist()
     return [
-        made(StepMotion, up=up, east=east, north=north, leading_mps2=acceleration)
-        for up, east, north, acceleration in zip(ups, easts, norths, leading, strict=True)
+        made(StepMotion, up=up, east=east, north=north, leading_mps2=acceleration, bounce_mps2=bounce)
+        for up, east, north, acceleration, bounce in zip(ups, easts, norths, leading, bounces, strict=True)
     ]
 
 
 def _terms(samples: StepSamples) -> Array:
     """Compute at each sample (_ROWS, n) what is summed over a step.
 
-    These are the direction up, the east and the north components of the device axes and of the acceleration, and the
-    terms of the first harmonics of the vertical, the east and the north acceleration.
+    These are the direction up, the east and the north components of the device axes and of the acceleration, the
+    terms of the first harmonics of the vertical, the east and the north acceleration, and the square of the vertical
+    one.
     """
     yaw_rad = samples.column("yaw_rad")
     up = samples.column("up").T.copy()
@@ -85,7 +88,9 @@ def _terms(samples: StepSamples) -> Array:
     terms[_UP] = up
     np.subtract(cos * x, sin * y, out=terms[_EAST])
     np.add(sin * x, cos * y, out=terms[_NORTH])
-    accelerations = samples.column("vertical_mps2"), terms[_EAST][_ACCELERATION], terms[_NORTH][_ACCELERATION]
+    vertical = samples.column("vertical_mps2")
+    np.multiply(vertical, vertical, out=terms[_SQUARE])
+    accelerations = vertical, terms[_EAST][_ACCELERATION], terms[_NORTH][_ACCELERATION]
     for harmonic, along in zip(terms[_HARMONICS].reshape(3, 2, -1), accelerations, strict=True):
         np.multiply(wave, along, out=harmonic)
     return terms

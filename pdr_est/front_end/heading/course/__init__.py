@@ -2,6 +2,7 @@
 
 * `course_params`: the parameters.
 * `leading_acceleration`: what the acceleration of each step tells of the direction in which the walker moves.
+* `running`: the steps of runners, which tell it otherwise.
 * `sideways_chain`: the probabilities of all angles between that direction and the body, step by step.
 * `course_likelihood`: how likely an acceleration is for each angle, and how often people move so.
 * `online_course`: the same chain forward only, at the step.

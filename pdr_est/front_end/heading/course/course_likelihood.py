@@ -51,11 +51,32 @@ def _median(values: Array) -> float:
     return 0.5 * (ordered.item(middle) + ordered.item(-middle - 1))
 
 
-def course_log_likelihood(distance2: Array, variance: Array | float, parameters: CourseParams) -> Array:
-    """Compute the logarithm of the likelihood of squared distances from the expected acceleration."""
+def course_log_likelihood(
+    distance2: Array,
+    variance: Array | float,
+    parameters: CourseParams,
+    walks: Array | float = 1.0,
+    runs: Array | float = 0.0,
+) -> Array:
+    """Compute the logarithm of the likelihood of accelerations for a direction of motion.
+
+    Parameters
+    ----------
+    distance2 : ndarray
+        Squared distances from the acceleration that is expected of a walker, (m/s^2)^2.
+    variance : ndarray or float
+        Variance of it in one direction.
+    parameters : CourseParams
+        Parameters.
+    walks : ndarray or float
+        Probability of each step that it is one of a walker.
+    runs : ndarray or float
+        Probability that it is one of a runner, times the density of the acceleration of a runner, which tells
+        nothing about the direction.
+    """
     near = (1.0 - _WILD) * np.exp(-distance2 / (2.0 * variance))
     far = _WILD / _WILDER**2 * np.exp(-distance2 / (2.0 * _WILDER**2 * variance))
-    density: Array = np.log((near + far) / variance + 1e-300)
+    density: Array = np.log(walks * (near + far) / variance + runs + 1e-300)
     return density / parameters.correlated_steps
 
 

@@ -9,6 +9,7 @@ probabilities follow from the walk.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +28,10 @@ from pdr_est.front_end.heading.course.course_likelihood import (
 )
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import leading_acceleration, shows_course
+from pdr_est.front_end.heading.course.running import MOSTLY, pace_of, runner_density, running_probabilities
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, sideways_chain
 from pdr_est.front_end.heading.phone_posture import wrapped
+from pdr_est.front_end.heading.step_motion import motions_of
 from pdr_est.front_end.heading.stride_pairing import stride_averages
 from pdr_est.records import changed
 from pdr_est.types.steps import Step
@@ -43,15 +46,22 @@ _LEAST_RAD = 1e-3  # angle and doubt together, below which the walker moves ahea
 class _Run:
     """Steps with the phone in one place: accelerations (n,) turned back by the headings, and which of them count.
 
-    `ahead` (n,) are those that tell the acceleration of a walker who moves ahead. The last place of the walk is the
-    only one at whose end the walker need not move ahead.
+    `running` (n,) is the probability that the step is one of a runner. `ahead` (n,) are the steps that tell the
+    acceleration of a walker who moves ahead. The last place of the walk is the only one at whose end the walker need
+    not move ahead.
     """
 
     acceleration: NDArray[np.complex128]
+    running: Array
     heading_rad: Array
     counts: NDArray[np.bool_]
     ahead: NDArray[np.bool_]
     is_last: bool
+
+    @cached_property
+    def runs(self) -> Array:
+        """Probability (n,) that the step is one of a runner, times the density of the acceleration of a runner."""
+        return self.running * runner_density(self.acceleration)
 
 
 def moves_ahead(steps: Sequence[Step]) -> NDArray[np.bool_]:
@@ -84,12 +94,15 @@ def with_courses(
         return done
     heading = np.unwrap([step.heading_rad for step in steps])
     acceleration = leading_acceleration(steps) * np.exp(-1j * heading)
+    paces = [pace_of(*one) for one in zip(steps, motions_of(steps), strict=True)]
     counts = np.array([shows_course(step) for step in steps])
     if ahead is None:
         ahead = np.ones(len(steps), dtype=bool)
     for first, last in _places(steps):
         part = slice(first, last)
-        run = _Run(stride_averages(acceleration[part]), heading[part], counts[part], ahead[part], last == len(steps))
+        running = running_probabilities(paces[part], parameters.correlated_steps)
+        averages = stride_averages(acceleration[part]), stride_averages(running)
+        run = _Run(*averages, heading[part], counts[part], ahead[part], last == len(steps))
         mean_rad, sigma_rad = _offsets(run, parameters)
         for k in np.flatnonzero(np.hypot(mean_rad, sigma_rad) > _LEAST_RAD).tolist():
             done[first + k] = changed(
@@ -130,7 +143,7 @@ def _offsets(run: _Run, parameters: CourseParams) -> tuple[Array, Array]:
     """Compute mean and standard deviation, rad, of the angle between motion and body at each step (n,)."""
     count = len(run.heading_rad)
     nothing = np.zeros(count), np.zeros(count)
-    tells = run.counts & run.ahead
+    tells = run.counts & run.ahead & (run.running < MOSTLY)
     if np.count_nonzero(tells) < LEAST_STEPS:
         return nothing
     moments = robust_moments(run.acceleration[tells])
@@ -150,8 +163,10 @@ def _regions(run: _Run, moments: AheadMoments, parameters: CourseParams) -> list
     counted = run.counts[np.minimum(index, count - 1)] & (index < count)
     index = np.minimum(index, count - 1)
     straight_on = mean * np.exp(1j * (run.heading_rad[turning, None] - run.heading_rad[index]))
-    ahead = course_log_likelihood(np.abs(run.acceleration - mean) ** 2, variance, parameters)
-    aside = course_log_likelihood(np.abs(run.acceleration[index] - straight_on) ** 2, variance, parameters)
+    walks, runs = 1.0 - run.running, run.runs
+    ahead = course_log_likelihood(np.abs(run.acceleration - mean) ** 2, variance, parameters, walks, runs)
+    distance2 = np.abs(run.acceleration[index] - straight_on) ** 2
+    aside = course_log_likelihood(distance2, variance, parameters, walks[index], runs[index])
     gain = np.cumsum(np.where(counted, aside - ahead[index], 0.0), axis=1).max(axis=1)
     searched = np.zeros(count + 1, dtype=np.int64)
     for k in turning[gain >= parameters.least_log_likelihood_ratio].tolist():
@@ -169,16 +184,21 @@ def _search(
     probability = np.zeros((count, len(RATES), ANGLES))
     probability[:, :, 0] = 1.0
     log_evidence = np.zeros(len(RATES))
+    walks, runs = 1.0 - run.running[:, None], run.runs[:, None]
     for number in range(_ROUNDS):
         moments = _moments(run, probability) if number else moments
         mean, variance = moments.mean, moments.variance
-        ahead = course_log_likelihood(np.abs(run.acceleration[:, None] - mean) ** 2, variance, parameters)
+        distance2 = np.abs(run.acceleration[:, None] - mean) ** 2
+        ahead = course_log_likelihood(distance2, variance, parameters, walks, runs)
         log_evidence = np.where(run.counts[:, None], ahead, 0.0).sum(axis=0) + count * np.log1p(-RATES)
         for first, last in regions:
             expected = mean[:, None] * np.exp(1j * ANGLES_RAD)
             distance2 = np.abs(run.acceleration[first:last, None, None] - expected) ** 2
-            density = course_log_likelihood(distance2, variance[:, None], parameters) - ahead[first:last, :, None]
-            likelihood = np.exp(np.where(run.counts[first:last, None, None], density, 0.0))
+            at_angles = course_log_likelihood(
+                distance2, variance[:, None], parameters, walks[first:last, :, None], runs[first:last, :, None]
+            )
+            over_ahead = at_angles - ahead[first:last, :, None]
+            likelihood = np.exp(np.where(run.counts[first:last, None, None], over_ahead, 0.0))
             returns = last < count or not run.is_last
             found = sideways_chain(likelihood, turn_rad[first:last], RATES, returns)
             probability[first:last] = found.probability
@@ -190,6 +210,8 @@ def _moments(run: _Run, probability: Array) -> AheadMoments:
     """Compute mean and variance for each rate from the angles that it gives, with the probabilities (n, r, 72)."""
     seen = run.acceleration[run.counts]
     turned_back = seen[:, None] * (probability[run.counts] @ np.exp(-1j * ANGLES_RAD))
-    mean = turned_back.mean(axis=0)
-    total = np.mean(np.abs(seen) ** 2) - np.abs(mean) ** 2
+    share = 1.0 - run.running[run.counts]
+    share /= share.sum()
+    mean = share @ turned_back
+    total = share @ np.abs(seen) ** 2 - np.abs(mean) ** 2
     return AheadMoments(mean, np.maximum(0.5 * total, LEAST_VARIANCE))

@@ -15,6 +15,7 @@ from pdr_est.front_end.heading.course.course_likelihood import (
     course_log_likelihood,
 )
 from pdr_est.front_end.heading.course.course_params import CourseParams
+from pdr_est.front_end.heading.course.running import runner_density
 from pdr_est.front_end.heading.course.sideways_chain import ANGLES, ANGLES_RAD, moved_on, walking_ahead
 
 _COS, _SIN = np.cos(ANGLES_RAD), np.sin(ANGLES_RAD)
@@ -56,11 +57,18 @@ class OnlineChain:
         self.ahead = 1.0
         self._sums: list[list[float]] = []  # of the products of the probabilities with _SUMS, for each rate
 
-    def likelihoods(self, acceleration: Sequence[complex] | NDArray[np.complex128]) -> Array:
-        """Compute the likelihood (n, 72) of accelerations at each angle, over that ahead."""
-        seen = np.array(acceleration, dtype=np.complex128)
+    def likelihoods(
+        self, acceleration: Sequence[complex] | NDArray[np.complex128], running: Sequence[float] | Array
+    ) -> Array:
+        """Compute the likelihood (n, 72) of accelerations at each angle, over that ahead.
+
+        `running` (n,) is the probability that a step is one of a runner.
+        """
+        seen, runner = np.array(acceleration, dtype=np.complex128), np.array(running)
         east, north = seen.real[:, None] - self._east, seen.imag[:, None] - self._north
-        density = course_log_likelihood(east * east + north * north, self._variance, self._parameters)
+        walks, runs = 1.0 - runner[:, None], (runner * runner_density(seen))[:, None]
+        distance2 = east * east + north * north
+        density = course_log_likelihood(distance2, self._variance, self._parameters, walks, runs)
         return np.asarray(np.exp(density - density[:, :1]))
 
     def move(self, turn_rad: float, likelihood: Array | None) -> None:

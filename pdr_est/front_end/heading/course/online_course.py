@@ -24,6 +24,7 @@ from pdr_est.front_end.heading.course.course_likelihood import (
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.leading_acceleration import shows_course
 from pdr_est.front_end.heading.course.online_chain import OnlineChain
+from pdr_est.front_end.heading.course.running import MOSTLY, RunningBelief, StepPace, pace_of
 from pdr_est.front_end.heading.phone_posture import wrapped
 from pdr_est.front_end.heading.step_motion import motions_of
 from pdr_est.front_end.heading.stride_pairing import stride_averages
@@ -39,7 +40,7 @@ _LOG_GOES_ON = np.log1p(-RATES).tolist()
 
 
 class _Seen(NamedTuple):
-    """Direction and acceleration of a step.
+    """Direction, acceleration and gait of a step.
 
     Attributes
     ----------
@@ -47,6 +48,8 @@ class _Seen(NamedTuple):
         Its heading, continuous.
     acceleration : complex
         Its leading acceleration, m/s^2, turned back by the heading.
+    pace : StepPace
+        Its bounce and cadence.
     counts : bool
         True if that shows the direction of motion.
     turns : bool
@@ -55,6 +58,7 @@ class _Seen(NamedTuple):
 
     heading_rad: float
     acceleration: complex
+    pace: StepPace
     counts: bool
     turns: bool
 
@@ -83,6 +87,7 @@ class OnlineCourse:
         self._seen: list[_Seen] = []
         self._latest_headings: deque[float] = deque(maxlen=TURNS_WITHIN + 1)
         self._chain: OnlineChain | None = None
+        self._running = RunningBelief((), self._parameters.correlated_steps)  # of the steps that the chain takes
         self._waits = 0  # steps until another turn may begin a chain
 
     def push(self, item: Step, /) -> list[Step]:
@@ -136,9 +141,8 @@ class OnlineCourse:
         latest = self._latest_headings
         latest.append(heading)
         turns = max(latest) - heading > LEAST_TURN_RAD or heading - min(latest) > LEAST_TURN_RAD
-        self._seen.append(
-            _Seen(heading, complex(*motion.leading_mps2) * rect(1.0, -heading), shows_course(item), turns)
-        )
+        acceleration = complex(*motion.leading_mps2) * rect(1.0, -heading)
+        self._seen.append(_Seen(heading, acceleration, pace_of(item, motion), shows_course(item), turns))
 
     def _look(self, item: Step, at: int) -> Step:
         """Take a step, number `at` of those seen, of a walker who moves ahead; begin a chain if the phone turned."""
@@ -152,7 +156,11 @@ class OnlineCourse:
         """Begin a chain before the turn."""
         self._waits = TURNS_WITHIN
         acceleration = stride_averages(np.array([one.acceleration for one in seen], dtype=np.complex128))
+        paces = [one.pace for one in seen]
+        belief = RunningBelief(paces, self._parameters.correlated_steps)
+        running = stride_averages(np.array([belief.push(pace) for pace in paces]))
         before = np.array([one.counts for one in seen[: -TURNS_WITHIN - 1]], dtype=bool)
+        before &= running[: len(before)] < MOSTLY
         if np.count_nonzero(before) < LEAST_STEPS:
             return item
         moments = robust_moments(acceleration[: len(before)][before])
@@ -160,15 +168,17 @@ class OnlineCourse:
         if abs(mean) < self._parameters.least_clearness * sqrt(variance):
             return item
         chain = OnlineChain(mean, variance, self._log_evidence, self._parameters)
-        likelihoods = chain.likelihoods(acceleration[len(before) :])
+        likelihoods = chain.likelihoods(acceleration[len(before) :], running[len(before) :])
         for (last, at), likelihood in zip(pairwise(seen[len(before) - 1 :]), likelihoods, strict=True):
             chain.move(at.heading_rad - last.heading_rad, likelihood if at.counts else None)
+        self._running = belief
         return self._described(item, seen[-1], chain)
 
     def _follow(self, chain: OnlineChain, items: Sequence[Step], seen: Sequence[_Seen]) -> list[Step]:
         """Move the chain on by steps until it ends; `seen` begins with the step before."""
         pairs = list(pairwise(seen))
-        likelihoods = chain.likelihoods([0.5 * (last.acceleration + at.acceleration) for last, at in pairs])
+        running = [self._running.push(at.pace) for _, at in pairs]
+        likelihoods = chain.likelihoods([0.5 * (last.acceleration + at.acceleration) for last, at in pairs], running)
         done: list[Step] = []
         for item, (last, at), likelihood in zip(items, pairs, likelihoods, strict=True):
             self._waits = max(self._waits - 1, 0)
