@@ -194,7 +194,7 @@ class SmoothingProblem:
     def banded_marginals(self, at: Point, length_scale: Array) -> tuple[Array, Array] | None:
         """Return the poses (n, 3) and their marginal covariances (n, 3, 3), in the map frame, without GTSAM.
 
-        None for a walk that `optimised` leaves to GTSAM, or in which positions or reference directions are measured.
+        None for a walk that `optimised` leaves to GTSAM, or in which positions are measured.
         """
         if self._chains is None:
             return None
@@ -259,10 +259,14 @@ class SmoothingProblem:
 
 @dataclass(frozen=True)
 class _Chains:
-    """Arrays of a walk without closures and wandering errors."""
+    """Arrays of a walk without closures and wandering errors.
+
+    Positions that are measured have no `relative` elimination, and no covariances here.
+    """
 
     chains: PoseChains
     elimination: Elimination
+    relative: Elimination | None
     variables: Variables
 
     @classmethod
@@ -279,8 +283,10 @@ class _Chains:
             return None
         chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
         border = len(keys.present_references)
-        relative = not any(one.fixes for one in timelines) and (not border or keys.poses > _MOST_ABSOLUTE)
-        return cls(chains, Elimination(variables.order, border, relative), variables)
+        relative = None if any(one.fixes for one in timelines) else Elimination(variables.order, border, True)
+        if relative is None or (border and keys.poses <= _MOST_ABSOLUTE):
+            return cls(chains, Elimination(variables.order, border), relative, variables)
+        return cls(chains, relative, relative, variables)
 
     def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
         """Return the optimal poses and references (n, 3), beginning with some."""
@@ -289,9 +295,11 @@ class _Chains:
         return minimised_poses(problem, pose, tolerance)
 
     def covariances(self, pose: Array, tethers: TetherConstraints, length_scale: Array) -> Array | None:
-        """Return the covariances (n, 3, 3) of the poses, linearised at some (n, 3); None where references are."""
+        """Return the covariances (n, 3, 3) of the poses, linearised at some (n, 3); None for measured positions."""
+        if self.relative is None:
+            return None
         rows = linearised_rows(self.chains.at_scales(length_scale), pose)
         if len(tethers):
             near = tethers.linearised(pose)
             rows += near.rows(near.violation_m > 0.0, 0.0 * near.violation_m)
-        return self.elimination.covariances(self.elimination.equations(rows, pose[:, 2]))
+        return self.relative.covariances(self.relative.equations(rows, pose[:, 2]))
