@@ -192,18 +192,13 @@ class SmoothingProblem:
         return minimised(self.without_tethers(length_scale), tethers, as_values(at), self.variables, tolerance)
 
     def banded_marginals(self, at: Point, length_scale: Array) -> tuple[Array, Array] | None:
-        """Return the poses (n, 3) and their marginal covariances (n, 3, 3), in the map frame, without GTSAM.
-
-        None for a walk that `optimised` leaves to GTSAM, or in which positions are measured.
-        """
+        """Return the poses (n, 3) and their covariances (n, 3, 3) without GTSAM; None if positions are measured."""
         if self._chains is None:
             return None
-        pose, tethers = self._all_poses(at), self.tethers.softened(self.softening)
+        tethers = self.tethers.softened(self.softening)
         try:
-            covariance = self._chains.covariances(pose, tethers, length_scale)
+            covariance = self._chains.covariances(self._all_poses(at), tethers, length_scale)
         except NotBandedError:
-            return None
-        if covariance is None:
             return None
         found = self.poses(at).copy()
         found[:, 2] = wrap_angle(found[:, 2])
@@ -259,10 +254,7 @@ class SmoothingProblem:
 
 @dataclass(frozen=True)
 class _Chains:
-    """Arrays of a walk without closures and wandering errors.
-
-    Positions that are measured have no `relative` elimination, and no covariances here.
-    """
+    """Arrays of a walk without closures and wandering errors; with fixes there is no `relative` elimination."""
 
     chains: PoseChains
     elimination: Elimination
@@ -284,9 +276,9 @@ class _Chains:
         chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
         border = len(keys.present_references)
         relative = None if any(one.fixes for one in timelines) else Elimination(variables.order, border, True)
-        if relative is None or (border and keys.poses <= _MOST_ABSOLUTE):
-            return cls(chains, Elimination(variables.order, border), relative, variables)
-        return cls(chains, relative, relative, variables)
+        short = border > 0 and keys.poses <= _MOST_ABSOLUTE
+        absolute = Elimination(variables.order, border) if relative is None or short else relative
+        return cls(chains, absolute, relative, variables)
 
     def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
         """Return the optimal poses and references (n, 3), beginning with some."""
@@ -294,10 +286,10 @@ class _Chains:
         problem = ChainProblem(residuals, tethers, self.elimination, self.variables.retraction)
         return minimised_poses(problem, pose, tolerance)
 
-    def covariances(self, pose: Array, tethers: TetherConstraints, length_scale: Array) -> Array | None:
-        """Return the covariances (n, 3, 3) of the poses, linearised at some (n, 3); None for measured positions."""
+    def covariances(self, pose: Array, tethers: TetherConstraints, length_scale: Array) -> Array:
+        """Return the covariances (n, 3, 3) of the poses, linearised at some (n, 3)."""
         if self.relative is None:
-            return None
+            raise NotBandedError("positions are measured")
         rows = linearised_rows(self.chains.at_scales(length_scale), pose)
         if len(tethers):
             near = tethers.linearised(pose)

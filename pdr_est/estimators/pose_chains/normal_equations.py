@@ -176,18 +176,18 @@ class Elimination:
         change = np.asarray(self._refined(equations.rows, solved)[self._unknowns])
         return change if self._relative is None else self._relative.absolute(change, equations.heading_rad)
 
-    def covariances(self, equations: NormalEquations) -> Array | None:
-        """Return the covariances (n, 3, 3) of east m, north m, heading rad; None for absolute positions.
+    def covariances(self, equations: NormalEquations) -> Array:
+        """Return the covariances (n, 3, 3) of east m, north m, heading rad.
 
         They are those for known variables of the border, and the share of these.
 
         Raises
         ------
         NotBandedError
-            If the problem has no unique solution within rounding.
+            For absolute positions, or if the problem has no unique solution within rounding.
         """
         if self._relative is None:
-            return None
+            raise NotBandedError("covariances need relative positions")
         factor = self._factor(equations)
         found = self._relative.by_number(covariances_in_time(factor))
         if self._outer:
