@@ -23,7 +23,7 @@ from pdr_est.estimators.factor_graph.tether_factors import add_rows
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes
 from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
-from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough
+from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough, unsettled
 from pdr_est.estimators.pose_chains.tether_constraints import LinearTethers, TetherConstraints
 from pdr_est.frames import Array
 
@@ -167,6 +167,11 @@ def minimised(
         Initial values.
     tolerance : float
         Predicted decrease of the error below which a step is the last one.
+
+    Raises
+    ------
+    EstimationError
+        If the variables do not settle.
     """
 
     def error(at: gtsam.Values) -> float:
@@ -182,7 +187,7 @@ def minimised(
         if found is None:  # no decrease beyond rounding
             return values
         (values, here), active = found, step.active
-    return values
+    raise unsettled(variables.poses, step.predicted_decrease)
 
 
 GraphStep = NewtonStep[gtsam.VectorValues]

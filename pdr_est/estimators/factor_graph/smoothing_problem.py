@@ -192,18 +192,13 @@ class SmoothingProblem:
         return minimised(self.without_tethers(length_scale), tethers, as_values(at), self.variables, tolerance)
 
     def banded_marginals(self, at: Point, length_scale: Array) -> tuple[Array, Array] | None:
-        """Return the poses (n, 3) and their marginal covariances (n, 3, 3), in the map frame, without GTSAM.
-
-        None for a walk that `optimised` leaves to GTSAM, or in which positions or reference directions are measured.
-        """
+        """Return the poses (n, 3) and their covariances (n, 3, 3) without GTSAM; None if positions are measured."""
         if self._chains is None:
             return None
-        pose, tethers = self._all_poses(at), self.tethers.softened(self.softening)
+        tethers = self.tethers.softened(self.softening)
         try:
-            covariance = self._chains.covariances(pose, tethers, length_scale)
+            covariance = self._chains.covariances(self._all_poses(at), tethers, length_scale)
         except NotBandedError:
-            return None
-        if covariance is None:
             return None
         found = self.poses(at).copy()
         found[:, 2] = wrap_angle(found[:, 2])
@@ -259,10 +254,11 @@ class SmoothingProblem:
 
 @dataclass(frozen=True)
 class _Chains:
-    """Arrays of a walk without closures and wandering errors."""
+    """Arrays of a walk without closures and wandering errors; with fixes there is no `relative` elimination."""
 
     chains: PoseChains
     elimination: Elimination
+    relative: Elimination | None
     variables: Variables
 
     @classmethod
@@ -279,8 +275,10 @@ class _Chains:
             return None
         chains = PoseChains.of_timelines(timelines, keys.first, keys.references, starts, initial)
         border = len(keys.present_references)
-        relative = not any(one.fixes for one in timelines) and (not border or keys.poses > _MOST_ABSOLUTE)
-        return cls(chains, Elimination(variables.order, border, relative), variables)
+        relative = None if any(one.fixes for one in timelines) else Elimination(variables.order, border, True)
+        short = border > 0 and keys.poses <= _MOST_ABSOLUTE
+        absolute = Elimination(variables.order, border) if relative is None or short else relative
+        return cls(chains, absolute, relative, variables)
 
     def optimised(self, pose: Array, tethers: TetherConstraints, length_scale: Array, tolerance: float) -> Array:
         """Return the optimal poses and references (n, 3), beginning with some."""
@@ -288,10 +286,12 @@ class _Chains:
         problem = ChainProblem(residuals, tethers, self.elimination, self.variables.retraction)
         return minimised_poses(problem, pose, tolerance)
 
-    def covariances(self, pose: Array, tethers: TetherConstraints, length_scale: Array) -> Array | None:
-        """Return the covariances (n, 3, 3) of the poses, linearised at some (n, 3); None where references are."""
+    def covariances(self, pose: Array, tethers: TetherConstraints, length_scale: Array) -> Array:
+        """Return the covariances (n, 3, 3) of the poses, linearised at some (n, 3)."""
+        if self.relative is None:
+            raise NotBandedError("positions are measured")
         rows = linearised_rows(self.chains.at_scales(length_scale), pose)
         if len(tethers):
             near = tethers.linearised(pose)
             rows += near.rows(near.violation_m > 0.0, 0.0 * near.violation_m)
-        return self.elimination.covariances(self.elimination.equations(rows, pose[:, 2]))
+        return self.relative.covariances(self.relative.equations(rows, pose[:, 2]))

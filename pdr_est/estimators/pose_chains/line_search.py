@@ -1,5 +1,7 @@
 """When Newton's method ends: one rule for headings alone, poses on arrays and the factor graph."""
 
+from pdr_est.errors import EstimationError
+
 EXACTLY = 1e-6
 """Predicted decrease of the error, half a chi square, below which a step is the last one."""
 
@@ -25,3 +27,11 @@ def decreases_enough(there: float, here: float, share: float, predicted_decrease
         Decrease of the error that the whole step would give if the problem were linear.
     """
     return there <= here - 2.0 * _ARMIJO * share * predicted_decrease
+
+
+def unsettled(poses: int, predicted_decrease: float) -> EstimationError:
+    """Return the error for poses that the largest number of steps has not brought to rest."""
+    return EstimationError(
+        f"{poses} poses do not settle: step {MAX_STEPS} towards them would still decrease the error by "
+        f"{predicted_decrease:.2g}: leave out measurements that contradict each other, or use ekf"
+    )

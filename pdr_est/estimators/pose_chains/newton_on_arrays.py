@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
-from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough
+from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough, unsettled
 from pdr_est.estimators.pose_chains.linear_rows import LinearRows
 from pdr_est.estimators.pose_chains.normal_equations import Elimination
 from pdr_est.estimators.pose_chains.pose_chains import cost_of, linearised_rows
@@ -71,6 +71,8 @@ def minimised_poses(problem: ChainProblem, pose: Array, tolerance: float) -> Arr
     ------
     NotBandedError
         If a linear system cannot be solved this way.
+    EstimationError
+        If the poses do not settle.
     """
     here, active = problem.cost(pose), None
     for _ in range(MAX_STEPS):
@@ -82,7 +84,7 @@ def minimised_poses(problem: ChainProblem, pose: Array, tolerance: float) -> Arr
         if found is None:  # no decrease beyond rounding
             return pose
         (pose, here), active = found, step.active
-    return pose
+    raise unsettled(len(pose), step.predicted_decrease)
 
 
 def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) -> NewtonStep[Array]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_solve, cholesky
 from scipy.linalg.lapack import dpbtrf, dpbtrs
 
 from pdr_est.estimators.pose_chains.band_marginals import covariances_in_time
@@ -162,37 +162,39 @@ class Elimination:
         NotBandedError
             If the refinement does not converge: the problem has no unique solution within rounding.
         """
-        factor = self._factor(equations)
-        inner = self._inner
-        across = dpbtrs(factor, equations.border, lower=1)[0] if self._outer else equations.border
-        corner = equations.corner - np.tril(equations.border.T @ across)
-        try:
-            root = cho_factor(corner, lower=True) if self._outer else None
-        except LinAlgError as error:
-            raise NotBandedError("the border has no Cholesky factor") from error
+        inner, factor = self._inner, self._factor(equations)
+        across, root = self._border(factor, equations) if self._outer else (equations.border, None)
 
         def solved(pull: Array) -> Array:
             found = np.empty_like(pull)
             found[:inner] = dpbtrs(factor, pull[:inner], lower=1)[0]
             if root is not None:
-                found[inner:] = cho_solve(root, pull[inner:] - equations.border.T @ found[:inner])
+                found[inner:] = cho_solve((root, True), pull[inner:] - equations.border.T @ found[:inner])
                 found[:inner] -= across @ found[inner:]
             return found
 
         change = np.asarray(self._refined(equations.rows, solved)[self._unknowns])
         return change if self._relative is None else self._relative.absolute(change, equations.heading_rad)
 
-    def covariances(self, equations: NormalEquations) -> Array | None:
-        """Return the covariances (n, 3, 3) of east m, north m, heading rad; None with a border or absolute positions.
+    def covariances(self, equations: NormalEquations) -> Array:
+        """Return the covariances (n, 3, 3) of east m, north m, heading rad.
+
+        They are those for known variables of the border, and the share of these.
 
         Raises
         ------
         NotBandedError
-            If the problem has no unique solution within rounding.
+            For absolute positions, or if the problem has no unique solution within rounding.
         """
-        if self._relative is None or self._outer:
-            return None
-        return self._relative.by_number(covariances_in_time(self._factor(equations)))
+        if self._relative is None:
+            raise NotBandedError("covariances need relative positions")
+        factor = self._factor(equations)
+        found = self._relative.by_number(covariances_in_time(factor))
+        if self._outer:
+            across, root = self._border(factor, equations)
+            moved = self._relative.in_map(across[self._unknowns[: len(found)]])
+            found += moved @ cho_solve((root, True), np.eye(self._outer)) @ moved.transpose(0, 2, 1)
+        return found
 
     def _factor(self, equations: NormalEquations) -> Array:
         """Return the Cholesky factor of the band."""
@@ -200,6 +202,14 @@ class Elimination:
         if info:
             raise NotBandedError("the band has no Cholesky factor")
         return np.asarray(factor)
+
+    def _border(self, factor: Array, equations: NormalEquations) -> tuple[Array, Array]:
+        """Return minus the change (n, e) of all other variables with those of the border, and the latter's factor."""
+        across = np.asarray(dpbtrs(factor, equations.border, lower=1)[0])
+        try:
+            return across, cholesky(equations.corner - np.tril(equations.border.T @ across), lower=True)
+        except LinAlgError as error:
+            raise NotBandedError("the border has no Cholesky factor") from error
 
     def _of_unknowns(self, given: LinearRows, heading_rad: Array, keep: bool) -> list[LinearRows]:
         """Return rows in the unknowns of the normal equations."""

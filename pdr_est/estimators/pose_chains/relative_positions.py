@@ -71,11 +71,16 @@ class RelativePositions:
     def absolute(self, relative: Array, heading_rad: Array) -> Array:
         """Return the changes (n + references, 3) of poses along their own axes from relative ones."""
         change = relative.copy()
-        moved = np.empty((len(self._in_time), 2))
-        moved[self._in_time] = np.cumsum(relative[self._in_time, :2], axis=0)
+        moved = self.in_map(relative[: len(self._in_time)])
         c, s = np.cos(heading_rad[: len(moved)]), np.sin(heading_rad[: len(moved)])
         change[: len(moved), 0] = c * moved[:, 0] + s * moved[:, 1]
         change[: len(moved), 1] = c * moved[:, 1] - s * moved[:, 0]
+        return change
+
+    def in_map(self, relative: Array) -> Array:
+        """Return the changes (n, 3, …) of the poses in the map frame from relative ones."""
+        change = relative.copy()
+        change[self._in_time, :2] = np.cumsum(relative[self._in_time, :2], axis=0)
         return change
 
     def by_number(self, in_time: Array) -> Array:

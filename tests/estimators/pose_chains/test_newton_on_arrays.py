@@ -6,6 +6,7 @@ import gtsam
 import numpy as np
 import pytest
 
+from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import timelines_of
@@ -73,3 +74,22 @@ def test_border_and_band_give_the_least_squares() -> None:
     assert found == pytest.approx(expected.reshape(7, 3), rel=1e-6, abs=1e-9)
     with pytest.raises(NotBandedError, match="no Cholesky factor"):
         elimination.solution(elimination.equations(rows[:1], np.zeros(7)))
+
+
+@pytest.mark.parametrize("place", ["pose_chains.newton_on_arrays", "factor_graph.newton"])
+def test_poses_that_do_not_settle_are_refused_in_words(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"pdr_est.estimators.{place}.MAX_STEPS", 1)
+    known, tethers = walk_of(40, 2)
+    timelines = timelines_of(known, tethers)
+    node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, START)
+    initial = initial_states(timelines, node_tethers, starts, SIGMA_SCALE)
+    problem, scale = SmoothingProblem(timelines, node_tethers, starts, initial), np.ones(2)
+    turned = np.add(pose_array(problem.initial_values(initial), problem.keys.poses), (0.0, 0.0, 0.3))
+    begin, factors = values_of_poses(turned), problem.without_tethers(scale)
+    on_arrays = place.startswith("pose_chains")
+    with pytest.raises(EstimationError, match=r"\d+ poses do not settle: .* or use ekf"):
+        _ = (
+            problem.optimised(begin, scale, 1e-8)
+            if on_arrays
+            else minimised(factors, problem.tethers, begin, problem.variables, 1e-8)
+        )

@@ -30,10 +30,12 @@ def with_headings(devices: list[DeviceMeasurements], relative: bool) -> list[Dev
     return [replace(devices[0], measurements=(*devices[0].measurements, *priors)), *devices[1:]]
 
 
-def problem_of(devices: list[DeviceMeasurements], tethers: list[DeviceTether]) -> tuple[SmoothingProblem, Array]:
+def problem_of(
+    devices: list[DeviceMeasurements], tethers: list[DeviceTether], start: StartPose = START
+) -> tuple[SmoothingProblem, Array]:
     """Return the problem of a walk, and its poses and references at the optimum."""
     timelines = timelines_of(devices, tethers)
-    node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, START)
+    node_tethers, starts = node_tethers_between(timelines, tethers), starts_of(timelines, start)
     initial = initial_states(timelines, node_tethers, starts, SIGMA_SCALE)
     problem = SmoothingProblem(timelines, node_tethers, starts, initial)
     return problem, problem.optimised(problem.initial_point(initial), np.ones(len(devices)), 1e-8)
@@ -63,14 +65,17 @@ def test_changes_are_those_in_absolute_positions(relative: bool) -> None:
     assert found[1] == pytest.approx(found[0], rel=1e-6, abs=1e-7)
 
 
-def test_covariances_are_those_of_gtsam() -> None:
+@pytest.mark.parametrize("relative", [False, True])
+@pytest.mark.parametrize("start", [START, StartPose((1.0, 2.0))], ids=["known", "direction-unknown"])
+def test_covariances_are_those_of_gtsam(start: StartPose, relative: bool) -> None:
     """A device that begins a little later, and does not step for a while, is none of the simple cases."""
     known, tethers = walk_of(60, 2)
     paused = [
         step for k, step in enumerate(known[1].measurements) if isinstance(step, StepOdometry) and not 20 < k < 30
     ]
-    devices = with_headings([known[0], replace(known[1], measurements=tuple(paused))], relative=False)
-    problem, pose = problem_of(devices, tethers)
+    devices = with_headings([known[0], replace(known[1], measurements=tuple(paused))], relative)
+    problem, pose = problem_of(devices, tethers, start)
+    assert len(problem.keys.present_references) == relative
     found = problem.banded_marginals(pose, np.ones(2))
     assert found is not None
     values = as_values(pose)
