@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from math import exp, log, sqrt
 
 import numpy as np
+
 from pdr_est.frames import SIGMA_UNIFORM_RAD, Array
 from pdr_est.front_end.heading.course.course_likelihood import (
     LEAST_SPREAD_LENGTH,

@@ -32,7 +32,8 @@ class AutoHeadingParams:
     """
     flip: Annotated[float, Ge(0.0), Le(0.99)] = 0.7
     """Probability that another carrying mode in hardly another posture is an error of the recogniser, before anything
-    else is known. Each walk tells more.
+    else is known; each walk tells more. Of such changes, all of 80 or more in real walks whose phones stay in one
+    place are errors, and none of 8 of simulated walkers who put the phone elsewhere one to four times.
     """
     sigma_flip_rad: Positive = 0.12
     """Standard deviation, rad, of the direction of gravity from step to step about each level axis in a phone that

@@ -69,7 +69,7 @@ class PlacementTracker:
         self._latest: deque[Step] = deque(maxlen=_LOOKED_AT)
         self._stays = 0.0  # probability that the present other mode is an error of the recogniser
         self._flip_odds = 0.0  # that probability by the walk so far only, as odds
-        self._unmoved = 0.0
+        self._unmoved = 0.0  # probability that the phone was where it was when it settled, by all but the yaw
         self._flips, self._changes = 0.0, 0  # such errors so far, by their probability, of so many changes of mode
         self._taken = False  # out of its place for certain, or out of sight only
         self.posture = Posture((0.0, 0.0, 1.0))
@@ -89,8 +89,11 @@ class PlacementTracker:
         moved_rad = self.posture.angle_to(up)
         other_mode = self._in_other_mode(step)
         self._otherwise = self._otherwise + 1 if other_mode else 0
-        limit_rad = self._parameters.moved_in_mode_rad if other_mode else self._parameters.moved_rad
-        taken = step.event.mode is CarryingMode.TRANS or moved_rad > limit_rad
+        taken = step.event.mode is CarryingMode.TRANS or moved_rad > self._parameters.moved_rad
+        if other_mode and moved_rad > self._parameters.moved_in_mode_rad:
+            on_limb = self._mode in LIMB_MODES and step.event.mode in LIMB_MODES  # which tilts it at one step
+            over = posture_of(common_up(list(self._latest)[-2:])).up if on_limb else up
+            taken = taken or self.posture.angle_to(over) > self._parameters.moved_in_mode_rad
         if self._otherwise == self._parameters.other_mode_steps and not taken:
             self._judge_flip()
         if self._away:
@@ -153,7 +156,9 @@ class PlacementTracker:
         self._changes, self._flips = self._changes + 1, self._flips + self._stays
 
     def _unmoved_odds(self, steps: Sequence[Step]) -> float:
-        return self._flip_odds * _kept_posture(self.posture.angle_to(posture_of(common_up(steps)).up), self._parameters)
+        return self._flip_odds * _kept_posture(
+            self.posture.angle_to(posture_of(common_up(steps)).up), self._parameters
+        )
 
     def _settle(self, step: Step, up: Vector, handled: bool) -> Placing:
         self.training = [] if handled else self._steady(step, up)
